@@ -54,7 +54,7 @@ def main(arguments: Sequence[str]) -> int:
         return FAILED
     except OSError as problem:
         name = problem.filename
-        if name is None:  # only errors of stdout come without a file name
+        if name is None:  # an OSError without a file name is about stdout
             name = "standard output"
             _no_more_output()
         print(f"gidl: {name}: {problem.strerror or problem}", file=sys.stderr)
@@ -113,7 +113,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 # ---------------------------------------------------------------------------------------------
-# Verbs
+# The functions that run the subcommands
 
 
 def _check(chosen: argparse.Namespace) -> int:

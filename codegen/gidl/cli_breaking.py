@@ -23,7 +23,7 @@ from gidl.file_names import source_stem
 from gidl.loader import default_search
 from gidl.source import Source
 
-_OLD = "old:"  # prefix of the paths of files of the older version
+_OLD = "old:"  # prefix, in findings, of the paths of the older interface files
 
 
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -83,7 +83,8 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _roots(chosen: argparse.Namespace, files: list[str]) -> list[Path]:
-    """The root folders of the interface files; `gidl breaking` reads their older version."""
+    """The root folders of the interface files. `gidl breaking` reads older versions of these
+    folders."""
     if chosen.roots or not chosen.files:
         return chosen.roots or list(chosen.project.roots)
     roots = list(default_search(files))

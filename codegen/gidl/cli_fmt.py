@@ -88,7 +88,7 @@ def _formatted(shown: str, findings: Findings, sources: dict[str, Source]) -> _F
         findings.error(
             "G0014",
             Location(shown, problem.line, 1),
-            f"cannot be formatted: this line {problem}",
+            f"this file cannot be formatted: this line {problem}",
             "each branch of a condition must close the braces that the branch opens",
         )
         return None

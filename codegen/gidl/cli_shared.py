@@ -1,4 +1,4 @@
-"""Shared parts of the subcommands: their files, their findings, their exit statuses."""
+"""What the subcommands share: options, the choice of files, the printing of findings."""
 
 from __future__ import annotations
 
@@ -120,7 +120,8 @@ def _is_below(name: str, folders: Iterable[Path]) -> bool:
 
 
 def files_of(chosen: argparse.Namespace) -> list[str] | None:
-    """The files on the command line, else those below the roots; None (and a message) if none."""
+    """The files named on the command line, else all interface files in the root folders. If there
+    are none, prints a message and returns None."""
     if chosen.files:
         return list(chosen.files)
     roots = chosen.project.roots
@@ -136,7 +137,8 @@ def files_of(chosen: argparse.Namespace) -> list[str] | None:
 
 
 def compiled_from(chosen: argparse.Namespace, files: list[str]) -> Compiled:
-    """Compiles with the options of command line and gidl.toml. The caller must show findings."""
+    """Compiles `files` with the options of the command line and gidl.toml. The caller must print
+    the findings."""
     return compile_files(files, chosen.search, wide=chosen.wide is not None, defines=chosen.defines)
 
 
@@ -157,8 +159,9 @@ def show(
     sources: Mapping[str, Source],
     summary: str = "",
 ) -> None:
-    """Prints all findings of a run; call it once. Text goes to stderr and ends with a line that
-    counts the findings. Other formats go to stdout, or to stderr if stdout has other output."""
+    """Prints all findings of a run; call it once. A text report goes to stderr and ends with a line
+    that counts the findings. A report in another format goes to stdout, or to stderr if the command
+    prints its result on stdout."""
     found = list(findings)
     text = PRINTERS[chosen.error_format](found, sources)
     is_text = chosen.error_format == "text"

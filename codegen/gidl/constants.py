@@ -37,7 +37,7 @@ def compute(
     findings: Findings,
     arithmetic: Arithmetic = Arithmetic(),
 ) -> Computed | None:
-    """Returns the value of the expression; None (and a finding) if it has none.
+    """Returns the value of the expression. If it has no value, reports a finding and returns None.
 
     `look_up` returns the value of a constant or enumerator, or reports a finding and returns None.
     """
@@ -169,7 +169,9 @@ class _Calculator:
                 result = left * right
             case "<<" | ">>":
                 if not 0 <= right < 64:
-                    raise self._fail("G0303", at, f"shifting by {right}: only 0 to 63 is possible")
+                    raise self._fail(
+                        "G0303", at, f"cannot shift by {right} bits: only 0 to 63 are possible"
+                    )
                 result = left << right if operator == "<<" else left >> right
             case _:
                 if right == 0:

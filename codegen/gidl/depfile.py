@@ -12,8 +12,9 @@ from gidl.source import Source
 def depfile_text(
     outputs: Iterable[Path], sources: Mapping[str, Source], others: Iterable[Path]
 ) -> str:
-    """The text of a depfile, one rule: every output depends on all files read, included ones too,
-    on `others`, and on gidl's own files, because another version of gidl may write other output."""
+    """The text of a depfile with one rule. Every output depends on all files that were read,
+    included files too, and on `others`. It also depends on gidl's own files, because another
+    version of gidl may write other output."""
     read = {
         _place(path, source)
         for path, source in sources.items()

@@ -12,8 +12,8 @@ from enum import Enum
 from gidl.model import Location
 from gidl.source import Source, Span
 
-MAX_FINDINGS = 100  # text output prints no more than these
-_MAX_WIDTH = 140  # most characters of a source line that are quoted
+MAX_FINDINGS = 100  # the text output prints at most this number of findings
+_MAX_WIDTH = 140  # a quoted source line is cut to this number of characters
 
 
 class Severity(Enum):
@@ -31,14 +31,14 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    code: str  # "G0102"; `gidl explain` has a page on it
+    code: str  # such as "G0102": `gidl explain G0102` explains the code
     severity: Severity
     message: str
-    location: Location | None  # None: the finding is about no source line
-    length: int = 0  # characters to underline; 0: the word at the location
+    location: Location | None  # None: the finding is not about a particular line
+    length: int = 0  # number of characters to underline; 0: underline one word
     help: tuple[str, ...] = ()
     notes: tuple[Note, ...] = ()
-    shown: str | None = None  # path of the file, if there is no location
+    shown: str | None = None  # path of the file if `location` is None
 
 
 _Key = tuple[str, Location | str | None, str]
@@ -81,14 +81,15 @@ class Findings:
             self.warning(code, at, message, *help_lines)
 
     def take(self, others: Findings, without: Iterable[range]) -> None:
-        """Adds the findings of `others`, except those in the lines `without`."""
+        """Adds the findings of `others`, except findings in one of the ranges of lines
+        `without`."""
         for finding in others.found:
             place = finding.location
             if place is None or not any(place.line in lines for lines in without):
                 self._keep(finding)
 
     def forget_after(self, count: int) -> None:
-        """Drops all findings but the first `count`; the dropped ones may be added again."""
+        """Removes all findings after the first `count`. A removed finding may be added again."""
         self._seen.difference_update(map(_key, self.found[count:]))
         del self.found[count:]
 
@@ -123,7 +124,7 @@ class Findings:
         return any(f.severity is Severity.ERROR for f in self.found)
 
     def in_order(self, file_order: list[str]) -> list[Finding]:
-        """The findings, sorted by file (in `file_order`), line and column."""
+        """The findings, sorted by file (in the order of `file_order`), then by line and column."""
         rank = {path: i for i, path in enumerate(file_order)}
 
         def key(finding: Finding) -> tuple[int, int, int, str, str]:
@@ -137,7 +138,8 @@ class Findings:
 
 
 def suggestion(wrong: str, known: Mapping[str, str]) -> str:
-    """A "did you mean" help line, or "". `known` maps names to places of declaration, or ""."""
+    """A "did you mean" help line; "" if no known name is similar to `wrong`. `known` maps each
+    known name to the place of its declaration, or to ""."""
     by_lower = {name.lower(): name for name in known}
     close = get_close_matches(wrong.lower(), list(by_lower), n=1, cutoff=0.66)
     if not close:

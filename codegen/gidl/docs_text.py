@@ -44,7 +44,8 @@ class DocReader:
         return _joined([_clean(c.text) for c in block])
 
     def after(self, end: int) -> str:
-        """Text of the comment after offset `end` on the same line, with its continuation lines."""
+        """Text of the comment that follows offset `end` on the same line, with the `//` lines below
+        that continue the comment."""
         index = bisect_left(self._starts, end)
         if index >= len(self._comments) or index in self._used:
             return ""

@@ -17,10 +17,10 @@ _ESCAPES = {
 
 
 class ExpressionParser(TokenReader):
-    """One method per grammar rule; the next token must be the first token of the rule."""
+    """Each method parses one grammar rule; the next token must be the first token of that rule."""
 
-    _in_angles = False  # inside `<...>`, where `>>` is two closing brackets, not a shift
-    _in_annotation = False  # inside the parentheses of an annotation
+    _in_angles = False  # True inside `<...>`: `>>` closes two brackets, it is no shift
+    _in_annotation = False  # True inside the parentheses of an annotation
     _wide = False  # True (--wide): wide strings and characters are read as strings
     _wide_refused = False  # True: a `wchar` or `wstring` is already reported
 
@@ -115,7 +115,7 @@ class ExpressionParser(TokenReader):
         return self._unescape(token)
 
     def _refuse_wide(self, token: Token) -> None:
-        """Reports a wide literal, unless a wide type is already reported for the same mistake."""
+        """Reports a wide literal, unless a wide type in the same file is already reported."""
         if self._wide or self._wide_refused:
             return
         self._refuse(
@@ -178,7 +178,8 @@ def _integer(text: str) -> int:
 
 
 def _escape(rest: str) -> tuple[str | None, int]:
-    """Value (None: invalid) and width of the escape at the start of `rest`, after the backslash."""
+    """The character of an escape (None: the escape is invalid) and the length of the escape. `rest`
+    is the text after the backslash."""
     if not rest:
         return None, 0
     if rest[0] in _ESCAPES:
@@ -193,7 +194,8 @@ def _escape(rest: str) -> tuple[str | None, int]:
 
 
 def _escape_digits(rest: str) -> tuple[str, int, int]:
-    """Digits of the numeric escape in `rest`, their base, and the index of the first digit."""
+    """The digits of the numeric escape that begins `rest`, their base, and the index of the first
+    digit."""
     limit, base, first = {"x": (2, 16, 1), "u": (4, 16, 1)}.get(rest[0], (3, 8, 0))
     allowed = "0123456789abcdefABCDEF" if base == 16 else "01234567"
     digits = ""

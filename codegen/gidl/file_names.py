@@ -17,8 +17,8 @@ from gidl.source import Source
 from gidl.standard_modules import OURS, STANDARD
 
 SUFFIXES = (".gidl", ".idl")
-_PACKAGES = {"gecos": "gecos_idl"}  # the runtime already has the package name gecos
-_SHARED = frozenset(("robcl", "gecos_idl"))  # packages that may get generated modules
+_PACKAGES = {"gecos": "gecos_idl"}  # the package gecos is the runtime
+_SHARED = frozenset(("robcl", "gecos_idl"))  # packages that may contain generated modules
 _SPECIAL = frozenset(("__init__", "__main__", "__pycache__"))
 
 
@@ -37,7 +37,8 @@ def interfaces_below(folder: Path) -> list[Path]:
 
 
 def source_stem(path: str) -> str:
-    """The path without its suffix, "robcl/geometry": paths of generated files begin with this."""
+    """The path without its suffix, such as "robcl/geometry". Paths of generated files begin with
+    it."""
     for suffix in SUFFIXES:
         if path.lower().endswith(suffix):
             return path[: -len(suffix)]
@@ -46,7 +47,8 @@ def source_stem(path: str) -> str:
 
 def python_stem(path: str) -> str:
     """Path of the Python module of an interface file: "my-lab/2fast.gidl" -> "my_lab/_2fast". The
-    module can be imported, and hides no module of the standard library or the runtime."""
+    name of the module is a valid identifier, and hides no module of the standard library or the
+    runtime."""
     parts = [_identifier(part) for part in source_stem(path).split("/")]
     first = parts[0]
     if len(parts) > 1 and first in _PACKAGES:
@@ -79,7 +81,7 @@ class Clash:
 
     def report(self, code: str, findings: Findings, sources: Mapping[str, Source]) -> None:
         shown, other = sources[self.path].shown, sources[self.other].shown
-        message = f"generates {self.what}, as does {other}"
+        message = f"this file generates {self.what}, as does {other}"
         findings.file_error(code, shown, message, "rename one of the two files")
 
 
@@ -93,9 +95,9 @@ def same_files(paths: Iterable[str]) -> Iterator[Clash]:
 
 
 def same_modules(paths: Iterable[str]) -> Iterator[Clash]:
-    """Pairs of files that clash in Python. Either both give the same module: my-lab.gidl and
-    my_lab.gidl, or foo_types.gidl and foo.gidl, whose types are in foo_types. Or the module of one
-    file hides the package of the other: lab.gidl and lab/lamp.gidl."""
+    """Pairs of files that clash in Python. Either both files generate the same module: my-lab.gidl
+    and my_lab.gidl, or foo_types.gidl and foo.gidl, which generates foo_types.py for its types. Or
+    the module of one file hides the package of the other file: lab.gidl and lab/lamp.gidl."""
     paths = list(paths)
     first: dict[str, str] = {}
     told: set[tuple[str, str]] = set()

@@ -1,7 +1,7 @@
 """Function codes: the numbers that identify operations on the wire.
 
-A code is the 32-bit FNV-1a hash of a scoped name, never a position, so reordering an interface
-changes nothing:
+A code is the 32-bit FNV-1a hash of a scoped name, never a position, so reordering the members of an
+interface changes no code:
 
     operation `move` of robcl::Manipulator    "robcl::Manipulator::move"
     attribute `base`: getter and stream       "robcl::Device::base"
@@ -9,9 +9,9 @@ changes nothing:
     exception `robcl::OutOfReach`             "robcl::OutOfReach"
 
 `@id(n)` replaces the hash (a setter then has n + 1). `@hash_as("old")` on an operation, attribute,
-exception or interface keeps the code it had under its old name. Codes 0 to 255 are reserved: 1 to
-255 belong to gecos::GecosObject, 0 means none. Inherited members keep the code of the interface
-that declares them.
+exception or interface keeps the code of the old name. Codes 0 to 255 are reserved: 1 to 255 are for
+the built-in operations of gecos::GecosObject, 0 means no operation. Inherited members keep the code
+of the interface that declares them.
 """
 
 from __future__ import annotations
@@ -63,7 +63,8 @@ def exception_code(model: Model, exception: ExceptionStruct) -> int:
 def codes_of(
     model: Model, interface: Interface
 ) -> tuple[tuple[int, str, Operation | Attribute], ...]:
-    """Each code that the interface itself declares, with hashed name and member, in order."""
+    """The codes of the members that the interface itself declares, in declared order. Each code
+    comes with the name from which hashes are computed, and with the member."""
     uses: list[tuple[int, str, Operation | Attribute]] = []
     for member in interface.members:
         name = member_name(model, member)

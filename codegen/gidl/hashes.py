@@ -3,11 +3,13 @@
 A hash is the first 8 bytes of the SHA-256 of a canonical text, big-endian, unsigned.
 
 - *Operation hash*: covers name, direction and type of every value on the wire, the exceptions and
-  oneway. Compatible edits do not change it: it leaves out trailing parameters, and trailing members
-  of appendable structs, that are defaulted or optional, and the enumerators of an enum with a
-  default literal. A client and a server with equal operation hashes can call each other.
-- *Interface hash*: covers the whole interface and its bases; nothing is left out. If it is equal,
-  client and server compare nothing more; if it differs, the operation hashes decide.
+  oneway. Compatible edits do not change it. It leaves out defaulted or optional parameters at the
+  end of an operation, and defaulted or optional members at the end of an appendable struct. It also
+  leaves out the enumerators of an enum with a default literal. A client and a server with equal
+  operation hashes can call each other.
+- *Interface hash*: covers the whole interface and its bases; nothing is left out. If the interface
+  hashes of client and server are equal, they compare nothing more; otherwise the operation hashes
+  decide.
 
 Neither hash covers documentation, units, access or quality; the server enforces access.
 """

@@ -1,6 +1,7 @@
 """Folders of interfaces in installed packages.
 
-A package names its folder by an entry point, as the wheel `robcl` does for `robcl/device.gidl`:
+A package declares its folder of interfaces by an entry point. The wheel `robcl` does so for the
+folder that contains `robcl/device.gidl`:
 
     [project.entry-points."gidl.interfaces"]
     robcl = "robcl_interfaces.idl"

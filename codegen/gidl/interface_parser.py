@@ -164,7 +164,7 @@ class InterfaceParser(StructParser):
             at = self._span(self._now)
             extras.annotations.extend(self._annotations())
             self._findings.error(
-                "G0100", at, f"annotations of a parameter stand before '{direction}'"
+                "G0100", at, f"annotations of a parameter must stand before '{direction}'"
             )
         parameter_type = self._type("the parameter's type")
         name = self._identifier("the parameter's name")

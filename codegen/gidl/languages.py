@@ -27,14 +27,15 @@ _MACROS, _GLOBALS = _names_of_headers()
 CPP_WORDS = CPP | {"std", "tl"} | _MACROS
 """Keywords, the namespaces that generated code uses, and the macros that headers define."""
 
-# Members of every generated struct besides those of its declaration.
+# Members that generated code adds to every struct. A declared member cannot keep such a name.
 CPP_STRUCT_WORDS = CPP_WORDS | {"encoded_size", "encode", "decode", "fingerprint", "type_name"}
 CPP_UNION_WORDS = CPP_STRUCT_WORDS | {"tag", "value", "Held"}
 CPP_BITSET_WORDS = CPP_STRUCT_WORDS | {"bits", "set_bits", "raw"}
 
 # Functions in the namespaces of generated types.
 _CPP_FUNCTIONS = words("decode_enum gecos_violation has to_string")
-# Parameters and locals of generated functions: they would shadow a constant or alias.
+# Parameters and local variables of generated functions. They would shadow a constant or an alias of
+# the same name.
 _CPP_LOCALS = words(
     """
     a all arm b bases call code core description entry field flags from guard item key main names
@@ -45,7 +46,8 @@ _CPP_LOCALS = words(
 
 
 def _cpp_members(model: Model, declaration: AnyDeclaration) -> set[str]:
-    """Names of all members of a declaration's class; the class may have none of these names."""
+    """Names of all members of the class that is generated for `declaration`. The class itself must
+    not have any of these names."""
     match declaration:
         case Struct():
             return {escaped(m.name, CPP_STRUCT_WORDS) for m in model.all_members(declaration)}
@@ -76,7 +78,8 @@ CPP_TYPES = Language(
 # -- Python --------------------------------------------------------------------------------------
 
 PYTHON_WORDS = PYTHON | {"self", "cls"}
-# Builtins that class bodies use as type hints and decorators; a member could hide them.
+# Python builtins that generated class bodies use as type hints and decorators. A member of the same
+# name would hide the builtin.
 PYTHON_CLASS_WORDS = words(
     "bool bytes classmethod dict float int list object property staticmethod str"
 )

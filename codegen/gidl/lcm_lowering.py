@@ -1,9 +1,10 @@
 """The .lcm struct of every type, and its fingerprint exactly as lcm-gen computes it.
 
-LCM has primitives, strings, structs, and arrays of these with constant or counted dimensions.
-Every other type inside a sequence, optional, union or array is wrapped in a helper struct
-("Scan_rows_item", "Scan_names_entry"); wrapping adds no byte. Count fields are named "<x>_n", block
-sizes "<x>_size". Underscores are added to these names and those of helpers until they are unique.
+LCM has primitives, strings, structs, and arrays of these with constant or counted dimensions. Every
+other type inside a sequence, optional, union or array is wrapped in a helper struct
+("Scan_rows_item", "Scan_names_entry"); wrapping adds no byte to the encoding. Count fields are
+named "<x>_n", block sizes "<x>_size". Underscores are added to the names of such fields and of
+helper structs until the names are unique.
 """
 
 from __future__ import annotations
@@ -105,7 +106,8 @@ OBJECT_REF_STRUCT = LcmStruct(
 
 
 class Lowering:
-    """Lowers every type of a model once, in declaration order, so that the names are stable."""
+    """Lowers every type of a model once, in declaration order, so that each run gives the same
+    names."""
 
     def __init__(self, model: Model, node_of: Callable[[Model, Type, bool], Node]) -> None:
         self._model = model
@@ -135,7 +137,8 @@ class Lowering:
                 self._full_names[declaration.name] = wanted if ours else self._free(wanted)
 
     def _dotted(self, scoped_name: str) -> str:
-        """LCM name of a type: its modules are the package, an enclosing declaration is a prefix."""
+        """LCM name of a type. The modules of the type are the package; the name of an enclosing
+        declaration is a prefix of the name."""
         parts = scoped_name.split("::")
         split = len(parts) - 1
         while split > 0:
@@ -192,7 +195,8 @@ class Lowering:
             owner.add(case.member.name, OptionalNode(node))
 
     def simple_type(self, node: Node) -> str | None:
-        """LCM type of a node that needs no dimensions or further fields; None for other nodes."""
+        """LCM type of a node that is lowered to a single field without dimensions; None for other
+        nodes."""
         match node:
             case ScalarNode(primitive):
                 return _SCALARS[primitive]
@@ -319,7 +323,8 @@ def _fingerprint(lowering: Lowering, struct: LcmStruct, parents: tuple[str, ...]
 
 
 def base_hash(struct: LcmStruct) -> int:
-    """lcm-gen's hash of a struct's own members, without those of nested structs. Signed."""
+    """The hash that lcm-gen computes of a struct's own members, without the members of nested
+    structs. A signed 64-bit number."""
     value = 0x12345678
     for member in struct.members:
         value = _update_string(value, member.name)

@@ -1,8 +1,9 @@
 """Splits text into tokens. Never fails: each error becomes a finding, and reading continues.
 
-Comments are collected separately: the parser finds documentation by the position of the tokens next
-to it. `//@name(...)` comments become annotation tokens. These join the token stream if the comment
-is alone on its line; after code they go to `trailing`, under the token that they follow.
+Comments are collected separately: the parser finds the documentation of a declaration by the
+positions of tokens. `//@name(...)` comments become annotation tokens. If the comment is alone on
+its line, its tokens join the token stream. If it follows code on its line, its tokens are kept in
+`Lexed.trailing`.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ class Token(NamedTuple):
 
 
 class Comment(NamedTuple):
-    text: str  # with the comment marks
+    text: str  # includes the comment marks
     start: int
     end: int
     own_line: bool  # True: only white space precedes the comment on its line
@@ -37,7 +38,7 @@ class Lexed:
     source: Source
     tokens: list[Token]  # the last token is of kind "eof"
     comments: list[Comment] = field(default_factory=list)
-    # Tokens of `//@` comments after code, by the start of the token that the comment follows.
+    # Tokens of `//@` comments after code. The key is the offset of the token before the comment.
     trailing: dict[int, list[Token]] = field(default_factory=dict)
 
 
@@ -112,7 +113,8 @@ class _Lexer:
         return self._lexed
 
     def _judge_foreign_bytes(self) -> None:
-        """Reports bytes that are not UTF-8: once as a warning in comments, elsewhere as errors."""
+        """Reports bytes that are not UTF-8: one warning for all comments of the file, and one error
+        for each other line that has such bytes."""
         text = self._source.text
         starts = [comment.start for comment in self._lexed.comments]
         warned = False
@@ -142,7 +144,8 @@ class _Lexer:
         self._findings.error(code, Span(self._source, start, end), message, *help_lines)
 
     def _unknown(self, at: int) -> int:
-        """Reports an unknown character; where it helps later parsing, a token replaces it."""
+        """Reports an unknown character, and returns the offset after it. Where this helps the
+        parser, a token replaces the character."""
         text = self._source.text
         char = text[at]
         if char in "\"'":
@@ -154,7 +157,8 @@ class _Lexer:
         return at + 1
 
     def _unclosed(self, at: int) -> int:
-        """Reports an unclosed literal. It ends at line end, before any closing `;,})`."""
+        """Reports an unclosed literal. The literal is taken to end at the end of its line, before
+        any closing `;,})`."""
         text = self._source.text
         line_end = text.find("\n", at)
         end = len(text) if line_end < 0 else line_end
@@ -191,7 +195,8 @@ class _Lexer:
         return end
 
     def _number(self, start: int, end: int) -> int:
-        """Returns the end of a number. Reports letters after it, and 8 or 9 in octal numbers."""
+        """Returns the end of a number. Reports letters directly after the digits, and the digits 8
+        and 9 in octal numbers."""
         text = self._source.text
         tail = _IDENTIFIER_TAIL.match(text, end)
         if tail is not None:
@@ -210,7 +215,7 @@ class _Lexer:
                 "G0009",
                 start,
                 end,
-                f"'{digits}' starts with 0, so it is octal, where 8 and 9 are no digits",
+                f"'{digits}' starts with 0, so it is octal: the digits 8 and 9 are not allowed",
                 f"write {digits.lstrip('0')}",
             )
         elif len(digits) > 300:
@@ -258,7 +263,7 @@ class _Lexer:
         )
 
     def _annotation_comment(self, start: int, end: int, own_line: bool) -> None:
-        """Lexes the text after the `//` as code, up to a further `//`."""
+        """Lexes the text of a `//@` comment as code, from the `@` up to the next `//`."""
         at = start + 2
         text = self._source.text
         foreign = _FOREIGN_COMMENT.match(text, start, end)

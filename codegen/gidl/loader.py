@@ -22,10 +22,10 @@ from gidl.syntax import FileSyntax, Include
 PACKAGED = Path(__file__).parent / "include"
 VOCABULARY = "gecos/annotations.gidl"
 OBJECT_REF = "gecos/object_ref.gidl"  # the file that declares the type of `Object` values
-COMMAND_LINE = "<-D>"  # name of the source of constants defined by -D
+COMMAND_LINE = "<-D>"  # the path, in findings, of constants that -D defines
 _MAX_INCLUDE_DEPTH = 100
 _C_HEADERS = frozenset((".h", ".hh", ".hpp", ".hxx"))
-_NOT_UTF_8 = re.compile("[\udc80-\udcff]")  # bytes as surrogateescape decodes them
+_NOT_UTF_8 = re.compile("[\udc80-\udcff]")  # bytes decoded by surrogateescape
 _AS_LATIN_1 = {0xDC00 + byte: byte for byte in range(0x80, 0x100)}
 
 
@@ -35,8 +35,8 @@ class LoadedFile:
     tree: FileSyntax
     asked_for: bool
     includes: list[str] = field(default_factory=list)  # paths of directly included files
-    visible: set[str] = field(default_factory=set)  # paths of this file and all it includes
-    macros: Macros = field(default_factory=dict)  # macros that including files see
+    visible: set[str] = field(default_factory=set)  # paths of this file and of all its includes
+    macros: Macros = field(default_factory=dict)  # macros for files that include it
     # Paths of directly included files that are read after this file, because of an include cycle.
     cut: list[str] = field(default_factory=list)
     lacks_includes: bool = False  # True: a direct or indirect include was not found
@@ -44,8 +44,9 @@ class LoadedFile:
 
 @dataclass(slots=True)
 class Loader:
-    """Loads files and all that they include. Included files are searched in `search` (the folders
-    of -I), beside the including file, among the packaged gecos/ files, in installed packages."""
+    """Loads files and all that they include. An included file is searched first in `search` (the
+    folders of -I), then beside the including file, among the packaged gecos/ files, and in
+    installed packages."""
 
     findings: Findings
     search: tuple[Path, ...] = ()
@@ -54,13 +55,14 @@ class Loader:
     sources: dict[str, Source] = field(default_factory=dict)
     _installed: tuple[Path, ...] = ()
     _by_place: dict[Path, str] = field(default_factory=dict)
-    _headers_of_c: set[Path] = field(default_factory=set)  # headers in C that are reported
+    _headers_of_c: set[Path] = field(default_factory=set)  # C headers that were reported
     _given: Macros = field(default_factory=dict)  # macros that -D defines
     _macros: Macros = field(default_factory=dict)
     _open: list[str] = field(default_factory=list)
     # Paths of files whose include guard, or #pragma once, keeps them from being read again.
     _protected: set[str] = field(default_factory=set)
-    # Path of a file -> paths that the file includes in a cycle that a guard ended.
+    # Path of a file -> paths of its includes that were not yet read completely, because they
+    # include the file themselves. A guard allows such a cycle of includes.
     _cut: dict[str, list[str]] = field(default_factory=dict)
 
     def check_search(self) -> None:
@@ -74,7 +76,7 @@ class Loader:
                 self.findings.file_error(
                     "G0024",
                     folder.as_posix(),
-                    f"cannot be searched for included files: {reason}",
+                    f"this folder cannot be searched for included files: {reason}",
                     "-I takes a folder to search for included files",
                 )
 
@@ -99,17 +101,19 @@ class Loader:
             self._load(Path(shown), self._include_path(Path(shown)), shown, asked_for=True)
 
     def load_vocabulary(self) -> FileSyntax:
-        """Parses the declarations of gidl's annotations, which are no file of the run."""
+        """Parses the file that declares gidl's own annotations. It does not count as a file of the
+        run."""
         place = PACKAGED / VOCABULARY
         source = Source(VOCABULARY, VOCABULARY, place.read_text(encoding="utf-8"))
         self.sources.setdefault(VOCABULARY, source)
         return parse(source, self.findings, {}, lambda _include: None)
 
     def _include_path(self, place: Path, beside: tuple[str, str] | None = None) -> str:
-        """The path by which other files include the file `place`: relative to its search folder,
-        else to the including file. `beside` is that file's path and the path that it wrote."""
+        """The path by which other files include the file `place`: relative to the search folder
+        that contains the file, else to the including file. `beside` is the path of the including
+        file, and the path in its `#include`."""
         whole = absolute(place)
-        for folder in (*self._installed, PACKAGED, *self.search):  # -I . may contain other folders
+        for folder in (*self._installed, PACKAGED, *self.search):  # -I . may contain the others
             if whole.is_relative_to(absolute(folder)):
                 return whole.relative_to(absolute(folder)).as_posix()
         if beside is not None:
@@ -131,7 +135,9 @@ class Loader:
             return known
         if _not_text(shown):
             name = shown.encode("utf-8", "backslashreplace").decode()
-            self.findings.file_error("G0001", name, "has a name that is not UTF-8", "rename it")
+            self.findings.file_error(
+                "G0001", name, "the name of this file is not UTF-8", "rename the file"
+            )
             return None
         data = _read(place, shown, self.findings)
         if data is None:
@@ -209,7 +215,8 @@ class Loader:
         return self._load(place, path, _shown(place), asked_for=False)
 
     def _header(self, include: Include, place: Path, path: str) -> str | None:
-        """Loads a header with preprocessor constants or IDL. A header in C is a single finding."""
+        """Loads a header with preprocessor constants or IDL. A header in C gives a single
+        finding."""
         before, findings = set(self.files), len(self.findings.found)
         found = self._load(place, path, _shown(place), asked_for=False)
         if all(f.severity is not Severity.ERROR for f in self.findings.found[findings:]):
@@ -247,7 +254,7 @@ class Loader:
     def _find(self, include: Include, source: Source) -> Path | None:
         place = _first_file(self._folders(include, source), include.path)
         if place is None:
-            self._installed = installed_folders()  # only when needed, because it is slow
+            self._installed = installed_folders()  # slow, so only when needed
             place = _first_file(self._installed, include.path)
         return place
 
@@ -291,7 +298,9 @@ def read_text(shown: str, findings: Findings) -> str | None:
     except UnicodeDecodeError as problem:
         line = data.count(b"\n", 0, problem.start) + 1
         findings.file_error(
-            "G0002", shown, f"is not UTF-8: byte {data[problem.start]:#04x} in line {line}"
+            "G0002",
+            shown,
+            f"this file is not UTF-8: byte {data[problem.start]:#04x} in line {line}",
         )
         return None
 
@@ -307,7 +316,7 @@ def _read_stdin(findings: Findings) -> bytes | None:
     try:
         data = sys.stdin.buffer.read(MAX_BYTES + 1)
     except OSError as problem:
-        findings.file_error("G0001", "-", f"cannot be read: {problem.strerror}")
+        findings.file_error("G0001", "-", f"stdin cannot be read: {problem.strerror}")
         return None
     return _checked(data, "-", findings)
 
@@ -316,19 +325,25 @@ def _read(place: Path, shown: str, findings: Findings) -> bytes | None:
     try:
         if place.is_dir():
             findings.file_error(
-                "G0001", shown, "is a folder", f"name its files: {shown.rstrip('/')}/*.*idl"
+                "G0001",
+                shown,
+                "this path is a folder, not a file",
+                f"name its files: {shown.rstrip('/')}/*.*idl",
             )
             return None
         if place.exists() and not place.is_file():
             findings.file_error(
-                "G0001", shown, "is a pipe or device, not a regular file", "to read stdin, name -"
+                "G0001",
+                shown,
+                "this path is a pipe or device, not a regular file",
+                "to read stdin, name -",
             )
             return None
         with place.open("rb") as stream:
             data = stream.read(MAX_BYTES + 1)
     except (OSError, ValueError) as problem:
         reason = getattr(problem, "strerror", None) or str(problem)
-        findings.file_error("G0001", shown, f"cannot be read: {reason}")
+        findings.file_error("G0001", shown, f"this file cannot be read: {reason}")
         return None
     return _checked(data, shown, findings)
 
@@ -341,11 +356,13 @@ def _not_text(name: str) -> bool:
 def _checked(data: bytes, shown: str, findings: Findings) -> bytes | None:
     if len(data) > MAX_BYTES:
         limit = MAX_BYTES // (1024 * 1024)
-        findings.file_error("G0011", shown, f"is larger than {limit} MiB")
+        findings.file_error("G0011", shown, f"this file is larger than {limit} MiB")
         return None
     if b"\0" in data:
         line = data.count(b"\n", 0, data.index(b"\0")) + 1
-        findings.file_error("G0002", shown, f"is not text: a NUL byte in line {line}")
+        findings.file_error(
+            "G0002", shown, f"this file is not text: it has a NUL byte in line {line}"
+        )
         return None
     return data
 

@@ -21,7 +21,8 @@ _DECLARED = re.compile(
 
 
 def point_at_includes(findings: Findings, folders: Sequence[Path]) -> None:
-    """Adds the file to include, as a help line, to findings about unknown names without help."""
+    """Adds a help line to each finding about an unknown name that has no help line: the file to
+    include."""
     homes: dict[str, str] | None = None
     for index, finding in enumerate(findings.found):
         wanted = _wanted(finding)
@@ -51,7 +52,7 @@ def _homes(folders: Sequence[Path]) -> dict[str, str]:
                     continue
                 text = place.read_text(encoding="utf-8", errors="replace")
             except OSError:
-                continue  # reported when a file includes this one
+                continue  # reported if the file is included
             path = place.relative_to(folder).as_posix()
             for line in text.splitlines():
                 for of_its_own, alias in _DECLARED.findall(line[:_LONGEST_LINE]):

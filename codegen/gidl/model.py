@@ -1,9 +1,10 @@
 """The meaning of a set of .gidl files: immutable and independent of target languages.
 
 A declaration is known by its scoped name ("robcl::Frame", no leading "::"). Types refer to
-declarations by that name, so recursive types need no cycles; `Model.find` follows a name.
-The model holds all that rules, the wire layout and targets need, in resolved form: annotations are
-interpreted, constants are values, and quality and access include inherited terms.
+declarations by that name, so the model needs no cyclic references; `Model.find` returns the
+declaration of a name. The model holds all that rules, the wire layout and targets need, in resolved
+form: annotations are interpreted, constants are values, and quality and access include inherited
+terms.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ class Annotation:
     """An annotation that gidl does not interpret: of another vocabulary, or user-defined."""
 
     name: str
-    arguments: tuple[tuple[str, Value], ...] = ()  # in the order written; ("value", v) for @a(v)
+    arguments: tuple[tuple[str, Value], ...] = ()  # names and values; @a(v) gives ("value", v)
     location: Location | None = field(default=None, compare=False)
 
 
@@ -118,7 +119,7 @@ class Primitive(Enum):
 
 
 BUILT_IN = "gecos::GecosObject"
-"""The interface that every object has besides its own."""
+"""The interface of the built-in operations, which every object has besides its own interface."""
 
 _PRIMITIVE_SIZE = {
     "boolean": 1, "octet": 1, "char": 1, "int8": 1, "uint8": 1, "int16": 2, "uint16": 2,
@@ -152,7 +153,7 @@ class MapType:
 
 @dataclass(frozen=True, slots=True)
 class ArrayType:
-    element: Type  # never an ArrayType, but a typedef may name one
+    element: Type  # no ArrayType, but perhaps a typedef of an array
     dimensions: tuple[int, ...]
 
 
@@ -179,17 +180,18 @@ class Facts:
     version: str | None = None  # text of @version, such as "1.2"
     since: str | None = None
     deprecated: str | None = None  # reason, "" if none is given; None: not deprecated
-    hash_as: str | None = None  # name for codes and hashes instead of the declared one
+    hash_as: str | None = None  # name from which codes and hashes are computed
     annotations: tuple[Annotation, ...] = ()  # annotations that gidl does not interpret
     written: tuple[tuple[str, Location], ...] = field(default=(), compare=False)
-    """Locations of annotations with a meaning and of their arguments: "qos", "qos.depth"."""
+    """Locations of the annotations that gidl interprets, and of their arguments: "qos",
+    "qos.depth"."""
 
     def place_of(self, *annotations: str) -> Location:
-        """Location of the first of these annotations on the declaration, else that of its name."""
+        """Location of the first of `annotations` that the declaration has, else of its name."""
         return next((at for name, at in self.written if name in annotations), self.location)
 
     def has(self, annotation: str) -> bool:
-        """Whether the declaration has this annotation, which must be one of gidl's own."""
+        """Whether the declaration has this annotation, which must be one that gidl interprets."""
         return any(name == annotation for name, _ in self.written)
 
 
@@ -265,7 +267,7 @@ class Enumerator:
 @dataclass(frozen=True, slots=True)
 class EnumDeclaration(Declaration):
     enumerators: tuple[Enumerator, ...]
-    default_literal: str | None = None  # value of unknown numbers; None: these are errors
+    default_literal: str | None = None  # enumerator read for unknown numbers; None: an error
     bit_bound: int = 32
 
     @property
@@ -295,8 +297,8 @@ class Bitfield:
     name: str | None  # None: padding bits
     position: int  # index of the lowest bit, counted over the bits of the bases too
     width: int
-    # The written type, else the smallest unsigned integer (boolean for one bit) that is wide
-    # enough.
+    # The declared type. If none is declared: boolean for one bit, else the smallest unsigned
+    # integer that is wide enough.
     type: PrimitiveType
     facts: Facts
 
@@ -391,13 +393,13 @@ class Operation:
     parallel: bool = False
     ordered: bool = False
     on_loss: OnLoss = OnLoss.STOP
-    qos: Qos = UNSAID  # effective terms: own, else the interface's, else its bases'
+    qos: Qos = UNSAID  # unset terms are taken from the interface, else its bases
     result_unit: str | None = None
     result_range: Range | None = None
     result_optional: bool = False
     result_bulk: bool = False
     result_secret: bool = False
-    id: int | None = None  # number given by @id
+    id: int | None = None  # argument of @id
 
     @property
     def scoped_name(self) -> str:
@@ -451,7 +453,8 @@ class Attribute:
 
     @property
     def idempotent(self) -> bool:
-        """False: a getter or setter is sent at most once, like any call not declared idempotent."""
+        """Always False: a getter or setter is sent at most once, like every call that is not
+        @idempotent."""
         return False
 
     @property
@@ -482,7 +485,7 @@ class Attribute:
 @dataclass(frozen=True, slots=True)
 class Interface(Declaration):
     bases: tuple[str, ...]  # direct bases, in the order written
-    all_bases: tuple[str, ...]  # each base once, before the bases derived from it
+    all_bases: tuple[str, ...]  # direct and indirect bases; each before those derived from it
     members: tuple[Operation | Attribute, ...]  # without inherited members, in the order written
     nested: tuple[str, ...] = ()  # scoped names of the declarations inside, in order
     qos: Qos = UNSAID  # quality demanded of a medium, inherited terms included
@@ -515,7 +518,7 @@ AnyDeclaration = (
 class File:
     path: str  # path as in `#include`, such as "robcl/geometry.gidl"
     includes: tuple[str, ...]  # paths of the directly included files, in order
-    declarations: tuple[AnyDeclaration, ...]  # flat, in order; nested before enclosing ones
+    declarations: tuple[AnyDeclaration, ...]  # all, in order; nested ones before the enclosing one
     asked_for: bool = True  # named on the command line; False: only included
     doc: str = ""
     modules: tuple[Declaration, ...] = ()  # one for each `module X {` of the file, in order
@@ -568,7 +571,8 @@ class Model:
         return found
 
     def target(self, used: Type) -> Type:
-        """The type that `used` stands for, through typedefs; typedefs of its elements are kept."""
+        """The type that `used` stands for, typedefs resolved. Typedefs of its elements are not
+        resolved."""
         while isinstance(used, NamedType):
             declaration = self.find(used.name)
             if not isinstance(declaration, Typedef):

@@ -1,7 +1,7 @@
 """Annotations and their arguments that are accepted but have no effect in this version.
 
 `gidl check` warns at each use of such a term, so that nobody relies on it. A change that gives a
-term its effect must remove the line of the term from the table.
+term its effect must remove the line of the term from `NOT_YET`.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def _is_member(declared: Declared) -> bool:
 @dataclass(frozen=True, slots=True)
 class Term:
     annotation: str
-    argument: str  # "": the whole annotation; in quotes: only with this value
+    argument: str  # name or quoted value of an argument; "": the whole annotation
     applies: Callable[[Declared], bool]
     today: str
 

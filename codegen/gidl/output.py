@@ -115,7 +115,7 @@ def _head(place: Path) -> str:
 
 
 def not_ours(outputs: Outputs, difference: Difference) -> list[Path]:
-    """Files that gidl did not write, at paths of generated files."""
+    """Files on disk that gidl did not generate, but that have the path of a generated file."""
     places = (outputs.place(path) for path in difference.changed)
     return [place for place in places if (head := _head(place).strip()) and not _MARK.search(head)]
 
@@ -137,9 +137,9 @@ def write(outputs: Outputs, files: Mapping[str, str], difference: Difference) ->
 
 
 def replace_texts(texts: Mapping[Path, str]) -> None:
-    """Replaces the texts of files, all or none: after an interrupt or on a full disk the old texts
-    are still there. Devices and pipes are written to, never replaced. An OSError names the file
-    that could not be written."""
+    """Replaces the texts of all files or of none: after an interrupt, or on a full disk, all files
+    still have their old texts. Devices and pipes are written to, never replaced. An OSError names
+    the file that could not be written."""
     beside: dict[Path, Path] = {}
     try:
         for file, text in texts.items():
@@ -204,7 +204,7 @@ def diff_text(outputs: Outputs, files: Mapping[str, str], difference: Difference
 
 
 def first_difference(old: str, new: str) -> int:
-    """The number of the first line that differs, counted from 1."""
+    """The number of the first line in which the texts differ, counted from 1."""
     pairs = zip(old.splitlines(keepends=True), new.splitlines(keepends=True), strict=False)
     same = 0
     for before, after in pairs:

@@ -170,7 +170,7 @@ class Parser(InterfaceParser):
         """Skips an unsupported declaration and reports it, once per name. The name stays known, so
         that uses of the name are not reported."""
         keyword = self._advance()
-        if self._is("valuetype"):  # a `valuetype` after "custom" or "abstract"
+        if self._is("valuetype"):  # after `custom` or `abstract`
             keyword = self._advance()
         code, what, instead = _REFUSED[keyword.text]
         name = Name(self._now.text, self._span(self._now))
@@ -311,7 +311,8 @@ class Parser(InterfaceParser):
         return Extras(annotations, doc)
 
     def _opened(self, extras: Extras) -> None:
-        """Adds `//@` comments after the next token, if this is `{`, to the declaration it opens."""
+        """If the next token is `{`, adds the `//@` comments after it to the declaration that it
+        opens."""
         if self._is("{"):
             self._take_trailing(extras, self._now)
 

@@ -10,7 +10,8 @@ from enum import Enum, IntEnum
 
 
 class Access(IntEnum):
-    """Status that a caller needs; values are ordered: master includes actor includes sensor."""
+    """Status that a caller needs. The values are ordered: master includes actor, actor includes
+    sensor."""
 
     SENSOR = 0
     ACTOR = 1
@@ -18,7 +19,7 @@ class Access(IntEnum):
 
 
 class OnNew(Enum):
-    """The behaviour of an actor operation when an actor command of its object is running."""
+    """What a new actor command does while another actor command of the object is running."""
 
     QUEUE = "queue"
     REJECT = "reject"
@@ -27,7 +28,7 @@ class OnNew(Enum):
 
 
 class OnLoss(Enum):
-    """The behaviour of a running actor operation when its holder is lost."""
+    """What happens to a running actor operation when its holder is lost."""
 
     STOP = "stop"
     FINISH = "finish"
@@ -73,7 +74,7 @@ class Qos:
     media: tuple[str, ...] | None = None
 
     def over(self, outer: Qos) -> Qos:
-        """The quality with each unset term taken from `outer`."""
+        """This quality; each term that it does not set is taken from `outer`."""
         merged = {}
         for field in fields(self):
             own = getattr(self, field.name)
@@ -94,5 +95,5 @@ class Stream:
 
     direction: StreamDirection
     rate_hz: float | None = None
-    watchdog_ns: int | None = None  # inward streams: longest gap in samples before the server acts
+    watchdog_ns: int | None = None  # longest silence of the sender of an inward stream
     is_open: bool = False  # @open_stream, outward streams: samples are bare LCM messages over lcm

@@ -1,7 +1,7 @@
 """Preprocessor lines: `#include`, guards, `#pragma once`, conditions and constants.
 
-Each file is read once per run, with or without include guards: an include is an import. Macros are
-constants (`#define RATE 250`); macros with parameters are reported as unsupported.
+Each file is read only once per run, even without an include guard. Macros are constants (`#define
+RATE 250`); macros with parameters are reported as unsupported.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _CONDITION = re.compile(
 )
 _GUARD = re.compile(r"#[ \t]*(?:ifndef[ \t]+|if[ \t]*![ \t]*defined[ \t]*\(?[ \t]*)([A-Za-z_]\w*)")
 _MAX_NUMBER = 1 << 64
-_MAX_EXPANSION = 10_000  # most tokens that one use of a macro may expand to
+_MAX_EXPANSION = 10_000  # maximum number of tokens for one use of a macro
 
 
 @dataclass(slots=True)
@@ -41,7 +41,7 @@ class _Condition:
 class Preprocessed:
     tokens: list[Token]
     includes: list[Include] = field(default_factory=list)
-    skipped: list[tuple[int, int]] = field(default_factory=list)  # inactive text, as offsets
+    skipped: list[tuple[int, int]] = field(default_factory=list)  # offsets of inactive text
     first_directive: int | None = None
 
 
@@ -51,7 +51,8 @@ def preprocess(
     macros: Macros,
     on_include: Callable[[Include], None],
 ) -> Preprocessed:
-    """Executes the preprocessor lines. `macros` is read and changed, also by `on_include`."""
+    """Executes the preprocessor lines. Both this function and `on_include` read and change
+    `macros`."""
     return _Preprocessor(lexed, findings, macros, on_include).run()
 
 
@@ -135,7 +136,7 @@ class _Preprocessor:
             self._findings.error("G0005", self._span(token), f"#error {rest}")
         elif word == "warning":
             self._findings.warning("G0704", self._span(token), f"#warning {rest}")
-        elif word not in ("line", "ident") and not word.isdigit():  # `# 1 "file"` is skipped
+        elif word not in ("line", "ident") and not word.isdigit():  # skips line markers: `# 1 "x"`
             self._findings.error(
                 "G0005",
                 self._span(token),
@@ -152,13 +153,12 @@ class _Preprocessor:
                 "G0701",
                 self._span(token),
                 f"'#pragma {rest}' has no meaning here and is ignored",
-                "reported once per run; write identifiers of the repository with typeid and "
-                "typeprefix",
+                "reported once per run; write repository identifiers with typeid and typeprefix",
             )
 
     def _include(self, rest: str, token: Token) -> None:
         body = self._macros.get(rest, ())
-        if len(body) == 1 and body[0].kind == "string":  # `NAME` after `#define NAME "file"`
+        if len(body) == 1 and body[0].kind == "string":  # `#include NAME`, NAME a macro
             rest = body[0].text
         match = _INCLUDE.match(rest)
         if match is None:
@@ -196,7 +196,8 @@ class _Preprocessor:
         self._macros[name] = tuple(t for t in lexed.tokens if t.kind not in ("eof", "directive"))
 
     def _expand(self, use: Token) -> list[Token]:
-        """Tokens of a macro, with macros inside expanded; all have the location of the use."""
+        """Tokens of the macro that `use` names; macros inside it are expanded. All tokens get the
+        location of `use`."""
         result: list[Token] = []
         work: list[tuple[Token, frozenset[str]]] = [(use, frozenset())]
         while work:
@@ -230,7 +231,7 @@ class _Preprocessor:
             self._conditions.append(_Condition(self._span(token), active, active))
             return
         if not self._conditions:
-            self._findings.error("G0012", self._span(token), f"'#{word}' without '#if'")
+            self._findings.error("G0012", self._span(token), f"'#{word}' has no matching '#if'")
             return
         condition = self._conditions[-1]
         if word == "endif":

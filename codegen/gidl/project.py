@@ -51,7 +51,9 @@ def read(file: Path, findings: Findings, sources: dict[str, Source]) -> Project:
     try:
         text = file.read_bytes().decode("utf-8")
     except UnicodeDecodeError as problem:
-        findings.file_error("G0023", shown, f"is not UTF-8, as TOML must be: {problem.reason}")
+        findings.file_error(
+            "G0023", shown, f"this file is not UTF-8, as TOML must be: {problem.reason}"
+        )
         return Project(file)
     sources[shown] = Source(shown, shown, text)
     try:
@@ -60,10 +62,10 @@ def read(file: Path, findings: Findings, sources: dict[str, Source]) -> Project:
         place = _AT.search(str(problem))
         line, column = (place[1], place[2]) if place else ("1", "1")
         at = Location(shown, int(line or text.count("\n") + 1), int(column or 1))
-        findings.error("G0023", at, f"is not TOML: {_AT.sub('', str(problem))}")
+        findings.error("G0023", at, f"this file is not TOML: {_AT.sub('', str(problem))}")
         return Project(file)
     except RecursionError:
-        findings.file_error("G0023", shown, "is not readable: lists are nested too deep")
+        findings.file_error("G0023", shown, "this file is not readable: lists are nested too deep")
         return Project(file)
     right: dict[str, Any] = {}
     for keys, value in _flat(said):
@@ -76,8 +78,8 @@ def read(file: Path, findings: Findings, sources: dict[str, Source]) -> Project:
 
 
 def line_of(text: str, keys: tuple[str, ...]) -> int:
-    """The line where the TOML statement that sets the key begins. The text up to a line parses as
-    TOML only if no statement goes on after the line, whatever strings and lists contain."""
+    """The line where the TOML statement that sets the key begins. To find where statements end, the
+    text up to each line is parsed: this fails inside a statement of several lines."""
     lines = [f"{line}\n" for line in text.split("\n")]
     begin = 1
     for end in range(1, len(lines) + 1):

@@ -200,7 +200,8 @@ class Resolver(InterfaceResolver):
             self._names.visible.add(symbol.file)
 
     def _anywhere(self, name: ScopedName, scope: Scope) -> list[Symbol]:
-        """The symbol of each part of a name, even if its file is not included; empty if unknown."""
+        """The symbols of all parts of a name, even if their files are not included. Empty if the
+        name is unknown."""
         visible = self._names.visible
         self._names.visible = visible | _files_of_scope(self._names.top)
         try:
@@ -226,7 +227,8 @@ class Resolver(InterfaceResolver):
     # -- forward declarations --------------------------------------------------------------------
 
     def _report_incomplete(self, files: list[File], places: dict[str, int]) -> None:
-        """Reports types declared forward but never completed; adds them, empty, to the model."""
+        """Reports types that are declared forward but never completed, and adds them to the model
+        as empty types."""
         for symbol in list(self._names.incomplete()):
             if symbol.scoped not in self._used_incomplete:
                 self._findings.error(

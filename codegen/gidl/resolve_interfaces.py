@@ -57,7 +57,7 @@ class InterfaceResolver(TypeResolver):
         self._interface_scopes: dict[str, Scope] = {}
         self._interface_qos: dict[str, Qos] = {}
         self._all_bases: dict[str, tuple[str, ...]] = {}
-        self._cut_off: set[str] = set()  # interfaces that lost their bases: too many
+        self._cut_off: set[str] = set()  # interfaces whose bases were dropped, being too many
 
     def _interface(self, syntax: InterfaceSyntax, scope: Scope) -> None:
         marks = self._marks(syntax.extras, "interface", scope)
@@ -69,7 +69,7 @@ class InterfaceResolver(TypeResolver):
                 continue
             if found in bases:
                 self._findings.error(
-                    "G0401", base.span, f"'{base}' is a base already", "name each base once"
+                    "G0401", base.span, f"'{base}' is listed as a base twice", "name each base once"
                 )
                 continue
             bases.append(found)
@@ -104,8 +104,8 @@ class InterfaceResolver(TypeResolver):
         )
 
     def _few_enough(self, syntax: InterfaceSyntax, name: str, bases: list[str]) -> list[str]:
-        """`bases`, or an empty list if there are too many. Interfaces derived from such an
-        interface lose their bases too, without a finding."""
+        """`bases`, or an empty list (and a finding) if there are too many. An interface that is
+        derived from one with too many bases loses its own bases too, without a finding."""
         if not self._cut_off.isdisjoint(bases):
             self._cut_off.add(name)
             return []
@@ -222,7 +222,7 @@ class InterfaceResolver(TypeResolver):
             return None
         parts = tuple(text.removeprefix("::").split("::"))
         name = ScopedName(parts, text.startswith("::"), cancelable.span)
-        quiet = Scope(scope.name, scope.kind, scope)  # names in strings must not enter scope.uses
+        quiet = Scope(scope.name, scope.kind, scope)  # looks up without changing scope.uses
         feedback = self._complete(name, quiet, _STRUCT, "struct")
         return None if feedback is None else NamedType(feedback)
 

@@ -69,7 +69,7 @@ class TypeResolver(ValueResolver):
     def __init__(self, findings: Findings, names: Names, vocabulary: Vocabulary) -> None:
         super().__init__(findings, names, vocabulary)
         self._out: list[AnyDeclaration] = []
-        self._of_typedef: dict[str, tuple[str | None, Range | None]] = {}  # by typedef
+        self._of_typedef: dict[str, tuple[str | None, Range | None]] = {}  # key: a typedef
         self._bitset_sizes: dict[str, int] = {}
         self._enums: dict[str, EnumDeclaration] = {}
         self._bitmasks: set[str] = set()
@@ -98,7 +98,8 @@ class TypeResolver(ValueResolver):
         return True
 
     def _declared_inline(self, syntax: InlineType, scope: Scope) -> NamedType | None:
-        """Resolves a type declared inside another declaration, as a declaration before that one."""
+        """Resolves a type that is declared inside another declaration. In the model it is a
+        declaration before the enclosing one."""
         self._type_declaration(syntax.declaration, scope)
         symbol = scope.symbols.get(syntax.declaration.name.text.lower())
         if symbol is None or symbol.span != syntax.declaration.name.span:
@@ -106,7 +107,8 @@ class TypeResolver(ValueResolver):
         return NamedType(symbol.scoped)
 
     def _keep(self, symbol: Symbol | None, declaration: AnyDeclaration) -> None:
-        """Adds a declaration to the model, unless `symbol` is None: then its name was taken."""
+        """Adds a declaration to the model. `symbol` is None if the name is already declared; the
+        declaration is then left out."""
         if symbol is not None:
             self._out.append(declaration)
 
@@ -140,7 +142,7 @@ class TypeResolver(ValueResolver):
         self, name: ScopedName, scope: Scope, kinds: frozenset[str], what: str
     ) -> str | None:
         """The scoped name of the declaration that `name` means, typedefs resolved. None (and a
-        finding) if that declaration is incomplete or of none of `kinds`."""
+        finding) if that declaration is incomplete, or if its kind is none of `kinds`."""
         symbol = self._symbol(name, scope, kinds | {"typedef"}, what, "G0102")
         if symbol is not None and symbol.kind == "typedef":
             symbol = self._behind(name, symbol, scope, kinds, what)
@@ -160,7 +162,8 @@ class TypeResolver(ValueResolver):
 
     def _behind(self, name: ScopedName, typedef: Symbol, scope: Scope, kinds: frozenset[str],
                 what: str) -> Symbol | None:  # fmt: skip
-        """The symbol of the type that `typedef` names; None (and a finding) if not of `kinds`."""
+        """The symbol of the type that `typedef` stands for; None (and a finding) if the kind of
+        this type is none of `kinds`."""
         target = self._target(NamedType(typedef.scoped))
         symbol = self._names.declared(target.name) if isinstance(target, NamedType) else None
         if symbol is None or symbol.kind not in kinds:
@@ -248,8 +251,8 @@ class TypeResolver(ValueResolver):
         return self._of_typedef.get(name, (None, None))
 
     def _range(self, marks: Marks, used: Type) -> Range | None:
-        """The written range as numbers of the type `used`, narrowed by the ranges of its typedefs.
-        The range of an array or a sequence applies to the elements."""
+        """The range in the annotations, as numbers of the type `used`, narrowed by the ranges of
+        the typedefs. The range of an array or a sequence applies to the elements."""
         both, low, high = marks.get("range"), marks.get("min"), marks.get("max")
         written = both or low or high
         if written is None:
@@ -292,8 +295,8 @@ class TypeResolver(ValueResolver):
         return both_ranges
 
     def _bounded(self, used: Type) -> tuple[Type, Range | None]:
-        """The type that a range of `used` limits (the number inside arrays and sequences), and the
-        range that all typedefs down to that type declare."""
+        """The type that a range of `used` limits: for arrays and sequences, the type of their
+        elements. Also the range that the typedefs between `used` and that type allow."""
         inherited = self._from_typedef(used)[1]
         target = self._target(used)
         while isinstance(target, ArrayType | SequenceType):
@@ -305,7 +308,7 @@ class TypeResolver(ValueResolver):
         if value is None:
             return None
         if isinstance(value, bool) or not isinstance(value, int | float):
-            self._findings.error("G0307", span, "the bounds of a range are numbers")
+            self._findings.error("G0307", span, "a bound of this range is not a number")
             return None
         fitted = self._fit(computed(value), target, span)
         return fitted if isinstance(fitted, int | float) else None
@@ -345,7 +348,7 @@ class TypeResolver(ValueResolver):
             self._findings.error(
                 "G0312",
                 syntax.discriminator.span,
-                "the discriminator of a union is an integer, boolean, char, octet or enum",
+                "the discriminator of a union must be an integer, boolean, char, octet or enum",
             )
             discriminator = None
         cases = []
@@ -360,7 +363,10 @@ class TypeResolver(ValueResolver):
             if len(case.member.declarators) > 1:
                 second = case.member.declarators[1].name
                 self._findings.error(
-                    "G0313", second.span, "a case of a union has one member", "write another case"
+                    "G0313",
+                    second.span,
+                    "a case of a union can have only one member",
+                    "write another case",
                 )
             if members:
                 cases.append(UnionCase(tuple(labels), case.default is not None, members[0]))
@@ -403,7 +409,7 @@ class TypeResolver(ValueResolver):
                     self._findings.error(
                         "G0505",
                         item.name.span,
-                        f"'@default_literal' is on enumerator '{default}' already",
+                        f"enumerator '{default}' already has '@default_literal'",
                     )
                 default = item.name.text
             declared = self._names.declare(scope, item.name, "enumerator")
@@ -426,7 +432,9 @@ class TypeResolver(ValueResolver):
             return 32
         bound = marks.number("bit_bound") or 0
         if not 1 <= bound <= most:
-            self._findings.error("G0309", applied.span, f"'@bit_bound' is 1 to {most} here")
+            self._findings.error(
+                "G0309", applied.span, f"'@bit_bound' must be from 1 to {most} here"
+            )
             return 32
         return bound
 
@@ -485,12 +493,13 @@ class TypeResolver(ValueResolver):
         self._keep(symbol, Bitset(inside.name, facts, tuple(fields), base, position))
 
     def _bitfield_type(self, field: BitfieldSyntax, width: int) -> PrimitiveType:
-        """The written type of a bitfield, else boolean (1 bit) or the smallest unsigned integer."""
+        """The declared type of a bitfield. If none is declared: boolean for 1 bit, else the
+        smallest unsigned integer that is wide enough."""
         if isinstance(field.type, BasicType):
             kind = Primitive(field.type.name)
             if not (kind.is_integer or kind is Primitive.BOOLEAN):
                 self._findings.error(
-                    "G0311", field.type.span, "a bitfield is boolean, octet or an integer"
+                    "G0311", field.type.span, "a bitfield must be boolean, octet or an integer"
                 )
             else:
                 room = 1 if kind is Primitive.BOOLEAN else 8 * kind.size
@@ -539,7 +548,7 @@ class TypeResolver(ValueResolver):
                 self._findings.error(
                     "G0310",
                     syntax.type.span,
-                    "a constant is a number, boolean, character, string or enumerator",
+                    "a constant must be a number, boolean, character, string or enumerator",
                 )
         symbol = self._names.declare(scope, syntax.name, "constant")
         if symbol is None or used is None or value is None:

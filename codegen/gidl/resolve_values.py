@@ -46,7 +46,7 @@ from gidl.syntax import (
 from gidl.vocabulary import Applied, Vocabulary
 
 MAX_BOUND = (1 << 31) - 1
-MAX_ARRAY = 1 << 24  # most elements of one array; keeps fixed sizes within 32 bits
+MAX_ARRAY = 1 << 24  # limit for one array, so that fixed sizes fit 32 bits
 
 _EXTENSIBILITIES = ("FINAL", "APPENDABLE", "MUTABLE")
 _BY_VALUE = frozenset(("struct", "union"))
@@ -90,13 +90,14 @@ class ValueResolver(ABC):
         self._names = names
         self._vocabulary = vocabulary
         self._typedefs: dict[str, Type] = {}  # scoped name of a typedef -> its type
-        self._used_incomplete: set[str] = set()  # incomplete types with a reported use
+        self._used_incomplete: set[str] = set()  # incomplete types whose use is already reported
 
     # -- names ---------------------------------------------------------------------------------
 
     def _symbol(self, name: ScopedName, scope: Scope, kinds: frozenset[str], what: str,
                 code: str) -> Symbol | None:  # fmt: skip
-        """The symbol that `name` means; None (and a finding) if there is none of one of `kinds`."""
+        """The symbol that `name` means. None (and a finding) if `name` is unknown, ambiguous, or of
+        none of the `kinds`."""
         path = self._names.path(name, scope)
         if not path:
             self._unknown(name, scope, kinds, what, code)
@@ -118,7 +119,7 @@ class ValueResolver(ABC):
                 "G0201",
                 name.span,
                 f"'{name}' is not part of .gidl",
-                "types are known when the interface is compiled",
+                "use a declared type: types must be known when the interface is compiled",
             )
         elif not self._names.lacks_includes:  # a missing include may declare the name
             hint = self._names.hint(name, scope, kinds)
@@ -176,7 +177,8 @@ class ValueResolver(ABC):
         )
 
     def _typed_value(self, expression: Expression, wanted: Type, scope: Scope) -> Value | None:
-        """Value of a constant expression in the type `wanted`; None (and a finding) if none."""
+        """Value of a constant expression as a value of the type `wanted`. None (and a finding) if
+        the expression has no such value."""
         target = self._target(wanted)
         found = self._compute(expression, scope, _arithmetic(target))
         if found is None:
@@ -186,7 +188,7 @@ class ValueResolver(ABC):
             self._findings.error(
                 "G0304",
                 expression.span,
-                "these are integers, where a floating-point number is computed",
+                "the operands are integers, but the value must be a floating-point number",
                 "write them with a point: 1.0 / 2.0",
             )
             return None
@@ -222,7 +224,7 @@ class ValueResolver(ABC):
                 fits = isinstance(value, EnumValue) and value.enum == name
                 what = f"an enumerator of '{name}'"
             case _:
-                fits, what = False, "a value of that type: it has no constants"
+                fits, what = False, "a value of a type that has no constants"
         if not fits:
             shown = describe_kind(found.kind)
             if isinstance(value, EnumValue):
@@ -240,18 +242,21 @@ class ValueResolver(ABC):
         return value
 
     def _size(self, expression: Expression, scope: Scope, what: str, most: int) -> int | None:
-        """Value of a bound or dimension; None (and a finding) if not from 1 to `most`."""
+        """Value of a bound or dimension. None (and a finding) if this is no integer from 1 to
+        `most`."""
         found = self._compute(expression, scope, Arithmetic(32, unsigned=True))
         if found is None:
             return None
         if found.kind != "int" or not isinstance(found.value, int):
             self._findings.error(
-                "G0305", expression.span, f"{what} is an integer, not {describe_kind(found.kind)}"
+                "G0305",
+                expression.span,
+                f"{what} must be an integer, not {describe_kind(found.kind)}",
             )
             return None
         if not 1 <= found.value <= most:
             self._findings.error(
-                "G0306", expression.span, f"{what} is 1 to {most}, not {found.value}"
+                "G0306", expression.span, f"{what} must be from 1 to {most}, not {found.value}"
             )
             return None
         return found.value
@@ -264,7 +269,7 @@ class ValueResolver(ABC):
         return used
 
     def _type(self, syntax: TypeSyntax, scope: Scope) -> Type | None:
-        """The type that `syntax` means; None if `syntax` is wrong, which has a finding."""
+        """The type that `syntax` means; None if `syntax` is wrong, which is already reported."""
         match syntax:
             case BasicType(name, _):
                 return PrimitiveType(Primitive(name))
@@ -323,7 +328,7 @@ class ValueResolver(ABC):
         self, used: Type | None, in_sequences: bool, reported: bool = False
     ) -> Symbol | None:
         """The struct or union in `used` that is only declared forward so far. `reported` is True
-        inside a typedef, which has a finding of its own."""
+        inside a typedef: the finding about the typedef is enough."""
         match used:
             case NamedType(name) if name in self._typedefs:
                 return self._incomplete(self._typedefs[name], in_sequences, True)
@@ -350,7 +355,7 @@ class ValueResolver(ABC):
             self._findings.error(
                 "G0108",
                 name.span,
-                f"'{name}' is an exception: it can be raised, but is no type of a value",
+                f"'{name}' is an exception: it can be raised, but cannot be the type of a value",
                 "declare a struct with the same members",
                 notes=(Note("declared here", symbol.span.location),),
             )
@@ -438,7 +443,7 @@ class ValueResolver(ABC):
     def _apply_unknown(
         self, use: AnnotationUse, name: str, scope: Scope
     ) -> tuple[Applied, bool] | None:
-        """Keeps the arguments of an undeclared annotation that can be computed."""
+        """Keeps those arguments of an undeclared annotation that can be computed."""
         arguments: dict[str, Value] = {}
         for argument, expression in use.arguments:
             value = compute(expression, lambda n: None, Findings())

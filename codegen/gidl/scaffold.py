@@ -50,7 +50,7 @@ def write_device(wanted: str, into: Path | None) -> str:
         texts[path.format(name=name)] = pattern.substitute(words)
     interface = f"idl/lab/{name}.gidl"
     if keyword.iskeyword(name) or not _is_accepted(name, texts[interface]):
-        raise ScaffoldRefusal(f"'{name}' has a meaning already; choose another name")
+        raise ScaffoldRefusal(f"'{name}' is reserved or already declared; choose another name")
     _write(folder, texts)
     return (
         f"gidl: {folder}/ has an interface, a Python server and a C++ client\n"
@@ -62,7 +62,8 @@ def write_mock(
     compiled: Compiled, language: str, wanted: str | None, into: Path | None, search: list[str]
 ) -> str:
     """Writes a mock server for the interfaces of the file, or only for the interface `wanted`, and
-    returns a text with the next steps. Raises UnsupportedError for what cannot be generated."""
+    returns a text with the next steps. Raises UnsupportedError if an interface uses a construct
+    that cannot be generated."""
     from gidl.emit import render, render_mock
 
     (file,) = (f for f in compiled.model.files if f.asked_for)
@@ -98,7 +99,10 @@ def write_mock(
         )
     else:
         run = f"cmake -B build -S {folder} -Drobcl_DIR=<build folder of robcl>; build/server"
-    return f"gidl: {folder}/{source} stands in for {served}\ngidl: after `gecos broker`: {run}"
+    return (
+        f"gidl: {folder}/{source} is a mock server of {served}\n"
+        f"gidl: start `gecos broker`, then run: {run}"
+    )
 
 
 def _new_folder(folder: Path) -> Path:
@@ -115,7 +119,8 @@ def _write(folder: Path, texts: dict[str, str]) -> None:
 
 
 def _is_accepted(name: str, interface: str) -> bool:
-    """Whether the interface has no finding: `name` may be a keyword, or in the template already."""
+    """Whether `interface` has no finding. It has one if `name` is an IDL keyword, or if the
+    template already declares this name."""
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / f"{name}.gidl"
         place.write_text(interface, encoding="utf-8")

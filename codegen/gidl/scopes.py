@@ -1,4 +1,4 @@
-"""Scopes: declares names, and looks up the meaning of a name at a place.
+"""Scopes: declares names, and finds the declaration that a name refers to.
 
 Identifiers in one scope must not differ only in case, and must not have the name of a type used in
 the scope (`attribute Frame frame`): IDL says so, and every CORBA compiler enforces it.
@@ -49,7 +49,7 @@ class Symbol:
     span: Span
     file: str
     completed_in: str = ""  # file of the full declaration; "": only declared forward so far
-    scope: Scope | None = None  # scope of the declarations inside
+    scope: Scope | None = None  # scope of declarations inside this one
     type: Type | None = None  # type of a constant
     value: Value | None = None  # value of a constant, enumerator or flag
     meanings: tuple[Symbol, ...] = ()  # for kind "ambiguous": the declarations in the bases
@@ -60,8 +60,8 @@ class Scope:
     name: str  # scoped name, "" at the top level
     kind: str
     parent: Scope | None = None
-    symbols: dict[str, Symbol] = field(default_factory=dict)  # by lower-case name
-    uses: dict[str, tuple[str, Span]] = field(default_factory=dict)  # used names of outer scopes
+    symbols: dict[str, Symbol] = field(default_factory=dict)  # key: lower-case name
+    uses: dict[str, tuple[str, Span]] = field(default_factory=dict)  # names used from outer scopes
     bases: list[Scope] = field(default_factory=list)  # bases of an interface
 
     def qualified(self, simple: str) -> str:
@@ -76,14 +76,15 @@ class Scope:
 
 
 class Names:
-    """Declares and looks up names. `visible`: paths of the current file and all it includes."""
+    """Declares and looks up names. `visible` has the paths of the current file and of its
+    includes."""
 
     def __init__(self, findings: Findings) -> None:
         self._findings = findings
         self.top = Scope("", "file")
         self.visible: set[str] = set()
         self.declared_here: dict[str, int] = {}  # name declared in the current file -> line
-        self.cut: list[str] = []  # includes of the current file that are read after it
+        self.cut: list[str] = []  # includes that are read after the current file
         self.lacks_includes = False  # True: an included file was not found
 
     # -- declaring -----------------------------------------------------------------------------
@@ -96,7 +97,8 @@ class Names:
                 "G0109",
                 name.span,
                 f"{kind} '{name.text}' has the name of its enclosing {scope.kind}",
-                "the name of a scope cannot be declared again directly in it: rename one of them",
+                "a declaration directly in a scope cannot have the name of the scope: rename one "
+                "of them",
             )
         known = scope.symbols.get(key)
         if known is not None and known.kind == "broken":
@@ -172,13 +174,13 @@ class Names:
     # -- looking up ----------------------------------------------------------------------------
 
     def look_up(self, name: ScopedName, scope: Scope) -> Symbol | None:
-        """The symbol of `name` in `scope`; None where there is none (no finding)."""
+        """The symbol that `name` refers to in `scope`, or None. Reports no finding."""
         path = self.path(name, scope)
         return path[-1] if path else None
 
     def path(self, name: ScopedName, scope: Scope) -> list[Symbol]:
-        """The symbol of each part of `name` in `scope`; empty if a part has none (no finding). A
-        broken or ambiguous part ends the list."""
+        """The symbols of all parts of `name`, looked up in `scope`. The list is empty, without a
+        finding, if a part has no symbol. It ends at a part that is broken or ambiguous."""
         symbol = self._first(name, scope)
         path: list[Symbol] = []
         for part in name.parts[1:]:
@@ -230,7 +232,8 @@ class Names:
                 return
 
     def hidden(self, name: ScopedName, scope: Scope, kinds: frozenset[str]) -> Symbol | None:
-        """The symbol of `name`, of one of `kinds`, that a symbol in a nearer scope hides."""
+        """The symbol called `name`, of one of `kinds`, that a symbol in a nearer scope hides; else
+        None."""
         for outer in scope.chain():
             symbol = self._in(outer, name.parts[0])
             if len(name.parts) == 1 and symbol is not None and symbol.kind in kinds:
@@ -248,7 +251,8 @@ class Names:
         return Symbol(one.name, one.scoped, "ambiguous", one.span, one.file, meanings=tuple(found))
 
     def _inherited(self, scope: Scope, key: str, seen: set[str]) -> Iterator[Symbol]:
-        """Declarations of `key` in the bases; one in a base hides those in bases of the base."""
+        """Declarations of `key` in the bases of `scope`. A declaration in a base hides the
+        declarations in the bases of that base."""
         for base in scope.bases:
             if base.name in seen:
                 continue
@@ -324,7 +328,7 @@ def _overload_help(known: str, new: str) -> str:
     if known == new == "operation":
         return "IDL has no overloading: give each operation a name of its own"
     if known == "enumerator" or new == "enumerator":
-        return "enumerators live in the scope around their enum, not in the enum"
+        return "an enumerator is declared in the scope around its enum, not inside the enum"
     return ""
 
 

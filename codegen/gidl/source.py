@@ -12,7 +12,8 @@ MAX_BYTES = 4 * 1024 * 1024
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Source:
-    """One source file. `path` is its path in `#include`, `shown` the path that messages print."""
+    """One source file. `path` is the path that `#include` uses; `shown` is the path that messages
+    print."""
 
     path: str
     shown: str

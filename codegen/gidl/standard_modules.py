@@ -1,4 +1,5 @@
-"""Modules that a generated module with an equal name would hide: it comes first on the path."""
+"""Python modules that a generated module of the same name would hide, because the generated module
+comes first on the import path."""
 
 from __future__ import annotations
 
@@ -41,5 +42,5 @@ STANDARD = words(
     """
 )
 
-# Modules that generated code, the runtime and its commands need.
+# Modules that generated code, the runtime and the commands of the runtime import.
 OURS = words("gecos gecos_idl gidl lcm noise numpy rich robcl typer typing_extensions")

@@ -197,7 +197,7 @@ class StructParser(TypeParser):
                 self._findings.error(
                     "G0100",
                     self._span(self._now),
-                    "an annotation before the name gives the number",
+                    "'=' is not allowed here: an annotation before the name gives the number",
                     f"@value(n) {item.name.text}",
                 )
                 self._advance()
@@ -244,7 +244,7 @@ class StructParser(TypeParser):
             )
             if not isinstance(parsed, BasicType | RefusedType):
                 self._findings.error(
-                    "G0311", parsed.span, "a bitfield is boolean, octet or an integer"
+                    "G0311", parsed.span, "a bitfield must be boolean, octet or an integer"
                 )
         self._close_angle("the bitfield")
         names = []

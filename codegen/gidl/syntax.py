@@ -201,7 +201,7 @@ class BitmaskSyntax:
 class BitfieldSyntax:
     width: Expression
     type: BasicType | RefusedType | None
-    names: list[Name]  # empty: padding bits
+    names: list[Name]  # an empty list: padding bits
     extras: Extras
     span: Span
 
@@ -331,7 +331,7 @@ class Include:
     path: str
     angled: bool
     span: Span
-    protected: bool = False  # True: a guard keeps the including file from a second reading
+    protected: bool = False  # True: the including file has a guard, so it is read only once
 
 
 @dataclass(slots=True)

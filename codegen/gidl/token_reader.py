@@ -16,7 +16,8 @@ MAX_NESTING = 200
 
 
 class Skip(Exception):
-    """Raised after a finding, if a rule cannot go on. The enclosing body's rule recovers."""
+    """Raised after a finding if a grammar rule cannot continue. The rule of the enclosing body
+    catches it and recovers."""
 
 
 class GiveUp(Exception):
@@ -30,7 +31,7 @@ class TokenReader:
         self._findings = findings
         self._at = 0
         self._depth = 0
-        self._refused_names: set[tuple[str, str]] = set()  # pairs of name and code of finding
+        self._refused_names: set[tuple[str, str]] = set()  # refused name, code of the finding
 
     @property
     def _now(self) -> Token:
@@ -78,7 +79,8 @@ class TokenReader:
         raise Skip
 
     def _expect_semicolon(self, where: str) -> None:
-        """Reads a `;`. If missing, it is reported and assumed, so that parsing goes on as meant."""
+        """Reads a `;`. If it is missing, reports this, and parsing continues as if it were
+        there."""
         if self._accept(";"):
             return
         end = self._previous.end
@@ -107,7 +109,8 @@ class TokenReader:
         self._findings.error(code, at, f"{what} not part of .gidl", instead)
 
     def _refuse_once(self, name: str, code: str, at: Span, what: str, instead: str) -> None:
-        """Refuses a name, but only once if it is declared forward and then declared."""
+        """Refuses a declaration. A forward declaration and the full declaration give one finding
+        together."""
         if (name, code) not in self._refused_names:
             self._refused_names.add((name, code))
             self._refuse(code, at, what, instead)
@@ -118,7 +121,8 @@ class TokenReader:
             self._findings.error(
                 "G0013",
                 self._span(self._now),
-                f"nested deeper than {MAX_NESTING} levels; the rest of this file is not read",
+                f"this is nested deeper than {MAX_NESTING} levels; the rest of this file is not "
+                "read",
             )
             raise GiveUp
         self._depth += 1

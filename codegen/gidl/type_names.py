@@ -1,9 +1,9 @@
 """Names of types, constants and interfaces in the output of one language.
 
-A declaration keeps its simple name if possible. The name of a type inside an interface or another
-type has both names (`Manipulator_Mode`), because classes cannot be reopened. A reserved word of the
-language gets an underscore at its end (`escaped`). Servants, and structs of arguments and results,
-are named here too, so that the names in a scope are unique.
+A declaration keeps its simple name if possible. A type inside an interface or another type gets
+both names, joined by an underscore (`Manipulator_Mode`), because classes cannot be reopened. A
+reserved word of the language gets an underscore at its end (`escaped`). Servants, and structs of
+arguments and results, are named here too, so that the names in a scope are unique.
 
 An operation with several results has a struct of results. An operation of the runtime's own
 interfaces has a struct of arguments and a struct of results, because the session, which calls and
@@ -44,8 +44,8 @@ class Language:
     inner_module_words: frozenset[str]  # not allowed for modules in modules
     file_is_scope: bool  # True: module names are dropped, and each file is one scope
     root_words: frozenset[str] = frozenset()  # not allowed for any name at the top level
-    own_module: str = ""  # module of the runtime, and folder of its interfaces
-    # Returns the names of a declaration's members, if its type may have none of these names.
+    own_module: str = ""  # name of the module, and of the interface folder, of the runtime
+    # Returns names that the type of a declaration must not have: those of its members.
     members: Callable[[Model, AnyDeclaration], set[str]] = lambda _model, _declaration: set()
 
 
@@ -62,10 +62,10 @@ class TypeNames:
     """The names of declarations in one language, by their scoped names in .gidl."""
 
     types: dict[str, TypeName] = field(default_factory=dict)
-    servants: dict[str, TypeName] = field(default_factory=dict)  # by name of the interface
-    descriptions: dict[str, TypeName] = field(default_factory=dict)  # by interface; C++ only
-    arguments: dict[str, TypeName] = field(default_factory=dict)  # by name of the operation
-    results: dict[str, TypeName] = field(default_factory=dict)  # by name of the operation
+    servants: dict[str, TypeName] = field(default_factory=dict)  # key: name of the interface
+    descriptions: dict[str, TypeName] = field(default_factory=dict)  # key: interface; C++ only
+    arguments: dict[str, TypeName] = field(default_factory=dict)  # key: name of the operation
+    results: dict[str, TypeName] = field(default_factory=dict)  # key: name of the operation
 
 
 def name_types(model: Model, language: Language) -> TypeNames:
@@ -84,7 +84,7 @@ class _Naming:
         self.names = TypeNames()
         self._model = model
         self._language = language
-        self._taken: dict[str, set[_Place]] = {}  # by file, with names of its includes
+        self._taken: dict[str, set[_Place]] = {}  # names in each file and its includes
         self._top_types = language.type_words | language.root_words
         self._top_modules = language.module_words | language.root_words
 
@@ -98,7 +98,8 @@ class _Naming:
             taken |= {(scope[:i], scope[i]) for i in range(len(scope))}
         joined = {d.name: "_".join(self._parts(d)) for d in declared}
         wanted = {d.name: self._wanted(d, joined) for d in declared}
-        # Declarations that can keep their simple names get these first; all others avoid them.
+        # Declarations that can keep their simple names are named first; all others avoid these
+        # names.
         for as_written in (True, False):
             for declaration in declared:
                 name = wanted[declaration.name]
@@ -143,7 +144,8 @@ class _Naming:
         return escaped(name, self._top_modules)
 
     def _is_own(self, declaration: AnyDeclaration) -> bool:
-        """Whether the declaration is the runtime's own; False if `own_module` is not set."""
+        """Whether the declaration is in an interface file of the runtime; False if `own_module` is
+        not set."""
         own = self._language.own_module
         return bool(own) and self._model.file_of(declaration.name).startswith(f"{own}/")
 
@@ -161,7 +163,7 @@ class _Naming:
     def _wanted(self, declaration: AnyDeclaration, joined: dict[str, str]) -> str:
         name = joined[declaration.name]
         if self._language.file_is_scope and list(joined.values()).count(name) > 1:
-            name = declaration.name.replace("::", "_")  # for a::State beside b::State
+            name = declaration.name.replace("::", "_")  # a::State and b::State in one file
         words = self._language.type_words
         return escaped(
             name, words if self._scope(declaration) else words | self._language.root_words

@@ -48,7 +48,7 @@ _CONSTRUCTED = ("struct", "union", "enum", "bitmask", "bitset")
 
 
 class TypeParser(ExpressionParser):
-    """One method per grammar rule; the next token must be the first token of the rule."""
+    """Each method parses one grammar rule; the next token must be the first token of that rule."""
 
     _uses_object = False  # True: the file uses the type `Object`
 
@@ -64,8 +64,8 @@ class TypeParser(ExpressionParser):
         return found
 
     def _annotation(self) -> AnnotationUse:
-        """Parses an annotation. After a space, "::" begins a type and is no part of the name:
-        `@optional ::m::Pose where`."""
+        """Parses an annotation. A "::" after a space begins a type; it is no part of the name of
+        the annotation: `@optional ::m::Pose where`."""
         start = self._advance()
         name_token = self._now
         is_scoped = self._ahead.text == "::" and self._ahead.start == name_token.end

@@ -1,4 +1,5 @@
-"""The known annotations: checks their arguments, and the declarations that they annotate.
+"""The known annotations. Checks the arguments of each use, and the kind of the annotated
+declaration.
 
 The parameters come from idl/gecos/annotations.gidl. IDL cannot express which declarations an
 annotation may annotate, so places.py lists them.
@@ -64,7 +65,8 @@ class Declared:
 
 @dataclass(frozen=True, slots=True)
 class Applied:
-    """One use of an annotation, its arguments computed and completed by defaults."""
+    """One use of an annotation. Its arguments are computed; those not written have their
+    defaults."""
 
     name: str
     arguments: Mapping[str, Value]
@@ -94,7 +96,7 @@ class Vocabulary:
         self._declared[declared.name.lower()] = declared
 
     def find(self, name: str, scopes: list[str]) -> Declared | None:
-        """Finds an annotation by its written name, seen from `scopes` (innermost first)."""
+        """Finds an annotation by the name in the file, looked up in `scopes` (innermost first)."""
         for scope in scopes:
             found = self._declared.get(f"{scope}::{name}".lower() if scope else name.lower())
             if found is not None:
@@ -104,7 +106,7 @@ class Vocabulary:
     # -- one use -------------------------------------------------------------------------------
 
     def unknown(self, use: AnnotationUse) -> None:
-        """Reports an undeclared annotation: a misspelt one is an error, else it is a warning."""
+        """Reports an undeclared annotation: an error if the name looks misspelt, else a warning."""
         name = str(use.name).removeprefix("::")
         if name.lower() in PLACES:
             self._findings.error("G0501", use.span, f"'@{name}' is written '@{name.lower()}'")
@@ -129,7 +131,7 @@ class Vocabulary:
     def bind(
         self, use: AnnotationUse, declared: Declared, given: list[tuple[str | None, Computed, Span]]
     ) -> Applied | None:
-        """Matches arguments with parameters. None (and a finding) where they do not fit."""
+        """Matches arguments with parameters. None (and a finding) if an argument does not fit."""
         parameters = {p.name: p for p in declared.parameters}
         if len(parameters) == 1 and len(given) > 1:
             message = f"'@{declared.name}' takes one argument"
@@ -182,7 +184,11 @@ class Vocabulary:
             return parameters[name]
         close = get_close_matches(name, list(parameters), n=1, cutoff=0.6)
         known = ", ".join(f"'{p}'" for p in parameters)
-        hint = f"did you mean '{close[0]}'?" if close else f"it has {known or 'no parameters'}"
+        hint = (
+            f"did you mean '{close[0]}'?"
+            if close
+            else f"the annotation has {known or 'no parameters'}"
+        )
         self._findings.error("G0503", span, f"'@{declared.name}' has no parameter '{name}'", hint)
         return None
 
@@ -204,7 +210,7 @@ class Vocabulary:
             shown_use = _example(declared) if single else f'{parameter.name}="..."'
             hint = f"write it in quotes: {shown_use}"
         shown = str(given.value) if given.kind == "int" else describe_kind(given.kind)
-        message = f"'{parameter.name}' of '@{declared.name}' is {wanted}, not {shown}"
+        message = f"'{parameter.name}' of '@{declared.name}' must be {wanted}, not {shown}"
         self._findings.error("G0503", span, message, hint)
         return None
 
@@ -218,7 +224,7 @@ class Vocabulary:
         self._findings.error(
             "G0504",
             applied.span,
-            f"'@{applied.name}' cannot stand on {_article(place)}",
+            f"'@{applied.name}' cannot annotate {_article(place)}",
             f"it applies to {shown}",
         )
         return False

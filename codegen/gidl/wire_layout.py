@@ -2,18 +2,14 @@
 
 The encoding is LCM's (big-endian, fields in order). Types that LCM lacks are lowered:
 
-    ScalarNode      1 to 8 bytes; unsigned and char are bit-cast to the signed type of their width.
-                    Its range is that of the value, also of an element, key or arm
-    EnumNode        enum, bitmask or bitset as int32 (int64 above 32 bits)
-    StringNode      int32 length with NUL, UTF-8, NUL
-    StructNode      the fields of a final struct, inline, without fingerprint
-    AppendableNode  int32 size, then the fields in a block of that many bytes
-    UnionNode       tag, then per arm int8 0 or 1, followed by the arm if 1
-    ArrayNode       the elements
-    SequenceNode    int32 count, the elements
-    OptionalNode    int8 0 or 1, followed by the value if 1
-    MapNode         int32 count, then key and value of each entry, sorted by key
-    ObjectNode      an object reference: the fields of gecos.ObjectRef, an empty name is nil
+    ScalarNode 1 to 8 bytes; unsigned and char are bit-cast to the signed type of their width. The
+    node has the range of its value, also if this is an element, key or arm EnumNode enum, bitmask
+    or bitset as int32 (int64 above 32 bits) StringNode int32 length with NUL, UTF-8, NUL StructNode
+    the fields of a final struct, inline, without fingerprint AppendableNode int32 size, then the
+    fields in a block of that many bytes UnionNode tag, then per arm int8 0 or 1, followed by the
+    arm if 1 ArrayNode the elements SequenceNode int32 count, the elements OptionalNode int8 0 or 1,
+    followed by the value if 1 MapNode int32 count, then key and value of each entry, sorted by key
+    ObjectNode an object reference: the fields of gecos.ObjectRef, an empty name is nil
 
 The body of a request holds the `in` and `inout` parameters in order; the body of a reply holds the
 result, then the `inout` and `out` parameters. Bodies are extensible at the end: a reader ignores
@@ -80,7 +76,7 @@ class FieldLayout:
     name: str
     node: Node
     min_size: int
-    fixed_size: int | None  # bytes of every value; None: the size varies
+    fixed_size: int | None  # bytes of each value; None: the size varies
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +97,7 @@ class UnionLayout:
     name: str
     tag: ScalarNode | EnumNode  # node of the declared discriminator
     wire_tag: Primitive  # INT32, or INT64 for 64-bit and uint32 discriminators
-    arms: tuple[FieldLayout, ...]  # in the order of the cases; sizes without the int8
+    arms: tuple[FieldLayout, ...]  # in the order of the cases; sizes do not include the int8
     appendable: bool
     min_size: int
     lcm: LcmStruct
@@ -117,7 +113,7 @@ class CallKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class CallLayout:
-    """The encoding of the call with one function code."""
+    """The encoding of one call: of an operation, an event, a getter or a setter."""
 
     kind: CallKind
     name: str  # scoped name, "robcl::Manipulator::move"; for setters with "=" at its end
@@ -130,7 +126,8 @@ class CallLayout:
 
 @dataclass(frozen=True, slots=True)
 class StreamLayout:
-    """Samples of an attribute. `code` is the code for its getter, even if it has no getter."""
+    """The samples of a stream. `code` is the function code for a getter of the attribute, even if
+    the attribute has no getter."""
 
     name: str
     code: int
@@ -152,7 +149,7 @@ class Layout:
     structs: Mapping[str, StructLayout]
     unions: Mapping[str, UnionLayout]
     interfaces: Mapping[str, InterfaceLayout]
-    lcm_structs: Mapping[str, tuple[LcmStruct, ...]]  # by file, helpers before their users
+    lcm_structs: Mapping[str, tuple[LcmStruct, ...]]  # by file, helper structs first
     cpp_names: TypeNames
     python_names: TypeNames
 
@@ -389,7 +386,8 @@ def wire_tag_of(tag: ScalarNode | EnumNode) -> Primitive:
 
 
 def min_size_of(model: Model, node: Node) -> int:
-    """Bytes of the smallest value: the least that a reader may expect for each element."""
+    """Size of the smallest value in bytes. A reader may expect at least this number for each
+    element."""
     match node:
         case ScalarNode(primitive):
             return primitive.size
@@ -415,7 +413,7 @@ def min_size_of(model: Model, node: Node) -> int:
 
 
 def fixed_size_of(model: Model, node: Node) -> int | None:
-    """Bytes of every value, or None if the size varies."""
+    """Size of a value in bytes if all values have the same size, else None."""
     match node:
         case ScalarNode() | EnumNode():
             return min_size_of(model, node)

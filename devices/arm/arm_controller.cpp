@@ -7,7 +7,7 @@ namespace devices {
 namespace {
 
 constexpr int cycles_at_goal = 3;
-// rad: after a larger joint movement between planning and start (a brake slipped), a motion fails.
+// rad: if a joint moved further between planning and start (a brake slipped), the motion fails.
 constexpr double moved_away = 1e-3;
 
 std::size_t at(Eigen::Index axis) { return static_cast<std::size_t>(axis); }
@@ -29,7 +29,7 @@ JointState first_state(SupervisedDriver& driver) {
   return std::move(*state);
 }
 
-/// Why a motion cannot begin or continue in this state of the drives; nullopt if it can.
+/// The reason why this state of the drives does not allow a motion; nullopt if it allows one.
 std::optional<DriverFault> not_ready(const JointState& state, ControlMode mode,
                                      const std::string& refusal) {
   switch (state.power) {
@@ -117,7 +117,7 @@ void ArmController::take(tl::expected<JointState, DriverFault> answer, bool moti
     publish();
     return;
   }
-  // The last answer remains published; its time stamp tells its age.
+  // The driver's last answer remains published; the time stamp in the answer tells its age.
   silent_ = true;
   command_ = state_.position;
   last_.commanded = last_.joints;

@@ -1,4 +1,4 @@
-// The part of an arm that runs in the control loop, once per cycle.
+// The part of an arm's server that runs once per cycle of the control loop.
 #pragma once
 
 #include <array>
@@ -15,26 +15,27 @@
 
 namespace devices {
 
-/// Runs one motion at a time, and holds the arm's position when no motion runs. `step` belongs to
-/// the control loop's thread and neither locks nor allocates (unless the driver fails). All other
-/// methods belong to the thread that moves the arm, except `now`, which any thread may call.
+/// Runs one motion at a time, and holds the arm's position when no motion runs. Only the control
+/// loop's thread may call `step`, which neither locks nor allocates unless the driver fails. Any
+/// thread may call `now`. Only the thread that moves the arm may call the other methods.
 ///
 /// The constructor enables the drives in position mode if they have it, else in velocity mode, in
-/// which the loop controls the position itself. A fault of the drives ends the motion and stays
-/// until `reset_drives`: the arm does not move by itself when the cause of the fault is gone.
+/// which the loop controls the position itself. A fault of the drives ends the motion. The fault
+/// stays until `reset_drives`, so that the arm does not move by itself when the cause of the fault
+/// is gone.
 class ArmController {
  public:
   struct Settings {
-    double settled = 1e-4;      ///< rad from its goal at which a joint counts as arrived
-    double settle_time = 1;     ///< s after the end of a motion in which a joint must arrive
-    double position_gain = 20;  ///< 1/s, in velocity mode: rad/s for each rad of position error
+    double settled = 1e-4;      ///< rad: a joint this near to its goal has arrived
+    double settle_time = 1;     ///< s that the joints may take to arrive after a plan
+    double position_gain = 20;  ///< rad/s per rad of position error, in velocity mode
   };
 
   /// The measurements of one cycle.
   struct Reading {
     std::array<double, robcl::arm::max_axes> joints{};
-    std::array<double, robcl::arm::max_axes> commanded{};  // set points in the same cycle, rad
-    std::array<double, 7> base_from_flange{};              // x, y, z, then w, x, y, z
+    std::array<double, robcl::arm::max_axes> commanded{};  // set points in that cycle, rad
+    std::array<double, 7> base_from_flange{};              // x, y, z, then quaternion w, x, y, z
     double fraction = 0;
     double remaining = 0;
     std::uint64_t cycle = 0;          // number of measurements so far
@@ -47,13 +48,14 @@ class ArmController {
   enum class End { Arrived, Stopped, NotSettled, Fault };
   struct Outcome {
     End end = End::Arrived;
-    Eigen::Index axis = 0;  ///< NotSettled: the joint that is furthest away
+    Eigen::Index axis = 0;  ///< after NotSettled: index of the joint furthest from its goal
     double away = 0;        ///< rad, distance of that joint from its goal
-    DriverFault fault;      ///< Fault: what failed
+    DriverFault fault;      ///< after Fault: what failed
   };
 
-  /// Throws std::runtime_error with the driver's message if it cannot read the joint positions, and
-  /// std::invalid_argument if it has not as many joints as the model, or only torque mode.
+  /// Throws std::runtime_error with the driver's message if the driver cannot read the joint
+  /// positions. Throws std::invalid_argument if the driver has torque mode only, or another number
+  /// of joints than the model.
   ArmController(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
   /// Turns the drives off; the brakes then hold the arm.
   ~ArmController();
@@ -68,12 +70,13 @@ class ArmController {
   /// Number of started cycles. It does not rise while the driver blocks.
   std::uint64_t beats() const { return beats_.load(); }
 
-  /// Hands a motion to the control loop. @pre the end of the last motion was awaited; `plan` starts
-  /// at `standing_at()`.
+  /// Hands a motion to the control loop. @pre `wait` returned the outcome of the last motion;
+  /// `plan` starts at `standing_at()`.
   void start(robcl::motion::Plan plan);
   /// Decelerates the running motion. May be called at any time, even when no motion runs.
   void stop() { stop_.store(true); }
-  /// Waits at most `patience` for the outcome of the motion; after that the next may start.
+  /// Waits at most `patience` for the outcome of the motion. Once `wait` has returned it, the next
+  /// motion may start.
   std::optional<Outcome> wait(gecos::Duration patience);
 
   /// The set points of the joints while no motion runs: the end of the last motion or, after a
@@ -103,8 +106,8 @@ class ArmController {
   const ControlMode mode_;
   robcl::arm::Kinematics forward_;
 
-  // playback_ and outcome_ belong to the control loop from start() to the end of the motion, at
-  // other times to the thread that moves the arm.
+  // From start() to the end of the motion, only the control loop uses playback_ and outcome_; at
+  // other times, only the thread that moves the arm.
   std::optional<robcl::motion::Playback> playback_;
   Outcome outcome_;
 
@@ -119,7 +122,7 @@ class ArmController {
   JointState state_;  // the driver's last answer
   JointValues command_;
   bool silent_ = false;  // the driver returned no plausible answer in the last cycle
-  std::string refusal_;  // why the drives cannot be enabled
+  std::string refusal_;  // why the drives could not be enabled; empty if they could
   double settling_ = 0;
   int arrived_ = 0;
   Reading last_;

@@ -14,8 +14,9 @@ using robcl::motion::Pace;
 using robcl::motion::Plan;
 using namespace std::chrono_literals;
 
-constexpr auto beat = 5ms;       // between two polls of a motion
-constexpr int most_looks = 400;  // polls without a new control cycle, after which it has stalled
+constexpr auto beat = 5ms;  // period at which a running motion is polled
+// polls without a new control cycle: then the control loop has stalled
+constexpr int most_looks = 400;
 
 MoveFailure as_move_failure(const Failure& failure) {
   return std::visit([](const auto& reason) { return MoveFailure(reason); }, failure);
@@ -30,7 +31,9 @@ std::string not_settled(const ArmController::Outcome& outcome) {
 }
 
 struct Words {
-  std::string operator()(const Interrupted&) const { return "interrupted; the arm stands"; }
+  std::string operator()(const Interrupted&) const {
+    return "the motion was interrupted; the arm has stopped";
+  }
   std::string operator()(const Refused& refused) const { return refused.reason; }
   std::string operator()(const DriverFault& fault) const { return fault.text; }
   template <typename Reason>
@@ -145,7 +148,7 @@ tl::expected<void, MoveFailure> ArmDevice::follow(Plan plan, MotionWatcher& watc
   controller_.start(std::move(plan));
   const auto outcome = await_end(watcher);
   if (!outcome) {
-    controller_.stop();  // in case the control loop continues later
+    controller_.stop();  // ends the motion if the control loop continues later
     unfinished_ = true;
     return tl::unexpected(DriverFault{"the driver does not return: the control loop has stalled"});
   }

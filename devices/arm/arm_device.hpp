@@ -1,4 +1,4 @@
-// An arm with a place in the world and a tool, which one caller at a time may move.
+// An arm that has a base in the world and a tool. One caller at a time may move the arm.
 #pragma once
 
 #include <memory>
@@ -22,9 +22,9 @@ enum class PathKind { Joint, Straight };
 class MotionWatcher {
  public:
   virtual ~MotionWatcher() = default;
-  /// Called about every 5 ms; true decelerates the arm on its path.
+  /// Called about every 5 ms. If it returns true, the arm decelerates on its path.
   virtual bool interrupted() = 0;
-  /// `fraction` of the motion's time that has passed, 0 to 1; `remaining` s until the arm stands.
+  /// `fraction`: passed part of the motion's duration, 0 to 1. `remaining`: s until the arm stands.
   virtual void progress(double fraction, double remaining) = 0;
 };
 

@@ -16,12 +16,14 @@ struct ArmProgram {
   std::string name;         ///< name to register unless --name is given
   std::string arm;          ///< in texts for people: "Staeubli RX90"
   std::string urdf;         ///< text of the URDF model
-  std::string base_link;    ///< name in the URDF
-  std::string flange_link;  ///< name in the URDF
-  /// Sets the acceleration limit of each joint: neither URDF nor a published source has one.
+  std::string base_link;    ///< name of the base link in the URDF model
+  std::string flange_link;  ///< name of the flange link in the URDF model
+  /// The acceleration limit of a joint is its full speed divided by this time, because neither URDF
+  /// nor a published source has such a limit.
   double seconds_to_full_speed = 0.25;
   std::vector<double> start_degrees;  ///< start positions of the simulated joints
-  std::string place;                  ///< why the arm has no carrier; see ManipulatorServant
+  /// Where the arm stands, for the error of `mount`; see ManipulatorServant.
+  std::string place;
   /// Makes the driver of the real joints. If empty, the joints are simulated.
   std::function<std::unique_ptr<JointDriver>()> connect{};
 };

@@ -9,7 +9,8 @@
 namespace devices {
 
 /// The newest value that one thread writes and any number of threads read. Writing is wait-free. A
-/// reader retries if the value changed meanwhile: at most once at some hundred writes per second.
+/// reader that finds the value changing reads again; with a few hundred writes per second it does
+/// so at most once.
 template <typename T>
 requires std::is_trivially_copyable_v<T>
 class Latest {
@@ -39,7 +40,7 @@ class Latest {
  private:
   static constexpr std::size_t words = (sizeof(T) + 7) / 8;
   std::atomic<std::uint64_t> version_{0};
-  std::array<std::atomic<std::uint64_t>, words> words_{};  // publish T, guarded by version_
+  std::array<std::atomic<std::uint64_t>, words> words_{};  // the bytes of T
 };
 
 }  // namespace devices

@@ -13,11 +13,11 @@ namespace devices {
 /// its own interface (see ExactArm).
 class ManipulatorServant : public virtual robcl::ManipulatorServant {
  public:
-  /// `place` says where the arm stands: "an RX90 weighs 111 kg and stands on the floor". The error
-  /// of `mount` for another carrier begins with it.
+  /// `place` says where the arm stands: "an RX90 weighs 111 kg and stands on the floor". If `mount`
+  /// is called with a carrier, the error begins with `place`.
   ManipulatorServant(ArmDevice& arm, std::string place) : arm_(arm), place_(std::move(place)) {}
 
-  /// Sends a sample of every stream if there is a new measurement. One thread at a time.
+  /// Sends a sample of every stream if there is a new measurement. Called by one thread at a time.
   void publish();
 
  protected:
@@ -41,7 +41,7 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
  private:
   ArmDevice& arm_;
   const std::string place_;
-  std::uint64_t published_ = 0;  // the last published cycle
+  std::uint64_t published_ = 0;  // number of the last published measurement
 };
 
 }  // namespace devices

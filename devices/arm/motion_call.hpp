@@ -1,4 +1,4 @@
-// Connects the handler of a motion to the arm, and makes its reply.
+// Connects the handler of a motion to the arm, and makes the handler's reply.
 #pragma once
 
 #include "arm/arm_device.hpp"
@@ -24,7 +24,7 @@ class CallWatcher final : public MotionWatcher {
 
 robcl::motion::Pace pace_of(const robcl::Trajectory& how);
 
-/// The reply of a motion. Each failure maps to one exception of the interface.
+/// The reply to a call that moves the arm. Each failure maps to one exception of the interface.
 gecos::Result<void> answer(const tl::expected<void, MoveFailure>& moved);
 
 }  // namespace devices

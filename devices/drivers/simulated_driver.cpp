@@ -50,7 +50,8 @@ JointState SimulatedDriver::state() {
 tl::expected<void, DriverFault> SimulatedDriver::enable(ControlMode mode) {
   if (power_ == DrivePower::Fault) return tl::unexpected(DriverFault{fault_});
   if (mode == ControlMode::Torque) {
-    return tl::unexpected(DriverFault{"simulated joints have no mass, so no torque mode"});
+    return tl::unexpected(
+        DriverFault{"torque mode is not supported: the simulated joints have no mass"});
   }
   power_ = DrivePower::On;
   mode_ = mode;

@@ -7,12 +7,12 @@
 namespace devices {
 
 /// Simulated, imperfect joints. They follow a commanded position or velocity with a first-order
-/// lag, and are measured by encoders with steps and noise. They have no mass, and so no torque
-/// mode.
+/// lag, and are measured by encoders of finite resolution with noise. The joints have no mass, so
+/// there is no torque mode.
 class SimulatedDriver final : public JointDriver {
  public:
   struct Imperfection {
-    double lag = 0.010;               ///< time constant, s: 63 % of a set point's step is done
+    double lag = 0.010;               ///< time constant of the lag, s: time to do 63 % of a step
     double encoder_counts = 262'144;  ///< counts per turn
     double noise = 0.4;               ///< standard deviation, counts
     unsigned seed = 1;

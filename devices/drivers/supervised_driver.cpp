@@ -10,9 +10,9 @@
 namespace devices {
 namespace {
 
-constexpr double encoder_slack = 0.01;  // rad that noise and a late cycle may add to a step
+constexpr double encoder_slack = 0.01;  // rad that noise or a late cycle may add to a movement
 
-/// Returns the result of `ask`; an exception becomes a fault.
+/// Calls `ask` and returns its result. Turns an exception into a DriverFault.
 template <typename Ask>
 auto caught(Ask ask) -> decltype(ask()) {
   try {
@@ -20,7 +20,8 @@ auto caught(Ask ask) -> decltype(ask()) {
   } catch (const std::exception& thrown) {
     return tl::unexpected(DriverFault{"the driver threw: " + std::string(thrown.what())});
   } catch (...) {
-    return tl::unexpected(DriverFault{"the driver threw something that is no std::exception"});
+    return tl::unexpected(
+        DriverFault{"the driver threw an exception that is not a std::exception"});
   }
 }
 
@@ -90,8 +91,8 @@ std::optional<DriverFault> SupervisedDriver::lie_of(const JointState& state, dou
     return lie("its joint torques are not ", axes, " finite numbers");
   }
   const double age = unix_now() - 1e-9 * static_cast<double>(state.measured_at_ns);
-  if (age > oldest) return lie("it was measured ", age, " s ago");
-  if (age < -oldest) return lie("it was measured ", -age, " s in the future");
+  if (age > oldest) return lie("its measurement is ", age, " s old");
+  if (age < -oldest) return lie("its measurement is ", -age, " s in the future");
   return jump_of(state.position, seconds);
 }
 

@@ -13,9 +13,10 @@ namespace devices {
 /// stamp in the future or too old, a joint that moved faster than it can.
 class SupervisedDriver final : public JointDriver {
  public:
-  /// Greatest age of a measurement, s. An older one, or one as far in the future, is a fault.
+  /// Greatest age of a measurement, s. A measurement that is older, or this far in the future, is a
+  /// fault.
   static constexpr double oldest = 0.1;
-  /// Measured movements are a fault above this multiple of a joint's speed limit.
+  /// A measured movement is a fault if it is faster than this multiple of the joint's speed limit.
   static constexpr double speed_margin = 4;
 
   /// `limits` has one entry per joint.
@@ -38,7 +39,7 @@ class SupervisedDriver final : public JointDriver {
 
   JointDriver& driver_;
   const std::vector<robcl::arm::JointLimits> limits_;
-  JointValues last_;  // positions; empty after a fault, when joints may have moved any distance
+  JointValues last_;  // last positions; empty after a fault: joints may have moved any distance
 };
 
 }  // namespace devices

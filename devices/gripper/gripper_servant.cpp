@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto beat = 10ms;              // between two polls of the jaws
+constexpr auto beat = 10ms;              // period at which the jaws are polled
 constexpr auto world_takes_notice = 2s;  // longest delay until the world shows a held body
 
 gecos::Fault out_of_range(const SimulatedGripper::OutOfRange& refused) {
@@ -57,7 +57,7 @@ gecos::Result<robcl::Frame> GripperServant::grip_point() {
   return *world_from_base * base_from_grip_point_;
 }
 
-/// The body that the jaws meet when they close at their present place; nullopt if none.
+/// The body that the jaws would meet if they closed now; nullopt if they would meet none.
 gecos::Result<std::optional<SimulatedGripper::Contact>> GripperServant::contact() {
   if (world_.name().empty()) return std::nullopt;
   const auto point = grip_point();
@@ -96,9 +96,10 @@ gecos::Result<void> GripperServant::wait_for_world(const std::string& body,
     if (found->fixed || found->held_by == holder) return {};
     if (run.wait_interrupted(beat)) return tl::unexpected(gecos::Fault::interrupted());
   }
-  return tl::unexpected(gecos::Fault::failed(
-      "world '" + world_.name() + "' does not notice that '" + name_ + "' " +
-      (holder.empty() ? "let go of" : "holds") + " '" + body + "': check its --grippers option"));
+  return tl::unexpected(
+      gecos::Fault::failed("world '" + world_.name() + "' does not notice that '" + name_ + "' " +
+                           (holder.empty() ? "let go of" : "holds") + " '" + body +
+                           "': check the option --grippers of robcl-world"));
 }
 
 gecos::Result<void> GripperServant::open(double width, Run& run) {

@@ -11,8 +11,8 @@
 
 namespace devices {
 
-/// Serves a SimulatedGripper as the object `robcl::Gripper`. A simulated world tells what its jaws
-/// meet. Thread-safe; handlers wait for the world.
+/// Serves a SimulatedGripper as the object `robcl::Gripper`. A simulated world tells which body the
+/// jaws meet. Thread-safe; handlers wait for the world.
 class GripperServant final : public robcl::GripperServant {
  public:
   /// If `world` is empty, the gripper uses no world and the jaws never meet a body.
@@ -22,7 +22,8 @@ class GripperServant final : public robcl::GripperServant {
 
   /// Moves the jaws for one cycle of `seconds`. Called by one thread.
   void step(double seconds) { gripper_.step(seconds); }
-  /// Sends a sample of the jaws and keeps the carrier's stream alive. Called by one thread.
+  /// Sends a sample of the jaws' state, and reconnects to the carrier when needed. Called by one
+  /// thread.
   void publish();
 
  private:

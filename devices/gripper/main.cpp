@@ -41,7 +41,7 @@ int run(int count, char** words) {
   return devices::serve_device(lab, servant,
                                {.program = "robcl-gripper",
                                 .name = line.text("name"),
-                                .blocking = true,  // handlers call the world
+                                .blocking = true,  // handlers wait for the world
                                 .beats = {{20ms, [&servant](double) { servant.publish(); }}}});
 }
 

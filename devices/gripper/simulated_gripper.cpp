@@ -17,7 +17,7 @@ SimulatedGripper::State SimulatedGripper::state() const {
 
 tl::expected<void, SimulatedGripper::OutOfRange> SimulatedGripper::open(
     double width, const std::optional<Contact>& contact) {
-  if (!(width >= 0 && width <= settings_.max_width)) {  // written so that NaN fails, too
+  if (!(width >= 0 && width <= settings_.max_width)) {  // this comparison also refuses NaN
     return tl::unexpected(OutOfRange{"width in m", width, 0, settings_.max_width});
   }
   const gecos::MutexLock lock(guard_);

@@ -39,10 +39,11 @@ class SimulatedGripper {
   const Settings& settings() const { return settings_; }
   State state() const;
 
-  /// Starts to move to `width` and releases a held body. If the jaws have to close for that, they
+  /// Starts to move to `width` and releases a held body. If the jaws close to reach `width`, they
   /// stop at `contact`, without force.
   tl::expected<void, OutOfRange> open(double width, const std::optional<Contact>& contact);
-  /// Starts to close until the jaws press `contact` with `force`, N, or, without it, each other.
+  /// Starts to close the jaws until they press `contact` with `force`, N. Without `contact`, the
+  /// jaws press each other.
   tl::expected<void, OutOfRange> close(double force, const std::optional<Contact>& contact);
   /// Stops the jaws where they are; a held body stays held.
   void halt();
@@ -54,7 +55,7 @@ class SimulatedGripper {
   mutable gecos::Mutex guard_;
   State state_ GECOS_GUARDED_BY(guard_);
   double target_ GECOS_GUARDED_BY(guard_);
-  double force_at_target_ GECOS_GUARDED_BY(guard_) = 0;  // 0: no grip at the target
+  double force_at_target_ GECOS_GUARDED_BY(guard_) = 0;  // N; 0: the jaws will not grip
   std::string body_at_target_ GECOS_GUARDED_BY(guard_);
 };
 

@@ -19,11 +19,11 @@ int run(int count, char** words) {
        {"world", "WORLD", "name of the world with the bodies"},
        {"carrier", "", "arm whose flange carries the sensor; '' for none"},
        {"x", "1000", "x of the sensor's base, seen from its carrier, mm"},
-       {"y", "200", "y of the base, mm"},
-       {"z", "250", "z of the base, mm"},
+       {"y", "200", "y of the sensor's base, mm"},
+       {"z", "250", "z of the sensor's base, mm"},
        {"a", "0", "ZYZ Euler angles a, b, c of the base (beam along z), deg"},
-       {"b", "-90", "second angle, deg"},
-       {"c", "0", "third angle, deg"},
+       {"b", "-90", "second Euler angle b, deg"},
+       {"c", "0", "third Euler angle c, deg"},
        {"lower", "50", "smallest measured distance, mm"},
        {"upper", "1000", "greatest measured distance, mm"},
        {"seed", "1", "seed of the simulated noise"}},
@@ -49,7 +49,7 @@ int run(int count, char** words) {
   return devices::serve_device(lab, servant,
                                {.program = "robcl-lds",
                                 .name = line.text("name"),
-                                .blocking = true,  // handlers call the world
+                                .blocking = true,  // handlers wait for the world
                                 .beats = {{20ms, [&servant](double) { servant.publish(); }}}});
 }
 

@@ -14,8 +14,8 @@ namespace devices {
 
 using FlangeStream = gecos::ReconnectingStream<robcl::Manipulator, robcl::Frame>;
 
-/// The flange of a manipulator, from the last sample of its stream, or the fixed world. Any thread
-/// may call `frame`; one thread calls `tick`.
+/// What carries a device: the flange of a manipulator, as the last sample of the flange's stream
+/// reported it, or the fixed world. Any thread may call `frame`; one thread calls `tick`.
 class Carrier {
  public:
   /// Longest silence of the flange's stream, after which the frame is unknown.
@@ -40,7 +40,7 @@ class Carrier {
 
   gecos::Lab& lab_;
   mutable gecos::Mutex guard_;                                     // never held while connecting
-  std::shared_ptr<FlangeStream> flange_ GECOS_GUARDED_BY(guard_);  // null: fixed to the world
+  std::shared_ptr<FlangeStream> flange_ GECOS_GUARDED_BY(guard_);  // null: the world is the carrier
 };
 
 /// The base of a device, fixed to a carrier.

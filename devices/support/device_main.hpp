@@ -12,7 +12,7 @@ namespace devices {
 /// Periodic work of a device while it is served, on a thread of its own.
 struct Beat {
   gecos::Duration period;
-  std::function<void(double seconds)> work;  ///< gets the time since the last call, s
+  std::function<void(double seconds)> work;  ///< argument: time since the last call, s
 };
 
 struct Served {

@@ -14,7 +14,8 @@ using Eigen::Vector3d;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double touching = 1e-3;  // m by which boxes may overlap and still count as touching
 
-/// The twelve edges of a box, each as two corner numbers, which differ in one bit (bit i: axis i).
+/// The twelve edges of a box. An edge is a pair of corner numbers that differ in bit i, where i is
+/// the axis of the edge.
 constexpr std::array<std::array<std::size_t, 2>, 12> edges = {{{0, 1},
                                                                {2, 3},
                                                                {4, 5},
@@ -65,7 +66,8 @@ std::vector<Vector3d> clipped(const std::vector<Vector3d>& polygon, Eigen::Index
   return kept;
 }
 
-/// The height of edge a over edge b where they cross, seen from above; nullopt if they do not.
+/// The height of edge a over edge b at the point where they cross, seen from above; nullopt if they
+/// do not cross.
 std::optional<double> height_over(const Vector3d& a0, const Vector3d& a1, const Vector3d& b0,
                                   const Vector3d& b1) {
   const Vector2d a = (a1 - a0).head<2>(), b = (b1 - b0).head<2>(), from = (b0 - a0).head<2>();

@@ -25,7 +25,7 @@ std::optional<double> ray_hit(const Frame& ray, double reach, const Box& box);
 
 /// The part of a box that lies between two jaws.
 struct Between {
-  double lower = 0, upper = 0;  ///< along y of the jaws, m
+  double lower = 0, upper = 0;  ///< limits of the part along the jaws' y axis, m
 };
 
 /// The part of the box with |x| <= pad[0]/2, |y| <= opening/2, |z| <= pad[1]/2 in the frame `jaws`;

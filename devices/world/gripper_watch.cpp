@@ -30,7 +30,8 @@ GripperWatch::GripperWatch(gecos::Lab& lab, SimulatedWorld& world, std::string g
 void GripperWatch::tick() {
   carrier_.tick();
   jaws_.tick();
-  if (const auto jaws = jaws_.latest()) see(jaws->value);  // else a held body stays held
+  // Without a sample, a held body stays held.
+  if (const auto jaws = jaws_.latest()) see(jaws->value);
   carry();
 }
 

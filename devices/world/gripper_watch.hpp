@@ -9,7 +9,8 @@
 
 namespace devices {
 
-/// Moves the body that a gripper holds: watches its jaws, and the flange that carries the gripper.
+/// Moves the body that a gripper holds: watches the gripper's jaws and the flange that carries the
+/// gripper.
 class GripperWatch {
  public:
   GripperWatch(gecos::Lab& lab, SimulatedWorld& world, std::string gripper);

@@ -48,15 +48,16 @@ class SimulatedWorld {
   /// The first body on the ray along z of `origin`, at most `reach` m away.
   std::optional<Hit> cast(const Frame& origin, double reach) const;
 
-  /// The body that jaws at `jaws` (closing along y) meet when they close from `opening`; of several
-  /// bodies the thickest. A body that is not in the middle is gripped where it is.
+  /// The body that jaws at the frame `jaws` meet when they close along y from the distance
+  /// `opening`. Of several bodies, returns the thickest. A body that is not in the middle is
+  /// gripped where it is.
   std::optional<Contact> between(const Frame& jaws, double opening) const;
 
   tl::expected<void, PlaceProblem> place(std::string_view name, const Frame& pose);
 
-  /// Reports that `gripper` holds `body` (empty: none) and that its carrier is at `carrier` now.
-  /// Attaches a newly held body, moves a held one, releases the others. A fixed body, or one that
-  /// another gripper holds, is not attached.
+  /// Reports that `gripper` holds `body` (empty: none) and that the gripper's carrier is at
+  /// `carrier` now. Attaches a newly held body, moves a body that is still held, and releases the
+  /// gripper's other bodies. A fixed body, or one that another gripper holds, is not attached.
   void track(const std::string& gripper, const std::string& body, const Frame& carrier);
 
  private:

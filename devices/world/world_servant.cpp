@@ -70,7 +70,7 @@ gecos::Result<void> WorldServant::place(const std::string& name, const robcl::Fr
       break;
   }
   return tl::unexpected(
-      gecos::Fault::rejected("'" + name + "' is held by a gripper: open it first"));
+      gecos::Fault::rejected("'" + name + "' is held by a gripper: open the gripper first"));
 }
 
 }  // namespace devices

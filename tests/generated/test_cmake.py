@@ -108,7 +108,7 @@ def test_what_is_not_there_is_named(here: Path) -> None:
     assert "ROOT" in refusal(here, "gidl_generate(lamp own/lab/lamp.gidl ROOT nowhere)\n")
     assert "does not exist" in refusal(here, "gidl_generate(lamp gone.gidl)\n")
     body = "gidl_generate(lamp own/lab/lamp.gidl ROOT own IMPORTS nowhere far)\n"
-    assert "nowhere: error[G0024]: cannot be searched" in refusal(here, body)
+    assert "nowhere: error[G0024]: this folder cannot be searched" in refusal(here, body)
 
 
 def test_the_project_file_is_heeded_and_watched(here: Path) -> None:

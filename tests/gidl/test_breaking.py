@@ -259,7 +259,9 @@ class TestCommand:
         assert main(["breaking", "--against", "git#ref=HEAD"]) == 100
         said = capsys.readouterr().err
         assert "WIRE: operation 'lab::Cart::halt' is gone" in said
-        assert re.search(r"^HEAD:idl/lab.gidl:\d+:\d+: note: it was here$", said, re.MULTILINE)
+        assert re.search(
+            r"^HEAD:idl/lab.gidl:\d+:\d+: note: the old declaration is here$", said, re.MULTILINE
+        )
         assert main(["breaking", "--against", "git#ref=HEAD,subdir=was"]) == 1
         assert main(["breaking", "--against", "git#ref=nowhere"]) == 1
         assert "git has no idl/ in 'nowhere'" in capsys.readouterr().err

@@ -68,5 +68,8 @@ def test_a_file_whose_name_is_not_utf_8_is_refused(
     (tmp_path / "idl" / os.fsdecode(b"caf\xe9.gidl")).write_text("struct A { long x; };")
     monkeypatch.chdir(tmp_path)
     assert main(["gen"]) == 100
-    assert "caf\\udce9.gidl: error[G0001]: has a name that is not UTF-8" in capsys.readouterr().err
+    assert (
+        "caf\\udce9.gidl: error[G0001]: the name of this file is not UTF-8"
+        in capsys.readouterr().err
+    )
     assert not (tmp_path / "generated").exists()

@@ -135,7 +135,9 @@ class TestIdl:
         for verb in ("check", "gen"):
             assert main([verb]) == 100
             said = capsys.readouterr().err
-            assert "idl/lamp.idl: error[G0021]: generates the files lamp_types.hpp" in said
+            assert (
+                "idl/lamp.idl: error[G0021]: this file generates the files lamp_types.hpp" in said
+            )
             assert "as does idl/lamp.gidl\n" in said
         assert main(["gen", "idl/lamp.idl"]) == 0
 
@@ -147,7 +149,7 @@ def test_two_files_of_one_module_are_refused_where_python_is_wanted(
     (here / "idl" / "my_lamp.gidl").write_text(STRUCT.format("Light"))
     assert main(["gen"]) == 100
     said = capsys.readouterr().err
-    assert "idl/my_lamp.gidl: error[G0022]: generates the Python module my_lamp" in said
+    assert "idl/my_lamp.gidl: error[G0022]: this file generates the Python module my_lamp" in said
     assert "as does idl/my-lamp.gidl\n" in said
     assert not Path("generated").exists()
     assert main(["gen", "--lang", "cpp,lcm,model"]) == 0

@@ -160,8 +160,8 @@ class TestReports:
         lines = capsys.readouterr().out.splitlines()
         assert all(line.startswith(("::error ", "::warning ")) for line in lines)
         assert (
-            "::error file=generated/lcm/lab/oven.lcm,line=3,col=1,title=gidl G1401::differs from "
-            "the output of the interfaces%0Ahelp: to fix, run: gidl gen --lang lcm"
+            "::error file=generated/lcm/lab/oven.lcm,line=3,col=1,title=gidl G1401::this file "
+            "differs from the output of the interfaces%0Ahelp: to fix, run: gidl gen --lang lcm"
         ) in lines
 
     def test_text_has_the_difference(self, wrong: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -63,7 +63,7 @@ def test_a_name_with_a_meaning_of_its_own_is_refused(
     here: Path, name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["new", name]) == 2
-    assert "has a meaning already" in capsys.readouterr().err
+    assert "is reserved or already declared" in capsys.readouterr().err
     assert not any(here.iterdir())
 
 

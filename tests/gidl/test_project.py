@@ -168,8 +168,9 @@ class TestProjectFile:
         ('wide = true\n', "1:1", "wide: 'utf8' is expected", 'wide = "utf8"'),
         ('strict = "yes"\n', "1:1", "strict: true or false is expected", "strict = true"),
         ('except = ["G0102"]\n', "1:1", "except: 'G0102' is none of G0708,", "for example"),
-        ('roots = ["own"]\nstrict true\n', "2:8", "is not TOML: Expected '=' after a key", ""),
-        ('roots = ["own"\n', "2:1", "is not TOML: Unclosed array", ""),
+        ('roots = ["own"]\nstrict true\n', "2:8",
+         "this file is not TOML: Expected '=' after a key", ""),
+        ('roots = ["own"\n', "2:1", "this file is not TOML: Unclosed array", ""),
     ],
 )  # fmt: skip
 def test_a_wrong_project_file_is_told_with_its_line(
@@ -211,7 +212,7 @@ def test_what_is_no_toml_at_all_is_told(
 ) -> None:
     (here / "gidl.toml").write_bytes(data)
     assert main(["check"]) == 2
-    assert "error[G0023]: is not " in capsys.readouterr().err
+    assert "error[G0023]: this file is not " in capsys.readouterr().err
 
 
 def test_every_mistake_is_told_in_one_run(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -288,8 +289,14 @@ class TestOptions:
         (here / "a.gidl").write_text("@final struct A { long x; };\n")
         assert main(["check", "-I", "nowhere", "-I", "a.gidl", "-I", "own", "a.gidl"]) == 100
         said = capsys.readouterr().err
-        assert "nowhere: error[G0024]: cannot be searched for included files: No such" in said
-        assert "a.gidl: error[G0024]: cannot be searched for included files: Not a dir" in said
+        assert (
+            "nowhere: error[G0024]: this folder cannot be searched for included files: No such"
+            in said
+        )
+        assert (
+            "a.gidl: error[G0024]: this folder cannot be searched for included files: Not a dir"
+            in said
+        )
         assert "own: error" not in said
 
     def test_strict_takes_warnings_for_errors(

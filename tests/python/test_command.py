@@ -204,7 +204,7 @@ def test_a_command_that_failed_and_was_never_asked_warns_at_the_line_that_droppe
     with pytest.warns(gecos.UnobservedCommandWarning) as warned:
         del command
     assert str(warned[0].message).startswith(
-        "LAMP.dim failed, and nobody has asked: DENIED: 'dim' of LAMP needs actor status"
+        "LAMP.dim failed, and nobody observed the failure: DENIED: 'dim' of LAMP needs actor status"
     )
     assert warned[0].filename == __file__
 
@@ -220,7 +220,9 @@ def test_a_command_that_fails_after_it_was_dropped_is_told_in_the_log(
     gecos.ping(lamp).result()
     said = capfd.readouterr().err
     assert said.count("\n") == 1
-    assert said.startswith("gecos warning command: LAMP.dim failed, and nobody has asked: COMMAND_")
+    assert said.startswith(
+        "gecos warning command: LAMP.dim failed, and nobody observed the failure: COMMAND_"
+    )
 
 
 @pytest.mark.parametrize("observe", ["state", "cancel", "detach", "wait"])

@@ -122,7 +122,7 @@ def test_a_lease_that_is_dropped_at_once_says_what_to_write(
     with pytest.warns(gecos.DroppedLeaseWarning) as warned:
         gecos.actor(lamp)
     assert str(warned[0].message) == (
-        "actor status of LAMP was given back at once, before anything was issued under it; "
+        "actor status of LAMP was released at once, before any command was issued under it; "
         "write `with gecos.actor(…):`"
     )
     assert warned[0].filename == __file__

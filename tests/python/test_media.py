@@ -38,5 +38,5 @@ def test_each_medium_is_refused_by_the_term(lab: gecos.Lab, server: gecos.Server
         lab.create(over(Media.TCP | Media.CAN), "LAMP")
     text = str(refused.value)
     for medium in ("inproc", "shm", "lcm"):
-        assert f"media=tcp|can: {medium} is not among them" in text
+        assert f"media=tcp|can: {medium} is not one of these media" in text
     assert "QOS_UNAVAILABLE" in text

@@ -19,7 +19,7 @@ def test_others_learn_what_became_of_a_command(lab: gecos.Lab, lamp: Lamp, held:
 def test_another_life_of_the_server_is_not_known(lamp: Lamp) -> None:
     outcome = gecos.outcome(lamp, "1-2-3").result()
     assert outcome.detail is gecos.Detail.OUTCOME_UNKNOWN
-    assert "started anew" in outcome.text
+    assert "was restarted" in outcome.text
 
 
 def test_what_is_no_id_is_refused(lamp: Lamp) -> None:

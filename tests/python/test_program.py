@@ -73,7 +73,10 @@ def test_a_log_level_that_there_is_not_is_refused_by_name(place: Path) -> None:
         capture_output=True,
         text=True,
     )
-    said = 'gecos: GECOS_LOG is "loud", which is no level; write error, warning, info or debug\n'
+    said = (
+        'gecos: GECOS_LOG is "loud", which is not a log level; '
+        "write error, warning, info or debug\n"
+    )
     assert (done.returncode, done.stderr) == (1, said)
 
 

@@ -26,14 +26,14 @@ def test_it_is_a_proxy_again(lab: gecos.Lab, lamp: Lamp) -> None:
 
 
 def test_nil_is_refused_by_name(lab: gecos.Lab) -> None:
-    with pytest.raises(gecos.CreateError, match=r"\(nil\).*an empty name is no object"):
+    with pytest.raises(gecos.CreateError, match=r"\(nil\).*an empty name refers to no object"):
         lab.create(Lamp, ObjectRef())
 
 
 def test_another_life_of_the_server_is_another_object(lab: gecos.Lab, lamp: Lamp) -> None:
     reference = gecos.reference(lamp)
     old = dataclasses.replace(reference, boot=reference.boot ^ 1)
-    with pytest.raises(gecos.CreateError, match="it was started anew"):
+    with pytest.raises(gecos.CreateError, match="the server was restarted"):
         lab.create(Lamp, old)
     assert lab.create(Lamp, ObjectRef(name="LAMP")).label().result()  # whoever did not know
 

@@ -129,7 +129,7 @@ def test_booleans_are_written_as_0_and_1_and_read_as_bool() -> None:
         ("i", 1.5, "1.5 is not a whole number"),
         ("I", 2**32, "4294967296 is not a whole number from 0 to 4294967295"),
         ("Q", -1, "-1 is not a whole number"),
-        ("f", 1e300, "1e\\+300 is not a number of single precision"),
+        ("f", 1e300, "1e\\+300 is not a number that fits in single precision"),
         ("d", "1", "'1' is not a number"),
         ("d", None, "None is not a number"),
     ],
@@ -151,7 +151,7 @@ def test_strings_that_cannot_be_sent_are_refused() -> None:
         wire.string(None, field="name")  # type: ignore[arg-type]
     with pytest.raises(EncodeError, match="contains NUL"):
         wire.string("a\0b", field="name")
-    with pytest.raises(EncodeError, match="cannot be UTF-8: surrogates not allowed"):
+    with pytest.raises(EncodeError, match="cannot be encoded as UTF-8: surrogates not allowed"):
         wire.string("\ud800", field="name")
 
 
@@ -183,11 +183,11 @@ def test_arrays_are_written_big_endian(values: object, code: str, expected: byte
 @pytest.mark.parametrize(
     ("values", "code", "why"),
     [
-        ([1.5], "i", "an array of float64 where each is a whole number"),
+        ([1.5], "i", "an array of float64, but each element must be a whole number"),
         ([40_000], "h", "40000 is not a whole number from -32768 to 32767"),
         ([-1], "Q", "-1 is not a whole number from 0"),
-        (["a"], "d", "an array of <U1 where each is a number"),
-        ([2], "?", "an array of int64 where each is a boolean"),
+        (["a"], "d", "an array of <U1, but each element must be a number"),
+        ([2], "?", "an array of int64, but each element must be a boolean"),
     ],
 )
 def test_arrays_are_never_changed_silently(values: object, code: str, why: str) -> None:

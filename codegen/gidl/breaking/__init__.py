@@ -17,7 +17,8 @@ __all__ = ["CATEGORIES", "category_of", "compare"]
 
 
 def compare(old: Model, new: Model, label: str = "old:") -> list[Finding]:
-    """The findings, sorted by category, then by place. Paths of old files begin with `label`."""
+    """The incompatible changes, sorted by category, then by place. Messages write `label` before
+    the paths of old files."""
     sides = Sides(old, new)
     report = Report(label)
     values.compare(sides, report)

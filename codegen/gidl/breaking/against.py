@@ -34,7 +34,7 @@ class Baseline:
     roots: tuple[Root, ...]
 
     def files(self, wanted: Collection[str] | None) -> list[str]:
-        """Paths of all files of the old version, or only of those whose stems are in `wanted`."""
+        """Paths of the old interface files. With `wanted`, only files whose stems are in it."""
         found: dict[str, str] = {}
         for root in self.roots:
             for place in interfaces_below(root.folder):
@@ -52,13 +52,16 @@ class Baseline:
 
 @contextmanager
 def baseline(text: str, roots: Sequence[Path]) -> Iterator[Baseline]:
-    """The old interfaces that `text` names. A folder is the old version of the first of `roots`.
-    git#ref=main has the old version of all `roots`; git#ref=v1.2,subdir=interfaces only of that
-    folder. Files of a commit are deleted when the context ends. Raises AgainstError."""
+    """Gives access to the old interfaces that `text` names. If `text` is a folder, it is the old
+    version of the first of `roots`. `git#ref=main` reads the folders `roots` from a commit;
+    `git#ref=v1.2,subdir=interfaces` reads only the folder `interfaces`. Files of a commit are
+    copied to disk, and deleted when the context ends. Raises AgainstError."""
     if not text.startswith(_GIT):
         folder = Path(text)
         if not folder.is_dir():
-            raise AgainstError(f"{text} is no folder; git#ref=main names a commit")
+            raise AgainstError(
+                f"{text} is not a folder; to compare with a commit, write git#ref=main"
+            )
         yield _filled((Root(folder, f"{folder.as_posix()}/".removeprefix("./")),))
         return
     terms = dict(_term(part) for part in text.removeprefix(_GIT).split(","))
@@ -104,7 +107,7 @@ def _extracted(ref: str, folder: Path, into: Path) -> Root:
         if hasattr(tarfile, "data_filter"):  # data_filter is missing in Debian 12's Python 3.11.2
             archive.extractall(into, filter="data")
         else:
-            archive.extractall(into)  # git archives have no path outside `into`
+            archive.extractall(into)  # safe: paths in a git archive stay below `into`
     return Root(into, f"{ref}:{folder.as_posix()}/".replace(":./", ":"))
 
 

@@ -9,8 +9,8 @@ from gidl.breaking.sides import Call, Sides, reached
 from gidl.function_codes import call_code, hashed_name
 from gidl.model import Attribute, Interface, Operation, Type
 
-_REFUSED = "old and new programs refuse each other where it is used"
-_BESIDE = "keep it as it was, and add another beside it"
+_REFUSED = "old and new programs refuse each other's calls of the changed operation or attribute"
+_BESIDE = "keep the old declaration, and add a new one with another name"
 
 
 def compare(sides: Sides, report: Report) -> None:
@@ -39,8 +39,9 @@ def _bases(sides: Sides, old: Interface, new: Interface, report: Report) -> None
 def _gone(old: Call, new: Interface, report: Report) -> None:
     what = "attribute" if isinstance(old, Attribute) else "operation"
     report.add("G1001", old.scoped_name, f"{what} '{old.scoped_name}' is gone",
-               "a new server answers old clients UNKNOWN_OPERATION",
-               "keep it, with @deprecated; @hash_as(\"old\") where it has a new name",
+               "on a new server, calls of old clients fail with UNKNOWN_OPERATION",
+               "keep the declaration, marked @deprecated; after a renaming, write "
+               "@hash_as(\"old_name\")",
                new=new.facts, old=old.facts)  # fmt: skip
 
 
@@ -48,13 +49,13 @@ def _call(sides: Sides, old: Call, new: Call, told: frozenset[str], report: Repo
     subject, places = old.scoped_name, (new.facts, old.facts)
     if old.name != new.name:
         report.add("G1101", subject, f"'{new.scoped_name}' was called '{old.name}'",
-                   "programs that name it do not build any more", "keep the name",
+                   "programs that use the old name do not build any more", "keep the name",
                    new=places[0], old=places[1])  # fmt: skip
     codes = call_code(sides.old, old), call_code(sides.new, new)
     if codes[0] != codes[1] or old.id != new.id:
         report.add("G1005", subject,
                    f"'{subject}' had the function code {codes[0]} and has {codes[1]}",
-                   "a server answers the other side UNKNOWN_OPERATION", "keep @id as it was",
+                   "calls with the other code fail with UNKNOWN_OPERATION", "keep @id as it was",
                    new=places[0], old=places[1])  # fmt: skip
     if isinstance(old, Operation) and isinstance(new, Operation):
         _operation(sides, old, new, report)
@@ -87,10 +88,11 @@ def _operation(sides: Sides, old: Operation, new: Operation, report: Report) -> 
                      (old.result_range, new.result_range), places)  # fmt: skip
     _raises(sides, old, new, (old.raises, new.raises), "", report)
     if old.feedback is not None and not sides.same_type(old.feedback, new.feedback):
-        is_now = new.feedback.name if new.feedback else "not there"
+        is_now = new.feedback.name if new.feedback else "absent"
         report.add("G1002", subject,
                    f"the feedback of '{subject}' was {old.feedback.name} and is {is_now}",
-                   "old clients cannot read it", "keep it, and add members at its end",
+                   "old clients cannot decode the feedback",
+                   "keep the type of the feedback, and add members at its end",
                    new=places[0], old=places[1])  # fmt: skip
 
 
@@ -108,7 +110,7 @@ def _attribute(sides: Sides, old: Attribute, new: Attribute, report: Report) -> 
                    (old.optional, new.optional), places):  # fmt: skip
         slots.number(report, subject, what, (old.unit or "", new.unit or ""),
                      (old.range, new.range), places)  # fmt: skip
-    _raises(sides, old, new, (old.get_raises, new.get_raises), " when it is got", report)
+    _raises(sides, old, new, (old.get_raises, new.get_raises), " when it is read", report)
     _raises(sides, old, new, (old.set_raises, new.set_raises), " when it is set", report)
 
 
@@ -140,7 +142,7 @@ def _raises(
 
 
 def _hash(sides: Sides, old: Call, new: Call, report: Report) -> None:
-    """Reports a changed hash, for which programs refuse each other, if no other finding does."""
+    """Reports a changed hash of a call if no other finding explains the change."""
     if _hashed(sides.old, old) == _hashed(sides.new, new) or report.has_broken(old.scoped_name):
         return
     names: set[str] = set()
@@ -148,8 +150,8 @@ def _hash(sides: Sides, old: Call, new: Call, report: Report) -> None:
         reached(sides.old, used, names)
     if not any(report.has_broken(name) for name in names):
         report.add("G1008", old.scoped_name, f"the hash of '{old.scoped_name}' has changed",
-                   _REFUSED, "compare `gidl dump` of old and new", new=new.facts,
-                   old=old.facts)  # fmt: skip
+                   _REFUSED, "compare the outputs of `gidl dump` for old and new interfaces",
+                   new=new.facts, old=old.facts)  # fmt: skip
 
 
 def _hashed(model: object, call: Call) -> int:

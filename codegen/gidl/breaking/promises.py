@@ -11,12 +11,12 @@ from gidl.policy import Access, OnLoss, Qos, Stream
 
 _RELIES = "programs that rely on the old promise may fail"
 _KEEP = "keep the promise"
-_ASK = "keep it, or ask the person responsible for the laboratory's safety"
+_ASK = "keep the old declaration, or ask the person responsible for the laboratory's safety"
 
 
 def interface(old: Interface, new: Interface, report: Report) -> frozenset[str]:
-    """Reports the quality terms that the interface weakens. Returns their texts, so that they are
-    not reported again for each member."""
+    """Reports the quality terms that became weaker for the whole interface. Returns the reported
+    texts, so that `call` does not report them again for each member."""
     weaker = tuple(_weaker(old.qos, new.qos))
     for text in weaker:
         _qos(report, old.name, f"'{old.name}' {text}", new.facts, old.facts)
@@ -41,7 +41,7 @@ def call(old: Call, new: Call, told: frozenset[str], report: Report) -> None:
         report.add("G1301", subject, f"'{subject}' {message}", why, _ASK,
                    new=places[0], old=places[1])  # fmt: skip
     for message, why in _secrets(old, new):
-        report.add("G1302", subject, f"'{subject}' {message}", why, "keep it as it was",
+        report.add("G1302", subject, f"'{subject}' {message}", why, "keep @secret",
                    new=places[0], old=places[1])  # fmt: skip
 
 
@@ -86,10 +86,10 @@ def duration(nanoseconds: int | None) -> str:
 
 def _stream(old: Stream | None, new: Stream | None) -> Iterator[str]:
     if old is None or new is None:
-        return  # a WIRE finding reports that the attribute became, or ceased to be, a stream
+        return  # calls.py reports the change between stream and no stream, as WIRE
     if old.rate_hz is not None and (new.rate_hz is None or new.rate_hz < old.rate_hz):
         now = "at an undeclared rate" if new.rate_hz is None else f"at {new.rate_hz:g} Hz"
-        yield f"came at {old.rate_hz:g} Hz and comes {now}"
+        yield f"was sent at {old.rate_hz:g} Hz and is sent {now}"
     if old.watchdog_ns is not None and (
         new.watchdog_ns is None or new.watchdog_ns > old.watchdog_ns
     ):
@@ -100,7 +100,7 @@ def _stream(old: Stream | None, new: Stream | None) -> Iterator[str]:
 
 def _behaviour(old: Operation, new: Operation) -> Iterator[str]:
     if old.idempotent and not new.idempotent:
-        yield "is not @idempotent any more: it is not sent again when its server is lost"
+        yield "is not @idempotent any more: a call is not sent again when its server is lost"
     if old.cancelable and not new.cancelable:
         yield "cannot be cancelled any more"
     if old.ordered and not new.ordered:
@@ -119,9 +119,15 @@ def _operation_security(old: Operation, new: Operation) -> Iterator[tuple[str, s
         yield from _presence(old.needs_presence, new.needs_presence)
     if old.safety != new.safety:
         if new.safety:
-            yield "is @safety now", "it is never refused, and overtakes every queue"
+            yield (
+                "is @safety now",
+                "safety operations are never refused, and they overtake every queue",
+            )
         else:
-            yield "is no @safety any more", "it can be refused, and it waits after other calls"
+            yield (
+                "is no @safety any more",
+                "its calls can be refused, and they wait after other calls",
+            )
     if old.on_loss is OnLoss.STOP and new.on_loss is OnLoss.FINISH:
         yield "goes on when its holder is lost", "the robot may then move without a holder"
 
@@ -136,28 +142,37 @@ def _attribute_security(old: Attribute, new: Attribute) -> Iterator[tuple[str, s
     was_open = old.stream is not None and old.stream.is_open
     is_open = new.stream is not None and new.stream.is_open
     if is_open and not was_open:
-        yield "is an @open_stream now", "everybody on the network reads it, unauthenticated"
+        yield (
+            "is an @open_stream now",
+            "everybody on the network can read its samples, without authentication",
+        )
     if was_open and not is_open:
-        yield "is no @open_stream any more", "those who read it as bare LCM get nothing"
+        yield (
+            "is no @open_stream any more",
+            "programs that read its samples as bare LCM messages get none any more",
+        )
 
 
 def _access(what: str, old: Access, new: Access) -> Iterator[tuple[str, str]]:
     text = f"needed {old.name.lower()} status for {what or 'calling '}and needs {new.name.lower()}"
     if new < old:
-        yield text, "more clients may use it than before"
+        yield text, "more clients than before have access"
     elif new > old:
-        yield text, "clients that used it are refused"
+        yield text, "clients with the old status are refused"
 
 
 def _presence(old: bool, new: bool) -> Iterator[tuple[str, str]]:
     if old and not new:
-        yield "works although nobody is present", "it moves where no person can stop it by hand"
+        yield (
+            "does not need presence any more",
+            "the device may move while no person is present to stop it by hand",
+        )
     elif new and not old:
-        yield "needs presence now", "clients that used it unattended are refused"
+        yield "needs presence now", "clients that work while nobody is present are refused"
 
 
 def _secrets(old: Call, new: Call) -> Iterator[tuple[str, str]]:
     was = old.secret if isinstance(old, Attribute) else old.result_secret
     is_now = new.secret if isinstance(new, Attribute) else new.result_secret
     if was and not is_now:
-        yield "is no @secret any more", "it is printed, logged and recorded now"
+        yield "is no @secret any more", "the value is now printed, logged and recorded"

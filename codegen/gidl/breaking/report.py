@@ -30,13 +30,13 @@ class Report:
         new: Facts | None = None,
         old: Facts | None = None,
     ) -> None:
-        """Adds a finding that points at `new`, with a note that points at `old`. Without `new`, as
-        for a removed declaration, the finding points at `old`."""
+        """Adds a finding at the location of `new`, with a note at the location of `old`. A removed
+        declaration has no `new`: the finding is then at `old`."""
         notes: tuple[Note, ...] = ()
         if new is not None:
             at = new.location
             if old is not None:
-                notes = (Note("it was here", self._old(old.location)),)
+                notes = (Note("the old declaration is here", self._old(old.location)),)
         else:
             assert old is not None
             at = self._old(old.location)

@@ -35,9 +35,9 @@ class Sides:
     new: Model
 
     def declarations(self) -> Iterator[tuple[AnyDeclaration, AnyDeclaration | None]]:
-        """Each old declaration with the corresponding new one, or None if it was removed. Removed
-        declarations of files that were not asked for are left out: the file may merely be no longer
-        included."""
+        """Pairs each old declaration with the new one, or with None if it was removed. A removed
+        declaration is left out if its file was not asked for, because the file may only be no
+        longer included."""
         became = {_key(self.new, d): d for d in self.new.declarations()}
         for file in self.old.files:
             for declaration in file.declarations:
@@ -48,15 +48,15 @@ class Sides:
                     yield declaration, new
 
     def calls(self, old: Interface, new: Interface) -> Iterator[tuple[Call, Call | None]]:
-        """Each own member of the old interface with the corresponding new one, or None if it was
-        removed. Members correspond if their names in function codes and hashes are equal."""
+        """Pairs each member that `old` itself declares with the new member, or with None if it was
+        removed. Two members are a pair if function codes and hashes use the same name for both."""
         became = {member_name(self.new, m): m for m in new.members}
         for member in old.members:
             yield member, became.get(member_name(self.old, member))
 
     def same_type(self, old: Type | None, new: Type | None) -> bool:
-        """Whether both types are encoded alike. Of a declared type only the name is compared here;
-        its members are compared with its declaration."""
+        """Whether both types have the same encoding. For a declared type, only its name is compared
+        here; `compare` in values.py compares its members."""
         return wire_text(self.old, old) == wire_text(self.new, new)
 
 

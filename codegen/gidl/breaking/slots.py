@@ -50,7 +50,7 @@ def _may_be_left_out(slot: Slot) -> bool:
 
 
 def _leaves_core(owner: Owner, old: Sequence[Slot], new: Sequence[Slot], key: str) -> bool:
-    """Whether a slot became, or ceased to be, a trailing slot that a writer may leave out."""
+    """Whether a writer may leave the slot out at the end in only one of the two versions."""
     return owner.grows and (key in _tail(old)) != (key in _tail(new))
 
 
@@ -74,13 +74,16 @@ def _gone(report: Report, owner: Owner, old: list[Slot], after: dict[str, Slot])
                 report.add(
                     "G1101", owner.subject,
                     f"{owner.what} '{slot.name}' of '{owner.subject}' is gone",
-                    "programs that name it do not build any more",
-                    "keep it, with @deprecated", new=owner.new, old=slot.facts,
+                    "programs that use the old name do not build any more",
+                    "keep the declaration, marked @deprecated", new=owner.new, old=slot.facts,
                 )  # fmt: skip
                 continue
-            instead = "keep it, and put new ones after it"
+            instead = "keep the old declaration, and put new ones after it"
         else:
-            instead = 'keep it, with @deprecated; @hash_as("old") where it has a new name'
+            instead = (
+                "keep the declaration, marked @deprecated; after a renaming, write "
+                '@hash_as("old_name")'
+            )
         report.add(
             "G1002", owner.subject, f"{owner.what} '{slot.name}' of '{owner.subject}' is gone",
             _MISREAD, instead, new=owner.new, old=slot.facts,
@@ -93,23 +96,24 @@ def _added(
 ) -> None:
     for index, slot in enumerate(new):
         if _key(slot) in before or gone:
-            continue  # it may replace a removed slot, which is already reported
+            continue  # the new slot may replace a removed slot, which is already reported
         what = f"{owner.what} '{slot.name}' of '{owner.subject}'"
         at_end = all(_key(s) not in before for s in new[index:])
         if not owner.grows:
             report.add(
                 "G1002", owner.subject, f"{what} is new, and '{owner.subject}' is @final", _MISREAD,
-                "make another struct that holds this one", new=slot.facts,
+                "declare another struct that contains this one", new=slot.facts,
             )  # fmt: skip
         elif not at_end:
             report.add(
                 "G1002", owner.subject, f"{what} is new and stands before others", _MISREAD,
-                "put it at the end, with @default or @optional", new=slot.facts,
+                "put the new declaration at the end, with @default or @optional", new=slot.facts,
             )  # fmt: skip
         elif not _may_be_left_out(slot):
             report.add(
                 "G1003", owner.subject, f"{what} is new and required",
-                "messages of an old program lack it", "write @default(...) or @optional before it",
+                "messages of old programs do not contain the new value",
+                "write @default(...) or @optional before the new declaration",
                 new=slot.facts,
             )  # fmt: skip
 
@@ -121,34 +125,35 @@ def _kept(
     subject, places = owner.subject, (new.facts, old.facts)
     if old.name != new.name:
         report.add("G1101", subject, f"{what} was called '{old.name}'",
-                   "programs that name it do not build any more", "keep the name",
+                   "programs that use the old name do not build any more", "keep the name",
                    new=places[0], old=places[1])  # fmt: skip
     if isinstance(old, Parameter) and isinstance(new, Parameter) and old.direction != new.direction:
         report.add("G1002", subject,
                    f"{what} was '{old.direction.value}' and is '{new.direction.value}'", _MISREAD,
-                   "make another operation", new=places[0], old=places[1])  # fmt: skip
+                   "declare another operation", new=places[0], old=places[1])  # fmt: skip
     same_type = value(sides, report, subject, what, (old.type, new.type),
                       (old.optional, new.optional), places)  # fmt: skip
     if same_type:
         meaning(sides, report, subject, what, old, new)
     had, has = old.default is not None, new.default is not None
     if leaves_core and old.optional == new.optional:
-        report.add("G1002", subject, f"whether {what} may be missing at the end has changed",
-                   "the hashes of operations that use it differ: old and new refuse each other",
+        report.add("G1002", subject,
+                   f"{what} may be left out at the end in only one of the two versions",
+                   "the hashes of operations differ, so old and new programs refuse each other",
                    "keep @default and everything after it unchanged",
                    new=places[0], old=places[1])  # fmt: skip
     elif had and not has and not new.optional:
         report.add("G1102", subject, f"{what} has no default any more",
-                   "programs that leave it out do not build any more", "keep @default",
+                   "programs that leave the value out do not build any more", "keep @default",
                    new=places[0], old=places[1])  # fmt: skip
     elif same_type and had and has and _text(old.default) != _text(new.default):
         report.add("G1102", subject,
-                   f"{what} has the default {_text(new.default)}, and had {_text(old.default)}",
-                   "programs that leave it out mean something else now", "keep the default",
+                   f"the default of {what} was {_text(old.default)} and is {_text(new.default)}",
+                   "programs that leave the value out get the new default", "keep the default",
                    new=places[0], old=places[1])  # fmt: skip
     if old.secret and not new.secret:
         report.add("G1302", subject, f"{what} is no @secret any more",
-                   "it is printed, logged and recorded now", "keep @secret",
+                   "the value is now printed, logged and recorded", "keep @secret",
                    new=places[0], old=places[1])  # fmt: skip
 
 
@@ -169,7 +174,7 @@ def value(
     was, is_now = wire_text(sides.old, types[0]), wire_text(sides.new, types[1])
     if was != is_now:
         report.add("G1002", subject, f"{what} was {was} and is {is_now}", _MISREAD,
-                   "keep it as it was, and add another beside it", new=places[0],
+                   "keep the old declaration, and add a new one with another name", new=places[0],
                    old=places[1])  # fmt: skip
         return False
     if optional[0] != optional[1]:
@@ -206,14 +211,14 @@ def number(
     if unit[0] != unit[1]:
         report.add("G1006", subject,
                    f"{what} was in '{unit[0] or 'no unit'}' and is in '{unit[1] or 'no unit'}'",
-                   "the same number means something else to old and new programs",
-                   "keep the unit, and add another member or operation beside it",
+                   "old and new programs read the same number in different units",
+                   "keep the unit, and add another declaration with the new unit",
                    new=places[0], old=places[1])  # fmt: skip
     if bounds[0] != bounds[1]:
         report.add("G1006", subject,
                    f"{what} was {_bounds(bounds[0])} and is {_bounds(bounds[1])}",
                    "one side may send values that the other refuses",
-                   "keep the range, and add another member or operation beside it",
+                   "keep the range, and add another declaration with the new range",
                    new=places[0], old=places[1])  # fmt: skip
 
 

@@ -20,7 +20,7 @@ from gidl.model import (
 )
 
 _MISREAD = "old and new programs read each other's bytes wrongly"
-_NO_BUILD = "programs that name it do not build any more"
+_NO_BUILD = "programs that use the old name do not build any more"
 
 
 def compare(sides: Sides, report: Report) -> None:
@@ -30,7 +30,7 @@ def compare(sides: Sides, report: Report) -> None:
         elif _kind(old) != _kind(new):
             report.add("G1002", old.name,
                        f"'{old.name}' was {_article(_kind(old))} and is {_article(_kind(new))}",
-                       _MISREAD, "keep it, and give what is new another name",
+                       _MISREAD, "keep the old declaration, and give the new one another name",
                        new=new.facts, old=old.facts)  # fmt: skip
         else:
             _moved(sides, old, new, report)
@@ -55,11 +55,13 @@ def _gone(old: AnyDeclaration, report: Report) -> None:
     if isinstance(old, Interface):
         report.add("G1001", old.name, f"interface '{old.name}' is gone",
                    "old clients find no object with this interface",
-                   "keep it, with @deprecated; @hash_as(\"old\") where it has a new name",
+                   "keep the declaration, marked @deprecated; after a renaming, write "
+                   "@hash_as(\"old_name\")",
                    old=old.facts)  # fmt: skip
         return
     report.add("G1101", old.name, f"{_kind(old)} '{old.name}' is gone", _NO_BUILD,
-               "keep it, with @deprecated; @hash_as(\"old\") where it has a new name",
+               "keep the declaration, marked @deprecated; after a renaming, write "
+               "@hash_as(\"old_name\")",
                old=old.facts)  # fmt: skip
 
 
@@ -71,8 +73,8 @@ def _moved(sides: Sides, old: AnyDeclaration, new: AnyDeclaration, report: Repor
     was, is_now = sides.old.file_of(old.name), sides.new.file_of(new.name)
     if source_stem(was) != source_stem(is_now):
         report.add("G1102", old.name, f"'{new.name}' has moved from {was} to {is_now}",
-                   "headers and modules that programs include are named after the file",
-                   f"include {is_now} in {was}, or leave it there",
+                   "the generated headers and modules that programs use are named after the file",
+                   f"include {is_now} in {was}, or move the declaration back",
                    new=new.facts, old=old.facts)  # fmt: skip
 
 
@@ -101,8 +103,8 @@ def _one(sides: Sides, old: AnyDeclaration, new: AnyDeclaration, report: Report)
             if old.value != new.value or not sides.same_type(old.type, new.type):
                 report.add("G1102", old.name,
                            f"constant '{old.name}' was {old.value!r} and is {new.value!r}",
-                           "programs built before use the old value",
-                           "keep it, and add another constant", new=new.facts,
+                           "programs that were built before the change use the old value",
+                           "keep the constant, and add another one", new=new.facts,
                            old=old.facts)  # fmt: skip
 
 
@@ -110,21 +112,21 @@ def _struct(sides: Sides, old: Struct, new: Struct, report: Report) -> None:
     if old.extensibility != new.extensibility:
         report.add("G1002", old.name,
                    f"'{old.name}' was @{old.extensibility.value} and is @{new.extensibility.value}",
-                   _MISREAD, "keep it as it was, and make another struct", new=new.facts,
+                   _MISREAD, "keep the old struct, and declare another one", new=new.facts,
                    old=old.facts)  # fmt: skip
     owner = slots.Owner(old.name, "member", old.is_appendable and new.is_appendable,
                         old.facts, new.facts)  # fmt: skip
     slots.compare(sides, report, owner, sides.old.all_members(old), sides.new.all_members(new))
     if old.maps_to != new.maps_to:
         report.add("G1102", old.name, f"'{old.name}' maps to another hand-written type now",
-                   "programs use the old type", "keep @maps_to",
+                   "existing programs use the old hand-written type", "keep @maps_to",
                    new=new.facts, old=old.facts)  # fmt: skip
 
 
 def _refused(old: AnyDeclaration, new: AnyDeclaration, what: str, report: Report) -> None:
     report.add("G1004", old.name, f"the {what} of '{old.name}' have changed",
-               "a reader refuses bits that it does not know", "make another type beside it",
-               new=new.facts, old=old.facts)  # fmt: skip
+               "a reader refuses bits that it does not know",
+               "keep the type, and declare another one", new=new.facts, old=old.facts)  # fmt: skip
 
 
 def _enum(old: EnumDeclaration, new: EnumDeclaration, report: Report) -> None:
@@ -133,8 +135,8 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, report: Report) -> None:
                    f"unknown literals of '{old.name}' became "
                    f"{old.default_literal or 'an error'} and become "
                    f"{new.default_literal or 'an error'}",
-                   "the hash of every operation that uses it differs: old and new refuse each "
-                   "other", "keep @default_literal as it was", new=new.facts,
+                   "the hash of every operation that uses the enum differs, so old and new "
+                   "programs refuse each other", "keep @default_literal as it was", new=new.facts,
                    old=old.facts)  # fmt: skip
     grows = old.default_literal is not None and new.default_literal is not None
     before = {e.name: e for e in old.enumerators}
@@ -145,30 +147,34 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, report: Report) -> None:
         if now is not None and now.number != was.number:
             report.add("G1004", old.name,
                        f"'{name}' of '{old.name}' was {was.number} and is {now.number}",
-                       "the same number means another literal to old and new programs",
+                       "old and new programs read the same number as different literals",
                        "keep the number with @value, and put new literals at the end",
                        new=now.facts, old=was.facts)  # fmt: skip
         elif now is None and not grows:
             report.add("G1004", old.name, f"'{name}' of '{old.name}' is gone",
-                       "a new reader refuses it, and old programs send it",
-                       "keep it, with @deprecated", new=new.facts, old=was.facts)  # fmt: skip
+                       "old programs still send the literal, and new programs refuse it",
+                       "keep the declaration, marked @deprecated", new=new.facts,
+                       old=was.facts)  # fmt: skip
         elif now is None and was.number in numbers:
             taken = numbers[was.number]
             report.add("G1004", old.name,
                        f"{was.number} of '{old.name}' was '{name}' and is '{taken.name}'",
-                       "the same number means another literal to old and new programs",
+                       "old and new programs read the same number as different literals",
                        f"keep '{name}', and give '{taken.name}' a number of its own",
                        new=taken.facts, old=was.facts)  # fmt: skip
         elif now is None:
             report.add("G1101", old.name, f"'{name}' of '{old.name}' is gone",
-                       f"{_NO_BUILD}; where old ones send it, new ones read "
+                       f"{_NO_BUILD}; old programs send the literal, and new programs read "
                        f"'{new.default_literal}'",
-                       "keep it, with @deprecated", new=new.facts, old=was.facts)  # fmt: skip
+                       "keep the declaration, marked @deprecated", new=new.facts,
+                       old=was.facts)  # fmt: skip
     for name, now in after.items():
         if name not in before and not grows:
             report.add("G1004", old.name, f"'{name}' of '{old.name}' is new",
-                       "an old reader refuses it", "a new enum can have @default_literal, which "
-                       "readers use for unknown literals", new=now.facts)  # fmt: skip
+                       "old programs refuse the new literal",
+                       "declare a new enum with @default_literal, which readers use for unknown "
+                       "literals",
+                       new=now.facts)  # fmt: skip
 
 
 def _union(sides: Sides, old: Union, new: Union, report: Report) -> None:
@@ -186,8 +192,9 @@ def _union(sides: Sides, old: Union, new: Union, report: Report) -> None:
         texts.append((union.extensibility, wire_text(model, union.discriminator), arms))
     if texts[0] != texts[1]:
         report.add("G1004", old.name, f"the cases of '{old.name}' have changed",
-                   "a reader refuses a case that it does not know", "make another union beside it",
-                   new=new.facts, old=old.facts)  # fmt: skip
+                   "a reader refuses a case that it does not know",
+                   "keep the union, and declare another one", new=new.facts,
+                   old=old.facts)  # fmt: skip
         return
     for one, other in zip(old.cases, new.cases, strict=True):
         what = f"member '{other.member.name}' of '{old.name}'"
@@ -199,8 +206,8 @@ def _typedef(sides: Sides, old: Typedef, new: Typedef, report: Report) -> None:
     what = f"type '{old.name}'"
     if was != is_now:
         report.add("G1102", old.name, f"{what} was {was} and is {is_now}",
-                   "programs that name it do not build any more, or compute with another type",
-                   "keep it, and add another type", new=new.facts, old=old.facts)  # fmt: skip
+                   "programs that use the type do not build any more, or compute with another type",
+                   "keep the type, and add another one", new=new.facts, old=old.facts)  # fmt: skip
         return
     slots.number(report, old.name, what, (old.unit or "", new.unit or ""),
                  (old.range, new.range), (new.facts, old.facts))  # fmt: skip

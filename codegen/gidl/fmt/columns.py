@@ -10,7 +10,7 @@ from gidl.fmt.tree import Body, Item
 if TYPE_CHECKING:
     from gidl.fmt.printer import Laid
 
-_WIDEST_PADDING = 12  # columns; where more padding would be needed, nothing is aligned
+_WIDEST_PADDING = 12  # columns; lines that would need more padding stay unaligned
 _PRIMITIVES = frozenset(
     ("unsigned", "long", "short", "double", "float", "boolean", "octet", "char", "int8", "uint8",
      "int16", "uint16", "int32", "uint32", "int64", "uint64")
@@ -26,8 +26,8 @@ def align(keyword: str, run: list[Laid], indent: int) -> None:
 
 
 def _members(run: list[Laid], indent: int) -> None:
-    """Aligns the types and names of members in columns. Consecutive members with annotations form
-    a table of their own."""
+    """Aligns the types and names of members in columns. Members with annotations are aligned
+    separately from members without."""
     plain: list[tuple[Laid, list[str]]] = []
     annotated: list[tuple[Laid, list[str]]] = []
     for laid in run:
@@ -59,7 +59,8 @@ def _pad(rows: list[tuple[Laid, list[str]]], indent: int) -> None:
 
 
 def _cells(item: Item) -> list[str] | None:
-    """Annotations, type and names of a member as texts; None for a member of any other form."""
+    """The annotations, the type and the names of a member, as three texts. None if the member has a
+    comment or a body, or if one of these parts cannot be found."""
     from gidl.fmt.printer import leading
 
     if item.bodies or any(p.is_comment for p in item.pieces):
@@ -116,7 +117,7 @@ def _heads(run: list[Laid]) -> None:
 
 
 def _short_body(item: Item) -> Body | None:
-    """The body of an enum, exception or struct that begins with its keyword; None for others."""
+    """The body of an enum, exception or struct without annotations; None for any other item."""
     bodies = item.bodies
     first = item.parts[0]
     is_plain = isinstance(first, Piece) and bool(bodies) and first.text == bodies[0].keyword

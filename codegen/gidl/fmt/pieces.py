@@ -32,7 +32,7 @@ class Piece:
     end_line: int
     first_on_line: bool  # only white space precedes the piece on its line
     blank_before: bool
-    role: str = ""  # of a bracket: "annotation", "params", "group", "angle", "angles"
+    role: str = ""  # kind of a bracket: "annotation", "params", "group", "angle", "angles"
     spaced: bool = True  # print a space before the piece, unless it begins a line
 
     @property
@@ -99,7 +99,7 @@ def _adjoins(piece: Piece, following: Piece) -> bool:
 
 
 class _Spacing:
-    """Decides for each token whether a space precedes it, and for each bracket its role."""
+    """Sets `spaced` of each token, and `role` of each bracket."""
 
     def __init__(self, pieces: list[Piece]) -> None:
         self._pieces = [p for p in pieces if p.kind not in ("comment", "directive")]

@@ -15,7 +15,7 @@ _CONTINUED = 4  # columns of extra indentation for continuation lines
 
 @dataclass(slots=True)
 class Laid:
-    """The printed lines of an item. The comments after its last line are not yet added."""
+    """The printed lines of an item, and the comments to append to the last line."""
 
     item: Item
     lines: list[str]
@@ -103,8 +103,8 @@ def _alone(piece: Piece, indent: int) -> list[str]:
 
 
 def _shifted(lines: list[str], shift: int, column: int) -> list[str]:
-    """The second and later lines of a comment, moved like its first line. Leading stars are
-    aligned below the star of `/*`."""
+    """The second and later lines of a comment, indented by the same shift as the first line. If all
+    begin with a star, they are aligned below the star of `/*`."""
     stripped = [line.strip() for line in lines]
     if stripped and all(line.startswith("*") for line in stripped):
         return [" " * (column + 1) + line for line in stripped]
@@ -120,7 +120,7 @@ def _shifted(lines: list[str], shift: int, column: int) -> list[str]:
 
 
 def _item(item: Item, indent: int, keyword: str) -> list[str]:
-    """The lines of an item that is not printed on one line with its body; long lines are broken."""
+    """The lines of an item; lines that are too long are broken."""
     breaks_kept = keyword != "("
     split = False
     while True:

@@ -37,10 +37,10 @@ class Body:
 
     opening: Piece
     keyword: str  # "struct", "interface", ...; "(" for parameters
-    elements: list[Item | Piece] = field(default_factory=list)  # a Piece: comment or directive
+    elements: list[Item | Piece] = field(default_factory=list)  # Piece: comment or directive
     closing: Piece | None = None
     after_opening: list[Piece] = field(default_factory=list)  # comments on the line of `{`
-    broken: bool = False  # printed on several lines: the author wrote it so, or it must be
+    broken: bool = False  # True: print the body on several lines
 
     @property
     def items(self) -> list[Item]:
@@ -54,7 +54,9 @@ def structure(pieces: list[Piece]) -> Body:
     reader = _Reader(pieces)
     reader.fill(root)
     if reader.now is not None:
-        raise UnreadableError(reader.now.line, f"has a '{reader.now.text}' that nothing opened")
+        raise UnreadableError(
+            reader.now.line, f"has a '{reader.now.text}' without its opening bracket"
+        )
     return root
 
 
@@ -109,8 +111,8 @@ class _Reader:
         body.elements.extend(self._left_over(item))
 
     def _left_over(self, item: Item) -> list[Item | Piece]:
-        """Removes the comments after the last parameter or enumerator from its parts: no comma
-        ended it before them. Comments on its line become trailing ones; returns the others."""
+        """Moves comments out of the parts of the last parameter or enumerator, which has no comma
+        after it. Comments on its line become its trailing comments; the others are returned."""
         last = len(item.parts)
         while last > 1 and isinstance(part := item.parts[last - 1], Piece) and part.is_comment:
             last -= 1

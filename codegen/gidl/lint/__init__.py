@@ -1,6 +1,6 @@
 """Advice on valid interfaces: one rule per module, each with a code and a folder of tests.
 
-A rule reads the whole model, but only findings in the files that were asked for are reported. An
+Each rule checks the whole model; only findings in files that were asked for are reported. An
 author confirms an intended exception in the interface: `@unit("1")` marks a pure number.
 """
 

@@ -15,7 +15,8 @@ def check(model: Model, findings: Findings) -> None:
             findings.warning(
                 "G0903",
                 member.facts.place_of("qos"),
-                f"{what} '{member.name}' acts, but may be lost: it is BEST_EFFORT",
+                f"{what} '{member.name}' controls the device, but is BEST_EFFORT: messages "
+                "may be lost",
                 "write reliability=RELIABLE, or leave reliability out",
             )
 

@@ -19,6 +19,7 @@ def check(model: Model, findings: Findings) -> None:
             findings.warning(
                 "G0911",
                 enum.facts.location,
-                f"enum '{enum.simple_name}' can never get another literal",
+                f"enum '{enum.simple_name}' has no @default_literal, so no literal can "
+                "be added later",
                 "write @default_literal before the enumerator for unknown values",
             )

@@ -38,10 +38,10 @@ def _unit(unit: str, what: str, at: Location, findings: Findings) -> None:
     strange = next((factor for factor in factors if factor not in _SI), None)
     if strange is None:
         return
-    hint = f"SI has {_INSTEAD[strange]}" if strange in _INSTEAD else "SI has units of its own"
+    hint = f"use {_INSTEAD[strange]}" if strange in _INSTEAD else "use an SI unit"
     findings.warning(
         "G0905",
         at,
         f"{what} is in '{unit}', and '{strange}' is no SI unit",
-        f"{hint}: convert the number where it enters the program",
+        f"{hint}, and convert the number where it enters the program",
     )

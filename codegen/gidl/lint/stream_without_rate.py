@@ -13,6 +13,6 @@ def check(model: Model, findings: Findings) -> None:
             findings.warning(
                 "G0904",
                 member.facts.place_of("stream"),
-                f"stream '{member.name}' does not say its rate",
-                'write @stream(rate="250Hz") with the rate that is meant',
+                f"stream '{member.name}' declares no rate",
+                'write the intended rate, such as @stream(rate="250Hz")',
             )

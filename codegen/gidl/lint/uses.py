@@ -29,13 +29,13 @@ from gidl.model import (
 @dataclass(frozen=True, slots=True)
 class Use:
     name: str  # scoped name of the used declaration
-    what: str  # what uses it, as messages call it: "member 'pose'"
-    facts: Facts  # facts of the member or declaration that uses it
-    by_deprecated: bool  # the using member or declaration is deprecated
+    what: str  # the user of the declaration in messages: "member 'pose'"
+    facts: Facts  # facts of that user: a member or a declaration
+    by_deprecated: bool  # True: the user itself is deprecated
 
 
 def uses(model: Model, file: File) -> Iterator[Use]:
-    """Every use of a declared name in a file, in order."""
+    """All uses of declarations in a file, in the order of the file."""
     for declaration in file.declarations:
         facts = declaration.facts
         old = facts.deprecated is not None
@@ -103,7 +103,7 @@ def _names(used: Type) -> Iterator[str]:
 
 
 def direct_names(used: Type) -> list[str]:
-    """Names of the declarations that appear in the text of a type, typedefs not resolved."""
+    """Names of the declarations that the text of a type contains. Typedefs are not resolved."""
     return list(_names(used))
 
 

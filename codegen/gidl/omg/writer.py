@@ -39,7 +39,8 @@ from gidl.model import (
     Value,
 )
 
-_KEYWORDS = frozenset((*USED_BY_LOWER, *UNUSED_BY_LOWER))  # escaped where they are names
+# Words that are escaped where they are names.
+_KEYWORDS = frozenset((*USED_BY_LOWER, *UNUSED_BY_LOWER))
 _FORWARD = {Struct: "struct", Union: "union", Interface: "interface"}
 
 
@@ -47,7 +48,7 @@ class OmgWriter(ABC):
     """Writes a model in one dialect of OMG IDL. @pre the model has no errors."""
 
     dialect: str  # name in messages: "CORBA" or "DDS"
-    primitives: dict[str, str]  # by .gidl name; only those that the dialect can express
+    primitives: dict[str, str]  # by .gidl name; without those that the dialect does not have
 
     def __init__(self, model: Model, findings: Findings) -> None:
         self._model = model
@@ -70,8 +71,8 @@ class OmgWriter(ABC):
         return "\n".join(self._lines) + "\n"
 
     def _types_in_types(self, files: Iterable[File]) -> bool:
-        """Whether a struct or union contains type declarations, which OMG IDL 4.2 does not allow;
-        reports them."""
+        """Reports type declarations inside structs and unions, which OMG IDL 4.2 does not allow.
+        Returns whether there are any."""
         found = False
         for declaration in (d for file in files for d in file.declarations):
             scope = declaration.scope
@@ -110,7 +111,8 @@ class OmgWriter(ABC):
     def _units(
         self, declarations: Iterable[AnyDeclaration]
     ) -> Iterator[tuple[AnyDeclaration, ...]]:
-        """Groups of declarations that are printed together, in the scope of the last of them."""
+        """Groups of declarations that are printed together. The last declaration of a group
+        determines the modules in which the group is printed."""
 
     @abstractmethod
     def _unit(self, unit: tuple[AnyDeclaration, ...]) -> None: ...
@@ -270,6 +272,6 @@ _PLAIN = re.compile(rb"[ !#-&(-\[\]-~]")
 
 
 def _escaped(text: bytes) -> str:
-    """`text` with special characters as octal escapes. Each has three digits, so that a following
-    digit does not become part of the escape."""
+    """`text` with special characters as octal escapes. Each escape has three digits, so that a
+    digit after it does not become part of it."""
     return "".join(chr(byte) if _PLAIN.match(bytes([byte])) else f"\\{byte:03o}" for byte in text)

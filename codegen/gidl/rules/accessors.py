@@ -1,4 +1,4 @@
-"""Rule: no member may have a name generated for an attribute: `set_x` or `publish_x`."""
+"""Rule: no member may have a name that is generated for an attribute: `set_x` or `publish_x`."""
 
 from __future__ import annotations
 
@@ -23,9 +23,10 @@ def check(model: Model, findings: Findings) -> None:
                 findings.error(
                     "G0407",
                     other.facts.location if is_own else interface.facts.location,
-                    f"'{other.name}' is the name generated for attribute '{attribute.name}'",
+                    f"'{other.name}' clashes with a name that is generated for attribute "
+                    f"'{attribute.name}'",
                     "rename one of them",
-                    notes=(Note("the attribute", attribute.facts.location),),
+                    notes=(Note("the attribute is declared here", attribute.facts.location),),
                 )
 
 

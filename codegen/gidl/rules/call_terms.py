@@ -1,4 +1,5 @@
-"""Rule: an annotation about how a call runs must suit its kind: sensor, actor or getter."""
+"""Rule: an annotation about how a call runs must suit the kind of the call: sensor, actor or
+getter."""
 
 from __future__ import annotations
 
@@ -28,20 +29,22 @@ def _operation(operation: Operation, findings: Findings) -> None:
                     facts.place_of(annotation),
                     f"'@{annotation}' needs an actor command, but '{operation.name}' is a sensor "
                     "operation",
-                    "leave it out, or write @actor",
+                    "leave out the annotation, or write @actor",
                 )
         if facts.has("presence"):
             findings.error(
                 "G0408",
                 facts.place_of("presence"),
-                f"'{operation.name}' is a sensor operation: it never needs presence",
+                f"'@presence' is not allowed on '{operation.name}': a sensor operation never needs "
+                "presence",
                 "leave out '@presence'",
             )
     elif operation.ordered:
         findings.error(
             "G0408",
             facts.place_of("ordered"),
-            f"'{operation.name}' is an actor operation: these are always in order",
+            f"'@ordered' is not allowed on '{operation.name}': actor operations are always in "
+            "order",
             "leave out '@ordered'",
         )
 
@@ -52,6 +55,6 @@ def _attribute(attribute: Attribute, findings: Findings) -> None:
         findings.error(
             "G0408",
             attribute.facts.place_of("presence"),
-            f"reading '{attribute.name}' never needs presence",
+            f"'@presence' is not allowed on '{attribute.name}': reading never needs presence",
             "leave out '@presence'",
         )

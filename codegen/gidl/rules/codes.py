@@ -33,7 +33,7 @@ def _reserved(
                 "G0602",
                 member.facts.place_of("id"),
                 f"'{name}' is a built-in operation and needs a code from 1 to {LAST_RESERVED}",
-                "write @id(n) with a free code",
+                "write @id(n) with a code that is not in use",
             )
     elif inside:
         hashed = "has" if member.facts.has("id") else "hashes to"
@@ -66,5 +66,5 @@ def _unique(
                 member.facts.place_of("id") if is_own else interface.facts.location,
                 f"'{name}' and '{first[0]}' have the same function code {code}",
                 f"write @id(n) on one of them, with an unused n above {LAST_RESERVED}",
-                notes=(Note("the other one", first[1].facts.location),),
+                notes=(Note("this declaration has the same code", first[1].facts.location),),
             )

@@ -1,4 +1,4 @@
-"""Rule: a default lies inside the range of its member, and the member is not also @optional."""
+"""Rule: a default must be inside the range of its member, and the member must not be @optional."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def check(model: Model, findings: Findings) -> None:
             findings.error(
                 "G0508",
                 at,
-                f"{slot.what} has a default and is optional",
+                f"{slot.what} cannot have both @default and @optional",
                 "a value that is left out is either the default (@default) or absent (@optional)",
             )
         _in_range(slot, findings)

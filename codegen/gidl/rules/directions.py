@@ -24,11 +24,11 @@ def check(model: Model, findings: Findings) -> None:
             findings.error(
                 "G0509",
                 member.facts.place_of("unit"),
-                f"'{member.name}' has no result that could have a unit",
+                f"'{member.name}' has @unit, but no result",
             )
         if member.result is None and member.facts.has("optional"):
             findings.error(
                 "G0508",
                 member.facts.place_of("optional"),
-                f"'{member.name}' has no result that could be absent",
+                f"'{member.name}' has @optional, but no result",
             )

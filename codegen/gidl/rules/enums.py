@@ -19,7 +19,7 @@ def check(model: Model, findings: Findings) -> None:
                     declaration.facts.location,
                     f"bitset '{declaration.simple_name}' has {declaration.bit_size} bits, at most "
                     "64 are possible",
-                    "split it, or use a struct",
+                    "split the bitset, or use a struct",
                 )
 
 
@@ -34,7 +34,7 @@ def _enum(enum: EnumDeclaration, findings: Findings) -> None:
                 "G0317",
                 at,
                 f"'{enumerator.name}' has the same number {enumerator.number} as '{first[0]}'",
-                notes=(Note("first here", first[1]),),
+                notes=(Note("the number is first used here", first[1]),),
             )
         if not least <= enumerator.number <= min(most, (1 << 31) - 1):
             findings.error(
@@ -55,7 +55,7 @@ def _bitmask(mask: Bitmask, findings: Findings) -> None:
                 "G0317",
                 at,
                 f"'{flag.name}' has the same bit {flag.position} as '{first[0]}'",
-                notes=(Note("first here", first[1]),),
+                notes=(Note("the number is first used here", first[1]),),
             )
         if flag.position >= mask.bit_bound:
             findings.error(
@@ -63,5 +63,5 @@ def _bitmask(mask: Bitmask, findings: Findings) -> None:
                 at,
                 f"bit {flag.position} of '{flag.name}' is outside the {mask.bit_bound} bits of "
                 f"'{mask.simple_name}'",
-                "@bit_bound(64) before 'bitmask' makes room for 64 flags",
+                "write @bit_bound(64) before 'bitmask' for up to 64 flags",
             )

@@ -25,6 +25,6 @@ def check(model: Model, findings: Findings) -> None:
                 findings.error(
                     "G0406",
                     member.facts.place_of(annotation),
-                    f"'@{annotation}' has no meaning on an event: the server sends it",
-                    "leave it out",
+                    f"'@{annotation}' is not allowed on an event, because the server sends events",
+                    "leave out the annotation",
                 )

@@ -1,4 +1,4 @@
-"""Rule: members of an interface and all its bases have different names, even without case."""
+"""Rule: the members of an interface and all its bases must have different names, ignoring case."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def check(model: Model, findings: Findings) -> None:
                     member.facts.location,
                     f"'{member.name}' is inherited from '{first.interface}' and cannot be "
                     "declared again",
-                    "IDL has no overriding: give it another name, or leave it out",
+                    "IDL has no overriding: rename this member, or leave it out",
                     notes=(Note("first declared here", first.facts.location),),
                 )
 
@@ -40,10 +40,10 @@ def _inherited(
                 interface.facts.location,
                 f"'{interface.simple_name}' inherits '{member.name}' from '{first.interface}' and "
                 f"from '{member.interface}'",
-                "rename one of them, or move it into a base that both share",
+                "rename one of the members, or declare it in a base that both interfaces share",
                 notes=(
-                    Note("here", first.facts.location),
-                    Note("and here", member.facts.location),
+                    Note("declared here", first.facts.location),
+                    Note("also declared here", member.facts.location),
                 ),
             )
     return found

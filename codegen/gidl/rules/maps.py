@@ -1,4 +1,5 @@
-"""Rule: map keys can be compared exactly, so they are no floating-point numbers or containers."""
+"""Rule: map keys must compare exactly, so they are neither floating-point numbers nor
+containers."""
 
 from __future__ import annotations
 
@@ -30,7 +31,7 @@ def _look(model: Model, used: Type, at: Location, findings: Findings) -> None:
                 findings.error(
                     "G0319",
                     at,
-                    "the keys of a map are strings, integers, characters, booleans or enums",
+                    "the keys of a map must be strings, integers, characters, booleans or enums",
                     "use a sequence of structs",
                 )
             _look(model, value, at, findings)

@@ -26,10 +26,12 @@ def _terms(qos: Qos, facts: Facts, findings: Findings) -> None:
         findings.error(
             "G0412",
             at,
-            f"no medium of {', '.join(qos.media)} is ever HARD_REALTIME",
-            f"allow one of {', '.join(_HARD)}",
+            f"the class HARD_REALTIME is not possible with the media {', '.join(qos.media)}",
+            f"add one of the media {', '.join(_HARD)}",
         )
     if qos.deadline_ns and qos.start_by_ns and qos.start_by_ns > qos.deadline_ns:
         findings.error(
-            "G0412", at, "'start_by' is later than the deadline by which all must be done"
+            "G0412",
+            at,
+            "'start_by' is later than 'deadline', the time at which the call must be done",
         )

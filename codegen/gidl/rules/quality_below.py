@@ -30,7 +30,7 @@ def _compare(
 ) -> None:
     if not facts.has("qos"):
         return
-    if stream is not None:  # samples may differ in these terms; an open stream also in its class
+    if stream is not None:  # a stream may be weaker in these terms
         own = replace(own, reliability=None, depth=None, lifespan_ns=None)
         own = replace(own, quality_class=None) if stream.is_open else own
     for said in _weaker(own, above.qos):
@@ -38,7 +38,7 @@ def _compare(
             "G0413",
             facts.place_of("qos"),
             f"'{name}' promises less than interface '{above.simple_name}': {said}",
-            "promise at least as much, weaken the promise of the interface, or declare another one",
+            "promise at least as much, weaken the interface's promise, or use another interface",
             notes=(Note("promised here", above.facts.place_of("qos")),),
         )
 

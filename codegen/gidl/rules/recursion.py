@@ -58,8 +58,9 @@ class _Walker:
             self._findings.error(
                 "G0316",
                 declaration.facts.location,
-                f"'{declaration.simple_name}' nests {inner} types, at most {MAX_DEPTH} are allowed",
-                "flatten it, or put a sequence between",
+                f"'{declaration.simple_name}' has {inner} levels of nested types, at most "
+                f"{MAX_DEPTH} are allowed",
+                "remove a level, or put a sequence between two levels",
             )
         return inner
 
@@ -87,5 +88,5 @@ class _Walker:
             "G0314",
             declaration.facts.location,
             f"'{declaration.simple_name}' contains itself: {' -> '.join(ordered)}",
-            f"a type contains itself only through a sequence: sequence<{declaration.simple_name}>",
+            f"put a sequence between: sequence<{declaration.simple_name}>",
         )

@@ -68,5 +68,5 @@ def _open(model: Model, attribute: Attribute, findings: Findings) -> None:
             "G0411",
             at,
             "an open stream is not authenticated, so it never satisfies a real-time class",
-            "leave out '@open_stream', or the class",
+            "leave out '@open_stream', or the class in '@qos'",
         )

@@ -1,4 +1,5 @@
-"""Rule: a base struct is not @appendable, and a derived struct does not repeat its members."""
+"""Rule: a base struct is not @appendable, and a derived struct does not repeat members of its
+base."""
 
 from __future__ import annotations
 
@@ -15,10 +16,10 @@ def check(model: Model, findings: Findings) -> None:
             findings.error(
                 "G0320",
                 struct.facts.location,
-                f"'{base.simple_name}' is @appendable, so it cannot be a base: what is appended to "
-                f"it would move the members of '{struct.simple_name}'",
-                f"hold '{base.simple_name}' as a member",
-                notes=(Note("the base", base.facts.location),),
+                f"'{base.simple_name}' is @appendable, so it cannot be a base: members appended "
+                f"to it would move the members of '{struct.simple_name}'",
+                f"declare a member of type '{base.simple_name}' instead",
+                notes=(Note("the base is declared here", base.facts.location),),
             )
         inherited = {m.name.lower(): m for m in model.all_members(base)}
         for member in struct.members:
@@ -27,6 +28,6 @@ def check(model: Model, findings: Findings) -> None:
                 findings.error(
                     "G0321",
                     member.facts.location,
-                    f"member '{member.name}' is inherited from '{base.simple_name}' already",
+                    f"member '{member.name}' is already inherited from '{base.simple_name}'",
                     notes=(Note("first declared here", first.facts.location),),
                 )

@@ -32,7 +32,7 @@ def _union(model: Model, union: Union, findings: Findings) -> None:
                     "G0315",
                     at,
                     f"label {_shown(label)} selects two members of union '{union.simple_name}'",
-                    notes=(Note("first here", seen[label]),),
+                    notes=(Note("the label is first used here", seen[label]),),
                 )
             seen.setdefault(label, at)
         if case.is_default:
@@ -41,7 +41,7 @@ def _union(model: Model, union: Union, findings: Findings) -> None:
                     "G0315",
                     at,
                     f"union '{union.simple_name}' has two defaults",
-                    notes=(Note("first here", default),),
+                    notes=(Note("the first default is here", default),),
                 )
             default = at
     values = _value_count(model, union)
@@ -49,15 +49,15 @@ def _union(model: Model, union: Union, findings: Findings) -> None:
         findings.error(
             "G0315",
             default,
-            "this default is never selected: the labels name every value already",
-            "leave it out",
+            "the default case is never selected, because the labels cover all values",
+            "leave out the default case",
         )
     for case in union.cases:
         if case.member.optional or case.member.default is not None:
             findings.error(
                 "G0508",
                 case.member.facts.place_of("optional", "default"),
-                f"member '{case.member.name}' of a union is present exactly when it is selected",
+                f"member '{case.member.name}' of a union cannot have @optional or @default",
                 "leave out @optional and @default",
             )
 

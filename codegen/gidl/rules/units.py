@@ -20,7 +20,7 @@ def _words(text: str) -> frozenset[str]:
     return frozenset(text.split())
 
 
-# SI units and other accepted units. A unit is a product of them, such as "N*m" or "m/s^2".
+# SI units and other accepted units. @unit names a product of them, such as "N*m" or "m/s^2".
 BASE_UNITS = _words(
     """
     m s kg A K mol cd rad sr Hz N Pa J W C V F ohm S Wb T H lm lx Bq Gy Sv kat 1 mm cm km um nm
@@ -86,7 +86,7 @@ def _known(unit: str, at: Location, findings: Findings) -> None:
         at,
         f"unknown unit '{unit}'",
         hint
-        or "units are products of known ones: m, m/s, rad/s^2, N*m; docs/gidl.md has the table",
+        or "write a product of known units, such as m/s, rad/s^2 or N*m; docs/gidl.md lists them",
     )
 
 

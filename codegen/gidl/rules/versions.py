@@ -19,11 +19,15 @@ def check(model: Model, findings: Findings) -> None:
                 findings.error(
                     "G0512",
                     facts.place_of(annotation),
-                    f"'{text}' is no version",
-                    'a version is "MAJOR.MINOR", like "1.2"',
+                    f"'{text}' is not a version",
+                    'write "MAJOR.MINOR", such as "1.2"',
                 )
         if facts.hash_as is not None and not _NAME.match(facts.hash_as):
-            findings.error("G0512", facts.place_of("hash_as"), f"'{facts.hash_as}' is no name")
+            findings.error(
+                "G0512",
+                facts.place_of("hash_as"),
+                f"the argument '{facts.hash_as}' of @hash_as is not a name",
+            )
     for interface in model.interfaces():
         _since_within(interface, findings)
 

@@ -29,7 +29,7 @@ from gidl.model import (
 class Slot:
     """A place that holds a value: a member, parameter, attribute, result or typedef."""
 
-    what: str  # what messages call it: "member 'speed'"
+    what: str  # name in messages: "member 'speed'"
     type: Type
     facts: Facts
     unit: str | None = None
@@ -85,8 +85,8 @@ def members(model: Model) -> Iterator[Operation | Attribute]:
 
 
 def meet_first(model: Model, interface: Interface, one: str, other: str) -> bool:
-    """Whether no base of `interface` already combines the interfaces `one` and `other`. So a clash
-    between the two is reported only once."""
+    """Whether `interface` is the first that combines the interfaces `one` and `other`: none of its
+    bases does. A clash between the two is reported only there."""
     for base in interface.all_bases:
         line = {i.name for i in model.with_bases(model.interface(base))}
         if one in line and other in line:
@@ -95,7 +95,8 @@ def meet_first(model: Model, interface: Interface, one: str, other: str) -> bool
 
 
 def numeric_core(model: Model, used: Type) -> PrimitiveType | None:
-    """The number type inside typedefs, arrays, sequences and map values, or None."""
+    """The number type that remains without typedefs, arrays, sequences and maps (their values);
+    None if it is no number."""
     target = model.target(used)
     while isinstance(target, ArrayType | SequenceType | MapType):
         inner = target.value if isinstance(target, MapType) else target.element

@@ -64,7 +64,8 @@ def reply_values(operation: Operation, call: CallLayout) -> list[CallValue]:
 
 
 def first_missing(values: Sequence[CallValue]) -> int:
-    """The index of the first of the trailing values that an older caller may leave out."""
+    """The index of the first value that an older caller may leave out, together with all after
+    it."""
     index = len(values)
     while index and (values[index - 1].optional or values[index - 1].default is not None):
         index -= 1
@@ -112,7 +113,7 @@ def short_name(call: CallLayout) -> str:
 
 
 def passes_objects(model: Model, file: File) -> bool:
-    """Whether a type or a call of the file contains objects, encoded as gecos::ObjectRef."""
+    """Whether a type or a call of the file contains object references (gecos::ObjectRef)."""
     return any(
         isinstance(model.find(name), Interface)
         for declaration in file.declarations

@@ -35,7 +35,7 @@ def clauses(parts: Iterable[str], opening: str = "(", closing: str = ")") -> str
 
 
 def without_marks(text: str) -> str:
-    """The `text` of a user without the code points that mark groups."""
+    """`text` without the code points that mark groups; `text` comes from a user."""
     return text.translate(_MARKS)
 
 
@@ -73,7 +73,7 @@ def _laid_out(line: str, closes_alone: bool) -> list[str]:
 class _Broken:
     head: str  # text of the line up to the opening bracket, inclusive
     parts: list[str]
-    tail: str  # rest of the line from the closing bracket on; may contain more groups
+    tail: str  # rest of the line, from the closing bracket; may contain more groups
     comma: str  # separator after each part; "" between clauses
 
 

@@ -15,8 +15,8 @@ def laid_out(text: str, language: str) -> str:
 def _spaced(lines: list[str], python: bool) -> list[str]:
     """Puts two empty lines around top-level blocks of Python; leaves at most one elsewhere."""
     result: list[str] = []
-    empty, block = 0, False  # block: inside a top-level class or function
-    decorated = False  # after the decorator of a top-level class or function
+    empty, block = 0, False  # `block`: the line is in a top-level class or function
+    decorated = False  # the previous line decorates a top-level class or function
     for line in lines:
         if not line.strip():
             empty += 1

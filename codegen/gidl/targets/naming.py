@@ -37,7 +37,8 @@ class UnsupportedError(Exception):
 
 
 class LocalNames:
-    """Unique names for locals, parameters and helpers of a scope: a taken name gets underscores."""
+    """Unique names for locals, parameters and helpers of a scope. A name that is already taken gets
+    underscores at its end."""
 
     def __init__(self, taken: Iterable[str] = ()) -> None:
         self._taken = set(taken)

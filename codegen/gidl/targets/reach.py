@@ -43,7 +43,7 @@ def _direct(model: Model, name: str) -> set[str]:
 
 
 def named_types(used: Type) -> set[str]:
-    """Names of the declarations that appear in the text of a type."""
+    """Names of the declarations that the text of a type contains."""
     match used:
         case NamedType(name):
             return {name}

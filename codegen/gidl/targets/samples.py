@@ -25,7 +25,8 @@ from gidl.wire_nodes import (
 
 
 def number(kind: Primitive, limits: Range | None) -> int | float:
-    """The middle of the range `limits`; if one side is open, the number in it nearest to 0."""
+    """The middle of the range `limits`. If one side is open, the number of the range that is
+    nearest to 0."""
     if limits is None:
         return 0 if kind.is_integer else 0.0
     low, high = limits.minimum, limits.maximum
@@ -38,8 +39,8 @@ def number(kind: Primitive, limits: Range | None) -> int | float:
 
 
 def is_made_by_default(model: Model, node: Node, alone: bool) -> bool:
-    """Whether a default-constructed value is already the value that a mock returns. A value that
-    is `alone`, not a member, has no declared default: an enum is then 0."""
+    """Whether a mock may return a default-constructed value. `alone`: the value is not a member, so
+    it has no declared default, and an enum is 0."""
     match node:
         case ScalarNode(kind, limits):
             return not kind.is_number or number(kind, limits) == 0
@@ -68,5 +69,5 @@ def arm_of(union: Union) -> UnionCase:
 
 
 def nanoseconds(rate_hz: float | None) -> int:
-    """The time between two samples of a stream; one second if no rate is declared."""
+    """The interval between two samples of a stream; one second if no rate is declared."""
     return round(1e9 / rate_hz) if rate_hz else 1_000_000_000

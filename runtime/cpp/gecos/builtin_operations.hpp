@@ -18,7 +18,7 @@ namespace gecos {
 /// status, as soon as the commands issued under it have ended. Commands issued later without
 /// another lease are DENIED. A lease that is destroyed at once, before any command was issued under
 /// it, logs a warning.
-class [[nodiscard("keep the lease: the status is given back when it is destroyed")]] Lease {
+class [[nodiscard("keep the lease: its destructor releases the status")]] Lease {
  public:
   Lease(std::shared_ptr<session::ClientSession> session, Grant grant);
   Lease(Lease &&) noexcept = default;
@@ -40,25 +40,23 @@ class [[nodiscard("keep the lease: the status is given back when it is destroyed
   std::shared_ptr<session::ClientSession> session_;
   Grant grant_;
   std::uint64_t held_;    ///< result of ClientSession::lease_acquired
-  std::uint64_t issued_;  ///< calls that the session had issued before the lease was acquired
+  std::uint64_t issued_;  ///< number of calls that the session had issued before the lease
   TimePoint since_;
 };
 
 /// Why the server refused actor or master status.
 struct LeaseRefusal {
   Failure failure;
-  std::vector<Holder> holders;  ///< each present holder, since when and until when
+  std::vector<Holder> holders;  ///< the present holders; each says since when and until when
 };
 std::ostream& operator<<(std::ostream& out, const LeaseRefusal& refusal);
 
 /// Acquires actor status, which allows commands that move or change the device. Clients that pass
 /// the same `password` share the status.
-[[nodiscard(
-    "keep the lease: the status is given back when it is destroyed")]] Checked<Lease, LeaseRefusal>
+[[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 actor(const Object& object, std::string password = {});
 /// Acquires master status: like actor status, and the calls of other clients are refused.
-[[nodiscard(
-    "keep the lease: the status is given back when it is destroyed")]] Checked<Lease, LeaseRefusal>
+[[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 master(const Object& object, std::string password = {});
 
 /// Stops the device for every holder: ends every lease, drops the queue, interrupts commands.
@@ -70,7 +68,7 @@ Command<std::vector<Holder>> holders(const Object& object);
 /// The outcome of a command, or its present state.
 struct Outcome {
   Detail detail = Detail::OutcomeUnknown;
-  std::string text;  ///< the reason, unless `detail` is Done
+  std::string text;  ///< explains `detail`, unless it is Done
   State state() const { return project(detail); }
 };
 std::ostream& operator<<(std::ostream& out, const Outcome& outcome);

@@ -24,22 +24,22 @@ enum class State : std::uint8_t {
   Running,
   Finished,
   CommandFailed,
-  ConnectionFailed,  ///< proves that the command did not start: sending it again is safe
+  ConnectionFailed,  ///< the command certainly did not start: it may be sent again
 };
 std::string_view to_string(State state);  ///< "RUNNING", as in the paper
 std::ostream& operator<<(std::ostream& out, State state);
 
 /// The detailed state of a command; `project` maps it onto one of the four states.
 enum class Detail : std::uint8_t {
-  // RUNNING
+  // state RUNNING
   Sent,
   Queued,
   Executing,
   Canceling,
   Unreachable,
-  // FINISHED
+  // state FINISHED
   Done,
-  // COMMAND_FAILED
+  // state COMMAND_FAILED
   Rejected,
   BadParameter,
   UnknownOperation,
@@ -55,7 +55,7 @@ enum class Detail : std::uint8_t {
   PresenceLost,
   ServerCrashed,
   OutcomeUnknown,
-  // CONNECTION_FAILED
+  // state CONNECTION_FAILED
   NotStarted,
   NoServer,
   Refused,
@@ -69,7 +69,7 @@ std::ostream& operator<<(std::ostream& out, Detail detail);
 /// Why a command did not finish, with the declared exception if the handler raised one.
 struct Failure {
   Detail detail = Detail::Fault;
-  std::string text;       ///< what, where, what to do
+  std::string text;       ///< what failed, where, and what the caller can do
   std::string exception;  ///< scoped name of the declared exception when detail is Fault
   Bytes evidence;         ///< the declared exception, encoded
 
@@ -128,19 +128,19 @@ class CommandCore {
   /// Descriptor that becomes readable when the command is terminal; this object owns it.
   virtual int descriptor() = 0;
   /// Calls `then` once the command is terminal: immediately when it is terminal already, else on
-  /// the lab's callback thread, even when the command was dropped. An exception that `then` throws
-  /// is logged and not propagated.
+  /// the lab's callback thread. The callback comes even when the caller has dropped the command. An
+  /// exception that `then` throws is logged and not propagated.
   virtual void when_ended(std::function<void()> then) = 0;
-  /// The called operation, "RX90.move". Valid while the command runs, and after a failure that no
-  /// caller had observed.
+  /// The name of the called operation, "RX90.move". Known while the command runs; afterwards only
+  /// when the command failed and no caller had observed it.
   virtual std::string about() const { return {}; }
 
-  /// Marks the outcome as observed, or as of no interest: a failure is then not logged.
+  /// Marks the outcome as observed. A failure of the command is then not logged.
   void observe() { observed_.store(true, std::memory_order_relaxed); }
   bool observed() const { return observed_.load(std::memory_order_relaxed); }
 
  private:
-  std::atomic<bool> observed_{false};  // orders no other memory: relaxed is enough
+  std::atomic<bool> observed_{false};  // protects no other data, so relaxed is enough
 };
 
 /// `co_await command`: resumes on the lab's callback thread with the result of `get()`.
@@ -193,7 +193,7 @@ class AnyCommand {
     core_->observe();
     core_->cancel();
   }
-  /// Declares that the outcome is of no interest: a failure is then not logged.
+  /// Says that the caller needs no outcome. A failure of the command is then not logged.
   void detach() const { core_->observe(); }
 
   /// A descriptor for poll, select or epoll, readable once the command is terminal. The command

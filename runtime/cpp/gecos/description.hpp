@@ -28,7 +28,7 @@ struct OperationDescription {
   bool idempotent = false;  ///< may be sent again in a new session
   bool cancelable = false;  ///< long-running: runs on the object's worker, has progress
   bool parallel = false;    ///< may run beside other actor commands of the object
-  bool ordered = false;     ///< sensor operation that starts in order with its caller's commands
+  bool ordered = false;     ///< sensor operation; starts in the order of its caller's calls
   OnNew on_new = OnNew::Queue;
   OnLoss on_loss = OnLoss::Stop;
   qos::Quality quality{};
@@ -53,7 +53,7 @@ constexpr OperationDescription getter(std::uint32_t code, std::string_view name,
   return operation(code, name, hash, rest);
 }
 
-/// A stream that the server publishes; the operation with the same code reads its attribute once.
+/// A stream that the server publishes. The operation with the same code reads the attribute once.
 struct StreamDescription {
   FunctionCode code{};
   std::string_view name{};

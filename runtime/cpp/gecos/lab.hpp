@@ -69,8 +69,8 @@ struct NoLab {
   std::optional<std::system_error> missing{};
 };
 using LabOrWhyNot = tl::expected<std::shared_ptr<Context>, NoLab>;
-/// The error text when a resource is missing: "this process has nothing left for a Lab: eventfd
-/// (see `ulimit -n` …): Too many open files".
+/// The error text when a resource is missing: "this process has no resources left for a Lab:
+/// eventfd (see `ulimit -n` …): Too many open files".
 std::string nothing_left(std::string_view what_for, const std::system_error& why);
 tl::expected<Created, CreateError> create(const LabOrWhyNot& lab,
                                           const InterfaceDescription& wanted,

@@ -19,9 +19,9 @@ namespace gecos {
 
 /// Options for the calls through one copy of a proxy.
 struct CallOptions {
-  /// Longest time from sending to completion. The server receives it and ends the call when it has
-  /// passed. Nothing: the `@qos(deadline=…)` of the operation, if it has one. Zero or less, such as
-  /// `end - now` after `end`: the call is not sent and ends EXPIRED.
+  /// Longest time from sending to completion. The server receives it, and ends the call when that
+  /// time has passed. Without a value, the `@qos(deadline=…)` of the operation applies, if there is
+  /// one. With zero or a negative value the call is not sent and ends EXPIRED.
   std::optional<Duration> deadline{};
 };
 
@@ -39,12 +39,13 @@ class ClientSession {
   /// Subscribes to a stream of the object.
   virtual tl::expected<std::shared_ptr<StreamCore>, Failure> subscribe(
       const StreamDescription& stream) = 0;
-  /// Scoped name of the object's actual interface: the proxy's own or one derived from it.
+  /// Scoped name of the interface that the object implements: the interface of the proxy, or an
+  /// interface derived from it.
   virtual const std::string& interface_name() const = 0;
   virtual const std::string& object_name() const = 0;
   virtual const media::Offer& offer() const = 0;
-  /// The reference by which other programs find the object; nil for a proxy that `create` did not
-  /// make.
+  /// The reference by which other programs find the object. Nil when the proxy was not made by
+  /// `Lab::create`.
   virtual ObjectRef reference() const = 0;
   /// Tells the session that a lease was acquired: from now on it issues commands under `epoch`.
   /// Returns the argument for `lease_released`.
@@ -56,14 +57,15 @@ class ClientSession {
   virtual std::uint64_t issued() = 0;
 };
 
-/// The session of a proxy that `create` did not make: every call is CONNECTION_FAILED/NO_SERVER.
+/// The session of a proxy that was not made by `Lab::create`: every call is
+/// CONNECTION_FAILED/NO_SERVER.
 const std::shared_ptr<ClientSession>& nil_session();
 
-/// The session of a proxy whose lab was closed: like `nil_session`, but with the names of `was`,
-/// the session before.
+/// The session of a proxy whose lab was closed. It behaves like `nil_session`, but keeps the names
+/// of `was`, the previous session of the proxy.
 std::shared_ptr<ClientSession> closed_session(const ClientSession& was);
 
-/// A command that failed before anything was sent.
+/// A command that failed before its call was sent.
 std::shared_ptr<CommandCore> ended(Failure failure);
 
 /// Converts to the command of a call with invalid parameters: the call is not sent and ends
@@ -94,7 +96,7 @@ class Object {
   Object() : gecos_session_(session::nil_session()) {}
   explicit Object(std::shared_ptr<session::ClientSession> gecos_session)
       : gecos_session_(std::move(gecos_session)) {}
-  // Copied, never moved: a virtual base would be moved from once for each path that leads to it.
+  // Copied, never moved: a move would move a virtual base again for each path that leads to it.
   Object(const Object&) = default;
   Object& operator=(const Object&) = default;
 

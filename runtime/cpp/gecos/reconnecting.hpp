@@ -14,8 +14,8 @@
 namespace gecos {
 
 struct ReconnectOptions {
-  CreateOptions create{};                                   ///< options of each attempt
-  Duration between_tries = std::chrono::milliseconds(500);  ///< from the end of a failed attempt
+  CreateOptions create{};                                   ///< options of each attempt to connect
+  Duration between_tries = std::chrono::milliseconds(500);  ///< pause after a failed attempt
   /// A stream without a new sample for this long is opened again, through a new proxy.
   Duration silence = std::chrono::seconds(1);
 };
@@ -30,9 +30,9 @@ class Reconnecting {
 
   const std::string& name() const { return name_; }
 
-  /// The proxy; created when there is none, which takes `create.patience` at most, while other
-  /// threads wait. For `between_tries` after a failed attempt the reason of that failure is
-  /// returned at once.
+  /// Returns the proxy. Creates it when there is none: this takes `create.patience` at most, and
+  /// other threads wait meanwhile. After a failed attempt no proxy is created for `between_tries`;
+  /// until then the reason of the failure is returned at once.
   tl::expected<Proxy, std::string> get() {
     const MutexLock lock(mutex_);
     if (proxy_) return *proxy_;
@@ -45,8 +45,8 @@ class Reconnecting {
   }
 
   /// Returns the result of `call`, which issues a command through the given proxy and waits for it.
-  /// The proxy is dropped when the server was lost. When the command provably did not start
-  /// (CONNECTION_FAILED), `call` is repeated once, through a new proxy.
+  /// Drops the proxy when the server was lost. When the command certainly did not start
+  /// (CONNECTION_FAILED), repeats `call` once, through a new proxy.
   template <class Call>
   std::invoke_result_t<Call&, const Proxy&> call(Call call) {
     auto result = call_once(call);

@@ -32,7 +32,7 @@ struct Caller {
 class Fault {
  public:
   /// A declared exception of the operation: `return tl::unexpected(OutOfReach{"…"});` When a member
-  /// is out of its range, the caller gets a FAULT with that text instead.
+  /// of the exception is out of range, the caller gets a FAULT whose text names that member.
   template <wire::GeneralContents E>
   requires requires {
     { E::type_name() } -> std::convertible_to<std::string_view>;
@@ -130,9 +130,9 @@ class IncomingCall {
   /// For servants that queue calls: call this directly before the handler runs. False: the call
   /// ended while it was queued, or its caller withdrew it; drop the call without an answer.
   [[nodiscard]] bool begin() { return core_->begin(); }
-  /// When the server marked this call as started, directly before the handler begins: a time of
-  /// CLOCK_BOOTTIME (Clock::since_boot), at most a kernel tick (10 ms) too early. Nothing before
-  /// begin(), if the servant calls begin().
+  /// When the server marked this call as started, directly before the handler begins. The moment is
+  /// read from CLOCK_BOOTTIME (Clock::since_boot), at most a kernel tick (10 ms) too early. If the
+  /// servant calls begin() itself, the result is empty before begin().
   std::optional<TimePoint> marked_at() const { return core_->marked_at(); }
 
   void finish(ByteView result) { std::exchange(core_, nullptr)->finish(result); }
@@ -195,7 +195,7 @@ class Execution {
   explicit Execution(IncomingCall& call) : call_(call) {}
   /// The handler should stop soon and return `Fault::interrupted()`.
   bool interrupted() const { return call_.interrupted(); }
-  /// Sleeps at most `time`; true as soon as interrupted.
+  /// Sleeps for at most `time`. Returns true as soon as the handler is interrupted.
   bool wait_interrupted(Duration time) const {
     return call_.wait_interrupted_until(deadline_after(time));
   }
@@ -241,15 +241,15 @@ class Servant {
 
   virtual const InterfaceDescription& gecos_interface() const = 0;
   /// Decodes the arguments, runs the handler and answers. An exception from the handler becomes a
-  /// FAULT with its text. An exception from an override is logged, and the call ends as FAULT
-  /// without that text.
+  /// FAULT with its text. A class may override this function: an exception that the override throws
+  /// is logged, and the call ends as FAULT without that text.
   virtual void gecos_dispatch(IncomingCall call);
 
   /// True when gecos_dispatch() only queues calls; the servant must then call IncomingCall::begin()
   /// before each handler.
   virtual bool gecos_begins_calls() const { return false; }
 
-  /// For servants that queue calls: whether the handlers of both operations run on one thread.
+  /// For servants that queue calls: true when the handlers of both operations run on one thread.
   virtual bool gecos_share_thread(const OperationDescription& one,
                                   const OperationDescription& other) const {
     static_cast<void>(one);

@@ -9,7 +9,7 @@
 
 namespace gecos {
 
-/// An object for `serve`.
+/// One object that `serve` is to serve.
 struct Serving {
   std::string name;
   Servant& servant;
@@ -21,9 +21,9 @@ struct ServeOptions {
   std::string program{};
   /// The line on stdout once all objects are served. Empty: "serving RX90, GRIPPER".
   std::string ready{};
-  /// Called once all objects are served, before the `ready` line is printed. Its return value, for
-  /// example the publishing threads, is kept until the signal and destroyed before the objects are
-  /// withdrawn.
+  /// Called once all objects are served, before the `ready` line is printed. May return something
+  /// to keep, for example the publishing threads. `serve` destroys it after the signal, before it
+  /// withdraws the objects.
   std::function<std::shared_ptr<void>()> started{};
 };
 

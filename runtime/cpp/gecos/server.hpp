@@ -13,14 +13,14 @@
 namespace gecos {
 
 struct ObjectOptions {
-  bool simulated = false;    ///< a simulation; otherwise the object counts as hardware
+  bool simulated = false;    ///< the object is a simulation, no hardware
   bool thread_safe = false;  ///< handlers may run on several threads at once
   bool blocking = false;     ///< every handler runs on the object's worker, none on the I/O thread
   /// Called at once, on a maintenance thread, when a client stops the object: must not block.
   std::function<void()> on_stop{};
   /// Media that clients may use; empty: all media that are available on this host.
   std::vector<media::Kind> media{};
-  bool well_known = false;  ///< at the host's well-known address instead of in the broker's list
+  bool well_known = false;  ///< reached at the host's well-known address, not through the broker
   Duration patience = std::chrono::seconds(10);  ///< how long to wait for a broker that is starting
 };
 
@@ -41,8 +41,8 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// Waits until the lab's broker answers; the error says where it was searched for. `add` waits
-  /// for it, too.
+  /// Waits until the lab's broker answers. The error says at which addresses the broker was
+  /// searched for. `add` waits for the broker, too.
   tl::expected<void, ServeError> await_broker(Duration patience);
   /// Serves `servant` under `name` from now on. The servant must outlive the server. Fails when no
   /// other process could reach the object, unless `options.media` limits it to this process. Logs a
@@ -57,7 +57,8 @@ class Server {
 
  private:
   class Core;
-  tl::expected<std::unique_ptr<Core>, std::string> core_;  ///< or why the server could not be made
+  /// The error says why the server could not be made.
+  tl::expected<std::unique_ptr<Core>, std::string> core_;
 };
 
 }  // namespace gecos

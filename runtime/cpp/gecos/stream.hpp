@@ -23,13 +23,13 @@ struct Sample {
   std::uint64_t sequence = 0;  ///< rises by one per published sample
   std::uint64_t lost = 0;      ///< unread samples between the previously read sample and this one
   double stamp = 0;  ///< when the value was measured: Unix time in s of the server, for display
-  Duration age{};    ///< time since measurement, taken at reading; no clock setting affects it.
+  Duration age{};    ///< time from measuring to reading; setting a clock does not change it.
                      ///< Exact on one host; between hosts too large by at most a round trip
 };
 
 /// Why Stream::next() gave no sample.
 enum class StreamEnd : std::uint8_t {
-  Nothing,  ///< no new sample that decodes within the patience given; the stream goes on
+  Nothing,  ///< the patience has passed without a valid sample; the stream goes on
   Lost,     ///< the stream is lost(), and all samples that had arrived were read
 };
 std::string_view to_string(StreamEnd end);
@@ -37,7 +37,8 @@ std::string_view to_string(StreamEnd end);
 namespace session {
 
 struct RawSample : media::StreamSample {
-  TimePoint measured{};  ///< by the reader's CLOCK_BOOTTIME; between hosts maybe too early
+  /// By CLOCK_BOOTTIME of the reader's host; may be too early when another host sent the sample.
+  TimePoint measured{};
 };
 
 /// A subscription without the type of its samples.
@@ -57,10 +58,10 @@ class StreamCore {
 
 }  // namespace session
 
-/// A subscription to a stream. Only one thread may read at a time. The subscription ends with its
-/// last copy. A slow reader loses old samples and gets their number; it never slows the writer. A
-/// sample that does not decode is skipped: it counts as `unreadable` and, after the first sample
-/// that was read, as lost.
+/// A subscription to a stream. Only one thread may read at a time. The subscription ends when its
+/// last copy is destroyed. A slow reader misses old samples and learns how many; it never slows the
+/// writer. A sample that does not decode is skipped and counted in `unreadable`. After the first
+/// sample that was read, a skipped sample also counts as lost.
 template <class T>
 class Stream {
  public:
@@ -69,9 +70,9 @@ class Stream {
       : core_(std::move(core)), decode_(decode) {}
 
   /// The newest sample, even if it was read before. Nothing before the first sample, while the
-  /// newest one does not decode, and once the stream is lost(). The death of a server is detected
-  /// within a heartbeat where the kernel reports it, else after a silence of `grace`; until then
-  /// check `age`. Never waits.
+  /// newest one does not decode, and once the stream is lost(). Never waits. A dead server is
+  /// detected within a heartbeat when the kernel reports its death, else after a silence of
+  /// `grace`. Until then check `age`.
   std::optional<Sample<T>> latest() {
     if (!core_->latest(raw_)) return std::nullopt;
     return decoded();
@@ -86,12 +87,12 @@ class Stream {
       if (std::chrono::steady_clock::now() >= deadline) return tl::unexpected(StreamEnd::Nothing);
     }
   }
-  /// True when the server is gone, silent or has closed the session, or the Lab was closed. Then
-  /// latest() gives nothing, and next() gives only the samples that had arrived before; none after
+  /// True when the server is gone, is silent or has closed the session, or the Lab was closed. Then
+  /// latest() gives nothing. next() gives only the samples that had arrived before, and none once
   /// the Lab was closed.
   bool lost() const { return core_->lost(); }
-  /// Number of samples that did not decode. Their server is defective: a server with another sample
-  /// type is refused when the stream is opened.
+  /// Number of samples that did not decode. It rises only when the server is defective: a server
+  /// with another sample type is refused when the stream is opened.
   std::uint64_t unreadable() const { return unreadable_; }
 
  private:

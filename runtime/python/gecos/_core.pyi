@@ -28,7 +28,7 @@ class Session:
     @property
     def medium(self) -> str: ...
     def reference(self) -> tuple[str, int, int, str]:
-        """The members of an ObjectRef."""
+        """A reference to the object, as the members of an ObjectRef."""
     def call(self, code: int, arguments: bytes, deadline: float | None) -> Command:
         """Calls an operation of the object's interface or a built-in operation."""
     def subscribe(self, code: int) -> Stream | tuple[int, str]: ...
@@ -49,7 +49,8 @@ class Command:
     def wait(self, timeout: float | None) -> bool: ...
     def cancel(self) -> None: ...
     def answer(self, timeout: float | None) -> bytes | int:
-        """Waits. Returns the encoded result, or the detail if there is no result."""
+        """Waits for the end of the command. Returns the encoded result, or the detail if there is
+        no result."""
     def failure(self) -> tuple[int, str, str, bytes]: ...
     def descriptor(self) -> int: ...
 
@@ -95,7 +96,7 @@ class Server:
     def await_broker(self, patience: float) -> str | None:
         """Returns None once a broker answers, or after `patience` s the reason and the address."""
     def prepare(self, interface: Interface) -> PulledServant:
-        """Makes a servant for `add`, whose calls Python threads pull."""
+        """Makes a servant to pass to `add`. Python threads pull the servant's calls."""
     def add(
         self, prepared: PulledServant, name: str, simulated: bool, media: Sequence[str]
     ) -> str | None:

@@ -22,7 +22,7 @@ def stop(robot: Object) -> Command[None]:
 
 
 def ping(robot: Object) -> Command[None]:
-    """Checks that the object's server answers: the command finishes with the answer."""
+    """Checks that the object's server answers. The command finishes when the answer arrives."""
     return _answers_of(robot).ping()
 
 
@@ -41,7 +41,7 @@ class Outcome:
     """The outcome of a command, or its present state."""
 
     detail: Detail
-    text: str  # the reason, unless the command is DONE
+    text: str  # reason of the failure, unless the command is DONE
 
     @property
     def state(self) -> State:
@@ -49,7 +49,8 @@ class Outcome:
 
 
 def outcome(robot: Object, command: str) -> Command[Outcome]:
-    """Asks the server for the outcome of an actor command that ended here as OUTCOME_UNKNOWN.
+    """Asks the server for the outcome of an actor command that ended in this process as
+    OUTCOME_UNKNOWN.
 
     `robot` must be a new proxy, `command` is the command's id. The state of the command itself does
     not change. NOT_STARTED guarantees that the command has not arrived and will never start. SENT:

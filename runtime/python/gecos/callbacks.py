@@ -17,13 +17,13 @@ from gecos.shutdown import begin_thread
 
 
 class Ending(Protocol):
-    """The owner of a descriptor that becomes readable when a command is terminal."""
+    """Owns a descriptor that becomes readable when a command is terminal."""
 
     def fileno(self) -> int: ...
 
 
 class _Awaited(NamedTuple):
-    ending: Ending  # kept alive, because it owns the original descriptor
+    ending: Ending  # kept alive: it owns the original descriptor
     descriptor: int  # a duplicate, because several callbacks may wait for one command
     callback: Callable[[], object]
 
@@ -38,7 +38,7 @@ class _Watch:
     def __init__(self) -> None:
         self._new: deque[_Awaited] = deque()
         self._here, self._there = socket.socketpair()
-        self._there.setblocking(False)  # else a send in a callback may block the reader
+        self._there.setblocking(False)  # so that no callback can block in `send`
         self._runs = False
         self._taken = threading.Lock()  # held by the one thread that runs callbacks
 

@@ -47,9 +47,9 @@ class Progress:
 class Command(Generic[T, F]):
     """An issued call. T is the type of its result, F the type of the feedback of the handler.
 
-    Issuing a call never blocks; only waiting does. A dropped command keeps running. Dropping a
-    command that was never observed warns, once per operation, if the command has failed or is still
-    running. Failures after the warning are written to the log.
+    Issuing a call never blocks; only waiting does. A dropped command keeps running. A warning is
+    issued when a command that was never observed is dropped after its failure or while it runs: one
+    warning per operation. Later failures are written to the log.
     """
 
     __slots__ = ("__weakref__", "_core", "_method")
@@ -129,7 +129,8 @@ class Command(Generic[T, F]):
         self._core.cancel()
 
     def detach(self) -> None:
-        """Detaches the command: it keeps running; neither dropping it nor its failure warns."""
+        """Detaches the command: it keeps running, and no warning is issued when it is dropped or
+        fails."""
         self._observe()
         self._core.observe()
 
@@ -196,16 +197,16 @@ class _Unobserved(Command[T, F]):
 
     def __del__(self) -> None:
         if self._name in _warned:
-            return  # warned before; the log reports a failure
+            return  # a warning was issued before; the log reports failures
         detail = Detail(self._core.peek()[0])
         if detail is Detail.DONE:
             return
         _warned.add(self._name)
         if detail.state is State.RUNNING:
-            what = f"{self._name}: dropped while it was running, so its failure would go unseen"
+            what = f"{self._name}: dropped while it was running, so nobody would notice a failure"
         else:
             about = self._core.about() or self._name
-            what = f"{about} failed, and nobody has asked: {self._failure()}"
+            what = f"{about} failed, and nobody observed the failure: {self._failure()}"
         warnings.warn(
             f"{what}; keep the command and wait() for it, or detach() it",
             UnobservedCommandWarning,

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 
 class State(IntEnum):
-    """The paper's four states of a command. A command reaches exactly one of the last three, and
-    then its state never changes."""
+    """The four states of a command. A command reaches exactly one of the last three, and then its
+    state never changes."""
 
     RUNNING = 0
     FINISHED = 1
@@ -119,7 +119,7 @@ class DeclaredError(CommandFailed):
     else:
 
         def __new__(cls, *members: object, **named: object) -> Self:
-            return super().__new__(cls)  # without arguments: `args` would show secret members
+            return super().__new__(cls)  # no arguments, because `args` would show secret members
 
     @property
     def text(self) -> str:

@@ -1,4 +1,4 @@
-"""Threads that run the handlers of a servant and send the results and exceptions of handlers."""
+"""Threads that run the handlers of a servant, and send results and exceptions to the callers."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from gecos.wire import DecodeError, Decoder, to_bytes
 if TYPE_CHECKING:
     from gecos.server import Server
 
-LANES = ("safety", "sensor", "fifo")  # in the order of `Lane` in pulled_servant.hpp
-_LONGEST_TEXT = 10_000  # characters of a failure's text
+LANES = ("safety", "sensor", "fifo")  # same order as in `Lane` of pulled_servant.hpp
+_LONGEST_TEXT = 10_000  # greatest length of a failure's text, in characters
 
 
 class Lane(threading.Thread):
@@ -84,7 +84,12 @@ def _answer(servant: Servant, call: _core.IncomingCall, name: str) -> None:
         _fault(call, name, what + _named(error), error)
         return
     if call.interrupted():  # stopped or canceled while another handler occupied the thread
-        call.fail(Detail.CANCELED, f"{handler.operation.name}: ended before it started", "", b"")
+        call.fail(
+            Detail.CANCELED,
+            f"'{handler.operation.name}' was stopped or canceled before it started",
+            "",
+            b"",
+        )
         return
     if handler.operation.cancelable:
         arguments = (*arguments, Execution(call))

@@ -106,7 +106,7 @@ class Operation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OutwardStream:
-    """A stream of samples. The operation with the same code reads a single value."""
+    """A stream of samples. The operation with the same function code reads a single value."""
 
     code: int
     name: str
@@ -155,7 +155,7 @@ def no_result(value: None) -> Parts:
 _NO_ARGUMENTS = Arguments("", (), (), ())
 
 
-@dataclass(frozen=True)  # no slots: Method[T, F](…) sets an extra attribute
+@dataclass(frozen=True)  # has no slots, because Method[T, F](…) sets an extra attribute
 class Method(Generic[T, F]):
     """How a proxy calls an operation: the decoders of its reply, feedback and exceptions. A
     `Method` made by `method` also has the codec of the arguments and the encoder of the reply."""
@@ -180,7 +180,8 @@ class Handler:
     method: str  # method of the servant; its last parameter is `run` if the operation is cancelable
     arguments: Callable[[Decoder], tuple[Any, ...]]
     result: Callable[[Any], Parts]
-    raises: tuple[type[DeclaredError], ...] | None = None  # None: every DeclaredError
+    # exceptions that may be sent; None: every DeclaredError
+    raises: tuple[type[DeclaredError], ...] | None = None
 
 
 def values(names: str, *steps: Step, defaults: tuple[Any, ...] = ()) -> tuple[Any, ...]:

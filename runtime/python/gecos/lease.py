@@ -70,8 +70,8 @@ class _Untouched(Lease):
         if self._core.fresh():
             function = Access(self._core.status).name.lower()
             warnings.warn(
-                f"{function} status of {self._object_name} was given back at once, before anything "
-                f"was issued under it; write `with gecos.{function}(…):`",
+                f"{function} status of {self._object_name} was released at once, before any "
+                f"command was issued under it; write `with gecos.{function}(…):`",
                 DroppedLeaseWarning,
                 stacklevel=2,
             )

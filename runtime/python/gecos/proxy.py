@@ -110,8 +110,8 @@ def reference(proxy: Object) -> ObjectRef:
 
 
 def with_deadline(proxy: P, seconds: float) -> P:
-    """Returns a proxy of the same object. Its calls fail unless they complete `seconds` after
-    sending.
+    """Returns a proxy of the same object. Calls through it fail unless they complete within
+    `seconds` after they are sent.
 
     If `seconds` is 0 or less, for example `end - time.monotonic()` after `end`, calls are not sent
     and end as EXPIRED. Raises ValueError unless `seconds` is a finite number.

@@ -24,7 +24,7 @@ class Turn(Generic[T]):
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self.over = False  # True when the task has stopped waiting
-        self.taken: deque[Sample[T]] = deque()  # at most one sample; who pops it owns it
+        self.taken: deque[Sample[T]] = deque()  # at most one; whoever pops the sample owns it
         self._loop = loop
         self._ended = loop.create_future()
         self._error: BaseException | None = None

@@ -72,9 +72,10 @@ class Server:
                 _start(lanes, name)
                 may_be_served = True
                 if why := self._core.add(prepared, name, simulated, list(media)):
-                    raise ServeError(why)  # `why` names the object
+                    raise ServeError(why)  # the text `why` already contains the name of the object
             except BaseException as error:
-                if not may_be_served or isinstance(error, Exception):  # else: object stays served
+                # if neither holds, the object stays served
+                if not may_be_served or isinstance(error, Exception):
                     _release(servant, prepared)
                     self._core.forget(prepared)  # ends the lanes of the servant
                 raise

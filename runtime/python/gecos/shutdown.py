@@ -36,7 +36,7 @@ def at_exit(closable: Closable, turn: Turn) -> None:
     _waiting[turn].add(closable)
 
 
-# Recursive, because a __del__ or a signal handler may call begin_thread inside begin_thread.
+# A recursive lock: a __del__ or a signal handler may call begin_thread inside begin_thread.
 _starting = threading.RLock()
 _over = False
 

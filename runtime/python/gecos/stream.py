@@ -36,7 +36,7 @@ class Sample(Generic[T]):
 class Stream(Generic[T]):
     """The samples of a subscription in order, starting with the newest sample. A slow reader loses
     old samples; `Sample.lost` counts them. A sample that does not decode is skipped: `unreadable`
-    counts it, and after the first sample that was read `Sample.lost` counts it too.
+    counts it. Once a first sample was read, `Sample.lost` counts it too.
 
     Iterating waits for each sample and ends after `close()`. Iterating raises StreamLost when the
     server is gone or silent or closed the session, or when the Lab is closed. Only one thread or
@@ -100,8 +100,8 @@ class Stream(Generic[T]):
 
     @property
     def unreadable(self) -> int:
-        """Number of received samples that do not decode. They mean that the server is faulty: a
-        server with another sample type is already refused when the stream is opened."""
+        """Number of received samples that do not decode. Such samples come from a faulty server:
+        opening a stream fails if the server has another sample type."""
         return self._unreadable
 
     def __iter__(self) -> Iterator[Sample[T]]:

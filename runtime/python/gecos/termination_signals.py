@@ -8,7 +8,7 @@ from types import TracebackType
 from typing import Self
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
-_ENOUGH = 4096  # bytes to peek at: other signals may have arrived before SIGINT or SIGTERM
+_ENOUGH = 4096  # bytes to peek at; other signals may have arrived before SIGINT or SIGTERM
 
 
 class TerminationSignals:

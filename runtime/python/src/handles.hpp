@@ -19,8 +19,8 @@
 namespace gecos::python {
 
 /// Detects in a forked child that a handle belongs to the parent. The child lacks the threads that
-/// would end the handle in order, and locks they held at the fork stay locked. So the child must
-/// not call the object of such a handle or wait for it.
+/// would end the handle in order, and locks that these threads held at the fork stay locked. So the
+/// child must not call the object of such a handle or wait for it.
 class Owner {
  public:
   bool inherited() const { return fork_generation_ != fork_generation(); }
@@ -123,8 +123,9 @@ class CommandHandle {
  public:
   explicit CommandHandle(std::shared_ptr<session::CommandCore> core) : core_(std::move(core)) {}
   CommandHandle(CommandHandle&&) = default;
-  /// Destroys with the GIL held: the session also keeps a command that has not ended, and an ended
-  /// command owns nothing that has to be closed.
+  /// Destroys the command with the GIL held. No session is closed by this: the session keeps a
+  /// reference to a command that has not ended, and a command that has ended owns nothing that has
+  /// to be closed.
   ~CommandHandle() {
     if (core_ != nullptr && owner_.inherited()) drop(core_, owner_);
   }
@@ -173,7 +174,7 @@ class LeaseHandle {
 
   int status() const { return status_; }
   std::uint64_t epoch() const { return epoch_; }
-  /// Whether the lease was acquired a moment ago and no command was issued under it.
+  /// Whether the lease was acquired less than 100 ms ago and no command was issued under it.
   bool fresh() const { return lease_ != nullptr && !owner_.inherited() && lease_->fresh(); }
   /// Releases the lease. A second call has no effect.
   void release() {

@@ -55,7 +55,7 @@ std::optional<Task> TaskQueue::pull() {
 }
 
 void TaskQueue::close() {
-  std::deque<Task> unhandled;  // rejected after the lock is released
+  std::deque<Task> unhandled;  // these calls are rejected after the lock is released
   {
     const MutexLock lock(mutex_);
     closed_ = true;

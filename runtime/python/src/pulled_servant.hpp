@@ -53,13 +53,13 @@ class PulledServant final : public Servant {
   bool gecos_begins_calls() const override { return true; }
   bool gecos_share_thread(const OperationDescription& one,
                           const OperationDescription& other) const override;
-  /// Queues a Stopped task. Any thread.
+  /// Queues a Stopped task. Any thread may call it.
   void stopped() { queue(Lane::Safety).push(Stopped{}); }
-  /// Waits for the next task of the lane; nullopt after `close`. Any thread.
+  /// Waits for the next task of the lane; nullopt after `close`. Any thread may call it.
   std::optional<Task> next(Lane lane) { return queue(lane).next(); }
   /// Closes all lanes: `next` returns no further task.
   void close();
-  /// Publishes a sample of the stream with this code; false when the interface has none.
+  /// Publishes a sample of the stream with this code; false when the interface has no such stream.
   bool publish(FunctionCode code, ByteView sample, std::int64_t stamp_ns);
 
  private:

@@ -57,7 +57,8 @@ class ServantHandle {
   const std::shared_ptr<PulledServant>& servant() const { return servant_; }
 
   /// The next call of a lane, "stopped", or None after the lane is closed or in a forked child.
-  /// Waits without slices: only the main thread, which never waits here, handles signals.
+  /// Waits without interruption: only the main thread handles signals, and it never calls this
+  /// method.
   nb::object next(int lane) {
     if (owner_.inherited()) return nb::none();
     auto task = without_gil([&] { return servant_->next(static_cast<Lane>(lane)); });
@@ -107,7 +108,7 @@ class ServerHandle {
     options.simulated = simulated;
     options.thread_safe = true;  // gecos_dispatch only queues the call
     options.patience =
-        std::chrono::seconds(2);  // await_broker found a broker; the broker may be restarting
+        std::chrono::seconds(2);  // await_broker found a broker, but it may be restarting
     for (const std::string& medium : media) {
       const auto kind = media::kind_from(medium);
       if (!kind) {
@@ -121,7 +122,7 @@ class ServerHandle {
     const auto added = without_gil([&, server = std::move(server)]() mutable {
       const std::lock_guard lock(serving_);
       auto result = server->add(name, *servant, std::move(options));
-      server.reset();  // the last reference if `close` ran meanwhile
+      server.reset();  // drops the last reference if `close` was called meanwhile
       return result;
     });
     if (!added) return nb::str(added.error().text.c_str());

@@ -26,10 +26,10 @@ inline Duration patience_of(std::optional<double> seconds) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(*seconds));
 }
 
-/// Calls `wait(until)` in slices, without the GIL, until it returns true, the time is over, or
-/// `given_up`, called with the GIL, returns true. Between slices Python's signal handlers run;
-/// an exception that they raise (KeyboardInterrupt) ends the wait. Returns whether `wait` returned
-/// true.
+/// Calls `wait(until)` repeatedly, each time for a slice of time and without the GIL. Ends when
+/// `wait` returns true, when the whole time has passed, or when `given_up`, which is called with
+/// the GIL, returns true. Between two slices, Python's signal handlers run; an exception that they
+/// raise (KeyboardInterrupt) ends the wait. Returns whether `wait` returned true.
 template <class Wait, class GivenUp>
 bool wait_in_slices(std::optional<double> seconds, Wait wait, GivenUp given_up) {
   const Duration patience = patience_of(seconds);
@@ -52,7 +52,7 @@ bool wait_in_slices(std::optional<double> seconds, Wait wait) {
 }
 
 /// Runs `work`, which blocks and must not touch Python, on a thread of its own, so that a signal
-/// can end the wait for it. Interrupted work continues, and its result is dropped.
+/// can end the wait. The work then continues, and its result is dropped.
 template <class Work>
 auto run_interruptibly(Work work) {
   using Value = decltype(work());
@@ -60,7 +60,7 @@ auto run_interruptibly(Work work) {
   std::future<Value> value = task->get_future();
   try {
     start_thread("gecos-python", [task] { (*task)(); }).detach();
-  } catch (const std::system_error&) {  // no thread is available: then no signal ends the wait
+  } catch (const std::system_error&) {  // no thread is available: a signal cannot end the wait
     const WithoutGil released;
     (*task)();
   }

@@ -99,8 +99,8 @@ TEST_F(LeaseTableTest, MasterRefusesReadingToOthersOnly) {
   ASSERT_FALSE(denied);
   EXPECT_EQ(denied.error().reason, Denial::Reason::OthersMaster);
   EXPECT_EQ(denied.error().text,
-            "is refused to everybody else: master status is held by ada on lab1 (grip_block, pid "
-            "4711) for 0.0 s, lost in 0.5 s if silent");
+            "is refused while another client is master: master status is held by ada on lab1 "
+            "(grip_block, pid 4711) for 0.0 s, lost in 0.5 s if silent");
 }
 
 TEST_F(LeaseTableTest, TheOnlyHolderMayBecomeMaster) {
@@ -133,8 +133,8 @@ TEST_F(LeaseTableTest, WhoBringsNoPasswordIsToldThatOneIsWanted) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().reason, LeaseRefusal::Reason::WrongPassword);
   EXPECT_TRUE(
-      refused.error().text.starts_with("actor status refused: it is shared by password, and none "
-                                       "was given; actor status is held by ada"))
+      refused.error().text.starts_with("actor status refused: it is shared by password, and no "
+                                       "password was given; actor status is held by ada"))
       << refused.error().text;
 }
 

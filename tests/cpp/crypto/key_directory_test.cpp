@@ -107,7 +107,7 @@ TEST_F(KeyDirectoryTest, APublicFileThatIsNotWhatItSaysAdmitsNobody) {
   const fs::path others = keys / (other.to_string() + ".public");
   const auto why = [&] { return directory.admission(other).error().text; };
   const std::string refused = "its key " + other.short_name() + " is not admitted here: ";
-  EXPECT_EQ(why(), refused + "if it is to be, copy the file " + others.filename().string() +
+  EXPECT_EQ(why(), refused + "to admit it, copy the file " + others.filename().string() +
                        " from its key directory into " + keys.string());
   write(others, right);
   EXPECT_EQ(why(), refused + others.string() +
@@ -196,7 +196,7 @@ TEST_F(KeyDirectoryTest, ADamagedSecretIsNeverReplacedSilently) {
 TEST_F(KeyDirectoryTest, APublicKeyIsNoSecretOne) {
   const PublicKey own = open().identity()->public_key();
   write(secret(), content(keys / (own.to_string() + ".public")));
-  EXPECT_NE(why_no_identity().find("is no file of such a key"), std::string::npos);
+  EXPECT_NE(why_no_identity().find("is not a key file of the expected kind"), std::string::npos);
 }
 
 TEST_F(KeyDirectoryTest, ASecretThatOthersCanReadIsRefusedWithTheCommandThatMendsIt) {
@@ -219,8 +219,7 @@ TEST_F(KeyDirectoryTest, WhatIsNoDirectoryIsSaidSo) {
   fs::create_directories(keys.parent_path());
   write(keys, "");
   EXPECT_EQ(why_not_opened(),
-            keys.string() +
-                ": is no directory, and keys need one; set GECOS_KEY_DIR to use another directory");
+            keys.string() + ": is not a directory; set GECOS_KEY_DIR to use another directory");
   EXPECT_FALSE(KeyDirectory::open((keys / "below").string()));
 }
 

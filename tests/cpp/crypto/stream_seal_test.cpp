@@ -102,7 +102,8 @@ TEST(StreamSeal, EveryChangedByteAndEveryLengthIsNoticed) {
   EXPECT_EQ(opened(reader, frame, bytes_of("stream 8")), "refused: not from the peer, or altered");
   EXPECT_EQ(opened(reader, frame, header), "pose");
   Bytes last_counter(StreamSealer::overhead, std::byte{0xff});
-  EXPECT_EQ(opened(reader, last_counter), "refused: sealed under a later key than is due");
+  EXPECT_EQ(opened(reader, last_counter),
+            "refused: sealed under a key that the peer cannot use yet");
 }
 
 }  // namespace

@@ -136,7 +136,8 @@ TEST(Transport, GenerationsLostAsAWholeAreCaughtUpWithAndNoMore) {
   for (std::uint32_t i = 0; i <= Opener::most_lost_generations; ++i) {
     frame = sealed(pair.client.out, "too far");
   }
-  EXPECT_EQ(opened(pair.server.in, frame), "refused: sealed under a later key than is due");
+  EXPECT_EQ(opened(pair.server.in, frame),
+            "refused: sealed under a key that the peer cannot use yet");
   EXPECT_EQ(pair.server.in.generation(), Opener::most_lost_generations);
 }
 

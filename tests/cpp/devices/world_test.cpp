@@ -46,7 +46,7 @@ TEST_F(WorldServantTest, WhatIsFixedOrHeldIsNotPutElsewhere) {
   simulated_.track("GRIPPER", "block", robcl::Frame());
   const gecos::Failure held = place("block");
   EXPECT_EQ(held.detail, gecos::Detail::Rejected);
-  EXPECT_EQ(held.text, "'block' is held by a gripper: open it first");
+  EXPECT_EQ(held.text, "'block' is held by a gripper: open the gripper first");
 }
 
 TEST_F(WorldServantTest, ALengthBelowZeroIsABadParameter) {

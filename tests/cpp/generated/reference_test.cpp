@@ -143,7 +143,7 @@ TEST_P(References, NilIsRefusedByName) {
   EXPECT_EQ(gecos::reference(workshop::Tool()), ObjectRef{});
   const auto created = lab_.create<workshop::Tool>(ObjectRef{});
   ASSERT_FALSE(created);
-  EXPECT_EQ(created.error().to_string(), "(nil): NO_SERVER: an empty name is no object");
+  EXPECT_EQ(created.error().to_string(), "(nil): NO_SERVER: an empty name refers to no object");
 }
 
 TEST_P(References, AnotherLifeOfTheServerIsAnotherObject) {
@@ -154,8 +154,8 @@ TEST_P(References, AnotherLifeOfTheServerIsAnotherObject) {
   ASSERT_EQ(created.error().attempts.size(), 1U);
   EXPECT_EQ(created.error().attempts[0].detail, Detail::Refused);
   EXPECT_EQ(created.error().attempts[0].reason,
-            "CHANGER is served by another process than the reference speaks of: it was started "
-            "anew; ask for a new reference, or create it by its name");
+            "CHANGER is served by another process than the one in the reference: the server was "
+            "restarted; ask for a new reference, or create the proxy by name");
   before.boot = 0;  // a maker who did not know
   EXPECT_TRUE(lab_.create<workshop::Changer>(before));
 }

@@ -66,7 +66,7 @@ TEST(GeneratedTypes, SayWhatMustNotBeSentByItsName) {
   many.words = {"abcde"};
   EXPECT_EQ(gecos_violation(many), "Sequences.words: 5 bytes, at most 4 fit");
   many.words = {"\xff"};
-  EXPECT_EQ(gecos_violation(many), "Sequences.words: a string is UTF-8 without NUL");
+  EXPECT_EQ(gecos_violation(many), "Sequences.words: the string is not UTF-8 or contains NUL");
   many.words.clear();
   many.percents = {100, 101};
   EXPECT_EQ(gecos_violation(many), "Sequences.percents: 101 is outside [0, 100]");
@@ -74,12 +74,13 @@ TEST(GeneratedTypes, SayWhatMustNotBeSentByItsName) {
   Holds nested;
   nested.many.resize(2);
   nested.many[1].fourth = std::string("\0", 1);
-  EXPECT_EQ(gecos_violation(nested), "Grows.fourth: a string is UTF-8 without NUL");
+  EXPECT_EQ(gecos_violation(nested), "Grows.fourth: the string is not UTF-8 or contains NUL");
 
   Shape shape = Shape::make_radius(1.0);
   EXPECT_EQ(gecos_violation(shape), "");
   shape.tag = Colour::BLUE;
-  EXPECT_EQ(gecos_violation(shape), "Shape: its tag does not select the arm that it holds");
+  EXPECT_EQ(gecos_violation(shape),
+            "Shape: the value does not agree with the union's discriminator");
 
   Packed bits;
   bits.mode = 8;

@@ -54,7 +54,7 @@ TEST_F(LcmUsers, AClientWhoseKeyIsNotAdmittedIsNotMetAndToldWhatToDo) {
   auto client = std::move(*bob_->connect(acceptor->address()));
   ASSERT_TRUE(client->send(bytes_of("let me in"), {}));
   for (int i = 0; i < 20; ++i) EXPECT_EQ(acceptor->accept(), nullptr);
-  const std::string text = trouble(*acceptor, *client, "it does not admit our key");
+  const std::string text = trouble(*acceptor, *client, "the server does not admit our key");
   EXPECT_NE(text.find(options("bob").key_directory + "/"), std::string::npos) << text;
   admit("bob", "ada");
   EXPECT_NE(wait_for_client(*acceptor, *client), nullptr) << "from now on, with the same link";
@@ -90,7 +90,7 @@ TEST_F(LcmUsers, WhoMeetsNobodyIsToldHowFarItsPacketsGo) {
 TEST_F(LcmUsers, AnImpostorAtAWellKnownPlaceIsRefused) {
   const auto impostor = ada_->listen("BROKER", true).value();
   auto client = std::move(*bob_->connect(bob_->well_known_address("BROKER")));
-  const std::string text = trouble(*impostor, *client, "the answering server is refused");
+  const std::string text = trouble(*impostor, *client, "we refused the server that answered");
   EXPECT_NE(text.find("is not admitted here"), std::string::npos) << text;
 }
 

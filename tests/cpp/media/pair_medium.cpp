@@ -130,7 +130,7 @@ class PairLink final : public Link {
   }
   std::string loss_text() const override {
     if (inherited()) return "this connection belongs to the process that forked this one";
-    return other_.closed.load() ? "the other end closed" : "";
+    return other_.closed.load() ? "the other end closed the connection" : "";
   }
 
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
@@ -240,7 +240,8 @@ class PairMedium final : public Medium {
     const auto found = places_.find(address);
     const auto backlog = found == places_.end() ? nullptr : found->second.lock();
     if (backlog == nullptr) {
-      return tl::unexpected(MediumError{std::string(address) + ": no server is there"});
+      return tl::unexpected(
+          MediumError{std::string(address) + ": no server listens at this address"});
     }
     auto sockets = SocketPair::open();
     if (!sockets) return tl::unexpected(MediumError{"pair: " + system_text(errno)});

@@ -157,8 +157,8 @@ TEST(TwoUsers, EachHaveABrokerOfTheirOwnInADirectoryThatRootMadeForAll) {
   const ChildProcess first = broker_of(ada);
   ASSERT_TRUE(first.wait_ready());
   const std::string alone = heard_by(bob);
-  EXPECT_NE(alone.find("no server is there (the directory is for uid 20002 alone; programs of "
-                       "other users are reached over lcm)"),
+  EXPECT_NE(alone.find("no server listens at this address (the directory is for uid 20002 alone; "
+                       "programs of other users are reached over lcm)"),
             std::string::npos)
       << alone;
   const ChildProcess second = broker_of(bob);
@@ -175,7 +175,7 @@ TEST(TwoUsers, NobodyIsToldToEndTheProgramOfAnother) {
   const ChildProcess broker = broker_of(ada);
   ASSERT_TRUE(broker.wait_ready());
   const auto said = heard_by(bob);
-  EXPECT_NE(said.find("it belongs to another user, who is reached over lcm only"),
+  EXPECT_NE(said.find("the socket belongs to another user, who is reached over lcm only"),
             std::string::npos)
       << said;
   ASSERT_EQ(::chown(scratch.path().c_str(), 0, 0), 0);

@@ -48,7 +48,7 @@ TEST(Match, MediaThatAreNotNamedAreRuledOut) {
   EXPECT_TRUE(violations(asked, shm).empty());
   ASSERT_EQ(violations(asked, lcm).size(), 1U);
   EXPECT_EQ(violations(asked, lcm)[0].term, "media=shm|can");
-  EXPECT_EQ(violations(asked, lcm)[0].why, "lcm is not among them");
+  EXPECT_EQ(violations(asked, lcm)[0].why, "lcm is not one of these media");
 }
 
 TEST(Match, LcmMayBeTheOnlyOneNamed) {
@@ -122,7 +122,7 @@ TEST(Choose, ListsEveryMediumAndTheTermItViolates) {
   const auto chosen = choose({.line = Class::HardRealtime, .latency = 1ms}, offers);
   ASSERT_FALSE(chosen);
   EXPECT_EQ(chosen.error(),
-            "no medium meets the quality asked for; latency=1ms: shm was measured at 3ms; "
+            "no medium meets the required quality; latency=1ms: shm was measured at 3ms; "
             "class=HARD_REALTIME: lcm shares its queue with others and may lose packets");
 }
 

@@ -133,11 +133,11 @@ TEST(ArmModel, RefusesWhatIsNoArmAndSaysWhy) {
             "joint 'j' is not revolute, continuous or fixed; other types are not supported");
   EXPECT_EQ(refusal(robot("type='revolute'><limit lower='0' upper='1' velocity='0' effort='1'/>"),
                     "a", "b"),
-            "joint 'j' needs a velocity above 0");
+            "joint 'j' needs a velocity limit above 0");
   EXPECT_EQ(refusal(robot("type='revolute'><limit lower='1' upper='1' velocity='1' effort='1'/>"),
                     "a", "b"),
             "joint 'j': lower limit is not below the upper one");
-  EXPECT_EQ(refusal(robot("type='fixed'>"), "a", "tip"), "there is no link 'tip'");
+  EXPECT_EQ(refusal(robot("type='fixed'>"), "a", "tip"), "the URDF has no link 'tip'");
   EXPECT_EQ(refusal(robot("type='fixed'>"), "b", "a"), "link 'a' is not a descendant of link 'b'");
   EXPECT_EQ(refusal(robot("type='fixed'>"), "a", "b"),
             "the arm has 0 moving joints; 1 to 8 are supported");

@@ -71,9 +71,9 @@ TEST(LyingDriver, EndsTheMotionWithAFaultThatSaysWhyItCannotBeTrue) {
            {[](JointState& state) { state.torque = JointValues::Zero(2); },
             "its joint torques are not 6 finite numbers"},
            {[](JointState& state) { state.measured_at_ns -= 60'000'000'000; },
-            "it was measured 60 s ago"},
+            "its measurement is 60 s old"},
            {[](JointState& state) { state.measured_at_ns += 60'000'000'000; },
-            "it was measured 60 s in the future"},
+            "its measurement is 60 s in the future"},
            {[](JointState& state) { state.position[2] += 0.5; },
             "joint 3 moved by 0.5 rad in 0.004 s; it can move by 0.02 rad"}}) {
     LyingDriver driver(lie.tell);
@@ -91,7 +91,7 @@ TEST(ThrowingDriver, EndsTheMotionWithAFaultWhateverItThrows) {
            {[](JointState&) { throw std::runtime_error("line cut"); },
             "the driver threw: line cut"},
            {[](JointState&) { throw 7; },
-            "the driver threw something that is no std::exception"}}) {
+            "the driver threw an exception that is not a std::exception"}}) {
     LyingDriver driver(throwing);
     ArmController controller(robcl::rx90(), {}, driver);
     const auto outcome = outcome_of(controller);

@@ -38,7 +38,7 @@ TEST_P(CallLog, TellsCommandsLeasesAndSessionsAtInfo) {
   EXPECT_SAYS(said, me + " has ACTOR status\n");
   EXPECT_SAYS(said, "gecos info server: PROBE.set of ");
   EXPECT_SAYS(said, me + " ended FINISHED/DONE after ");
-  EXPECT_SAYS(said, me + " gives its status back\n");
+  EXPECT_SAYS(said, me + " releases its status\n");
   EXPECT_SAYS(said, "gecos info client: PROBE.set ended COMMAND_FAILED/DENIED: ");
   EXPECT_SAYS(said, "gecos info client: PROBE.set ended FINISHED/DONE\n");
   EXPECT_SAYS_NOT(said, "PROBE.read");

@@ -48,7 +48,7 @@ TEST(CreateWithoutBroker, WaitsNoLongerThanAskedThoughAnotherThreadLooksLonger) 
     EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
     ASSERT_FALSE(created);
     const std::string why = created.error().to_string();
-    if (why.find("another thread of this program still asks") != std::string::npos) ++beside_it;
+    if (why.find("another thread of this program is looking") != std::string::npos) ++beside_it;
   }
   EXPECT_EQ(beside_it, 3);
 }
@@ -90,7 +90,7 @@ TEST_F(Create, FailsOverAMediumThatTheServerDoesNotOfferThoughOthersExist) {
   ASSERT_EQ(error.attempts.size(), 1u);
   EXPECT_EQ(error.attempts[0].detail, Detail::QosUnavailable);
   EXPECT_EQ(error.attempts[0].reason,
-            "PROBE cannot be reached over lcm: its server does not offer it");
+            "PROBE cannot be reached over lcm: its server does not offer this medium");
 }
 
 TEST_F(Create, SaysWhatItTriedWhenThereIsNoBroker) {
@@ -170,7 +170,8 @@ TEST_F(Create, TakesOnlyMediaThatTheInterfaceNames) {
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().attempts[0].detail, Detail::QosUnavailable);
   for (const char* offered : {"inproc", "shm", "lcm"}) {
-    const std::string term = std::string("media=tcp|can: ") + offered + " is not among them";
+    const std::string term =
+        std::string("media=tcp|can: ") + offered + " is not one of these media";
     EXPECT_NE(none.error().to_string().find(term), std::string::npos) << none.error();
   }
 }

@@ -326,7 +326,7 @@ TEST(ServerDiesAmongImages, AndEveryCallEndsAndNoMemoryIsLeft) {
       commands.push_back(refused);
     EXPECT_EQ(refused->failure().text,
               "'read' of PROBE was not sent: shm is full of packets that the server has not read "
-              "yet; wait for an earlier call");
+              "yet; wait for an earlier call to end");
     child.kill_at_once();
     for (const auto& command : commands) {
       command->wait_until(gecos::TimePoint::max());

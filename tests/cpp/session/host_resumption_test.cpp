@@ -107,7 +107,7 @@ TEST_P(SentAgain, WhatEveryObjectAnswersIsAnsweredToItsArguments) {
   EXPECT_EQ(reply_to(2), Detail::Done);
   const auto record = wire::decoded<GecosObject_outcome_result>(last_body());
   ASSERT_TRUE(record) << record.error().message();
-  EXPECT_NE(record->result.text.find("started anew"), std::string::npos) << record->result.text;
+  EXPECT_NE(record->result.text.find("was restarted"), std::string::npos) << record->result.text;
 }
 
 TEST_F(OverALossyLine, WhatEndedBeforeTheLossIsAnsweredAgain) {

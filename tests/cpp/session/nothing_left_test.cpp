@@ -79,7 +79,7 @@ TEST(NothingLeft, AServerWithoutThreadsSaysSo) {
   });
   server.line().say("go");
   const std::string said = server.line().hear();
-  EXPECT_NE(said.find("this process has nothing left for a Lab: the thread gecos-maint (see "
+  EXPECT_NE(said.find("this process has no resources left for a Lab: the thread gecos-maint (see "
                       "`ulimit -u`): Resource temporarily unavailable"),
             std::string::npos)
       << said;
@@ -100,7 +100,7 @@ TEST(NothingLeft, AClientWithoutThreadsSaysSo) {
   client.line().say("go");
   EXPECT_EQ(
       client.line().hear(),
-      "PROBE: NO_SERVER: this process has nothing left for a Lab: the thread gecos-maint (see "
+      "PROBE: NO_SERVER: this process has no resources left for a Lab: the thread gecos-maint (see "
       "`ulimit -u`): Resource temporarily unavailable");
   EXPECT_EQ(client.wait(), 0);
 }

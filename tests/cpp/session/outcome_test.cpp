@@ -97,7 +97,7 @@ TEST_P(OutcomesOverLossyMedia, ThatSayNotStartedAreKept) {
 TEST_P(Outcomes, OfAnotherLifeOfTheServerAreUnknown) {
   const auto outcome = ask({1, 2, 3});
   EXPECT_EQ(outcome.detail, Detail::OutcomeUnknown);
-  EXPECT_NE(outcome.text.find("started anew"), std::string::npos) << outcome.text;
+  EXPECT_NE(outcome.text.find("was restarted"), std::string::npos) << outcome.text;
 }
 
 TEST_P(Outcomes, OfWhatWasNeverSentAreItsOwn) {

@@ -50,10 +50,11 @@ TEST_P(Unasked, ACommandThatFailsIsLoggedOnceWithObjectOperationAndReason) {
     EXPECT_EQ(probe_.set(3).get().error().detail, Detail::Denied);
   });
   EXPECT_EQ(count(said, "\n"), 1u) << said;
-  EXPECT_EQ(said.find("gecos warning command: " + name_ +
-                      ".set failed, and nobody has asked: COMMAND_FAILED/DENIED: 'set' of " +
-                      name_ + " needs actor status"),
-            0u)
+  EXPECT_EQ(
+      said.find("gecos warning command: " + name_ +
+                ".set failed, and nobody observed the failure: COMMAND_FAILED/DENIED: 'set' of " +
+                name_ + " needs actor status"),
+      0u)
       << said;
 }
 
@@ -71,7 +72,7 @@ TEST_P(Unasked, ACommandThatWasAskedForFailsInSilence) {
 TEST_P(Unasked, ALeaseThatIsDroppedAtOnceSaysToKeepIt) {
   const std::string said = said_by([this] { EXPECT_TRUE(gecos::actor(probe_)); });
   EXPECT_EQ(count(said, "gecos warning lease: ACTOR status of " + name_ +
-                            " was given back at once, before anything was issued under it; keep "
+                            " was released at once, before any command was issued under it; keep "
                             "the lease: `const auto lease = gecos::actor(*robot);`\n"),
             1u)
       << said;
@@ -99,8 +100,8 @@ TEST(UnaskedDeathTest, ALogLevelThatThereIsNotIsRefusedByTheLab) {
     std::_Exit(3);
   };
   EXPECT_EXIT(make_lab(), testing::ExitedWithCode(3),
-              "^RX90: NO_SERVER: GECOS_LOG is \"loud\", which is no level; write error, warning, "
-              "info or debug$");
+              "^RX90: NO_SERVER: GECOS_LOG is \"loud\", which is not a log level; write error, "
+              "warning, info or debug$");
   ::unsetenv("GECOS_LOG");
 }
 

@@ -152,7 +152,7 @@ TEST(GetTag, RefusesWhatTheTagsTypeLacks) {
   EXPECT_EQ(verdict("000000ff", read), "accepted");
   EXPECT_EQ(tag, 255);
   EXPECT_EQ(verdict("00000100", read),
-            "field 't' at byte 0: the union's tag and its arms do not agree");
+            "field 't' at byte 0: the union's discriminator and members do not agree");
 }
 
 TEST(GetArm, IsThereExactlyWhenSelected) {
@@ -162,9 +162,9 @@ TEST(GetArm, IsThereExactlyWhenSelected) {
   EXPECT_EQ(verdict("01", read(true)), "accepted");
   EXPECT_EQ(verdict("00", read(false)), "accepted");
   EXPECT_EQ(verdict("00", read(true)),
-            "field 'a' at byte 0: the union's tag and its arms do not agree");
+            "field 'a' at byte 0: the union's discriminator and members do not agree");
   EXPECT_EQ(verdict("01", read(false)),
-            "field 'a' at byte 0: the union's tag and its arms do not agree");
+            "field 'a' at byte 0: the union's discriminator and members do not agree");
 }
 
 }  // namespace

@@ -13,6 +13,6 @@ def doc_lines(facts: Facts, note: str = "") -> tuple[str, ...]:
 
 
 def comment(lines: Iterable[str]) -> tuple[str, ...]:
-    """`lines` such that none continues on the next line of code. A line that ends in a backslash,
-    or in the trigraph for a backslash, gets a full stop."""
+    """Adds a full stop to lines that end in a backslash, or in the trigraph for a backslash. Such a
+    line would continue the comment on the next line of code."""
     return tuple(f"{line} ." if line.endswith(("\\", "??/")) else line for line in lines)

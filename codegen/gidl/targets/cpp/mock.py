@@ -36,7 +36,7 @@ from gidl.wire_nodes import ScalarNode
 
 @dataclass(frozen=True, slots=True)
 class HeldView:
-    """An attribute of a mock. Its getter returns the value that was last set."""
+    """An attribute of a mock. The mock's getter returns the value that was last set."""
 
     name: str
     type: str
@@ -81,11 +81,12 @@ class MocksView:
 
 @dataclass(frozen=True, slots=True)
 class OwnNames:
-    """Names that a mock's class needs for itself. They avoid those of methods and parameters."""
+    """Names that a mock's class itself needs. They differ from the names of its methods and
+    parameters."""
 
     mock: str
     streams: str
-    held: Mapping[str, str]  # member variables, by attribute
+    held: Mapping[str, str]  # names of member variables, by attribute
 
 
 def mocks_view(lowering: Lowering, path: str, interfaces: Sequence[Interface]) -> MocksView:
@@ -116,7 +117,8 @@ def mocks_view(lowering: Lowering, path: str, interfaces: Sequence[Interface]) -
 
 
 OWN_TYPE = TypeName(("gecos",), "")
-"""A name in the namespace gecos, which a mock uses besides the types of its interfaces."""
+"""Stands for the namespace gecos. A mock uses its names in addition to the types of its
+interfaces."""
 
 
 def _words(lowering: Lowering, interface: Interface) -> set[str]:

@@ -1,4 +1,5 @@
-"""Where generated classes are defined, and how a module names and imports them."""
+"""Finds the modules that define generated classes, and the names under which a module imports
+them."""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ from gidl.model import File, Interface, Model, Operation, Struct
 from gidl.targets.naming import LocalNames
 from gidl.wire_layout import Layout
 
-# The type of a value whose declared type is an interface, and the file that declares ObjectRef.
+# The type of all values whose declared type is an interface; and the file that declares this type.
 OBJECT_REF = "gecos::ObjectRef"
 _OBJECT_REF_FILE = "gecos/object_ref.gidl"
 
@@ -23,14 +24,14 @@ class Home(NamedTuple):
 
 
 class Homes:
-    """The homes of the classes of all declarations, from the table of Python names."""
+    """Finds the module and the name of the class that is generated for a declaration."""
 
     def __init__(self, model: Model, layout: Layout) -> None:
         self._model = model
         self._names = layout.python_names
 
     def value(self, scoped_name: str) -> Home:
-        """The home of the class of a value. A value of an interface type is an ObjectRef."""
+        """Module and name of the class of a value. A value of an interface type is an ObjectRef."""
         if scoped_name != OBJECT_REF and isinstance(self._model.find(scoped_name), Interface):
             scoped_name = OBJECT_REF
         if scoped_name == OBJECT_REF and not self._model.has(OBJECT_REF):
@@ -45,7 +46,7 @@ class Homes:
         return Home(self._module(interface), self._names.servants[interface].name)
 
     def result(self, operation: Operation) -> Home:
-        """The home of the result class of an operation with several results."""
+        """Module and name of the result class of an operation with several results."""
         name = self._names.results[operation.scoped_name].name
         return Home(self._types_module(operation.interface), name)
 
@@ -76,8 +77,9 @@ class Homes:
 
 
 class ModuleNames:
-    """One module's names for classes. A class has the name that its home gives it; if this name is
-    taken, the class is imported under an alias, which no declaration can have as its name."""
+    """The names of classes in one module. An imported class keeps its name if this name is free
+    in the module. Otherwise it is imported under an alias, which cannot be the name of a
+    declaration."""
 
     def __init__(
         self,
@@ -86,7 +88,7 @@ class ModuleNames:
         taken: Iterable[str] = (),
         own_modules: Iterable[str] = (),
     ) -> None:
-        """`used` are the classes that the module uses; those of `own_modules` are not imported.
+        """`used` are the classes that the module uses. Classes of `own_modules` are not imported.
         `taken` are all names that the module itself defines."""
         self.homes = homes
         self._own = frozenset(own_modules)
@@ -141,15 +143,15 @@ class NamesAsUsed(ModuleNames):
 
 
 class AllNames(ModuleNames):
-    """Names without imports: each class has the name that its home gives it."""
+    """Names without imports: each class has the name that it has in the module that defines it."""
 
     def _called(self, home: Home) -> str:
         return home.name
 
 
 def mapped_import(struct: Struct, called: str) -> tuple[str, str]:
-    """The module to import from, and the text after `import`: the hand-written class, under the
-    name `called`."""
+    """How to import the hand-written class under the name `called`: the module, and the text after
+    `import`."""
     assert struct.maps_to is not None and struct.maps_to.python is not None
     module, name = struct.maps_to.python
     return module, name if name == called else f"{name} as {called}"

@@ -80,13 +80,14 @@ tl::expected<Grant, LeaseRefusal> LeaseTable::acquire(SessionId session, const C
       return tl::unexpected(
           refuse(Reason::HeldByOther, status + " status refused: others hold another status", now));
     }
-    if (member) continue;  // the session has joined already, so it knew the password
+    if (member) continue;  // the session has given the right password before
     if (password_.empty()) {
       return tl::unexpected(
           refuse(Reason::HeldByOther, status + " status refused: it is not shared", now));
     }
     if (!password_.proves_the_same_as(password)) {
-      const std::string given = password.empty() ? "none was given" : "the given one is wrong";
+      const std::string given =
+          password.empty() ? "no password was given" : "the given password is wrong";
       return tl::unexpected(
           refuse(Reason::WrongPassword,
                  status + " status refused: it is shared by password, and " + given, now));
@@ -191,8 +192,9 @@ tl::expected<void, Denial> LeaseTable::authorise(const Member* member, SessionId
   }
   if (member == nullptr && !members_.empty() &&
       members_.begin()->second.holder.status == Status::Master) {
-    return tl::unexpected(Denial{
-        Reason::OthersMaster, "is refused to everybody else: " + describe(roster().front(), now)});
+    return tl::unexpected(
+        Denial{Reason::OthersMaster,
+               "is refused while another client is master: " + describe(roster().front(), now)});
   }
   if (needed == Status::Sensor) return {};
   if (member != nullptr && member->holder.status >= needed && epoch != Epoch{}) return {};
@@ -208,9 +210,10 @@ tl::expected<void, Denial> LeaseTable::may_queue(SessionId session, Epoch epoch,
                                                  TimePoint now) const {
   const Member* const member = find(session);
   if (member != nullptr && member->holder.releasing && needed != Status::Sensor) {
-    return tl::unexpected(Denial{
-        Denial::Reason::NeedsStatus,
-        needs(needed) + "; the lease was released and drains; " + how_to_get(needed) + " again"});
+    return tl::unexpected(Denial{Denial::Reason::NeedsStatus,
+                                 needs(needed) +
+                                     "; the lease was released, and its last commands still run; " +
+                                     how_to_get(needed) + " again"});
   }
   return authorise(member, session, epoch, needed, now);
 }

@@ -73,26 +73,26 @@ class LeaseTable {
  public:
   LeaseTable(IncarnationId incarnation, Duration ttl);
 
-  /// Grants actor or master status to `session`. A session that has a status already keeps it,
-  /// raised to `wanted` if that is higher, and must release it once more. Other sessions join with
-  /// the password of the first holder. @pre `wanted` is not Sensor, which needs no lease.
+  /// Grants actor or master status to `session`. A session that has a status already keeps it, or
+  /// gets `wanted` if that is higher. It must release as often as it acquired. Other sessions join
+  /// with the password of the first holder. @pre `wanted` is not Sensor, which needs no lease.
   tl::expected<Grant, LeaseRefusal> acquire(SessionId session, const Client& client, Status wanted,
                                             const Proof& password, TimePoint now);
 
-  /// Called at each sign of life of `session`, which need not be a holder.
+  /// Called at each sign of life of `session`. Does nothing when the session is no holder.
   void renew(SessionId session, TimePoint now);
 
   enum class Commands : std::uint8_t { None, Pending };
-  /// Releases a status that was acquired under `epoch`; a stale epoch changes nothing. While its
-  /// commands are pending the session is releasing: they start and finish, and no other client gets
-  /// a lease, until `drained`. True when the session no longer holds any status.
+  /// Releases a status that was acquired under `epoch`. An old epoch changes nothing. A session
+  /// with pending commands is releasing: its commands start and finish, and no other client gets a
+  /// lease, until `drained` is called. Returns true when the session no longer holds any status.
   bool release(SessionId session, Epoch epoch, Commands commands);
   /// Called when the last command of a releasing session has ended.
   void drained(SessionId session);
 
-  /// Ends the lease of a session at once, because the session was lost or revoked or gave up at
-  /// once. A releasing session continues to drain, because it has released in order. True when a
-  /// lease was lost.
+  /// Ends the lease of a session at once, because the session did not end in order. A releasing
+  /// session continues to drain, because it released its lease before. Returns true when a lease
+  /// was lost.
   bool lose(SessionId session);
   /// Ends the lease of every holder that was silent for the TTL; returns these holders in no order.
   std::vector<Holder> expire(TimePoint now);
@@ -103,11 +103,12 @@ class LeaseTable {
   /// Forgets how `session` lost its status, because no call of it can arrive any more.
   void forget(SessionId session);
 
-  /// May `session` have a command queued that needs `needed` and was issued under `epoch`?
+  /// Whether a command of `session` may be queued. The command needs the status `needed` and was
+  /// issued under `epoch`.
   tl::expected<void, Denial> may_queue(SessionId session, Epoch epoch, Status needed,
                                        TimePoint now) const;
-  /// May the command start now? Like may_queue, but commands of a releasing session may still
-  /// start.
+  /// Whether the command may start now. Like may_queue, but commands of a releasing session may
+  /// still start.
   tl::expected<void, Denial> may_start(SessionId session, Epoch epoch, Status needed,
                                        TimePoint now) const;
 
@@ -138,7 +139,7 @@ class LeaseTable {
   const IncarnationId incarnation_;
   const Duration ttl_;
   std::uint32_t changes_ = 1;
-  Members members_;  ///< all have the same status
+  Members members_;  ///< the holders, which all have the same status
   std::unordered_map<SessionId, Loss> losses_;
   Proof password_;
 };

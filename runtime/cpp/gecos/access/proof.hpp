@@ -9,8 +9,8 @@ namespace gecos::access {
 
 /// A proof that a client knows a password: two proofs from the same password are equal.
 ///
-/// Nothing here prints or logs a proof. Proofs are compared in constant time, and wiped from memory
-/// at the end.
+/// No function prints or logs a proof. Proofs are compared in constant time. The destructor wipes a
+/// proof from memory.
 class Proof {
  public:
   Proof() = default;  ///< the proof of a client without a password

@@ -9,7 +9,8 @@
 
 namespace gecos {
 
-/// Logs `why` and aborts the program, which used an error as a result.
+/// Aborts the program, because it used a result that holds an error. Logs `why`, the text of that
+/// error.
 [[noreturn]] void used_unchecked(const std::string& why);
 
 /// A `tl::expected` that checks each access. When it holds an error, `*result` and `result->…` end

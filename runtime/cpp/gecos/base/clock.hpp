@@ -56,7 +56,7 @@ class FakeClock final : public Clock {
  private:
   const TimePoint start_;
   const double unix_start_;
-  std::atomic<Duration::rep> passed_{0};  // orders no other memory
+  std::atomic<Duration::rep> passed_{0};  // protects no other data
 };
 
 }  // namespace gecos

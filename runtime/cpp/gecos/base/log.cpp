@@ -48,7 +48,7 @@ class Stderr {
   static void before_fork() GECOS_NOT_ANALYSED { instance().mutex_.lock(); }
   static void after_fork() GECOS_NOT_ANALYSED { instance().mutex_.unlock(); }
 
-  /// The text without its middle, because the ends of a trace are the most informative.
+  /// The text, without its middle when it is too long: the ends of a stack trace say most.
   static std::string shortened(std::string line) {
     constexpr std::string_view gap = " … ";
     if (line.size() > longest) {
@@ -77,7 +77,7 @@ void write_line(LogLevel level, std::string_view component, std::string_view mes
   Stderr::instance().write_line(std::move(line));
 }
 
-/// The log level in GECOS_LOG, or the problem with its value.
+/// The log level that GECOS_LOG asks for, or why its value is not a log level.
 struct Asked {
   LogLevel level = LogLevel::Warning;
   std::optional<std::string> problem;
@@ -87,8 +87,9 @@ Asked ask_environment() {
   const char* const asked = std::getenv("GECOS_LOG");
   if (asked == nullptr || *asked == '\0') return {};
   if (const auto level = parse_log_level(asked)) return {*level, {}};
-  return {LogLevel::Warning, "GECOS_LOG is \"" + std::string(asked) +
-                                 "\", which is no level; write error, warning, info or debug"};
+  return {LogLevel::Warning,
+          "GECOS_LOG is \"" + std::string(asked) +
+              "\", which is not a log level; write error, warning, info or debug"};
 }
 
 const Asked& environment() {
@@ -101,7 +102,7 @@ const Asked& environment() {
 const std::optional<std::string>& log_level_problem() { return environment().problem; }
 
 bool detail::read_log_level(LogLevel level) {
-  std::uint8_t unread = log_level_unread;  // the exchange fails after a set_log_level()
+  std::uint8_t unread = log_level_unread;  // the exchange keeps a level from set_log_level()
   log_level.compare_exchange_strong(unread, static_cast<std::uint8_t>(environment().level),
                                     std::memory_order_relaxed);
   return log_enabled(level);

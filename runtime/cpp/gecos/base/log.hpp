@@ -15,7 +15,8 @@ namespace gecos {
 
 enum class LogLevel : std::uint8_t { Error, Warning, Info, Debug };
 
-/// Why the value of GECOS_LOG is not a log level; nothing when it is one or unset. Read once.
+/// Why the value of GECOS_LOG is not a log level; nothing when the value is a level or is not set.
+/// The variable is read once.
 const std::optional<std::string>& log_level_problem();
 
 namespace detail {

@@ -51,7 +51,8 @@ class GECOS_CAPABILITY("mutex") FutexMutex {
  private:
   static constexpr std::uint32_t free = 0;
   static constexpr std::uint32_t held = 1;
-  static constexpr std::uint32_t contended = 2;  ///< held, and other threads may sleep
+  /// Held, and other threads may sleep until the mutex is free.
+  static constexpr std::uint32_t contended = 2;
 
   bool take() {
     std::uint32_t expected = free;
@@ -78,7 +79,7 @@ class GECOS_SCOPED_CAPABILITY MutexLock {
   MutexLock(const MutexLock&) = delete;
   MutexLock& operator=(const MutexLock&) = delete;
 
-  /// Unlocks the mutex before the end. @pre the mutex is held
+  /// Unlocks the mutex before this object is destroyed. @pre the mutex is held
   void unlock() GECOS_RELEASE() {
     mutex_.unlock();
     holds_ = false;

@@ -30,7 +30,7 @@ class RecyclingAllocator {
   bool operator==(const RecyclingAllocator&) const { return true; }
 
  private:
-  /// Has no destructor, so that a block may still be freed after the destructors of its thread.
+  /// Has no destructor: a block may still be freed after the destructors of the thread have run.
   struct Kept {
     std::array<void*, 64> blocks;
     std::size_t count;

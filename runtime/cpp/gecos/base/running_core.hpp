@@ -16,8 +16,9 @@ namespace gecos {
 /// The value for a core that is not known.
 inline constexpr std::int32_t unknown_core = -1;
 
-/// The core of the calling thread, which the kernel stores in the thread's memory (restartable
-/// sequences): one load. Negative when the thread has not registered for that.
+/// The core of the calling thread. The kernel stores it in the memory of the thread (restartable
+/// sequences), so this is one load. Negative when the thread has not registered for restartable
+/// sequences.
 inline std::int32_t registered_core() {
 #if defined(__x86_64__) || defined(__aarch64__)
   constexpr std::ptrdiff_t cpu_id = 4;  // its offset in struct rseq, which is kernel ABI

@@ -13,7 +13,7 @@ class ShortBytes {
  public:
   ShortBytes() = default;
   explicit ShortBytes(ByteView bytes) { assign(bytes); }
-  // Not copyable, because a view points into the object.
+  // Not copyable, because the result of view() may point into the object.
   ShortBytes(const ShortBytes&) = delete;
   ShortBytes& operator=(const ShortBytes&) = delete;
 

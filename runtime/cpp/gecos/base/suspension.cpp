@@ -6,7 +6,8 @@
 namespace gecos {
 namespace {
 
-/// The time of suspension; nothing when this thread was preempted between reading the two clocks.
+/// For how long the machine was suspended since its start. Nothing when this thread was interrupted
+/// between reading the two clocks.
 std::optional<Duration> measured(const Clock& clock) {
   const TimePoint before = clock.now();
   const TimePoint since_boot = clock.since_boot();
@@ -14,7 +15,7 @@ std::optional<Duration> measured(const Clock& clock) {
   return since_boot - before;
 }
 
-std::atomic<Duration::rep> noted{// orders no other memory
+std::atomic<Duration::rep> noted{// protects no other data
                                  measured(SystemClock()).value_or(Duration::zero()).count()};
 
 }  // namespace

@@ -16,7 +16,7 @@ std::thread start_thread(const std::string& name, std::function<void()> run) {
   pthread_sigmask(SIG_SETMASK, &all, &before);
   const auto restore = [](const sigset_t* mask) { pthread_sigmask(SIG_SETMASK, mask, nullptr); };
   const std::unique_ptr<const sigset_t, decltype(restore)> at_end(
-      &before, restore);  // even when no thread can be started
+      &before, restore);  // restores the mask, even when no thread can be started
   try {
     std::thread thread([run = std::move(run)] { run(); });
     pthread_setname_np(thread.native_handle(), name.substr(0, 15).c_str());

@@ -19,9 +19,9 @@ Duration duration_of(double seconds) {
 
 tl::expected<void, ServeError> Broker::serve(Server& server, std::vector<media::Kind> media) {
   ObjectOptions options;
-  options.simulated = true;  // there is nothing that could hurt anybody
+  options.simulated = true;  // a directory moves nothing, so it cannot cause harm
   options.well_known = true;
-  // No other process can use these media, so no object was served before this start.
+  // When no other process can use these media, no object was served before this broker started.
   const bool alone = media::within_process(media);
   {
     const MutexLock lock(mutex_);
@@ -44,7 +44,7 @@ Result<std::optional<double>> Broker::enlist(const Entry& what, double served_fo
   const auto provisional = directory_.enlist(claim, what, SystemClock().since_boot());
   if (!provisional) return tl::unexpected(Fault(provisional.error()));
   if (!before) {
-    log_info("broker", what.name + " is a " + what.interface_name);
+    log_info("broker", what.name + " was enlisted with the interface " + what.interface_name);
   } else if (*before != what) {
     log_warning("broker", what.name + " moves from pid " + std::to_string(before->pid) + " on " +
                               before->hostname + " to pid " + std::to_string(what.pid) + " on " +

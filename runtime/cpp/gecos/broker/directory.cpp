@@ -17,7 +17,8 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
   Place& place = found->second;
   if (place.entry == entry && (place.session == claim.session || entry.boot == claim.incarnation)) {
     place.session = claim.session;
-    place.since = std::min(place.since, since);  // the claim with the least delay is most exact
+    // A delayed claim gives a later moment, so the earliest moment is the most exact.
+    place.since = std::min(place.since, since);
     return provisional;
   }
   if (!gives_way(place, entry, since, now)) {

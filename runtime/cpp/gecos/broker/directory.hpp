@@ -20,11 +20,11 @@ struct Claim {
 
 /// The known objects, and the session that enlisted each of them. No I/O; not thread-safe.
 ///
-/// For the time `young` after its start, the directory may receive claims for objects that were
-/// served before the broker started. Of several such objects with one name, the one that has been
-/// served longest gets the name; an object that is newer than the broker loses the name to each of
-/// them. In this time the answer to a claim is provisional. Afterwards a name does not move. Times
-/// are of CLOCK_BOOTTIME.
+/// For the duration `young` after its start, the directory may receive claims for objects that were
+/// served before the broker started. If several such objects have one name, the object that has
+/// been served longest gets the name. Each of them takes the name from an object that is newer than
+/// the broker. During `young` the answer to a claim is provisional; afterwards a name stays with
+/// its object. All moments are read from CLOCK_BOOTTIME.
 class Directory {
  public:
   static constexpr Duration first_second = std::chrono::seconds(1);
@@ -33,9 +33,9 @@ class Directory {
   explicit Directory(TimePoint started, Duration young = first_second)
       : started_(started), settled_(started + young) {}
 
-  /// Adds `entry`, enlisted by the session of `claim`. The same incarnation of the server may
-  /// enlist it again in a new session, even before the end of its last session is known. Fails when
-  /// another entry keeps the name. Returns how long the answer is provisional; 0 when the answer is
+  /// Adds `entry` for the session of `claim`. The same incarnation of a server may enlist an entry
+  /// again in a new session, even before the end of its previous session is known. Fails when
+  /// another entry keeps the name. Returns for how long the answer is provisional; 0 when it is
   /// final.
   tl::expected<Duration, NameTaken> enlist(const Claim& claim, const Entry& entry, TimePoint now);
   /// Removes an object. Only the session that enlisted the object may remove it.
@@ -50,8 +50,8 @@ class Directory {
   struct Place {
     std::uint64_t session = 0;
     Entry entry;
-    TimePoint since;                 ///< when its server began to serve it, by the broker's clock
-    std::vector<Entry> displaced{};  ///< entries that lost this name; no return while `young`
+    TimePoint since;  ///< when the server began to serve the object, by the broker's clock
+    std::vector<Entry> displaced{};  ///< entries that lost this name and cannot get it back
   };
   bool gives_way(const Place& place, const Entry& entry, TimePoint since, TimePoint now) const;
   UnknownName unknown(const std::string& name) const;

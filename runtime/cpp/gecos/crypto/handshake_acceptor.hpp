@@ -27,7 +27,7 @@ struct HandshakeRule {
 enum class Refusal : std::uint8_t {
   Busy,         ///< too many first messages; the client should repeat its message
   Malformed,    ///< not a first message for this key and context, or altered
-  NotAdmitted,  ///< the client has proved its key, which is not admitted
+  NotAdmitted,  ///< the client has proved that it owns its key, but the key is not admitted
   Replayed,     ///< the message was answered more than `answers_kept` ago
 };
 std::string_view to_string(Refusal refusal);
@@ -35,10 +35,11 @@ std::string_view to_string(Refusal refusal);
 /// The server's side of opening channels. Stores nothing from a first message until the message has
 /// proved its sender and that sender is admitted.
 ///
-/// A first message that is replayed after `remembered` others, or to a restarted server, does make
-/// a channel, but the attacker does not have its keys. Until Channel::in.opened_any() the owner of
-/// a channel must not replace another channel by it, must not act on its payload, and must drop it
-/// when nothing was opened within `answers_kept`.
+/// A first message that is replayed after `remembered` other messages, or to a restarted server,
+/// opens a channel. The attacker who replays it does not have the keys of this channel. Therefore
+/// the owner of a new channel must wait for Channel::in.opened_any(). Before that, it must not
+/// replace another channel by the new one, and must not act on the payload. It must drop the new
+/// channel when nothing was opened within `answers_kept`.
 ///
 /// Reads no clock; only one thread at a time may use an acceptor.
 class HandshakeAcceptor {
@@ -56,7 +57,7 @@ class HandshakeAcceptor {
   };
   struct Refused {
     Refusal why;
-    std::optional<PublicKey> who;  ///< the client's key, if it is proved
+    std::optional<PublicKey> who;  ///< the client's key, if the client proved that it owns it
   };
   /// Checks and answers a first message. `context`: see HandshakeInitiator. `payload` goes back to
   /// the client, encrypted.
@@ -69,7 +70,7 @@ class HandshakeAcceptor {
   using Digest = std::array<std::byte, 16>;
   struct Known {
     TimePoint when;
-    Bytes second;  // empty after `answers_kept`
+    Bytes second;  // the answer; empty when older than `answers_kept`
   };
   bool may_look(TimePoint now);
   void remember(const Digest& digest, Known known);
@@ -79,11 +80,11 @@ class HandshakeAcceptor {
   const Admission is_admitted_;
   const HandshakeRule rule_;
   const RekeyRule rekey_;
-  double budget_;  // number of first messages that may still be checked
+  double budget_;  // how many first messages may be checked now
   std::optional<TimePoint> budgeted_;
   std::map<Digest, Known> known_;
   std::deque<Digest> order_;   // the keys of known_, oldest first
-  std::size_t forgotten_ = 0;  // number of the oldest in order_ without an answer
+  std::size_t forgotten_ = 0;  // how many of the oldest in order_ have lost their answer
 };
 
 }  // namespace gecos::crypto

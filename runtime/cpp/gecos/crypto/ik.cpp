@@ -10,7 +10,8 @@ constexpr std::size_t sealed_key_bytes = key_bytes + tag_bytes;
 SymmetricState begin(ByteView prologue, const PublicKey& responder) {
   SymmetricState state(noise_name);
   state.mix_hash(prologue);
-  state.mix_hash(responder.bytes);  // the initiator knows it beforehand (Noise: <- s)
+  // Noise's "<- s": the initiator knows the responder's key beforehand.
+  state.mix_hash(responder.bytes);
   return state;
 }
 

@@ -43,8 +43,8 @@ class File {
   const int descriptor_;
 };
 
-/// Why other users have access to `found`; nothing when they have none. `bits`: their forbidden
-/// rights.
+/// Why other users have access to the file `found`; nothing when they have none. `bits`: the rights
+/// that other users must not have.
 std::optional<std::string> not_ours(const struct stat& found, ::mode_t bits, const char* mend) {
   if (found.st_uid != ::geteuid()) {
     return "belongs to uid " + std::to_string(found.st_uid) + ", and this program runs as uid " +
@@ -92,7 +92,7 @@ bool put_file(const std::string& path, const std::string& directory, const KeyTe
   return done;
 }
 
-/// Reads the key in a file; nothing in the optional when there is no such file.
+/// Reads the key in a file. The optional is empty when there is no such file.
 tl::expected<std::optional<Secret<key_bytes>>, KeyError> read_file(const std::string& path,
                                                                    KeyFileKind kind) {
   const File file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
@@ -150,7 +150,8 @@ std::string KeyDirectory::default_path() {
       found != nullptr) {
     return std::string(found->pw_dir) + "/.config/gecos/keys";
   }
-  return "/tmp/gecos-keys-" + std::to_string(::geteuid());  // open() refuses it unless private
+  // open() refuses this directory when other users have access to it.
+  return "/tmp/gecos-keys-" + std::to_string(::geteuid());
 }
 
 tl::expected<KeyDirectory, KeyError> KeyDirectory::open(std::string path) {
@@ -159,7 +160,7 @@ tl::expected<KeyDirectory, KeyError> KeyDirectory::open(std::string path) {
   struct stat found {};
   if (::stat(path.c_str(), &found) != 0) return fail_with_errno(path, "cannot be examined");
   if (!S_ISDIR(found.st_mode)) {
-    return fail(path, std::string("is no directory, and keys need one") + how_to_move);
+    return fail(path, std::string("is not a directory") + how_to_move);
   }
   if (const auto why = not_ours(found, open_to_others, "700"))
     return fail(path, "the key directory " + *why);
@@ -175,12 +176,13 @@ tl::expected<Identity, KeyError> KeyDirectory::identity() const {
     if (!put_file(secret_path, path_, text) && errno != EEXIST) {
       return fail_with_errno(secret_path, "the key cannot be written");
     }
-    secret = read_file(secret_path, KeyFileKind::SecretKey);  // another process may have made it
+    // Another process may have created the file first, so the key is read from the file.
+    secret = read_file(secret_path, KeyFileKind::SecretKey);
     if (secret && !*secret) return fail(secret_path, "was removed right after its creation");
   }
   if (!secret) return tl::unexpected(secret.error());
   const KeyPair pair = KeyPair::of(**secret);
-  // This file is for copying to other users. It is optional, so a read-only directory still works.
+  // The user copies this file to other users. It is optional, so a read-only directory still works.
   const std::string public_path = path_ + "/" + pair.public_key.to_string() + ".public";
   if (::access(public_path.c_str(), F_OK) != 0 &&
       !put_file(public_path, path_, key_file_text(KeyFileKind::PublicKey, pair.public_key.bytes)) &&
@@ -199,8 +201,7 @@ tl::expected<void, KeyError> KeyDirectory::admission(const PublicKey& key) const
   const auto found = read_file(path_ + "/" + name, KeyFileKind::PublicKey);
   if (!found) return refused(found.error().text);
   if (!*found) {
-    return refused("if it is to be, copy the file " + name + " from its key directory into " +
-                   path_);
+    return refused("to admit it, copy the file " + name + " from its key directory into " + path_);
   }
   if (PublicKey::of((*found)->bytes()) == key) return {};
   return refused(path_ + "/" + name +

@@ -66,7 +66,7 @@ tl::expected<Secret<key_bytes>, std::string_view> read_key_file(KeyFileKind kind
   const auto word = text.first(word_bytes);
   const bool ours = std::ranges::equal(
       word, word_of(kind), [](std::byte have, char want) { return have == std::byte(want); });
-  if (!ours) return wrong("is no file of such a key");
+  if (!ours) return wrong("is not a key file of the expected kind");
   if (!hex || size != key_bytes ||
       !std::ranges::equal(text, key_file_text(kind, key.bytes()).bytes())) {
     return wrong("is damaged (its checksum does not match)");

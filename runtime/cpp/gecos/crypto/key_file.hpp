@@ -21,7 +21,7 @@ enum class KeyFileKind : std::uint8_t { SecretKey, PublicKey };
 
 KeyText key_file_text(KeyFileKind kind, std::span<const std::byte, key_bytes> key);
 
-/// The key in `text`, or an error text for people: "is cut short".
+/// The key in `text`, or the error as a text for users: "is cut short".
 tl::expected<Secret<key_bytes>, std::string_view> read_key_file(KeyFileKind kind,
                                                                 std::span<const std::byte> text);
 

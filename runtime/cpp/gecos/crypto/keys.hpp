@@ -37,8 +37,9 @@ struct KeyPair {
   static KeyPair of(const Secret<key_bytes>& secret);
 };
 
-/// The key pair that a user is known by. Its secret half lies between guard pages, is not swapped
-/// out as far as the system's limit on locked memory allows, and is left out of core dumps.
+/// The key pair by which other programs recognize a user. The secret key lies between guard pages
+/// and is left out of core dumps. It is not swapped out, as far as the system's limit on locked
+/// memory allows.
 class Identity {
  public:
   /// Throws std::bad_alloc when there is no memory for the secret key.

@@ -9,8 +9,8 @@ namespace gecos::crypto {
 
 /// Records which of the last `size` packet numbers have been seen. Older numbers count as seen.
 ///
-/// The ring of bits is twice as long as the window, so that a window that moves can clear whole
-/// words ahead of it: mark() costs the same whether packets arrive in order or not.
+/// The ring of bits is twice as long as the window. So when the window moves, mark() can clear
+/// whole words ahead of it, and costs the same whether packets arrive in order or not.
 class ReplayWindow {
  public:
   static constexpr std::uint64_t size = 1024;

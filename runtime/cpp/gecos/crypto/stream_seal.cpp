@@ -56,7 +56,7 @@ StreamSealer::StreamSealer() {
 
 void StreamSealer::seal(ByteView associated, std::span<std::byte> frame) {
   if (frame.size() < overhead)
-    throw std::invalid_argument("frame needs room for counter, signature and tag");
+    throw std::invalid_argument("the frame is too short for counter, signature and tag");
   const auto counter = frame.first<text_at>();
   write_u64(counter, next_);
   const auto text = frame.subspan(text_at, frame.size() - Sealer::overhead);

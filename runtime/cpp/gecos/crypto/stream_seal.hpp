@@ -37,7 +37,7 @@ class StreamSealer {
 
   StreamSealer();  ///< draws random keys
   StreamSealer(StreamSealer&&) = default;
-  StreamSealer(const StreamSealer&) = delete;  // a copy would reuse the counters
+  StreamSealer(const StreamSealer&) = delete;  // a copy would use the same counters again
 
   const StreamKey& key() const { return key_; }
   /// Seals in place the sample in `frame`, which begins at text_at and is followed by overhead -

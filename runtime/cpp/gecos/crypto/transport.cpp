@@ -25,7 +25,7 @@ std::string_view to_string(OpenProblem problem) {
     case OpenProblem::TooOld:
       return "too old";
     case OpenProblem::TooNew:
-      return "sealed under a later key than is due";
+      return "sealed under a key that the peer cannot use yet";
     case OpenProblem::Forged:
       return "not from the peer, or altered";
   }
@@ -38,7 +38,8 @@ Sealer::Sealer(const Key& key, TimePoint now, RekeyRule rule)
 }
 
 void Sealer::seal(ByteView associated, std::span<std::byte> frame) {
-  if (frame.size() < overhead) throw std::invalid_argument("frame needs room for counter and tag");
+  if (frame.size() < overhead)
+    throw std::invalid_argument("the frame is too short for counter and tag");
   if (number_ == rule_.packets) next_generation();
   const std::uint64_t counter = std::uint64_t{generation_} << generation_shift | number_;
   ++number_;

@@ -32,8 +32,8 @@
 /// their contents.
 namespace gecos::crypto {
 
-/// When a direction changes to its next key: after a time or a number of packets, whichever is
-/// first.
+/// When one direction of a channel changes to its next key: after this time or this number of
+/// packets, whichever is reached first.
 struct RekeyRule {
   Duration after = std::chrono::minutes{2};
   std::uint32_t packets = 1U << 24;  ///< at least 1
@@ -46,7 +46,7 @@ class Sealer {
 
   Sealer(const Key& key, TimePoint now, RekeyRule rule = {});
   Sealer(Sealer&&) = default;
-  Sealer(const Sealer&) = delete;  // a copy would reuse the counters
+  Sealer(const Sealer&) = delete;  // a copy would use the same counters again
 
   /// Seals in place the packet in `frame`, which begins at text_at and is followed by tag_bytes
   /// bytes. `associated` is not sent; the opener must pass identical associated data. @pre `frame`
@@ -71,7 +71,7 @@ class Sealer {
 enum class OpenProblem : std::uint8_t {
   TooShort,  ///< shorter than a frame
   Replayed,  ///< the packet was delivered already
-  TooOld,    ///< a thousand newer packets arrived before it, or its key is erased
+  TooOld,    ///< over a thousand numbers behind the newest packet, or its key is erased
   TooNew,    ///< the peer cannot use this generation of the key yet
   Forged,    ///< not from the peer, not for this channel, or altered
 };
@@ -79,8 +79,8 @@ std::string_view to_string(OpenProblem problem);
 
 class Opener {
  public:
-  /// How many generations of packets in a row may be lost completely. Bounds the cost of a forged
-  /// frame.
+  /// How many successive generations may be lost with all their packets. The limit bounds the cost
+  /// of a forged frame.
   static constexpr std::uint32_t most_lost_generations = 8;
   /// How long packets under the previous key are still opened after the key changed.
   static constexpr Duration previous_kept = std::chrono::seconds{1};
@@ -92,11 +92,12 @@ class Opener {
   tl::expected<std::span<std::byte>, OpenProblem> open(ByteView associated,
                                                        std::span<std::byte> frame);
 
-  /// Erases the previous key `previous_kept` after the first call that follows its replacement.
-  /// Must be called at every heartbeat.
+  /// Call this at every heartbeat. The first call after a key change starts a period of
+  /// `previous_kept`; a call after that period erases the previous key.
   void on_tick(TimePoint now);
 
-  /// Whether any packet was opened: this proves that the peer has the keys and is not a replay.
+  /// True when a packet was opened. This proves that the peer has the keys, and that the handshake
+  /// was not a replay.
   bool opened_any() const { return opened_any_; }
   std::uint32_t generation() const { return current_.number; }
 

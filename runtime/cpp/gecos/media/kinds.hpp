@@ -13,9 +13,9 @@
 /// The media of this library by their names, for code that must not know how each of them works.
 namespace gecos::media {
 
-/// All media, the shortest reach first: the enumerator, and the name, which is also the folder. To
-/// add a medium, add its folder and one line here (registration.hpp). Other code must ask the
-/// Offer.
+/// All media, the shortest reach first. Each line has an enumerator and a name; the folder of the
+/// medium has the same name. To add a medium, add its folder and one line here (registration.hpp).
+/// Other code must check the Offer instead of the enumerator.
 #define GECOS_MEDIA(MEDIUM) \
   MEDIUM(Inproc, inproc)    \
   MEDIUM(Shm, shm)          \
@@ -47,8 +47,8 @@ tl::expected<std::unique_ptr<Medium>, MediumError> open(Kind kind, const WrapMed
 /// fragmentation if the session's largest packet does not fit.
 std::unique_ptr<Medium> with_layers(std::unique_ptr<Medium> medium, const Clock& clock);
 
-/// Equal in two programs if and only if they reach each other over shm; where shm is unusable, the
-/// text says why.
+/// A text that is equal in two programs if and only if they reach each other over shm. Where shm is
+/// unusable, the text says why.
 std::string host_identity();
 
 /// Whether two host identities belong to one machine, possibly with different runtime directories.

@@ -49,8 +49,8 @@ struct Offer {
   bool reports_death = true;       ///< the kernel reports the death of the peer
   bool authenticated = true;       ///< the identity of the peer's user is proved
   bool overheard = false;          ///< other programs receive the packets: they must be sealed
-  bool connectionless = false;     ///< only silence shows that a server is absent, and the acceptor
-                                   ///< receives the packets of its links
+  bool connectionless = false;     ///< only silence shows that no server is running; the acceptor
+                                   ///< receives the packets for its links
   bool shared_words = false;       ///< write_word() and peer_word() work
   std::size_t largest_packet = 0;  ///< in bytes
   std::size_t piece = 0;           ///< bytes of content in a piece; 0: as many as fit in a packet
@@ -67,11 +67,11 @@ struct Peer {
 enum class SendProblem : std::uint8_t {
   Full,      ///< no room until the peer reads packets; nothing was sent, try again
   TooLarge,  ///< the packet never fits; nothing was sent
-  Lost,      ///< the link is gone; nothing was sent
+  Lost,      ///< the link is lost; nothing was sent
 };
 
 enum class Loss : std::uint8_t {
-  None,    ///< the peer is there, as far as the medium knows
+  None,    ///< the link is not lost, as far as the medium knows
   Closed,  ///< the peer closed the link in order
   Died,    ///< the peer's process ended, or closed its socket without a message
   Broken,  ///< the peer violated the protocol of the medium (see Link::loss_text)
@@ -115,8 +115,8 @@ class StreamReader {
   /// larger sequence number than `after`.
   virtual bool latest(std::uint64_t after, StreamSample& into) = 0;
   /// Copies the oldest stored sample with a larger sequence number than `after`; a gap in the
-  /// sequence numbers shows how many samples were lost. The first sample returned is the newest one
-  /// at the time when the stream was opened.
+  /// sequence numbers shows how many samples were lost. The first sample returned is the one that
+  /// was the newest when the stream was opened.
   virtual bool next(std::uint64_t after, StreamSample& into) = 0;
   /// As latest(), without a copy. The bytes stay readable until the next call of lend_latest() or
   /// the end of the reader. In shared memory the writer overwrites them after `depth` further
@@ -151,9 +151,9 @@ class Link {
   /// packets were read.
   virtual Duration age() { return Duration::zero(); }
 
-  /// Our CLOCK_BOOTTIME minus the peer's, plus the shortest transit time of a packet: the smallest
-  /// difference between arrival and send time in the last minutes. nullopt when both ends read the
-  /// same clock.
+  /// Our CLOCK_BOOTTIME minus the peer's CLOCK_BOOTTIME, plus the shortest transit time of a
+  /// packet: the smallest difference between arrival and send time in the last minutes. nullopt
+  /// when both ends read the same clock.
   virtual std::optional<Duration> clock_difference() { return std::nullopt; }
 
   /// Number of our packets that the peer has read; available also after the peer's death. nullopt
@@ -191,31 +191,32 @@ class Link {
   /// Number of heartbeats received; on lcm, packets count as heartbeats. The session detects
   /// silence, with its own clock, when this number does not rise.
   virtual std::uint64_t beats_seen() = 0;
-  /// Number of received heartbeats before which no packet is unread: `receive` has returned all
-  /// packets that arrived earlier, and was called again after the last of them. Equals beats_seen()
-  /// on a medium that does not order heartbeats with packets. Any thread.
+  /// Number of received heartbeats that no unread packet precedes. A packet counts as read when
+  /// receive() was called again after it had returned the packet. Equals beats_seen() on a medium
+  /// that does not order heartbeats with packets. Any thread.
   virtual std::uint64_t beats_read() { return beats_seen(); }
 
-  /// Asks the kernel whether the peer is still there. This is a system call on shm: call it on
-  /// ticks and after a wake-up without a packet, not for every packet. Packets that the peer sent
-  /// before the loss can still be received. Once a loss was found, the result never changes.
+  /// Asks the kernel whether the link is lost. This is a system call on shm: call it on ticks and
+  /// after a wake-up without a packet, not for every packet. Packets that the peer sent before the
+  /// loss can still be received. Once a loss was found, the result never changes.
   virtual Loss loss() = 0;
-  virtual std::string loss_text() const = 0;  ///< why it is lost; on lcm also why no peer answers
+  /// Why the link is lost; on lcm also why no peer answers.
+  virtual std::string loss_text() const = 0;
 
   /// Makes a stream for this peer alone: samples from a client to its server. Use
   /// Acceptor::make_stream for many readers. `largest`: bytes of a sample; `depth`: samples kept.
   /// Throws std::exception when no memory or no descriptor is left.
   virtual std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) = 0;
-  /// Lets the peer read `stream` under `id`, which the session chooses: each end numbers the
-  /// streams that it shares. `stream` must have been made by this link or by its acceptor.
+  /// Lets the peer read `stream` under the number `id`. The session chooses `id`; each end numbers
+  /// the streams that it shares. `stream` must have been made by this link or by its acceptor.
   virtual tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) = 0;
   /// Ends the peer's access to the stream `id`.
   virtual void unshare(std::uint32_t id) = 0;
-  /// Opens the stream that the peer shared under `id`; null before its announcement has arrived, or
-  /// when it cannot be opened (why_no_stream).
+  /// Opens the stream that the peer shared under `id`; null before the announcement of the stream
+  /// has arrived, or when the stream cannot be opened (why_no_stream).
   virtual std::unique_ptr<StreamReader> open_stream(std::uint32_t id) = 0;
-  /// Why the stream that the peer shared under `id` cannot be opened here; empty while its
-  /// announcement may still arrive.
+  /// Why the stream that the peer shared under `id` cannot be opened here; empty while the
+  /// announcement of the stream may still arrive.
   virtual std::string why_no_stream(std::uint32_t id);
 };
 
@@ -229,7 +230,7 @@ class Acceptor {
   /// The link of the next client that has connected, or null.
   virtual std::unique_ptr<Link> accept() = 0;
   /// Whether a client is waiting but the process is out of file descriptors. Call accept() again
-  /// later: no event announces when that can succeed.
+  /// later: no event announces that a descriptor is free again.
   virtual bool short_of_descriptors() const { return false; }
   /// File descriptors that become readable when a client may have connected; on lcm also when
   /// packets for the acceptor's links may have arrived.

@@ -13,7 +13,7 @@ class QuietSender {
   /// Like Link::send, and called by the same thread, but without waking a sleeping peer: the peer
   /// reads the packet at its next poll, before any packet that wakes it. A packet stored outside
   /// the ring, or one that leaves less than half of the ring free, wakes the peer nevertheless, so
-  /// that quiet packets never use up the room of others.
+  /// that quiet packets do not fill the ring while the peer sleeps.
   virtual tl::expected<std::uint64_t, SendProblem> send_quietly(ByteView head, ByteView body) = 0;
 
  protected:

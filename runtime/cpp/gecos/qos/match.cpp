@@ -27,7 +27,7 @@ std::vector<Violation> violations(const Quality& asked, const LineOffer& offer) 
                      offer.name + " may lose packets, and nothing retransmits them"});
   }
   if (!allows(asked.media, offer.name)) {
-    found.push_back({"media=" + to_string(asked.media), offer.name + " is not among them"});
+    found.push_back({"media=" + to_string(asked.media), offer.name + " is not one of these media"});
   }
   const bool latency_binds = asked.line != Class::TimeIndependent && asked.latency > Duration{};
   if (latency_binds && offer.latency && *offer.latency > asked.latency) {
@@ -60,7 +60,7 @@ tl::expected<std::size_t, std::string> choose(const Quality& asked,
   if (offers.empty()) return tl::unexpected(std::string("there is no medium to choose from"));
   const std::vector<std::size_t> best_first = rank(asked, offers);
   if (!best_first.empty()) return best_first.front();
-  std::string text = "no medium meets the quality asked for";
+  std::string text = "no medium meets the required quality";
   for (const LineOffer& offer : offers) {
     for (const Violation& violation : violations(asked, offer)) {
       text += "; " + violation.term + ": " + violation.why;

@@ -19,7 +19,7 @@ struct LineOffer {
   bool reliable = true;        ///< no packet is lost, or the session retransmits each lost packet
   bool real_time = true;       ///< no loss and no shared queue below the session
   bool reports_death = true;   ///< a peer's death is detected at once, not only by silence
-  std::optional<Duration> latency{};  ///< p99 of a round trip, once it is measured
+  std::optional<Duration> latency{};  ///< 99th percentile of a round trip, once it is measured
 };
 
 /// One term of the required quality that a medium does not meet.
@@ -33,8 +33,8 @@ struct Violation {
 /// threads.
 std::vector<Violation> violations(const Quality& asked, const LineOffer& offer);
 
-/// Indices of the offers that meet `asked`, best first: static promises, then the lower measured
-/// latency, then the order given.
+/// Indices of the offers that meet `asked`, best first. Static promises decide first, then the
+/// lower measured latency, then the order of `offers`.
 std::vector<std::size_t> rank(const Quality& asked, std::span<const LineOffer> offers);
 
 /// The index of the best offer, or a text that lists every offer with each term that it violates.

@@ -39,11 +39,11 @@ std::string over_bound(std::string_view field, std::size_t size, std::size_t bou
 }
 
 std::string bad_text(std::string_view field) {
-  return std::string(field) + ": a string is UTF-8 without NUL";
+  return std::string(field) + ": the string is not UTF-8 or contains NUL";
 }
 
 std::string wrong_arm(std::string_view type) {
-  return std::string(type) + ": its tag does not select the arm that it holds";
+  return std::string(type) + ": the value does not agree with the union's discriminator";
 }
 
 }  // namespace gecos::wire

@@ -19,10 +19,10 @@ std::string out_of_range(std::string_view field, unsigned long long value, std::
 std::string over_bound(std::string_view field, std::size_t size, std::size_t bound,
                        std::string_view what);
 
-/// The text "Pose.name: a string is UTF-8 without NUL".
+/// The text "Pose.name: the string is not UTF-8 or contains NUL".
 std::string bad_text(std::string_view field);
 
-/// The text "Shape: its tag does not select the arm that it holds".
+/// The text "Shape: the value does not agree with the union's discriminator".
 std::string wrong_arm(std::string_view type);
 
 }  // namespace gecos::wire

@@ -63,7 +63,7 @@ void put_block(Encoder& to, const T& value, std::size_t size) {
   value.encode(to);
 }
 
-/// Converts to any array, also a nested one, whose elements all equal `value`.
+/// Converts to any array, also to an array of arrays. Every element then equals `value`.
 template <class T>
 struct Everywhere {
   T value;

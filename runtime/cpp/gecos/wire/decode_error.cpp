@@ -27,7 +27,7 @@ const char* describe(DecodeProblem problem) {
     case DecodeProblem::UnknownEnumerator:
       return "no enumerator has this number";
     case DecodeProblem::UnknownUnionTag:
-      return "the union's tag and its arms do not agree";
+      return "the union's discriminator and members do not agree";
     case DecodeProblem::OutOfRange:
       return "outside its declared range";
     case DecodeProblem::UnsortedMap:

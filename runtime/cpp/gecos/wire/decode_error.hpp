@@ -8,18 +8,18 @@
 namespace gecos::wire {
 
 enum class DecodeProblem : std::uint8_t {
-  Truncated,          ///< the value, or what a count promises, goes past the end
-  InvalidBoolean,     ///< neither 0 nor 1
-  NegativeCount,      ///< a count below 0, or a string length below 1 (its NUL)
-  OverBound,          ///< more elements than the interface allows, or over 65,536 of size 0
+  Truncated,          ///< the bytes end before the value or the counted elements
+  InvalidBoolean,     ///< a boolean is neither 0 nor 1
+  NegativeCount,      ///< a count is below 0, or below 1 for a string (its NUL)
+  OverBound,          ///< more elements than the interface allows, or over 65,536 empty ones
   MissingNul,         ///< a string does not end with NUL
   NulInString,        ///< a string has a NUL before its end
   InvalidUtf8,        ///< a string is not UTF-8
-  TooDeep,            ///< nested deeper than 16
+  TooDeep,            ///< values are nested more than 16 levels deep
   TrailingBytes,      ///< bytes left over where nothing may follow
   UnknownEnumerator,  ///< an unknown number for an enum without a default
-  UnknownUnionTag,    ///< a union's tag and its arms do not agree
-  OutOfRange,         ///< outside the declared `@range`
+  UnknownUnionTag,    ///< a union's discriminator and members do not agree
+  OutOfRange,         ///< a number is outside the declared `@range`
   UnsortedMap,        ///< the keys of a map are not strictly ascending
   WrongFingerprint,   ///< a message of another type
   InvalidValue,       ///< a hand-written value type refused the value
@@ -32,7 +32,7 @@ struct DecodeError {
   DecodeProblem problem{};
   std::size_t offset =
       0;  ///< position of the refused value, counted from the first byte given to the decoder
-  const char* field = "";  ///< static text; empty when the caller of `get` passed no name
+  const char* field = "";  ///< static text; empty when the reader passed no field name
 
   /// "field 'speed' at byte 12: outside its declared range"
   std::string message() const;

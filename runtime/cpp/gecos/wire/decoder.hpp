@@ -131,7 +131,8 @@ class Decoder {
     return true;
   }
 
-  /// Takes over the error of `inner`, which `open_block` filled; true when there is none.
+  /// Call this after reading `inner`, the decoder from `open_block`. Takes over its first error.
+  /// Returns true when neither decoder has an error.
   [[nodiscard]] bool close_block(const Decoder& inner) {
     if (!inner.failed_) return !failed_;
     if (failed_) return false;
@@ -139,7 +140,7 @@ class Decoder {
     return give_up();
   }
 
-  /// Must be called before every nested struct, see DepthGuard. Fails beyond `max_depth`.
+  /// Call this before reading a nested struct; DepthGuard does it. Fails beyond `max_depth` levels.
   [[nodiscard]] bool enter(const char* field = "") {
     if (depth_ == max_depth) return fail(DecodeProblem::TooDeep, field);
     ++depth_;
@@ -152,7 +153,8 @@ class Decoder {
     return fail_at(cursor_, problem, field);
   }
 
-  /// Refuses a value at `offset`, the result of `offset()` before that value was read.
+  /// Refuses a value that was read some time ago. The parameter `offset` is the position at which
+  /// the value began: call `offset()` before you read it.
   bool fail(DecodeProblem problem, const char* field, std::size_t offset) {
     return fail_at(begin_ + offset, problem, field);
   }

@@ -27,8 +27,8 @@ concept NumberRange = requires(Range& range) {
 /// Bytes that `put_string` writes for a text of this length: count, text, NUL.
 constexpr std::size_t string_size(std::string_view text) { return 4 + text.size() + 1; }
 
-/// Appends to a buffer that its caller made large enough by `encoded_size()`. Writes are not
-/// checked; a debug build asserts that they fit.
+/// Writes values into a buffer, one after the other. The caller makes the buffer as large as
+/// `encoded_size()`. Writes are not checked; a debug build asserts that they fit.
 class Encoder {
  public:
   explicit Encoder(std::span<std::byte> buffer)
@@ -50,7 +50,7 @@ class Encoder {
     put(static_cast<std::int32_t>(count));
   }
 
-  /// @pre `text` is UTF-8 without NUL (`valid_text`), else the reader will refuse it.
+  /// @pre `text` is UTF-8 without NUL (`valid_text`). Readers refuse any other text.
   void put_string(std::string_view text) {
     put_count(text.size() + 1);
     put_bytes(std::as_bytes(std::span(text.data(), text.size())));

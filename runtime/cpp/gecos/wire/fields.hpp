@@ -113,8 +113,8 @@ template <class Numbers>
   return in_range(from, false, after * sizeof *outlier, field);
 }
 
-/// Reads the tag of a union, encoded as a `Wire`. Refuses a number that the type of the tag cannot
-/// represent.
+/// Reads the discriminator (tag) of a union, encoded as a `Wire`. Refuses a number that the type of
+/// the discriminator cannot represent.
 template <class Wire, class Tag>
 [[nodiscard]] bool get_tag(Decoder& from, Tag& tag, const char* field) {
   using Narrow = std::conditional_t<std::is_same_v<Tag, char>, unsigned char, Tag>;
@@ -127,7 +127,8 @@ template <class Wire, class Tag>
          from.fail(DecodeProblem::UnknownUnionTag, field, offset);
 }
 
-/// Reads whether an arm of a union is present. It must be present exactly when the tag selects it.
+/// Reads whether a member (arm) of a union is present. The member must be present exactly when the
+/// discriminator selects it.
 [[nodiscard]] inline bool get_arm(Decoder& from, bool selected, const char* field) {
   const std::size_t offset = from.offset();
   bool present = false;

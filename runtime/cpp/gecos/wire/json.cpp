@@ -189,7 +189,7 @@ bool JsonReader::get(float& value) const {
   if (!get(wide)) return false;
   value = static_cast<float>(wide);
   if (std::isinf(value) && !std::isinf(wide)) {
-    return fail(data_->dump() + " is not a number of single precision");
+    return fail(data_->dump() + " is not a number that fits in single precision");
   }
   return true;
 }
@@ -231,7 +231,7 @@ bool JsonReader::get_name(JsonNames names, std::uint64_t& number) const {
       return true;
     }
   }
-  return fail("there is no " + text_of(*data_) + "; there are " + joined(names));
+  return fail("unknown name " + text_of(*data_) + "; the known names are " + joined(names));
 }
 
 bool JsonReader::get_flags(JsonNames flags, std::uint64_t& bits) const {
@@ -273,7 +273,7 @@ bool JsonReader::expect_object(MemberNames known) const {
   if (!expect(data_->is_object(), "an object")) return false;
   for (const auto& [name, value] : data_->items()) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    std::string why = "there is no such member; there are ";
+    std::string why = "unknown member; the known members are ";
     for (std::size_t i = 0; i < known.size(); ++i) why.append(i == 0 ? "" : ", ").append(known[i]);
     return JsonReader(value, *this, name, no_item).fail(std::move(why));
   }
@@ -282,15 +282,17 @@ bool JsonReader::expect_object(MemberNames known) const {
 
 bool JsonReader::expect_tag() const {
   if (!expect(data_->is_object(), "an object")) return false;
-  return data_->contains("tag") || fail("its tag is missing");
+  return data_->contains("tag") || fail("the union's discriminator is missing: tag");
 }
 
 bool JsonReader::expect_arm(bool selected) const {
   for (const auto& [name, value] : data_->items()) {
     if (name == "tag" || (selected && name == "value")) continue;
-    return JsonReader(value, *this, name, no_item).fail("this tag has no such member");
+    return JsonReader(value, *this, name, no_item)
+        .fail("with this discriminator the union has no such member");
   }
-  return !selected || data_->contains("value") || fail("what its tag selects is missing: value");
+  return !selected || data_->contains("value") ||
+         fail("the union member that the discriminator selects is missing: value");
 }
 
 std::optional<JsonReader> JsonReader::find(std::string_view name) const {
@@ -311,7 +313,7 @@ bool JsonReader::hidden_member(std::string_view name, void* value, const JsonKin
 
 bool JsonReader::is_shown() const {
   return !(data_->is_string() && text_of(*data_) == hidden) ||
-         fail("it was hidden when this was written; say it, or leave it out");
+         fail("the secret was replaced by a placeholder; write the secret or omit the member");
 }
 
 // ---------------------------------------------------------------------------------------------
@@ -378,7 +380,7 @@ bool parse(std::string_view text, JsonError& error, bool (*read)(const JsonReade
     Once once;
     data = json::parse(text, std::ref(once));
   } catch (const Once::Twice& twice) {
-    error = {twice.name, "it is there twice"};
+    error = {twice.name, "the member occurs twice"};
     return false;
   } catch (const json::exception& problem) {
     error = {"", std::string("not JSON: ") + problem.what()};

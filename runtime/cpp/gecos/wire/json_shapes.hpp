@@ -20,7 +20,8 @@
 
 namespace gecos::wire {
 
-/// Why JSON does not fit its type: the path of the wrong value, "joints[2].speed", and the reason.
+/// Why a JSON value does not fit the C++ type: the path of the wrong value, "joints[2].speed", and
+/// the reason.
 struct JsonError {
   std::string path;
   std::string why;
@@ -75,9 +76,9 @@ class JsonWriter {
 
   void open_object() const;
   void open_list() const;
-  /// The key of the current member of an open object; valid until the next member.
+  /// The writer of the member `name` of an open object; valid until the next member is added.
   JsonWriter at(std::string_view name) const;
-  /// The next element of an open list; valid until the one after it.
+  /// The writer of the next element of an open list; valid until the element after it is added.
   JsonWriter item() const;
 
   template <class T>
@@ -91,8 +92,9 @@ class JsonWriter {
   nlohmann::ordered_json* place_;
 };
 
-/// Reads a JSON value, and knows its path. The caller must stop at the first `false`: the error is
-/// then set. Borrows the value, the readers of the values around it, and the error.
+/// Reads a JSON value, and knows its path. When a function returns false, the error is set and the
+/// caller must stop. Keeps pointers to the JSON value, to the error, and to the readers of the
+/// enclosing values.
 class JsonReader {
  public:
   JsonReader(const nlohmann::json& data, JsonError& error) : data_(&data), error_(&error) {}
@@ -118,7 +120,8 @@ class JsonReader {
   /// Requires an object without members other than `known`.
   bool expect_object(MemberNames known) const;
   bool expect_tag() const;
-  /// Requires that the object of a union has a value exactly when its tag selects one.
+  /// Requires the member `value` in the object of a union exactly when `selected` is true, and no
+  /// other members besides `tag`.
   bool expect_arm(bool selected) const;
   std::optional<JsonReader> find(std::string_view name) const;
 
@@ -189,7 +192,7 @@ bool read_json_members(const JsonReader& from, JsonVisit visit, void* value);
 template <class T>
 struct JsonStruct {
   static void write(JsonWriter to, const T& value) {
-    write_json_members(to, &visit_any, const_cast<T*>(&value));  // writing does not modify it
+    write_json_members(to, &visit_any, const_cast<T*>(&value));  // only reads `value`
   }
   static bool read(const JsonReader& from, T& value) {
     return read_json_members(from, &visit_any, &value);
@@ -306,14 +309,15 @@ struct JsonShape<std::map<Key, T, Order>> {
       Key key{};
       if (!pair.expect_pair() || !JsonShape<Key>::read(pair.half(0), key)) return false;
       const auto [place, fresh] = value.try_emplace(std::move(key));
-      if (!fresh) return pair.fail("its key was there before");
+      if (!fresh) return pair.fail("the map already has this key");
       if (!JsonShape<T>::read(pair.half(1), place->second)) return false;
     }
     return true;
   }
 };
 
-/// The shape of a union; its generated functions tell which arm a tag selects.
+/// How a union is represented in JSON. Generated functions tell which member a discriminator (tag)
+/// selects.
 template <class T>
 requires requires(const T& value) {
   typename T::Held;
@@ -359,7 +363,7 @@ struct JsonShape<T> {
   }
 };
 
-/// The struct that the interface declares for a hand-written type `T`.
+/// The struct that the interface declares in place of the hand-written type `T`.
 template <class T>
 struct JsonLayout;
 

@@ -36,7 +36,7 @@ bool refuse_short_head(Decoder& in, std::size_t size) {
     if (offset + field.size > size) return in.fail(DecodeProblem::Truncated, field.name, offset);
     offset += field.size;
   }
-  return false;  // not reached: a short head misses one of its fields
+  return false;  // not reached: a short head ends inside a field
 }
 
 /// Checks the size once, then loads from fixed offsets, because every call decodes a header.

@@ -34,11 +34,11 @@ inline constexpr std::int8_t packet_version = 1;
 struct PacketHeader {
   std::int8_t version = packet_version;
   PacketKind kind{};
-  std::int8_t flags = 0;  ///< meaning depends on the kind
+  std::int8_t flags = 0;  ///< bits whose meaning depends on `kind`
   FunctionCode code{};
   SessionId session{};
-  std::uint64_t counter = 0;       ///< number in the session; a repeated packet keeps it
-  std::uint64_t acknowledged = 0;  ///< all calls up to this counter are over for the client
+  std::uint64_t counter = 0;       ///< number in the session; the same when a packet is sent again
+  std::uint64_t acknowledged = 0;  ///< the client waits for no call up to this counter
   Epoch epoch{};
   Duration deadline{0};  ///< time left when the packet was sent; 0: no deadline
 
@@ -49,7 +49,7 @@ struct PacketHeader {
 struct PacketView {
   PacketHeader header;
   ByteView body;
-  ByteView tag;  ///< authentication of everything before it; empty where the medium needs none
+  ByteView tag;  ///< authenticates the bytes before it; empty where the medium needs none
 };
 
 /// The fingerprint, which an LCM reader checks first.

@@ -76,7 +76,7 @@ void print(std::ostream& out, const std::map<Key, T, Order>& entries) {
   out << '}';
 }
 
-/// Prints string literals unchanged and every other part as a value.
+/// Prints the parts one after the other: a string literal unchanged, any other part as a value.
 template <class... Parts>
 std::ostream& print_all(std::ostream& out, const Parts&... parts) {
   const auto put = [&out](const auto& part) {

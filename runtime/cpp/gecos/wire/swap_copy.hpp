@@ -53,7 +53,8 @@ enum class SwapKind { Portable, Ssse3, Avx2, Avx512 };
 bool swap_copy_with(SwapKind kind, std::size_t width, std::byte* to, const std::byte* from,
                     std::size_t count);
 
-// Run the fastest loop that this processor supports, chosen at the first call.
+// These functions run the fastest loop that this processor supports. It is chosen at the first
+// call.
 void swap_copy_16(std::byte* to, const std::byte* from, std::size_t count);
 void swap_copy_32(std::byte* to, const std::byte* from, std::size_t count);
 void swap_copy_64(std::byte* to, const std::byte* from, std::size_t count);

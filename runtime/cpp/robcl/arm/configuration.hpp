@@ -7,7 +7,7 @@
 //   above where sign(d)·(wx·ez - wz·ex) > 0, else below,
 //   noflip where joint 5, counted from the angle at which axes 4 and 6 are parallel, is > 0, else
 //   flip.
-// A measure is zero exactly at the singularity of the shoulder, the elbow or the wrist.
+// Each of these values is zero exactly at the singularity of the shoulder, the elbow or the wrist.
 #pragma once
 
 #include <iosfwd>

@@ -18,9 +18,9 @@ class InverseKinematics {
  public:
   virtual ~InverseKinematics() = default;
 
-  /// Of the joint positions inside the limits and in a configuration that `wanted` admits, returns
-  /// those that the arm reaches soonest from `reference`. At a singularity, a joint without effect
-  /// keeps its position in `reference`.
+  /// Considers the joint positions inside the limits and in a configuration that `wanted` admits.
+  /// Returns those that the arm reaches soonest from `reference`. At a singularity, a joint without
+  /// effect keeps its position in `reference`.
   virtual tl::expected<JointValues, Failure> solve(const Frame& base_from_flange,
                                                    const JointValues& reference,
                                                    const Configuration& wanted = {}) = 0;
@@ -30,8 +30,8 @@ class InverseKinematics {
   virtual Configuration configuration(const JointValues& joints) = 0;
 };
 
-/// Makes the closed-form solver if the arm's geometry allows it and FK(IK) reproduces test poses,
-/// else KDL's iterative solver, which may miss solutions.
+/// Makes the closed-form solver if the arm's geometry allows it and forward kinematics of its
+/// solutions reproduces test poses, else KDL's iterative solver, which may miss solutions.
 std::unique_ptr<InverseKinematics> make_inverse(const ArmModel& model);
 
 /// Shortest time from the joint positions `from` to `to`, s: all joints move at full speed.

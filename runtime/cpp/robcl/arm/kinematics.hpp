@@ -15,7 +15,7 @@ class Kinematics {
  public:
   explicit Kinematics(const ArmModel& model);
 
-  /// @pre `joints` has one position per axis; also in `jacobian`.
+  /// @pre `joints` has one position per axis. The same holds for `jacobian`.
   Frame base_from_flange(const JointValues& joints);
   /// Column i: twist of the flange, seen from the base, while joint i turns with 1 rad/s.
   Jacobian jacobian(const JointValues& joints);

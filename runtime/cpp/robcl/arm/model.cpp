@@ -43,7 +43,8 @@ tl::expected<JointLimits, ModelError> limits_of(const urdf::Joint& joint,
   const bool endless = joint.type == urdf::Joint::CONTINUOUS;
   if (!joint.limits) return refuse("joint '" + joint.name + "' has no <limit>");
   const urdf::JointLimits& given = *joint.limits;
-  if (!(given.velocity > 0)) return refuse("joint '" + joint.name + "' needs a velocity above 0");
+  if (!(given.velocity > 0))
+    return refuse("joint '" + joint.name + "' needs a velocity limit above 0");
   if (!endless && !(given.lower < given.upper)) {
     return refuse("joint '" + joint.name + "': lower limit is not below the upper one");
   }
@@ -61,7 +62,7 @@ tl::expected<ArmModel, ModelError> ArmModel::from_urdf(const std::string& xml,
   const urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(xml);
   if (!robot) return refuse("the text is not a URDF robot; the parser printed the reason above");
   for (const std::string& link : {base_link, flange_link}) {
-    if (!robot->getLink(link)) return refuse("there is no link '" + link + "'");
+    if (!robot->getLink(link)) return refuse("the URDF has no link '" + link + "'");
   }
   const auto joints = joints_between(*robot, base_link, flange_link);
   if (joints.empty()) {

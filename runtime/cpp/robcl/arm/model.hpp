@@ -21,8 +21,8 @@ struct ModelError {
 /// threads: a computation takes a copy (see Kinematics).
 class ArmModel {
  public:
-  /// URDF has no acceleration limits: each joint gets the one with which it reaches its full speed
-  /// in `seconds_to_full_speed`.
+  /// URDF has no acceleration limits: each joint gets the acceleration with which it reaches its
+  /// full speed in `seconds_to_full_speed`.
   static tl::expected<ArmModel, ModelError> from_urdf(const std::string& xml,
                                                       const std::string& base_link,
                                                       const std::string& flange_link,

@@ -9,9 +9,10 @@
 
 namespace robcl::arm {
 
-/// Starts at the reference, then at points spread evenly inside the joint limits. Checks each
-/// solution by forward kinematics, because KDL reports success for some wrong ones. May miss
-/// solutions (about one pose in 400), so its OutOfReach means "not found". Has no configurations.
+/// Searches from the reference first, then from points spread evenly inside the joint limits.
+/// Checks each solution by forward kinematics, because KDL reports success for some wrong ones. May
+/// miss solutions (about one pose in 400), so its OutOfReach means "not found". Does not know
+/// configurations.
 class NumericInverse final : public InverseKinematics {
  public:
   static constexpr int starts = 24;

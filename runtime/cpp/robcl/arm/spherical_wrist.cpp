@@ -17,10 +17,13 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double geometry_tolerance = 1e-6;  // m or rad: rounding of a URDF's values
-constexpr double stretched = 1e-9;           // m beyond the reach that count as rounding
-constexpr double singular = 1e-9;            // m: nearer to axis 1 (or 2), joint 1 (or 2) is free
-constexpr double aligned = 1e-7;  // rad of joint 5 below which joint 4 is free: in a stretched
-                                  // arm a rounding of 1e-16 changes the angles by 1e-8
+// m: a goal that is out of reach by less counts as reachable, because of rounding.
+constexpr double stretched = 1e-9;
+// m: if the wrist centre is nearer to axis 1 (axis 2), joint 1 (joint 2) may have any position.
+constexpr double singular = 1e-9;
+// rad: if joint 5 is smaller, joint 4 may have any position. In a stretched arm, a rounding error
+// of 1e-16 changes the angles by 1e-8.
+constexpr double aligned = 1e-7;
 
 double angle_of(const Vector2d& in_plane) { return std::atan2(in_plane.x(), in_plane.y()); }
 

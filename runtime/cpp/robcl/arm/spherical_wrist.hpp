@@ -19,7 +19,8 @@ namespace robcl::arm {
 
 class SphericalWristInverse final : public InverseKinematics {
  public:
-  /// Returns null if the arm has another geometry, or if FK(IK) does not reproduce test poses.
+  /// Returns null if the arm has another geometry, or if forward kinematics of the solutions does
+  /// not reproduce test poses.
   static std::unique_ptr<SphericalWristInverse> for_arm(const ArmModel& model);
 
   tl::expected<JointValues, Failure> solve(const Frame& base_from_flange,
@@ -35,7 +36,7 @@ class SphericalWristInverse final : public InverseKinematics {
     std::array<Solution, 8> each;
     std::size_t count = 0;
   };
-  /// All solutions, at most eight. At a singularity two of them are equal.
+  /// All solutions, at most eight. At a singularity, some solutions are equal.
   Solutions all(const Frame& base_from_flange, const JointValues& reference) const;
 
  private:

@@ -8,7 +8,8 @@
 namespace robcl {
 namespace {
 
-// If sin or cos of b (ZYZ: of b/2) is smaller, a and c turn about one axis, and c is set to 0.
+// If sin or cos of the angle b (ZYZ: of b/2) is smaller, the angles a and c turn about the same
+// axis, and c is set to 0.
 constexpr double parallel_axes = 1e-9;
 
 Eigen::Quaterniond about(const Eigen::Vector3d& axis, double angle) {
@@ -34,11 +35,11 @@ Frame::Frame(const Eigen::Vector3d& position, const Eigen::Quaterniond& orientat
     : position_(position), orientation_(orientation.normalized()) {
   if (!position.allFinite()) refuse("position " + listed(position) + " m is not finite");
   const double length = orientation.norm();
-  if (!(std::abs(length - 1) <= unit_tolerance)) {  // written so that NaN fails, too
+  if (!(std::abs(length - 1) <= unit_tolerance)) {  // this comparison also refuses NaN
     const Eigen::Vector4d wxyz(orientation.w(), orientation.x(), orientation.y(), orientation.z());
     std::ostringstream text;
     text << "quaternion w, x, y, z = " << listed(wxyz) << " has length " << std::setprecision(9)
-         << length << ", a rotation has 1: normalise it, and check the order of its numbers";
+         << length << "; a rotation has length 1: normalise it, and check the order w, x, y, z";
     refuse(text.str());
   }
 }
@@ -169,7 +170,8 @@ bool Frame::decode(gecos::wire::Decoder& from) {
 }
 
 std::int64_t Frame::fingerprint() {
-  // As lcm-gen computes it for struct Frame { Vector position; Quaternion orientation; }.
+  // The fingerprint that lcm-gen computes for struct Frame { Vector position; Quaternion
+  // orientation; }.
   return 0x249634ce2aa17b5e;
 }
 

@@ -36,7 +36,7 @@ namespace robcl {
 
 /// Thrown for values that describe no rigid transformation: a value that is not finite, a
 /// quaternion without unit length, a matrix that stretches, shears, mirrors or projects. The text
-/// says which and by how much.
+/// says which value is wrong, and by how much.
 class InvalidFrame : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
@@ -69,21 +69,22 @@ class Frame {
   const Eigen::Vector3d& position() const { return position_; }
   Eigen::Quaterniond orientation() const { return Eigen::Quaterniond(orientation_); }
 
-  /// a, b, c with b in [0, pi], a and c in [-pi, pi]; c = 0 where b is 0 or pi.
+  /// Angles a, b, c in rad: b in [0, pi], a and c in [-pi, pi]; c = 0 if b is 0 or pi.
   std::array<double, 3> euler_zyz() const;
-  /// a, b, c with b in [-pi/2, pi/2], a and c in [-pi, pi]; c = 0 where b is ±pi/2.
+  /// Angles a, b, c in rad: b in [-pi/2, pi/2], a and c in [-pi, pi]; c = 0 if b is ±pi/2.
   std::array<double, 3> euler_zyx() const;
-  /// rx, ry, rz: the angles of `euler_zyx` in reverse order.
+  /// Angles rx, ry, rz in rad: the angles of `euler_zyx` in reverse order.
   std::array<double, 3> fixed_xyz() const;
   /// The quaternion as w, x, y, z.
   std::array<double, 4> quaternion() const;
   Eigen::Matrix4d matrix() const;
   Eigen::Matrix3d rotation() const { return orientation().toRotationMatrix(); }
 
-  /// `right` is seen from `left`; the product is seen from where `left` is seen.
+  /// Composition of two frames: a_from_c = a_from_b * b_from_c.
   friend Frame operator*(const Frame& left, const Frame& right);
   Frame inverse() const;
-  /// Converts a point of this coordinate system to the one from which this frame is seen.
+  /// Converts a point from this coordinate system to the coordinate system from which this frame is
+  /// seen.
   Eigen::Vector3d transform(const Eigen::Vector3d& point) const;
 
   /// Compares exactly, value by value; `near` compares with tolerances.

@@ -8,7 +8,7 @@ namespace robcl::motion {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double negligible = 1e-12;  // rad or m per path: a smaller movement sets no limit
+constexpr double negligible = 1e-12;  // rad or m: a smaller movement on the path sets no limit
 
 double squared(double value) { return value * value; }
 
@@ -57,7 +57,7 @@ void PathBounds::cap(std::size_t knot, double fastest) {
   caps_[knot] = std::min(caps_[knot], fastest);
 }
 
-/// Restricts `interval` to the u for which |per_u·u + offset| <= limit.
+/// Restricts `interval` to the values of u for which |per_u·u + offset| <= limit.
 void PathBounds::restrict(Interval& interval, double per_u, double offset, double limit) const {
   if (std::abs(per_u) <= negligible) {
     if (std::abs(offset) > limit) interval = {1, -1};

@@ -31,12 +31,13 @@ class PathBounds {
 
   /// Greatest (ds/dt)² that the speed limits allow at `knot`.
   double speed_cap(std::size_t knot) const { return caps_[knot]; }
-  /// The u that the acceleration limits allow at `knot`, passed with x.
+  /// The values of u = d²s/dt² that the acceleration limits allow at `knot`, where x = (ds/dt)².
   Interval at_knot(std::size_t knot, double x) const;
-  /// The u that the acceleration limits allow from `knot`, passed with x, to the next knot, where x
-  /// has become x + 2·step·u.
+  /// The values of u = d²s/dt² that the acceleration limits allow from `knot` to the next knot.
+  /// (ds/dt)² is x at `knot` and x + 2·step·u at the next knot.
   Interval over_interval(std::size_t knot, double x) const;
-  /// The u that the acceleration limits allow at any `s` with x, for braking. Never allocates.
+  /// The values of u = d²s/dt² that the acceleration limits allow at any `s`, where x = (ds/dt)²;
+  /// for braking. Never allocates.
   Interval near(double s, double x) const;
 
  private:

@@ -16,7 +16,7 @@ class Line {
   double turn() const { return turn_.norm(); }   ///< rad
   /// The frame after the fraction `part` of the line, 0 to 1.
   Frame at(double part) const;
-  /// The place of `part` for messages: "120.0 mm along the line".
+  /// Text for messages that says how far along the line `part` is: "120.0 mm along the line".
   std::string place(double part) const;
 
  private:

@@ -10,7 +10,7 @@ std::string says(const char* what, double value, const char* wanted) {
 }  // namespace
 
 std::optional<std::string> problem_of(const Pace& pace) {
-  // Comparisons are written so that NaN fails them.
+  // The comparisons also refuse NaN.
   if (!(pace.speed > 0 && pace.speed <= 1)) return says("speed", pace.speed, "above 0, at most 1");
   if (!(pace.acceleration > 0 && pace.acceleration <= 1)) {
     return says("acceleration", pace.acceleration, "above 0, at most 1");

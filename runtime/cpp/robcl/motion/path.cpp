@@ -6,8 +6,8 @@
 namespace robcl::motion {
 namespace {
 
-/// The derivative at index `i` of evenly spaced values: accurate to fourth order inside, to second
-/// order near the ends.
+/// The derivative at index `i` of evenly spaced values: accurate to fourth order in the interior,
+/// to second order near the ends.
 JointValues derivative(const std::vector<JointValues>& values, std::size_t i, double step) {
   const std::size_t last = values.size() - 1;
   if (last == 1) return (values[1] - values[0]) / step;

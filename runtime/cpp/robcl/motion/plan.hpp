@@ -9,7 +9,7 @@ namespace robcl::motion {
 /// A move that was checked from start to goal before it is executed.
 struct Plan {
   Path path;
-  PathBounds braking;  ///< limits of a stop on the path: the arm's, at full pace
+  PathBounds braking;  ///< for a stop on the path: the limits of the arm at full pace
   TimeLaw law;
 
   const JointValues& start() const { return path.knot(0); }

@@ -27,8 +27,9 @@ class Planner {
   tl::expected<Plan, arm::Failure> joints(const JointValues& from, const JointValues& to,
                                           const Pace& pace, const Frame& flange_from_tool = {});
 
-  /// Plans as `joints`, to those joint positions with the tool at `base_from_goal` that the arm
-  /// reaches soonest, in a configuration that `wanted` admits. Fails with OutOfReach or JointLimit.
+  /// Plans a straight line in joint space that puts the tool at `base_from_goal`, in a
+  /// configuration that `wanted` admits. Of several possible joint positions, chooses those that
+  /// the arm reaches soonest. Fails with OutOfReach or JointLimit.
   tl::expected<Plan, arm::Failure> joints_to(const JointValues& from, const Frame& base_from_goal,
                                              const Frame& flange_from_tool, const Pace& pace,
                                              const arm::Configuration& wanted = {});

@@ -22,8 +22,8 @@ JointValues Playback::advance(double seconds) {
 }
 
 void Playback::brake(double seconds) {
-  // The braking limit at a speed is never weaker than the plan's law (a law that is slowed in time
-  // keeps all limits), so the arm stands at the goal at the latest.
+  // At every speed, the braking limit allows at least the deceleration of the plan's time law: a
+  // law that is slowed keeps all limits. So the arm stops at the goal at the latest.
   const double braking = std::min(plan_.braking.near(s_, speed_ * speed_).lower, 0.0);
   const double after = speed_ + braking * seconds;
   if (after <= 0) {

@@ -19,9 +19,9 @@ using arm::Singular;
 
 constexpr double line_step = mm(1);     // longest distance of the tool between two knots
 constexpr double turn_step = deg(0.2);  // largest turn of the tool between two knots
-constexpr double joint_step = 0.03;     // rad between two knots; for more, the knots are set closer
-constexpr double joint_jump = 0.1;      // rad between the closest knots; for more, planning fails
-constexpr std::size_t closer = 8;       // times as many knots, at most
+constexpr double joint_step = 0.03;     // rad per joint between two knots; else more knots
+constexpr double joint_jump = 0.1;      // rad per joint between the closest knots; else fail
+constexpr std::size_t closer = 8;       // largest factor by which knots are added
 constexpr std::size_t fewest = 50, most = 4000;
 
 Failure with_place(Failure failure, const std::string& where) {
@@ -31,7 +31,8 @@ Failure with_place(Failure failure, const std::string& where) {
   return failure;
 }
 
-/// Fills empty members of `kept`: they are undefined until the arm has left a singularity.
+/// Fills the empty members of `kept`. A member is empty until the arm has left the singularity at
+/// which the member is undefined.
 void keep_what_is_known(arm::Configuration& kept, const arm::Configuration& now) {
   if (!kept.shoulder) kept.shoulder = now.shoulder;
   if (!kept.elbow) kept.elbow = now.elbow;
@@ -39,7 +40,7 @@ void keep_what_is_known(arm::Configuration& kept, const arm::Configuration& now)
 }
 
 struct Step {
-  std::size_t knot = 0;  // at the end of the step
+  std::size_t knot = 0;  // index of the knot at the end of the step
   Eigen::Index axis = 0;
   double change = 0;  // rad
 };
@@ -68,7 +69,7 @@ tl::expected<std::vector<JointValues>, Failure> Planner::knots_of_line(
     const JointValues& before = knots.back();
     const auto solution = inverse_->solve(line.at(part) * tool_from_flange, before, kept);
     if (!solution) return tl::unexpected(with_place(solution.error(), line.place(part)));
-    // The solver turns a joint that would pass its limit by a whole turn: take the turn back.
+    // The solver adds a whole turn to a joint that would pass its limit: undo that turn.
     JointValues steady = *solution;
     for (Eigen::Index axis = 0; axis < steady.size(); ++axis) {
       steady[axis] =

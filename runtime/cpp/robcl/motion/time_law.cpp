@@ -8,7 +8,8 @@ namespace {
 
 using Interval = PathBounds::Interval;
 
-/// The u that lead from `knot`, passed with x, to an x of at most `next` at the following knot.
+/// With x = (ds/dt)² at `knot`: the values of u = d²s/dt² that lead to an x of at most `next` at
+/// the following knot.
 Interval allowed(const PathBounds& bounds, std::size_t knot, double x, double next) {
   Interval u = bounds.over_interval(knot, x);
   const double per_u = 2 * bounds.step();
@@ -17,11 +18,11 @@ Interval allowed(const PathBounds& bounds, std::size_t knot, double x, double ne
   return u;
 }
 
-/// Greatest x at `knot` from which the following knot can be passed with at most `next`. The set of
-/// such x is convex and contains 0, so bisection finds its maximum.
+/// The greatest x = (ds/dt)² at `knot` that allows an x of at most `next` at the following knot.
+/// The set of allowed x is convex and contains 0, so bisection finds its maximum.
 double fastest_at(const PathBounds& bounds, std::size_t knot, double next) {
-  // Without a speed cap, search for an x that is too great: the hardest braking does not reduce it
-  // to `next`.
+  // If `knot` has no speed limit, search for an x that is too great: the hardest braking does not
+  // reduce it to `next`.
   double good = 0, bad = bounds.speed_cap(knot);
   if (!std::isfinite(bad)) {
     bad = 1;

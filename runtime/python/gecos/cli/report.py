@@ -31,7 +31,7 @@ def objects(entries: Sequence[Entry]) -> None:
 def _media(entry: Entry) -> str:
     """The media by which other programs reach the object."""
     kinds = {address.partition(":")[0] for address in entry.addresses} - {"inproc"}
-    return ", ".join(sorted(kinds)) or "its own process only"
+    return ", ".join(sorted(kinds)) or "the server's process only"
 
 
 def description(of: Description) -> None:

@@ -1,7 +1,7 @@
 """The codec of generated Python types: LCM's type encoding, big-endian, fields in order.
 
 The C++ codec, `runtime/cpp/gecos/wire`, accepts and refuses the same bytes and uses the same names
-for errors. If bytes have two errors, the two codecs may report different ones.
+for errors. If bytes contain two errors, the codecs may report different errors.
 
 Encoding appends pieces to a list (`Parts`) that is joined once; decoding raises `DecodeError`.
 numpy is imported with the first array, so that programs without arrays start faster.

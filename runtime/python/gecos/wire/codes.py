@@ -26,7 +26,7 @@ CODE_MEANING = {
     "I": "a whole number from 0 to 4294967295",
     "q": "a whole number from -2**63 to 2**63 - 1",
     "Q": "a whole number from 0 to 2**64 - 1",
-    "f": "a number of single precision",
+    "f": "a number that fits in single precision",
     "d": "a number",
 }
 WRITERS = {code: struct.Struct(">" + code) for code in CODE_MEANING}

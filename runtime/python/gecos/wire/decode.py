@@ -86,7 +86,8 @@ class Decoder:
         raise self._string_error(most, field)
 
     def _string_error(self, most: int, field: str) -> DecodeError:
-        """Returns the error of the string at `offset`. The order of the checks is that of C++."""
+        """Returns the error of the string at `offset`. Makes the checks in the same order as
+        C++."""
         size = self.remaining - 4
         length: int = _read_int32(self.data, self.offset)[0] if size >= 0 else 0
         raw = bytes(self.data[self.offset + 4 : self.offset + 4 + max(min(length, size), 0)])
@@ -122,7 +123,7 @@ class Decoder:
         return number
 
     def ranged(self, code: str, low: Any, high: Any, field: str = "") -> Any:
-        """Reads a number of `code` from `low` to `high`; None: no limit on this side."""
+        """Reads a number of `code` from `low` to `high`; None: no limit on that side."""
         value = self.number(code, field)
         if (low is not None and not value >= low) or (high is not None and not value <= high):
             self.refuse_range(field, READERS[code].size)
@@ -210,7 +211,8 @@ class Decoder:
         return kind(number)
 
     def arm(self, selected: bool, field: str = "") -> bool:
-        """Reads whether an arm of a union is present, which must equal `selected`."""
+        """Reads the flag that says whether the arm of a union is present. Raises DecodeError unless
+        the flag equals `selected`."""
         start = self.offset
         if self.number("?", field) != selected:
             self.refuse(DecodeProblem.UNKNOWN_UNION_TAG, field, start)
@@ -250,8 +252,8 @@ class Decoder:
         return inner
 
     def enter(self, field: str = "") -> None:
-        """Must be called before decoding a struct that may contain itself, and `leave` after it:
-        limits the depth of nesting."""
+        """Limits the depth of nesting: call it before you decode a struct that may contain itself,
+        and `leave` afterwards."""
         if self.depth == MAX_DEPTH:
             self.refuse(DecodeProblem.TOO_DEEP, field)
         self.depth += 1

@@ -39,7 +39,7 @@ def _length(values: Any, field: str) -> int:
     try:
         return len(values)
     except TypeError:
-        raise EncodeError(field, f"{values!r} is no list and has no elements") from None
+        raise EncodeError(field, f"{values!r} is not a list or an array") from None
 
 
 def entries(values: Mapping[_KeyT, _ElementT], field: str = "") -> list[tuple[_KeyT, _ElementT]]:
@@ -48,7 +48,7 @@ def entries(values: Mapping[_KeyT, _ElementT], field: str = "") -> list[tuple[_K
     try:
         return sorted(values.items(), key=first)
     except TypeError:
-        raise EncodeError(field, "its keys are not all of one type") from None
+        raise EncodeError(field, "the keys of the map are not all of one type") from None
 
 
 def string(text: str, most: int = MAX_COUNT - 1, field: str = "") -> bytes:
@@ -57,7 +57,7 @@ def string(text: str, most: int = MAX_COUNT - 1, field: str = "") -> bytes:
     try:
         raw = text.encode()
     except UnicodeEncodeError as error:
-        raise EncodeError(field, f"{text!r} cannot be UTF-8: {error.reason}") from None
+        raise EncodeError(field, f"{text!r} cannot be encoded as UTF-8: {error.reason}") from None
     except AttributeError:
         raise EncodeError(field, f"{text!r} is not a string") from None
     size = len(raw)
@@ -91,7 +91,7 @@ def array(values: npt.ArrayLike, code: str, field: str = "") -> memoryview:
 
 
 def _fitting(values: npt.ArrayLike, code: str, field: str) -> Array:
-    """`values` as an array; raises unless `code` can represent all its numbers."""
+    """Returns `values` as an array. Raises EncodeError unless `code` can represent all numbers."""
     import numpy as np
 
     given = as_array(values, code)
@@ -107,7 +107,9 @@ def _fitting(values: npt.ArrayLike, code: str, field: str) -> Array:
             return given
         worst = low if low < limits.min else high
         raise EncodeError(field, f"{worst} is not {CODE_MEANING[code]}")
-    raise EncodeError(field, f"an array of {given.dtype} where each is {CODE_MEANING[code]}")
+    raise EncodeError(
+        field, f"an array of {given.dtype}, but each element must be {CODE_MEANING[code]}"
+    )
 
 
 def block(parts: Parts) -> bytes:
@@ -151,7 +153,7 @@ def numbers(
         return [_pack_int32(size), swapped]
     given = as_array(values, code)
     if given.ndim != 1:
-        raise EncodeError(field, f"an array of {given.ndim} dimensions where a sequence has one")
+        raise EncodeError(field, f"the array has {given.ndim} dimensions, a sequence has one")
     number = count(len(given), most, field)
     return [number, _array_within(given, code, low, high, field)]
 
@@ -167,7 +169,9 @@ def fixed(
     """Encodes an array of numbers of shape `shape`, each number from `low` to `high`."""
     given = as_array(values, code)
     if given.shape != shape:
-        raise EncodeError(field, f"an array of shape {given.shape} where {shape} is declared")
+        raise EncodeError(
+            field, f"the array has shape {given.shape}, the declared shape is {shape}"
+        )
     return _array_within(given, code, low, high, field)
 
 

@@ -22,7 +22,7 @@ class DecodeProblem(Enum):
     TOO_DEEP = "nested deeper than 16"
     TRAILING_BYTES = "bytes are left over"
     UNKNOWN_ENUMERATOR = "no enumerator has this number"
-    UNKNOWN_UNION_TAG = "the union's tag and its arms do not agree"
+    UNKNOWN_UNION_TAG = "the union's discriminator and members do not agree"
     OUT_OF_RANGE = "outside its declared range"
     UNSORTED_MAP = "the map's keys are not ascending"
     WRONG_FINGERPRINT = "a message of another type"

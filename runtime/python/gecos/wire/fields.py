@@ -71,7 +71,7 @@ class Fields:
         for code, name in zip(self._codes, self._names, strict=True):
             if source.remaining < struct.calcsize(">" + code):
                 source.refuse(DecodeProblem.TRUNCATED, name)
-            source.number(code, name)  # reports an invalid boolean before TRUNCATED
+            source.number(code, name)  # an invalid boolean is reported instead of a later TRUNCATED
         raise AssertionError("the run is truncated, but each of its fields fits")
 
     def _unfit(self, values: tuple[Any, ...]) -> EncodeError | TypeError:

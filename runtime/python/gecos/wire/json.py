@@ -19,7 +19,7 @@ __all__ = ["JsonError", "dumps", "loads"]
 
 _ContentsT = TypeVar("_ContentsT", bound=Contents)
 MAX_DEPTH = 100
-_LONGEST_DOUBLE = 308  # digits; a longer number may exceed the range of a double
+_LONGEST_DOUBLE = 308  # greatest number of digits; a longer number may exceed the range of a double
 
 
 def dumps(value: Contents, indent: int | None = None) -> str:
@@ -82,5 +82,5 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(found) != len(pairs):
         names = [name for name, _ in pairs]
         twice = next(name for name in names if names.count(name) > 1)
-        raise JsonError(twice, "it is there twice")
+        raise JsonError(twice, "the member occurs twice")
     return found

@@ -76,7 +76,7 @@ class Number(Kind):
 
     def __init__(self, code: str) -> None:
         if code not in READERS:
-            raise TypeError(f"{code!r} is no code of numbers")
+            raise TypeError(f"{code!r} is not the type code of a number")
         self.code = code
         self.least = READERS[code].size
 
@@ -271,7 +271,7 @@ class Enumerators(Kind):
             if self.names.get(each.name, each.name) == data:
                 return each
         known = ", ".join(self.plain(each) for each in self.kind)
-        raise JsonError(path, f"there is no {data}; there are {known}")
+        raise JsonError(path, f"unknown name {data}; the known names are {known}")
 
 
 class Flags(Kind):
@@ -307,7 +307,9 @@ class Flags(Kind):
         named, whole = self._named(), self.kind(0)
         for i, each in enumerate(data):
             if type(each) is not str or each not in named:
-                raise JsonError(f"{path}[{i}]", f"there is no {each}; there are {', '.join(named)}")
+                raise JsonError(
+                    f"{path}[{i}]", f"unknown name {each}; the known names are {', '.join(named)}"
+                )
             whole |= named[each]
         return whole
 
@@ -410,12 +412,15 @@ class Secret(Kind):
 
     def made(self, data: Any, path: str) -> Any:
         if data == HIDDEN:
-            raise JsonError(path, "it was hidden when this was written; say it, or leave it out")
+            raise JsonError(
+                path,
+                "the secret was replaced by a placeholder; write the secret or omit the member",
+            )
         return self.inner.made(data, path)
 
 
 def _inside(value: Any) -> set[str]:
-    """The texts by which an error message could show the value or a value inside it."""
+    """The texts that would reveal the value, or a value inside it, in an error message."""
     shown = {repr(value), str(value)} - {""}
     if isinstance(value, dict):
         value = [*value.keys(), *value.values()]
@@ -454,7 +459,8 @@ class Twin:
 
 
 twins: dict[Any, Twin] = {}
-"""The layouts of hand-written types. The generated module that uses such a type registers it."""
+"""The layouts of hand-written types. The generated module that uses a hand-written type registers
+the layout here."""
 
 _numbers = {code: Number(code) for code in READERS}
 

@@ -99,7 +99,8 @@ def secret(inner: Step) -> Kind:
 
 
 def arm(name: str, step: Step, *tags: Any) -> Arm:
-    """An arm of a union and the tags that select it; without tags, all other tags select it."""
+    """An arm of a union and the tags that select it. Without tags, the arm is selected by every tag
+    that selects no other arm."""
     return Arm(name, kind_of(step), tags)
 
 
@@ -253,8 +254,8 @@ def union(
     deep: bool = False,
     label: str = "",
 ) -> Callable[[_KindT], _KindT]:
-    """Declares a dataclass with `tag` and `value` as a union. `tag` is the step of its tag: an enum
-    or the code of a number."""
+    """Declares a dataclass with `tag` and `value` as a union. The parameter `tag` is the step of
+    the union's tag: an enum or the code of a number."""
 
     def tell(kind: _KindT) -> _KindT:
         layout = UnionLayout(kind, fingerprint, kind_of(tag), arms, open, deep, label)

@@ -97,7 +97,7 @@ class Members:
         """The inverse of `plain`: index and value of each given member. Refuses unknown members."""
         expect_json(dict, data, path, "an object")
         for name in sorted(data.keys() - set(self.names)):
-            why = f"there is no such member; there are {', '.join(self.names)}"
+            why = f"unknown member; the known members are {', '.join(self.names)}"
             raise JsonError(below(path, name), why)
         return [
             (i, kind.made(data[name], below(path, name)))
@@ -219,7 +219,8 @@ class Arguments(Members):
 
     def encode(self, *values: Any) -> Parts:
         out: Parts = []
-        for at, end, put, _, label in self._groups or self._grouped():  # inlined `write`, for speed
+        # a copy of the body of `write`, for speed
+        for at, end, put, _, label in self._groups or self._grouped():
             if label:
                 put(values[at], out, label)
             else:

@@ -275,6 +275,6 @@ class Entries(Kind):
                 raise JsonError(at, "a pair of key and value is expected")
             key = self.key.made(pair[0], at)
             if key in entries:
-                raise JsonError(at, "its key was there before")
+                raise JsonError(at, "the map already has this key")
             entries[key] = self.value.made(pair[1], at)
         return entries

@@ -120,7 +120,7 @@ class UnionLayout:
         selected = self.selected(union.tag)
         value = union.value
         if (value is None) != (selected == 0):
-            raise EncodeError(self.label, "its tag does not select the arm that it holds")
+            raise EncodeError(self.label, "the value does not agree with the union's discriminator")
         self._tag.put(union.tag, out, f"{self.label}.tag")
         for i, arm in enumerate(self.arms, start=1):
             out.append(b"\1" if i == selected else b"\0")
@@ -154,16 +154,20 @@ class UnionLayout:
     def made(self, data: Any, path: str) -> Any:
         expect_json(dict, data, path, "an object")
         if "tag" not in data:
-            raise JsonError(path, "its tag is missing")
+            raise JsonError(path, "the union's discriminator is missing: tag")
         tag = self.tag.made(data["tag"], below(path, "tag"))
         arm = self.selected(tag)
         for name in sorted(data):
             if name != "tag" and not (arm and name == "value"):
-                raise JsonError(below(path, name), "this tag has no such member")
+                raise JsonError(
+                    below(path, name), "with this discriminator the union has no such member"
+                )
         if not arm:
             return self.kind(tag)
         if "value" not in data:
-            raise JsonError(path, "what its tag selects is missing: value")
+            raise JsonError(
+                path, "the union member that the discriminator selects is missing: value"
+            )
         return self.kind(tag, self.arms[arm - 1].kind.made(data["value"], below(path, "value")))
 
     def printing(self) -> Callable[[Any], str]:

@@ -28,7 +28,8 @@ _HERE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
 
 class InvalidFrame(ValueError):
-    """The numbers do not describe a rigid transform; the text says which, and by how much."""
+    """The values do not describe a rigid transform. The text says which value is wrong, and by how
+    much."""
 
 
 class Frame:
@@ -59,8 +60,8 @@ class Frame:
         length = hypot(w, i, j, k)
         if not abs(length - 1) <= self.UNIT_TOLERANCE:
             _refuse(
-                f"quaternion w, x, y, z = {_listed((w, i, j, k))} has length {length:.9g}, "
-                "a rotation has 1: normalise it, and check the order of its numbers"
+                f"quaternion w, x, y, z = {_listed((w, i, j, k))} has length {length:.9g}; "
+                "a rotation has length 1: normalise it, and check the order w, x, y, z"
             )
         numbers = (x, y, z, w / length, i / length, j / length, k / length)
         object.__setattr__(self, "_numbers", numbers)
@@ -211,7 +212,7 @@ class Frame:
 
     def _moved(self, px: float, py: float, pz: float) -> tuple[float, float, float]:
         x, y, z, w, i, j, k = self._numbers
-        # p + w·t + q x t, with t = 2·(q x p)
+        # the rotated point is p + w·t + q x t, with t = 2·(q x p)
         tx = 2 * (j * pz - k * py)
         ty = 2 * (k * px - i * pz)
         tz = 2 * (i * py - j * px)

@@ -41,8 +41,8 @@ std::optional<Numbers> numbers_of(PyObject* object, char code);
 /// Copies `count` numbers between the machine's and the wire's byte order.
 void swap_numbers(char code, std::byte* to, const std::byte* from, Py_ssize_t count);
 
-/// Reads `count` numbers into a new array of the shape of `step`; null when they must be left to
-/// Python. @pre `from` has the bytes of `count` numbers.
+/// Reads `count` numbers into a new array of the shape of `step`; null when the Python codec must
+/// read them. @pre `from` has the bytes of `count` numbers.
 PyObject* array_of(const Step& step, Py_ssize_t count, const std::byte* from);
 
 }  // namespace gecos::python::plans

@@ -77,7 +77,7 @@ PyObject* in_python(PyObject* self, PyObject* const* given, std::size_t count, P
   return PyObject_Vectorcall(reinterpret_cast<Callable*>(self)->python, given, count, names);
 }
 
-/// Whether a call has `wanted` arguments, none of them by name.
+/// Whether a call has exactly `wanted` arguments, all of them positional.
 bool plain(std::size_t count, PyObject* names, Py_ssize_t wanted) {
   return names == nullptr && PyVectorcall_NARGS(count) == wanted;
 }
@@ -91,13 +91,14 @@ PyObject* call_encode(PyObject* self, PyObject* const* given, std::size_t count,
   return in_python(self, given, count, names);
 }
 
-/// Reads the next value of `source` and advances; null when it must be left to Python.
+/// Reads the next value of `source` and advances; null when the Python codec must read it.
 PyObject* decoded_from(const Plan& plan, PyObject* source) {
   PyObject* const data = slot(source, decoder.data);
   PyObject* const offset = slot(source, decoder.offset);
   PyObject* const end = slot(source, decoder.end);
   if (data == nullptr || offset == nullptr || end == nullptr) return nullptr;
-  const Owned kept(Py_NewRef(data));  // garbage collection may run arbitrary code meanwhile
+  // Garbage collection may run arbitrary code, which may release `data`.
+  const Owned kept(Py_NewRef(data));
   Source bytes;
   const Py_ssize_t first = PyLong_AsSsize_t(offset);
   const Py_ssize_t last = PyLong_AsSsize_t(end);
@@ -125,7 +126,7 @@ PyObject* call_to(PyObject* self, PyObject* const* given, std::size_t count, PyO
   return bytes != nullptr ? bytes : in_python(self, given, count, names);
 }
 
-/// Decodes a value that takes all of `data`; null when it must be left to Python.
+/// Decodes a value that takes all of `data`; null when the Python codec must decode it.
 PyObject* decoded_whole(const Plan& plan, PyObject* data, Frame frame) {
   Source bytes;
   if (!bytes.open(data)) return nullptr;
@@ -188,7 +189,8 @@ PyObject* bind_method(PyObject* self, PyObject* object, PyObject*) {
   return object == nullptr ? Py_NewRef(self) : PyMethod_New(self, object);
 }
 
-/// Binds `decode` to a class. A derived class gets the Python function, which makes its objects.
+/// Binds `decode` to a class. A derived class gets the Python function instead, because only that
+/// makes objects of the derived class.
 PyObject* bind_class_method(PyObject* self, PyObject* object, PyObject* type) {
   const auto& mine = *reinterpret_cast<Callable*>(self);
   PyObject* const asked = type != nullptr ? type : reinterpret_cast<PyObject*>(Py_TYPE(object));

@@ -178,7 +178,7 @@ const Plan& describe(nb::handle kind, std::uint64_t fingerprint, const nb::seque
   for (const nb::handle each : defaults) plan->defaults.push_back(nb::borrow(each).release().ptr());
   if (plan->defaults.size() > plan->steps.size())
     throw nb::type_error("a plan has more defaults than members");
-  nb::borrow(kind).release();  // kept for ever, as the plan is
+  nb::borrow(kind).release();  // never released, like the plan
   return *plans().insert_or_assign(plan->kind, std::move(plan)).first->second;
 }
 

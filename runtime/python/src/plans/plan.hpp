@@ -78,7 +78,8 @@ struct Plan {
   Py_ssize_t least = 0;             ///< smallest size of a value in bytes
 };
 
-/// Calls `act` with a zero of the type of `code`; returns false for `?` and for unknown codes.
+/// Calls `act` with a zero of the C++ type that `code` denotes. Returns false for `?` and for
+/// unknown codes.
 template <class Act>
 bool with_number_of(char code, Act act) {
   switch (code) {
@@ -121,8 +122,8 @@ enum class Frame : std::uint8_t {
   Block,    ///< the size, then the members
 };
 
-/// Encodes `value`; null without an error set when it must be left to Python. @pre the type of
-/// `value` is the plan's kind, not derived from it.
+/// Encodes `value`; null without an error set when the Python codec must encode it. @pre the type
+/// of `value` is exactly the plan's kind, not a derived class.
 PyObject* encoded(const Plan& plan, PyObject* value, Frame frame);
 
 /// The bytes that are still to be read, from `at` to `end`.
@@ -132,7 +133,7 @@ struct Input {
   Py_ssize_t remaining() const { return end - at; }
 };
 
-/// Decodes a new value; null without an error set when it must be left to Python.
+/// Decodes a new value; null without an error set when the Python codec must decode it.
 PyObject* decoded(const Plan& plan, Input& from);
 
 }  // namespace gecos::python::plans

@@ -59,8 +59,8 @@ PyObject* taken_enumerator(Input& from, const Step& step) {
   return found;
 }
 
-/// The number of elements that follow; -1 if it is invalid or there are too few bytes, which Python
-/// must report.
+/// The number of elements that follow; -1 if the number is invalid or too few bytes follow. The
+/// Python codec then reports the error.
 Py_ssize_t taken_count(Input& from, const Step& step) {
   std::int32_t count = 0;
   if (step.size >= 0) {
@@ -129,7 +129,7 @@ PyObject* taken_items(Input& from, const Step& step) {
   return list.release();
 }
 
-/// Decodes the next member; null, possibly with an error set, when it must be left to Python.
+/// Decodes the next member; null, possibly with an error set, when the Python codec must decode it.
 PyObject* taken(Input& from, const Step& step) {
   switch (step.what) {
     case What::Double:

@@ -65,8 +65,8 @@ class Output {
 
 bool put_all(Output& out, const Plan& plan, PyObject* value);
 
-/// Converts a float, or a whole number that a double represents. A number with limits must be
-/// exactly a float or int, because a derived class may compare differently.
+/// Converts a float, or a whole number that a double represents. If the member has limits, the
+/// object must be exactly a float or an int, because a derived class may compare differently.
 bool as_double(PyObject* value, bool limited, double& x) {
   if (PyFloat_CheckExact(value) || (!limited && PyFloat_Check(value))) {
     x = PyFloat_AS_DOUBLE(value);
@@ -85,7 +85,7 @@ bool as_number(PyObject* value, const Limits& limits, T& x) {
     double wide = 0;
     if (!as_double(value, limits.there, wide) || !limits.hold(wide)) return false;
     x = static_cast<T>(wide);
-    return std::isfinite(x) || !std::isfinite(wide);  // else too great for a float
+    return std::isfinite(x) || !std::isfinite(wide);  // else the value is too great for a float
   } else {
     if (!PyLong_CheckExact(value) && (limits.there || !PyLong_Check(value))) return false;
     if constexpr (std::is_same_v<T, std::uint64_t>) {
@@ -183,8 +183,8 @@ bool put_items(Output& out, const Step& step, PyObject* value) {
   return true;
 }
 
-/// Writes a member; false when it must be left to Python, possibly with an error set. No Python
-/// code runs meanwhile, so borrowed references stay valid.
+/// Writes a member; false, possibly with an error set, when the Python codec must write it. No
+/// Python code runs meanwhile, so borrowed references stay valid.
 bool put(Output& out, const Step& step, PyObject* value) {
   switch (step.what) {
     case What::Double:
@@ -214,7 +214,7 @@ bool put(Output& out, const Step& step, PyObject* value) {
   return false;
 }
 
-/// Writes all members. @pre the type of `value` is the plan's kind, not derived from it.
+/// Writes all members. @pre the type of `value` is exactly the plan's kind, not a derived class.
 bool put_all(Output& out, const Plan& plan, PyObject* value) {
   for (std::size_t i = 0; i < plan.steps.size(); ++i) {
     PyObject* const member =

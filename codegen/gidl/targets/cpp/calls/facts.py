@@ -29,7 +29,7 @@ from gidl.targets.naming import (
 from gidl.type_names import escaped
 from gidl.wire_layout import CallKind, CallLayout, FieldLayout
 
-# Names of the members that every class that describes an interface has.
+# Names of members that each generated interface description has.
 _DESCRIPTION = ("bases", "description", "inherits", "operations", "streams")
 
 
@@ -49,8 +49,8 @@ class CallFacts:
         return self._members[call.name.removesuffix("=")]
 
     def _named_constants(self) -> tuple[dict[str, str], dict[str, str]]:
-        """Names of the constants for the interface's own operations, and of those for its streams,
-        in the class that describes the interface."""
+        """Names of the constants in the class that describes the interface: first for its own
+        operations, then for its own streams."""
         described = self._layout.cpp_names.descriptions[self._interface.name].name
         local = LocalNames({described, *_DESCRIPTION})
         calls = {c.name: local.fresh(_constant_name(c)) for c in self._calls}
@@ -131,7 +131,8 @@ class CallFacts:
     def _writing(
         self, slots: list[Slot], size: str, to: str, taken: Collection[str]
     ) -> WritingView:
-        """The lambda that writes `slots`. `size` and `to` are its variables, unique in `taken`."""
+        """The lambda that writes `slots`. Its variables `size` and `to` get names that are not in
+        `taken`."""
         sizing, expression = self._lowering.whole_size(slots, size, taken)
         used = {*taken, size, to}
         lines = [line for s in slots for line in self._lowering.encode(s, to, LocalNames(used))]

@@ -8,18 +8,18 @@ from typing import Literal
 from gidl.targets.cpp.values.views import StructView
 
 Written = Literal["plain", "block", "here"]
-"""How a value is written: by the library, by the library as a block, or by generated statements."""
+"""How a value is encoded: by the library, by the library as a block, or by generated statements."""
 
 
 @dataclass(frozen=True, slots=True)
 class OperationRow:
     """A row in the session's table of operations."""
 
-    constant: str  # name of its constant in the description class
+    constant: str  # name of the operation's constant in the description class
     code: str
     name: str
     hash: str
-    getter: bool  # `terms` are differences from the defaults of a getter
+    getter: bool  # True: `terms` are differences from the defaults of a getter
     terms: tuple[str, ...]  # ".cancelable = true": what differs from the defaults
 
 
@@ -45,7 +45,7 @@ class DescriptionView:
 
 @dataclass(frozen=True, slots=True)
 class WritingView:
-    """A lambda that writes values, and how many bytes it writes."""
+    """A lambda that encodes values, and the number of bytes that it writes."""
 
     sizing: tuple[str, ...]  # statements that prepare `size`
     size: str  # expression for the number of bytes
@@ -71,9 +71,9 @@ class MethodView:
     name: str
     declared: str  # parameter list with defaults, in parentheses
     defined: str  # parameter list without defaults, in parentheses
-    checks: tuple[str, ...]  # statements that return when a parameter must not be sent
+    checks: tuple[str, ...]  # statements that return an error if a parameter must not be sent
     does: str  # function that makes the call: "gecos_call<double>"
-    constant: str  # describes the operation: "GripperInterface::max_width"
+    constant: str  # constant that describes the operation: "GripperInterface::max_width"
     arguments: WritingView | None
     result: ReadingView | None
 
@@ -106,11 +106,11 @@ class HandlerView:
     arguments: tuple[ArgumentView, ...]
     source: str  # name of the decoder from which the arguments are read
     was_read: str
-    read: tuple[str, ...]  # lines of an expression: whether all arguments were read
+    read: tuple[str, ...]  # lines of an expression that is true if all arguments were decoded
     execution: str  # type of the last parameter of a cancelable handler; "" for others
     run: str
     passed: str  # arguments of the handler: "(a, b, run)"
-    declared: str  # exceptions that it may raise: '{"robcl::OutOfRange"}'
+    declared: str  # exceptions that the handler may raise: '{"robcl::OutOfRange"}'
     result: ResultView | None
     whole_name: str  # scoped name: "robcl::Gripper::open"
 
@@ -122,7 +122,7 @@ class PublisherView:
     whole_name: str
     written: Written
     parameter: str  # type and name: "const T& value"
-    constant: str  # describes the stream: "GripperInterface::jaws_stream"
+    constant: str  # constant that describes the stream: "GripperInterface::jaws_stream"
     checks: tuple[str, ...]
     writing: WritingView
 
@@ -136,7 +136,7 @@ class InterfaceView:
     version: str
     hash: str
     description: DescriptionView
-    structs: tuple[StructView, ...]  # arguments and results of built-in operations
+    structs: tuple[StructView, ...]  # argument and result structs of built-in operations
     client_bases: str
     server_bases: str
     servant_bases: tuple[str, ...]  # absolute names of the base servants
@@ -147,7 +147,8 @@ class InterfaceView:
 
     @property
     def answers_else(self) -> str:
-        """C++ expression: whether a base servant answers the call, as of an inherited operation."""
+        """C++ expression that asks each base servant to answer the call; true if one of them
+        did."""
         asked = (f"{base}::gecos_answer({self.request})" for base in self.servant_bases)
         return " || ".join(asked) or "false"
 

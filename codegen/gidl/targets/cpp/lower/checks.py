@@ -1,4 +1,4 @@
-"""Prints C++ statements that check whether a value may be sent, and say why not."""
+"""Prints C++ statements that check whether a value may be sent, and return the reason if not."""
 
 from __future__ import annotations
 

@@ -42,7 +42,8 @@ def with_lambda(head: str, name: str, body: list[str]) -> list[str]:
 
 
 def or_at_end(reader: str, term: list[str]) -> list[str]:
-    """An expression that is true at the end of the value, as of an older writer, else `term`."""
+    """An expression that is true if no more bytes follow, because an older writer sent the value;
+    otherwise it has the value of `term`."""
     lines = [f"({reader}.at_end() ||", *(f" {line}" for line in term)]
     if len(term) > 1 and term[0].endswith("&&"):
         lines[1] = f" ({term[0]}"

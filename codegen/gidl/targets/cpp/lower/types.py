@@ -108,7 +108,8 @@ class Types:
                 return self._number(value, used)
 
     def _enumerators(self, enum: str, literal: str) -> str:
-        """An enumerator, or flags of a bitmask, for which `literal` is "LEFT|RIGHT"."""
+        """The C++ text of an enumerator, or of the flags of a bitmask (`literal` is
+        "LEFT|RIGHT")."""
         words = [escaped(word.strip(), CPP_WORDS) for word in literal.split("|")]
         return " | ".join(f"{self.named(enum)}::{word}" for word in words)
 

@@ -1,8 +1,8 @@
 """The order in which the types of a file are defined.
 
-C++ requires the type of a member to be complete where a struct is default-constructed; IDL only
-requires its declaration. So a type is defined after all types that it contains, whatever the order
-in the file. Only of types that contain each other in sequences is one defined before another.
+In C++, the type of a member must be complete where a struct is default-constructed; in IDL it need
+only be declared. So each type is defined after all types that it contains, whatever the order in
+the file. The exception are types that contain each other in sequences: one of them comes first.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from gidl.targets.cpp import names
 @dataclass(frozen=True, slots=True)
 class Placed:
     declaration: AnyDeclaration
-    incomplete: frozenset[str]  # structs and unions that it contains but that are defined later
+    incomplete: frozenset[str]  # structs and unions in the declaration that are defined later
 
 
 def in_order(model: Model, declarations: list[AnyDeclaration]) -> list[Placed]:
@@ -39,8 +39,8 @@ def in_order(model: Model, declarations: list[AnyDeclaration]) -> list[Placed]:
 
 
 def held(model: Model, used: Type, sequences: bool = True) -> set[str]:
-    """Names of the declarations that a type contains, also through typedefs. Without `sequences`
-    only those whose C++ types must be complete."""
+    """Names of the declarations that a type contains, also through typedefs. Without `sequences`,
+    the elements of sequences are left out: their C++ types may be incomplete."""
     match used:
         case SequenceType() if not sequences:
             return set()
@@ -79,8 +79,8 @@ class _Ordering:
         self._complete.add(declaration.name)
 
     def _needed(self, declaration: AnyDeclaration) -> set[str]:
-        """Names of the types in the file that must be complete before `declaration` is, and its own
-        name: types that it contains outside sequences."""
+        """The name of `declaration`, and the names of the types in the file that must be complete
+        before it: all types that it contains outside sequences."""
         needed, open_names = set[str](), {declaration.name}
         while open_names:
             name = open_names.pop()

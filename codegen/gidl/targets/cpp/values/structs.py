@@ -74,7 +74,7 @@ class Structs(ValueNames):
         )
 
     def results_of(self, interface: Interface) -> Iterator[tuple[TypeName, StructView]]:
-        """The result structs of operations with several results, which callers see."""
+        """The structs that callers get as the result of operations with several results."""
         for operation in interface.operations:
             if len(self._layout.call(operation.scoped_name).reply) > 1:
                 yield self._result(operation, shown=True)
@@ -105,8 +105,8 @@ class Structs(ValueNames):
         fields: tuple[FieldLayout, ...],
         shown: bool,
     ) -> StructView:
-        """The view of an argument or result struct. With `shown`, because callers see the struct,
-        it can be printed and compared."""
+        """The view of an argument or result struct. With `shown`, the struct can be printed and
+        compared, because callers see it."""
         return StructView(
             "struct",
             place.name,

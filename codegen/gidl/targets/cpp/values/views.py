@@ -102,8 +102,8 @@ class ArmView:
     type: str
     argument: str
     index: int
-    tag: str  # the label that selects the arm if the program names none
-    several: bool  # not exactly one label selects the arm: its factory function takes the tag
+    tag: str  # default label: selects the arm if the program gives none
+    several: bool  # True: no single label selects the arm; its factory function takes the tag
     secret: bool
     doc: tuple[str, ...]
 

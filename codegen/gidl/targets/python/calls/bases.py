@@ -11,8 +11,8 @@ from gidl.model import Interface, Model
 
 
 def class_bases(model: Model, interface: Interface) -> list[str]:
-    """Scoped names of the base classes: the direct bases if Python then orders all bases deepest
-    first, else all bases."""
+    """Scoped names of the base classes. The direct bases suffice if Python then orders all bases
+    deepest first; otherwise all bases are named."""
     wanted = _ordered(model, interface.all_bases)
     inherited = {name for base in interface.bases for name in model.interface(base).all_bases}
     own = _ordered(model, [name for name in interface.bases if name not in inherited])
@@ -29,7 +29,7 @@ def _depth(model: Model, name: str) -> int:
 
 
 def _merged(lists: list[list[str]]) -> list[str]:
-    """The bases in Python's order (C3); shorter where Python would refuse them."""
+    """The bases in Python's order (C3). The list ends early if Python would refuse the bases."""
     found: list[str] = []
     while lists := [each for each in lists if each]:
         heads = (each[0] for each in lists)

@@ -78,7 +78,8 @@ class CallFacts:
         return Passed(attribute_value(attribute), sample.node)
 
     def _parameter_names(self, call: CallLayout) -> list[str]:
-        """Names of the parameters, in order. No name hides a type that a parameter's hint uses."""
+        """Names of the parameters, in order. No parameter has the name of a class in a type
+        hint."""
         inputs = self._inputs(call)
         words = self._lowering.words_beside([each.node for each in inputs], PYTHON_WORDS)
         return [names.member_name(each.value.name, words) for each in inputs]

@@ -39,8 +39,8 @@ class Members(Tables):
         return names.docstring((*lines, *([""] if lines and notes else []), *notes))
 
     def _parameters(self, layout: CallLayout, calling: bool) -> tuple[ParameterView, ...]:
-        """The parameters of a proxy's method (`calling`), with defaults, or of a handler, without:
-        a handler is called with all parameters."""
+        """The parameters of a proxy's method (`calling`) or of a handler. Those of a handler have
+        no defaults, because it is called with all parameters."""
         values = self._inputs(layout)
         missing = first_missing([each.value for each in values])
         return tuple(
@@ -74,7 +74,7 @@ class Members(Tables):
         )
 
     def _run(self, layout: CallLayout) -> str:
-        """The name of a handler's execution parameter."""
+        """The name of the parameter through which a handler gets its gecos.Execution."""
         return LocalNames(self._parameter_names(layout)).fresh("run")
 
     def _handler(self, layout: CallLayout) -> HandlerView:

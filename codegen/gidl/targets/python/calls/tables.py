@@ -30,7 +30,7 @@ class Tables(CallFacts):
         self, layout: CallLayout, member: Operation | Attribute, feedback: str
     ) -> list[str]:
         """Arguments that describe the parameters, results, feedback, exceptions and stream of a
-        call, as far as it has them."""
+        call. A part that the call does not have gets no argument."""
         terms = []
         if inputs := self._inputs(layout):
             terms.append(f"takes={self._values(inputs)}")

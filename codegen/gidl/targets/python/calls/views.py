@@ -65,7 +65,7 @@ class InterfaceView:
     server_bases: tuple[str, ...]
     base_proxies: tuple[str, ...]  # proxies of the direct bases
     quality: str  # "" if the interface demands no quality
-    hidden: tuple[str, ...]  # types that a method hides; hints use an alias such as `_list_`
+    hidden: tuple[str, ...]  # types that a method hides; type hints use an alias such as `_list_`
     methods: tuple[MethodTableView, ...]
     members: tuple[ProxyMemberView, ...]
     handlers: tuple[HandlerView, ...]

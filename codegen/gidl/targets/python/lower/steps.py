@@ -29,7 +29,7 @@ class Lowering(Types):
     def __init__(self, model: Model, layout: Layout, module: ModuleNames) -> None:
         super().__init__(model, layout, module)
         self.pending: set[str] = set()
-        """Names of declarations whose classes come later in the module, unknown to Python yet."""
+        """Names of declarations whose classes are defined later in the module."""
 
     def steps(self, values: Iterable[tuple[Node, bool]]) -> list[str]:
         """The steps for values, given as pairs (node, is secret). The codes of consecutive numbers

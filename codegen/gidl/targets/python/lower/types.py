@@ -130,7 +130,8 @@ class Types:
         return " | ".join(f"{mine}.{names.enumerator(flag)}" for flag in flags) or f"{mine}(0)"
 
     def initial(self, member: Member, node: Node) -> tuple[str, bool]:
-        """The default of a member, and whether this is a factory to call for each new object."""
+        """The default of a member as text, and whether this text is a factory, called for each new
+        object."""
         if isinstance(node, OptionalNode):
             return "None", False
         if member.default is not None:
@@ -185,7 +186,7 @@ class Types:
         return frozenset(home.name for node in nodes for home in self.named(node))
 
     def named(self, node: Node) -> set[Home]:
-        """The homes of the classes in the type hint of a value."""
+        """Modules and names of the classes in the type hint of a value."""
         match node:
             case OptionalNode(element) | SequenceNode(element) | ArrayNode(element):
                 return self.named(element)

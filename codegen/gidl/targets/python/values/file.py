@@ -77,7 +77,7 @@ def _in_module(lowering: Lowering, file: File) -> Lowering:
 
 
 def _nodes(model: Model, layout: Layout, declaration: AnyDeclaration) -> list[Node]:
-    """The wire-layout nodes of all values that the class of a declaration mentions."""
+    """The wire-layout nodes of all values in the class that is generated for a declaration."""
     match declaration:
         case Struct(name):
             return [field.node for field in layout.structs[name].fields]

@@ -22,12 +22,12 @@
 namespace gecos::media {
 namespace {
 
-/// What one end writes and the other one reads.
+/// One side of a connection: the memory that this side writes and the other side reads.
 struct Side {
   Mapping mapping = Mapping::anonymous(RingMemory::bytes(usual_slot_count));
   RingMemory ring = RingMemory::at(mapping.data(), usual_slot_count);
-  EventFd event;                    // this side sleeps on it; the other side notifies it
-  BulkReader bulk{[] {}};           // reads large packets; knows all areas at once
+  EventFd event;                    // this side sleeps on the eventfd; the other side notifies it
+  BulkReader bulk{[] {}};           // reads large packets; areas need no announcement
   std::atomic<bool> closed{false};  // read by the other side; earlier packets stay readable
 
   void wake_if_asleep() {
@@ -41,7 +41,7 @@ struct SharedStream {
   std::shared_ptr<void> owner;
 };
 
-/// Both ends of a link; lives as long as one of them.
+/// Both sides of a connection. The last of its two links destroys it.
 struct Connection {
   std::array<Side, 2> sides;
   std::mutex mutex;
@@ -54,7 +54,7 @@ struct Connection {
                   }};
 };
 
-/// Makes the areas of one side for large packets.
+/// Makes the areas for the large packets that one side sends.
 class InprocAreas final : public AreaMaker {
  public:
   explicit InprocAreas(BulkReader& reader) : reader_(reader) {}
@@ -177,7 +177,8 @@ class InprocLink final : public Link, public QuietSender {
     if (connection_->inherited.load(std::memory_order_relaxed)) {
       return "this connection belongs to the process that forked this one: make a new connection";
     }
-    return other_.closed.load(std::memory_order_acquire) ? "the other end closed" : "";
+    return other_.closed.load(std::memory_order_acquire) ? "the other end closed the connection"
+                                                         : "";
   }
 
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
@@ -242,7 +243,7 @@ struct Backlog {
   EventFd event;
 };
 
-/// All backlogs of this process by address: what the file system is to shm.
+/// All backlogs of this process by address. shm looks addresses up in the file system instead.
 struct Backlogs {
   std::mutex mutex;
   std::map<std::string, std::weak_ptr<Backlog>, std::less<>> by_address;

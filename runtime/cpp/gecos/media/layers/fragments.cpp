@@ -22,7 +22,7 @@ Offer fragmented_offer(const Medium& inner) {
   return offer;
 }
 
-/// The age of a large packet is that of its last piece.
+/// The age of a large packet is the age of its last piece.
 class FragmentedLink final : public LinkLayer {
  public:
   FragmentedLink(std::unique_ptr<Link> inner, const Offer& offer, const Clock& clock)
@@ -91,7 +91,8 @@ class FragmentedLink final : public LinkLayer {
     std::array<std::byte, Received::bytes> bytes;
     incoming_.take(piece).write(bytes);
     const std::lock_guard lock(mutex_);
-    static_cast<void>(inner().send(bytes, {}));  // if this is lost, the piece is sent again
+    // If this acknowledgement is lost, the peer sends the piece again.
+    static_cast<void>(inner().send(bytes, {}));
   }
 
   /// @pre mutex_ is held.
@@ -109,7 +110,7 @@ class FragmentedLink final : public LinkLayer {
   IncomingTransfers incoming_;                // used by the receiving thread only
   Bytes current_;                             // used by the receiving thread only
   std::mutex mutex_;                          // guards sending and the members below
-  std::optional<OutgoingTransfer> transfer_;  // the transfer under way, or the last one
+  std::optional<OutgoingTransfer> transfer_;  // the current transfer, or the last one
   std::uint64_t transfers_ = 0;
   std::uint64_t sent_ = 0;
 };

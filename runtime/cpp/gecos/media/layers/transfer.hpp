@@ -20,7 +20,7 @@ inline constexpr std::size_t largest_transfer = 8 * 1024 * 1024;
 /// A fragment of a large packet.
 struct Piece {
   static constexpr std::size_t head_bytes = 24;
-  std::uint64_t transfer = 0;  ///< number of the large packet at its sender, from 1
+  std::uint64_t transfer = 0;  ///< number of the large packet; each sender counts from 1
   std::uint32_t size = 0;      ///< bytes of the whole packet
   std::uint32_t index = 0;
   ByteView content;
@@ -47,11 +47,11 @@ struct Received {
 class OutgoingTransfer {
  public:
   static constexpr std::uint32_t window =
-      8;  ///< maximum number of pieces in flight; fits in a usual socket buffer
+      8;  ///< maximum number of pieces in flight; they fit in a usual socket buffer
   /// After this time without an acknowledgement, the pieces in flight are sent again.
   static constexpr Duration silence = std::chrono::milliseconds(20);
-  /// A piece counts as lost, not reordered, when a piece that was sent so many sendings later has
-  /// arrived (RFC 9002, 6.1.1).
+  /// A piece that has not arrived counts as lost, not reordered, when a piece that was sent this
+  /// many sendings later has arrived (RFC 9002, 6.1.1).
   static constexpr std::uint64_t reordering_threshold = 3;
 
   /// `piece_bytes`: content of every piece but the last.
@@ -65,7 +65,7 @@ class OutgoingTransfer {
 
  private:
   struct State {
-    std::uint64_t sent_as = 0;  // number of its latest sending, from 1; 0: never sent
+    std::uint64_t sent_as = 0;  // number of the latest sending of the piece, from 1; 0: never sent
     bool arrived = false;
   };
   const std::uint64_t number_;
@@ -85,12 +85,12 @@ class IncomingTransfers {
 
   /// Returns the acknowledgement to send for this piece; `whole()` may then return the packet.
   Received take(const Piece& piece);
-  /// The packet that the last piece completed; returned once only.
+  /// Returns the packet that the last piece completed, but only once; else nullopt.
   std::optional<Bytes> whole();
 
  private:
   const std::size_t piece_bytes_;
-  std::uint64_t number_ = 0;  // the newest transfer seen
+  std::uint64_t number_ = 0;  // number of the newest transfer seen
   std::uint32_t missing_ = 0;
   std::uint32_t all_before_ = 0;
   std::vector<bool> arrived_;

@@ -10,17 +10,17 @@
 
 /// UDP multicast through LCM, for programs of several hosts.
 ///
-/// The calls to each object have their own UDP port, and so have the answers to each client,
-/// because the kernel wakes every process that listens on a port, whatever the group or channel.
-/// Each sample of a stream is sent once for all readers. All packets are sealed
+/// Each object has its own UDP port for calls, and each client has its own UDP port for answers.
+/// The reason: the kernel wakes every process that listens on a port, whatever the group or
+/// channel. Each sample of a stream is sent once for all readers. All packets are sealed
 /// (gecos/media/sealed); this folder only sends and receives datagrams. Packets may be lost and
 /// reordered; the session puts them in order.
 namespace gecos::media {
 
 struct LcmOptions {
   std::string group = "239.255.76.67";
-  std::uint16_t well_known_port = 7668;  ///< not LCM's own 7667, so that calls do not wake lcm-spy
-  /// How many routers a packet may pass. 0: it stays on this host.
+  std::uint16_t well_known_port = 7668;  ///< not LCM's 7667, so that calls do not wake lcm-spy
+  /// How many routers a packet may pass. 0: packets stay on this host.
   int ttl = 0;
   /// Requested receive buffer of each socket; net.core.rmem_max may limit it.
   int receive_buffer_bytes = 2 * 1024 * 1024;

@@ -13,7 +13,7 @@
 namespace gecos::media {
 namespace {
 
-/// The ports of a multicast group.
+/// Opens the UDP ports of a multicast group.
 class LcmNetwork final : public DatagramNetwork {
  public:
   explicit LcmNetwork(LcmOptions options) : options_(std::move(options)) {}
@@ -34,8 +34,8 @@ class LcmNetwork final : public DatagramNetwork {
 
   std::string advice() const override {
     return options_.ttl == 0
-               ? "; GECOS_LCM_TTL is 0, so our packets stay on this host: between hosts "
-                 "each program needs 1 or more"
+               ? "; GECOS_LCM_TTL is 0, so our packets stay on this host: to reach "
+                 "another host, each program needs a GECOS_LCM_TTL of 1 or more"
                : "; a server on another host is reached only if its own GECOS_LCM_TTL "
                  "is 1 or more";
   }
@@ -44,7 +44,7 @@ class LcmNetwork final : public DatagramNetwork {
   const LcmOptions options_;
 };
 
-/// Opens the medium with the settings in the environment variables.
+/// Opens the medium with the TTL in the environment variable GECOS_LCM_TTL.
 tl::expected<std::unique_ptr<Medium>, MediumError> open_lcm() {
   LcmOptions options;
   if (const char* const set = std::getenv("GECOS_LCM_TTL"); set != nullptr && *set != '\0') {

@@ -32,7 +32,7 @@ std::optional<MediumError> no_group(const std::string& group) {
 }
 
 /// Returns nullopt when packets can be sent to `port` of the group; else the reason why not. LCM
-/// checks too, but writes fifteen lines to stderr each time.
+/// checks that as well, but writes fifteen lines to stderr each time.
 std::optional<MediumError> no_route(const LcmOptions& options, std::uint16_t port) {
   sockaddr_in place{};
   place.sin_family = AF_INET;

@@ -17,8 +17,8 @@ struct _lcm_t;
 
 namespace gecos::media {
 
-/// One UDP port of a multicast group: sends through LCM, and receives what LCM sends. Only port.cpp
-/// may use the LCM library.
+/// One UDP port of a multicast group: sends through LCM, and receives the datagrams that LCM sends.
+/// Only port.cpp may use the LCM library.
 class LcmPort final : public DatagramPort {
  public:
   static tl::expected<std::unique_ptr<LcmPort>, MediumError> open(const LcmOptions& options,

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t largest_datagram = 64 * 1024;
 constexpr std::uint64_t magic_of_small = 0x4c433032;  // "LC02"; fragments begin with "LC03"
-constexpr std::size_t numbers_size = 8;               // magic and LCM's own sequence number
+constexpr std::size_t numbers_size = 8;               // bytes of magic and sequence number
 
 template <class T>
 bool set(int socket, int level, int option, const T& value) {
@@ -35,7 +35,7 @@ void warn_of_small_buffer(int socket, int wanted) {
   static std::atomic<bool> said{false};  // orders no other memory
   if (said.exchange(true)) return;
   log_warning("lcm", "the receive buffer holds only " + std::to_string(doubled / 2) +
-                         " bytes, and packets beyond are lost; run as root:  "
+                         " bytes, and packets that do not fit are lost; run as root:  "
                          "sysctl -w net.core.rmem_max=" +
                          std::to_string(wanted));
 }
@@ -79,7 +79,7 @@ tl::expected<LcmReceiver, MediumError> LcmReceiver::open(const LcmOptions& optio
   if (::inet_pton(AF_INET, options.group.c_str(), &place.sin_addr) != 1) errno = EINVAL;
   const ip_mreq membership{place.sin_addr, {htonl(INADDR_ANY)}};
   Descriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  // Bound to the group's address, the socket receives no unicast packets.
+  // A socket that is bound to the group's address receives no unicast packets.
   if (!socket || !set(socket.get(), SOL_SOCKET, SO_REUSEADDR, 1) ||
       ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place) != 0 ||
       !set(socket.get(), IPPROTO_IP, IP_ADD_MEMBERSHIP, membership)) {

@@ -16,19 +16,19 @@ struct LcmMessage {
   std::string_view channel;
   ByteView content;
 
-  /// Returns nullopt for a piece of a larger message, and for a datagram that is not LCM's.
+  /// Returns nullopt for a piece of a larger message, and for a datagram that is not from LCM.
   static std::optional<LcmMessage> read(ByteView datagram);
 };
 
 /// Receives on a UDP port of a multicast group. LCM's own receiver runs a thread for each port,
-/// which passes every message on through a pipe: two wake-ups instead of one. This class is a
-/// socket that the waiting thread reads. One thread at a time.
+/// which passes every message on through a pipe: two wake-ups for each message. This class is a
+/// socket that the waiting thread reads itself: one wake-up. One thread at a time.
 class LcmReceiver {
  public:
   /// Fails with a text that tells the user what to do.
   static tl::expected<LcmReceiver, MediumError> open(const LcmOptions& options, std::uint16_t port);
 
-  /// The next message, or nullopt when none has arrived. Its memory is valid until the next call.
+  /// The next message, or nullopt when none has arrived. The message is valid until the next call.
   std::optional<LcmMessage> next();
   /// Readable when next() may return a message.
   int descriptor() const { return socket_.get(); }

@@ -11,13 +11,13 @@ namespace gecos::media {
 namespace {
 
 constexpr std::size_t page = 4096;
-constexpr int most_looks = 16;  // enough to read a socket that is full of other messages
+constexpr int most_looks = 16;  // calls of look_(): enough to empty a full socket
 
 std::size_t whole_pages(std::size_t bytes) { return (bytes + page - 1) / page * page; }
 
-/// Makes the kernel back the pages with memory now, so that a lack of memory is reported; at the
-/// first access it would kill this process. This is also faster than one fault per page. Linux
-/// before 5.14 still faults in each page.
+/// Makes the kernel back the pages with memory now. So a lack of memory is reported here; at the
+/// first access to a page, it would kill this process. This is also faster than one page fault for
+/// each page. Linux before 5.14 does not support this and still faults in each page.
 bool bring(const std::byte* at, std::size_t bytes, int how) {
   int done = 0;
   do {
@@ -126,7 +126,7 @@ std::optional<ByteView> BulkReader::copy(const BulkPlace& place) {
   if (!area) return std::nullopt;
   if (backed_area_ != place.area) backed_area_ = place.area, backed_ = 0;
   // A packet begins at the start of the area or directly after an earlier packet, so its offset is
-  // at most the end of what was read before.
+  // at most backed_, the end of the packets that were read before.
   if (place.size == 0 || place.size > largest_bulk_packet || place.offset > backed_ ||
       place.size > area_bytes - place.offset) {
     return std::nullopt;

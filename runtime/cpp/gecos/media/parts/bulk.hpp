@@ -15,11 +15,11 @@
 
 /// Packets that are too large for a ring.
 ///
-/// From its first large packet on, a side has an *area* outside its ring: memory that only this
-/// side may write. A large packet is written into the area, and a slot of the ring says where. So
-/// large and small packets keep one order and are counted together. When the reader has taken the
-/// slot, the memory in the area is free too: the reader sends nothing back, and a dead reader holds
-/// no memory.
+/// When an end of a link sends its first large packet, it makes an *area* outside its ring: memory
+/// that only this end may write. A large packet is written into the area, and a slot of the ring
+/// says where. So large and small packets stay in order and are counted together. When the reader
+/// has taken the slot, the memory in the area is free too: the reader sends nothing back, and a
+/// dead reader holds no memory.
 ///
 /// Each packet is placed at the lowest free offset. If packets come one at a time, they all use the
 /// same memory, which stays in the caches; pages above the highest use so far are never touched and
@@ -30,7 +30,7 @@ inline constexpr std::size_t largest_bulk_packet = std::size_t{32} << 20;
 /// As much as memory bandwidth moves in one maintenance tick (10 ms): a sender that found no room
 /// and retries at the next tick does not limit the throughput.
 inline constexpr std::size_t area_bytes = std::size_t{64} << 20;
-inline constexpr unsigned area_kept = 100;  ///< heartbeats: 10 s
+inline constexpr unsigned area_kept = 100;  ///< number of heartbeats: 10 s
 
 /// Makes areas and shows them to the reader; each medium implements it.
 class AreaMaker {
@@ -39,8 +39,8 @@ class AreaMaker {
   /// Makes area_bytes of zeroed memory, which the reader knows as area `number`. Null when that is
   /// not possible now.
   virtual std::shared_ptr<Mapping> make_area(std::uint64_t number) = 0;
-  /// Notifies the reader that the area is not used any more. Returns false when that is not
-  /// possible now.
+  /// Notifies the reader that the area is not used any more. Returns false when the reader cannot
+  /// be notified now.
   virtual bool release(std::uint64_t number) = 0;
 };
 
@@ -61,14 +61,14 @@ class BulkWriter {
 
   /// Releases an unused area. Must be called every 100 ms; any thread.
   void beat();
-  /// Must be called in a forked child: detaches it from the memory of its parent.
+  /// Must be called in a forked child: detaches the child from the memory of its parent.
   void forget() noexcept;
 
  private:
   struct Held {
     std::size_t offset = 0;
     std::size_t bytes = 0;
-    std::uint64_t until = 0;  // free once the reader has taken so many slots
+    std::uint64_t until = 0;  // the memory is free once the reader has taken this many slots
   };
   bool find_room(std::size_t bytes);
   bool back(std::size_t end);
@@ -90,7 +90,7 @@ class BulkWriter {
 /// thread may call the other functions.
 class BulkReader final : public BulkSource {
  public:
-  /// `look` processes the writer's announcements of areas that have arrived.
+  /// `look` processes the announcements of areas that have arrived from the writer.
   explicit BulkReader(std::function<void()> look) : look_(std::move(look)) {}
 
   /// Sets `area`, with the number `number`, as the current area in place of the previous one. @pre
@@ -105,7 +105,7 @@ class BulkReader final : public BulkSource {
   void rest() {
     if (ended_.load(std::memory_order_relaxed)) free_copy();
   }
-  /// Must be called in a forked child: detaches it from the memory of its parent.
+  /// Must be called in a forked child: detaches the child from the memory of its parent.
   void forget() noexcept;
 
  private:
@@ -116,7 +116,7 @@ class BulkReader final : public BulkSource {
   std::unique_ptr<std::byte[]> copy_;
   std::size_t copy_bytes_ = 0;
   std::uint64_t backed_area_ = 0;
-  std::size_t backed_ = 0;  // bytes of that area that are mapped in: reading them cannot fail
+  std::size_t backed_ = 0;  // bytes of backed_area_ that are mapped in: reading them cannot fail
   std::atomic<bool> ended_{false};  // tells the reader to free its copy; orders no other memory
 
   std::mutex mutex_;  // guards the members below

@@ -6,8 +6,8 @@ namespace gecos::media {
 /// parent.
 ///
 /// A child shares the parent's sockets and rings: using them would corrupt the parent's packets,
-/// and merely holding them hides the parent's death from its peers. A ForkWatch must be its owner's
-/// last member.
+/// and merely holding them hides the parent's death from the parent's peers. A ForkWatch must be
+/// its owner's last member.
 class ForkWatch {
  public:
   using Abandon = void (*)(void* owner) noexcept;

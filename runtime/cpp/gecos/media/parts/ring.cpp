@@ -39,9 +39,9 @@ class SlotFiller {
   std::size_t filled_ = 0;
 };
 
-/// Approximates CLOCK_BOOTTIME at a cost of a few nanoseconds. The value is the same in all
-/// processes that have noted the last suspension of the host; a packet written before that looks
-/// older than it is.
+/// Approximates CLOCK_BOOTTIME at a cost of a few nanoseconds. All processes that have noted the
+/// last suspension of the host get the same value. A packet from a process that has not noted it
+/// yet looks older than it is.
 std::uint32_t coarse_milliseconds() {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC_COARSE, &now);
@@ -104,7 +104,8 @@ std::uint64_t RingWriter::slots_taken() {
   const RingControl* reader = reader_.load(std::memory_order_acquire);
   if (reader == nullptr) return taken_seen_;
   const std::uint64_t taken = reader->slots_taken.load(std::memory_order_acquire);
-  // A count that decreases or exceeds what was written is ignored: the ring stays full.
+  // A count that decreases, or that exceeds the number of slots written, is ignored: the ring stays
+  // full.
   if (taken <= position_ && taken > taken_seen_) taken_seen_ = taken;
   return taken_seen_;
 }

@@ -13,9 +13,10 @@
 /// The single-producer single-consumer ring between two sides that do not trust each other.
 ///
 /// Each side has one block of memory that only it may write: its control block, and the slots for
-/// the packets that it sends. The algorithm takes addresses, so that it works between threads in
-/// one mapping and between processes in two. Data written by the other side is copied before use
-/// and never trusted: a wrong value yields a wrong packet or a broken ring, never a wrong address.
+/// the packets that it sends. The classes take addresses, so that they work between threads with
+/// one mapping and between processes with two mappings. Data written by the other side is copied
+/// before use and never trusted: a wrong value yields a wrong packet or a broken ring, never a
+/// wrong address.
 namespace gecos::media {
 
 /// What one side publishes for the other: its progress in reading, its state, its heartbeats.
@@ -82,8 +83,8 @@ struct RingMemory {
   }
 };
 
-/// Bytes of the largest packet that is stored in a ring itself, so that many fit. Larger packets
-/// are stored outside the ring (bulk.hpp).
+/// Bytes of the largest packet that is stored in a ring itself; the limit leaves room for many
+/// packets. Larger packets are stored outside the ring (bulk.hpp).
 inline constexpr std::size_t largest_ring_packet = 8 * 1024;
 /// 256 KiB per direction: the ring stays in the level-2 cache of a core.
 inline constexpr std::size_t usual_slot_count = 1024;
@@ -111,8 +112,8 @@ class RingWriter {
  public:
   explicit RingWriter(RingMemory own) : own_(own), mask_(own.slot_count - 1) {}
 
-  /// Sets where the reader publishes its progress. Before that the writer reuses no slot: it can
-  /// fill the ring once. Any thread.
+  /// Sets where the reader publishes its progress. Before this call the writer reuses no slot: it
+  /// can fill the ring only once. Any thread.
   void set_reader(const RingControl* reader) {
     reader_.store(reader, std::memory_order_release);  // publishes the mapping of the peer's memory
   }
@@ -125,7 +126,7 @@ class RingWriter {
   std::uint64_t slots_written() const { return position_; }
   /// Number of slots that the reader has taken and will not read again.
   std::uint64_t slots_taken();
-  /// Whether the reader sleeps and must be woken; to be asked after write().
+  /// Whether the reader sleeps and must be woken. Call this after write().
   bool reader_sleeps() const {
     const RingControl* reader = reader_.load(std::memory_order_acquire);
     return reader != nullptr && reader->asleep.load(std::memory_order_seq_cst) != 0;

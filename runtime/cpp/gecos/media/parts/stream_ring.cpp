@@ -152,7 +152,7 @@ bool StreamRingReader::next(std::uint64_t after, StreamSample& into) {
     if (read_sample(watch_->memory, std::max(after + 1, oldest), into)) return true;
   }
   return latest(after,
-                into);  // the writer is faster than this reader: its newest sample lives longest
+                into);  // the writer is too fast: it overwrites the newest sample last
 }
 
 std::optional<LentSample> StreamRingReader::lend_latest(std::uint64_t after) {
@@ -173,7 +173,7 @@ std::optional<LentSample> StreamRingReader::lend_latest(std::uint64_t after) {
 }
 
 bool StreamRingReader::intact(const LentSample& sample) const {
-  std::atomic_thread_fence(std::memory_order_acquire);  // after the caller's reads of the bytes
+  std::atomic_thread_fence(std::memory_order_acquire);  // orders the check after the caller's reads
   return watch_->memory.slot(sample.sequence)[0].load(std::memory_order_relaxed) ==
          2 * sample.sequence;
 }

@@ -11,10 +11,10 @@
 
 /// A stream in memory: one writer, any number of readers that never write.
 ///
-/// Each sample has a slot with a version, odd while it is written. A reader copies the sample and
-/// checks the version again. The number of tries is bounded, so a writer that died while writing
-/// cannot block a reader. Readers write nothing, so they can neither slow the writer nor disturb
-/// each other.
+/// Each sample has a slot with a version, which is odd while the sample is written. A reader copies
+/// the sample and checks the version again. The number of tries is bounded, so a writer that died
+/// while writing cannot block a reader. Readers write nothing, so they can neither slow the writer
+/// nor disturb each other.
 namespace gecos::media {
 
 /// The memory of a stream.
@@ -76,15 +76,16 @@ class StreamRingWriter : public StreamWriter {
   std::size_t lent_ = 0;  ///< bytes
 };
 
-/// What a link knows about a stream that is read through it.
+/// The state of a stream that is read through a link.
 struct StreamWatch {
   StreamMemory memory;
   std::shared_ptr<void> owner;
-  /// Sequence number up to which next() returns no sample: those were older than the newest one
-  /// when this reader subscribed. The shared memory holds them for earlier subscribers.
+  /// next() returns only samples with a larger sequence number. Other samples were older than the
+  /// newest sample when this reader subscribed; the shared memory holds them for earlier
+  /// subscribers.
   std::uint64_t past = 0;
-  /// The newest sample that the reader or prepare_to_sleep() has seen; tells prepare_to_sleep()
-  /// whether a newer one has arrived.
+  /// Sequence number of the newest sample that the reader or prepare_to_sleep() has seen; tells
+  /// prepare_to_sleep() whether a newer sample has arrived.
   std::atomic<std::uint64_t> seen{0};
 };
 

@@ -47,7 +47,7 @@ bool SpinPolicy::crowded() const {
          clock_.now() < crowded_until_;
 }
 
-/// Allows some polls before it reads the clock, so that a quick answer costs no reading.
+/// Allows some polls before it reads the clock, so that a quick answer costs no clock reading.
 bool SpinPolicy::look(State as) {
   if (std::exchange(state_, as) == as) {
     const TimePoint now = clock_.now();
@@ -90,8 +90,8 @@ bool SpinPolicy::yield() {
   return true;
 }
 
-/// Waits that poll for longer than `shortest` may never sleep, and then a lower cost of a wake-up
-/// would not be noticed: so one of `waits_between_probes` of them sleeps early.
+/// A wait that polls for longer than `shortest` may never sleep. So one of `waits_between_probes`
+/// such waits sleeps early, to notice when wake-ups have become cheaper.
 bool SpinPolicy::spent() {
   if (looked_ >= options_.shortest && !std::exchange(late_, true) &&
       ++late_waits_ % options_.waits_between_probes == 0) {

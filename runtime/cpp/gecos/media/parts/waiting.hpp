@@ -10,11 +10,11 @@
 /// descriptors.
 namespace gecos::media {
 
-/// On which cores the peers run for whose packets a thread waits.
+/// Whether the peers that a thread waits for run on the thread's core or on other cores.
 enum class Peers : std::uint8_t {
   Unknown,    ///< the medium cannot tell
-  Here,       ///< on this core: they need it to send a packet
-  Elsewhere,  ///< on other cores: a yield of this core helps none of them
+  Here,       ///< on this core: the peers need it to send a packet
+  Elsewhere,  ///< on other cores: a yield of this core helps no peer
   Both,
 };
 
@@ -24,7 +24,7 @@ Peers place_of(const Whereabouts& peer);
 /// What ended a sleep.
 enum class Woken : std::uint8_t {
   ByAnswer,  ///< the event that the thread awaits
-  Early,     ///< another event; the awaited one may come late
+  Early,     ///< another event, before the awaited event
 };
 
 struct SpinOptions {
@@ -33,13 +33,13 @@ struct SpinOptions {
   Duration least = std::chrono::microseconds(2);        ///< minimum of the polling budget
   Duration long_wait = std::chrono::milliseconds(8);    ///< longer waits are not worth polling
   Duration lost_core = std::chrono::microseconds(200);  ///< a yield this long has lost a time slice
-  Duration crowded_first = std::chrono::milliseconds(20);  ///< no yields so long after a lost slice
-  Duration crowded_longest = std::chrono::seconds(1);      ///< bound of its doubling at each loss
-  Duration between_yields = std::chrono::microseconds(400);  ///< between yields, if Peers::Both
+  Duration crowded_first = std::chrono::milliseconds(20);    ///< no yields after a lost time slice
+  Duration crowded_longest = std::chrono::seconds(1);        ///< crowded_first doubles up to this
+  Duration between_yields = std::chrono::microseconds(400);  ///< interval of yields if Peers::Both
   int wake_ups_averaged = 8;   ///< length of the moving average of wake-up costs
   unsigned exact_yields = 64;  ///< yields timed one by one after a suspiciously long one
   unsigned vain_in_row = 8;    ///< fruitless spins on a crowded core before waits sleep at once
-  unsigned waits_between_probes = 16;  ///< one of so many long spins sleeps, to measure a wake-up
+  unsigned waits_between_probes = 16;  ///< one of this many long spins sleeps, to measure a wake-up
   std::uint32_t looks_alone = 256;     ///< polls between two readings of the clock
 };
 
@@ -53,7 +53,7 @@ struct SpinOptions {
 ///       spin.begin();
 ///     }
 ///
-/// Two facts decide, and neither is guessed from the time that a yield takes.
+/// Two facts decide whether to poll again. Neither is derived from the duration of a yield.
 ///
 /// *Where the peers run.* A peer on this core needs the core to answer: every poll is followed by a
 /// yield. Peers on other cores gain nothing from a yield; a yield could only give the core to an
@@ -62,7 +62,7 @@ struct SpinOptions {
 /// *What a wake-up costs here and now*: the mean time from the peer's notification to the end of
 /// the sleep. A wait polls for as long as a wake-up costs and then sleeps, so it never costs more
 /// than twice the cheaper of polling and sleeping. Time in which another program had the core does
-/// not count. A wait that lasts long halves the time of polling, so that long waits cost next to
+/// not count. A long wait halves the polling time of later waits, so that long waits cost next to
 /// nothing.
 ///
 /// A yield that takes at least `lost_core` gave the core to an unrelated program. For a while
@@ -100,8 +100,8 @@ class SpinPolicy {
   Duration budget() const { return budget_; }
   /// Whether the wait sleeps at once because its peer and an unrelated program need this core.
   bool gave_way() const { return gave_way_; }
-  /// Time until which waits do not yield the core that lost a time slice; a past time when yields
-  /// are allowed.
+  /// The moment until which waits do not yield the core that lost a time slice. It is in the past
+  /// when yields are allowed.
   TimePoint crowded_until() const { return crowded_until_; }
 
  private:
@@ -143,7 +143,7 @@ class SpinPolicy {
 enum class Wake : std::uint8_t {
   Ready,        ///< a descriptor is readable
   TimedOut,     ///< the deadline has passed
-  Interrupted,  ///< a signal was handled: check what it asked for, then sleep again
+  Interrupted,  ///< a signal handler ran: check what it requested, then sleep again
 };
 
 /// Sleeps until one of `descriptors` is readable or `deadline` has passed (steady clock;

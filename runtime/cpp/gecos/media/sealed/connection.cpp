@@ -11,7 +11,7 @@
 namespace gecos::media {
 namespace {
 
-constexpr std::size_t most_streams = 1024;  // per link; a peer that shares more is hostile
+constexpr std::size_t most_streams = 1024;  // streams per link; a peer that shares more is hostile
 
 /// Describes a peer: "key 3fa9c1d2, 239.255.76.67:20017".
 std::string peer_text(const std::optional<crypto::PublicKey>& key, const DatagramNetwork& network,
@@ -82,7 +82,7 @@ std::string SealedConnection::loss_text() const {
   if (inherited()) {
     return "this connection belongs to the process that forked this one: make a new connection";
   }
-  return queue_->closed() ? "the other end closed" : "";
+  return queue_->closed() ? "the other end closed the connection" : "";
 }
 
 tl::expected<std::unique_ptr<Link>, MediumError> SealedClient::connect(

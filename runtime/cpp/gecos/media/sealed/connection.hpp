@@ -20,8 +20,8 @@
 
 namespace gecos::media {
 
-/// The common part of a client's and a server's link: sends packets, and receives them from the
-/// queue.
+/// The common part of a client's and a server's link: sends packets, and takes received packets
+/// from the queue.
 class SealedConnection : public Link {
  public:
   const Offer& offer() const override { return options_.network->offer(); }
@@ -100,15 +100,16 @@ class SealedClient final : public SealedConnection {
 
   const std::unique_ptr<DatagramPort> in_;
   const std::shared_ptr<HandshakeInitiator> initiator_;
-  const Descriptor streams_;  // an epoll of the ports of streams, which are opened later
+  const Descriptor streams_;  // an epoll of the ports of streams; these ports open later
   const std::array<int, 3> descriptors_;
   /// Whether a stream was announced since the last open_stream(). Another thread may have read the
-  /// announcement, so a thread that is about to sleep must look again. Orders no other memory.
+  /// announcement, so a thread that is about to sleep must check this flag. Orders no other memory.
   std::atomic<bool> heard_of_streams_{false};
   std::mutex mutex_;  // guards the members below
   std::map<std::uint32_t, Arrived> arrived_;
   std::vector<std::weak_ptr<SampleQueue>> reading_;
-  std::vector<std::weak_ptr<InwardStream>> made_;  ///< streams made by this link, which end with it
+  /// Streams made by this link; they end with the link.
+  std::vector<std::weak_ptr<InwardStream>> made_;
   std::map<std::uint32_t, Inward> inward_;
 };
 

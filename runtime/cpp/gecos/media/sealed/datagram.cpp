@@ -10,7 +10,7 @@ constexpr std::uint16_t magic = 0x6763;
 constexpr std::uint8_t version = 2;
 constexpr std::size_t longest_medium = 16;
 constexpr std::size_t longest_channel = 63;
-constexpr std::size_t longest_network = 45;  // of the text of an IPv6 address
+constexpr std::size_t longest_network = 45;  // maximum length of an IPv6 address as text
 
 template <class T>
 void put(std::byte* to, T value) {

@@ -14,7 +14,7 @@
 
 /// Encodes and decodes the datagrams of a sealed medium: a plaintext header of 16 bytes, then one
 /// frame, which authenticates the header. docs/protocol.md, sections "Datagrams" to "Streams", is
-/// normative; integers are big-endian. Only conversions of bytes: no input or output.
+/// normative; integers are big-endian. The functions only convert bytes: no input or output.
 namespace gecos::media {
 
 enum class DatagramKind : std::uint8_t {
@@ -22,7 +22,7 @@ enum class DatagramKind : std::uint8_t {
   Key,      ///< server: its public key, which is not proved yet
   First,    ///< client: the first message of the handshake
   Second,   ///< server: the second message of the handshake
-  Sealed,   ///< both: a sealed message, see InnerKind
+  Sealed,   ///< client or server: a sealed message, see InnerKind
   Sample,   ///< on a stream's own channel: a sealed sample
 };
 
@@ -43,8 +43,8 @@ enum class InnerKind : std::uint8_t {
   Beat,
   Bye,
   Share,         ///< server: announces a SharedStream; repeated until it is opened
-  Opened,        ///< both: the sender reads the peer's stream `number`
-  Unshare,       ///< both: the sender stops sharing its stream `number`
+  Opened,        ///< client or server: the sender reads the receiver's stream `number`
+  Unshare,       ///< client or server: the sender stops sharing its own stream `number`
   InwardShare,   ///< client: announces an InwardShare; repeated until it is opened
   InwardSample,  ///< client: sample `number` of a stream, with an InwardSampleHead
 };
@@ -54,7 +54,7 @@ struct InnerHeader {
   static constexpr std::size_t bytes = 17;
   InnerKind kind = InnerKind::Beat;
   std::uint64_t number = 0;
-  std::int64_t sent_ns = 0;  ///< send time by the sender's clock, with any origin
+  std::int64_t sent_ns = 0;  ///< send time by the sender's clock, whose origin is arbitrary
 
   void write(std::span<std::byte, bytes> to) const;
   static std::optional<InnerHeader> read(ByteView from);
@@ -76,11 +76,11 @@ struct SharedStream {
   static std::optional<SharedStream> read(ByteView from);
 };
 
-inline constexpr std::size_t stamp_bytes = 8;  ///< of the time stamp in front of a sample
-/// Bytes of a datagram in addition to the packet in it.
+inline constexpr std::size_t stamp_bytes = 8;  ///< size of the time stamp in front of a sample
+/// Bytes that a datagram has in addition to its packet.
 inline constexpr std::size_t packet_overhead =
     DatagramHeader::bytes + crypto::Sealer::overhead + InnerHeader::bytes;
-/// Bytes of a datagram in addition to the sample in it.
+/// Bytes that a datagram has in addition to its sample.
 inline constexpr std::size_t sample_overhead =
     DatagramHeader::bytes + crypto::StreamSealer::overhead + stamp_bytes;
 
@@ -115,7 +115,7 @@ std::int64_t read_stamp(ByteView from);
 /// 64 hex digits. A well-known address has no key.
 struct SealedAddress {
   std::string medium;
-  std::string network;  ///< of letters, digits, '.' and '-', at most 45 characters
+  std::string network;  ///< letters, digits, '.' and '-'; at most 45 characters
   std::uint16_t port = 0;
   std::string channel;  ///< at most 63 characters
   std::optional<crypto::PublicKey> key;
@@ -126,8 +126,8 @@ struct SealedAddress {
   static std::optional<SealedAddress> parse(std::string_view text);
 };
 
-/// The context of a handshake, which both sides know without sending it: medium and version, place,
-/// and the plaintext header of the first message.
+/// The context of a handshake, which both sides know without sending it: the name and version of
+/// the medium, the address without its key, and the plaintext header of the first message.
 Bytes handshake_context(const SealedAddress& address, ByteView first_header);
 
 }  // namespace gecos::media

@@ -100,9 +100,11 @@ void HandshakeInitiator::take_second(ByteView frame, TimePoint now) {
 std::string HandshakeInitiator::trouble() const {
   const std::lock_guard lock(mutex_);
   if (open_) return queue_->heard() ? "" : "the server accepted us, but has sent no packet since";
-  if (!handshake_ && not_admitted_) return "the answering server is refused: " + not_admitted_->why;
-  return "no server answers, or it does not admit our key " + keys_->own.public_key().short_name() +
-         ": then the user of the server needs a copy of " + keys_->directory.path() + "/" +
+  if (!handshake_ && not_admitted_)
+    return "we refused the server that answered: " + not_admitted_->why;
+  return "no server answers, or the server does not admit our key " +
+         keys_->own.public_key().short_name() +
+         "; in that case the user of the server needs a copy of " + keys_->directory.path() + "/" +
          keys_->own.public_key().to_string() + ".public" + options_.network->advice();
 }
 

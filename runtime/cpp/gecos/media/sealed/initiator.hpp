@@ -19,8 +19,8 @@ namespace gecos::media {
 /// the server arrives. Never waits: the owner of the link must call advance() often. Any thread.
 class HandshakeInitiator {
  public:
-  /// Time without an answer after which the handshake starts again, because the server has
-  /// forgotten it by then.
+  /// Time without an answer after which the handshake starts again, because by then the server has
+  /// forgotten the handshake.
   static constexpr Duration begins_anew_after = std::chrono::seconds{5};
 
   HandshakeInitiator(std::shared_ptr<const SealedKeys> keys, const SealedOptions& options,

@@ -19,7 +19,8 @@ class InwardStream {
   InwardStream(std::shared_ptr<SealedSender> sender, const SealedOptions& options,
                std::size_t largest, std::size_t depth);
 
-  /// Shares this stream under `id` from now on. Returns its announcement to the server.
+  /// Shares this stream under `id` from now on. Returns the announcement that the server must
+  /// receive.
   InwardShare shared_as(std::uint32_t id);
   std::size_t largest() const { return where_.largest; }
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns);

@@ -46,7 +46,7 @@ class Claim {
                           ? place.place() +
                                 " is served already by another program of this host; `ss -xap | "
                                 "grep gecos/" +
-                                place.medium + "` tells by which"
+                                place.medium + "` shows which program"
                           : place.place() + " cannot be reserved: " + system_text(errno)});
     }
     return std::make_unique<Claim>(std::move(held));
@@ -74,7 +74,7 @@ class SealedAcceptor final : public Acceptor {
 
   std::unique_ptr<Link> accept() override {
     responder_->event().drain();
-    if (responder_->pump()) responder_->event().notify();  // announces what is left to read
+    if (responder_->pump()) responder_->event().notify();  // announces the unread datagrams
     while (auto pending = responder_->next_pending()) {
       const std::uint64_t client = pending->client;
       auto link = SealedServer::welcome(responder_, std::move(*pending));

@@ -41,15 +41,16 @@ class DatagramPort {
 class DatagramNetwork {
  public:
   virtual ~DatagramNetwork() = default;
-  /// What a sealed connection over this network promises.
+  /// The guarantees of a sealed connection over this network.
   virtual const Offer& offer() const = 0;
-  /// A part of every address, of letters, digits, '.' and '-': "239.255.76.67".
+  /// The name of this network in addresses, such as "239.255.76.67": letters, digits, '.' and '-'.
   virtual const std::string& name() const = 0;
-  /// In bytes; must be at least offer().largest_packet + packet_overhead (datagram.hpp).
+  /// Bytes of the largest datagram; must be at least offer().largest_packet + packet_overhead
+  /// (datagram.hpp).
   virtual std::size_t largest_datagram() const = 0;
   virtual tl::expected<std::unique_ptr<DatagramPort>, MediumError> open(
       std::uint16_t port) const = 0;
-  /// The network named `name`, as in an address; usually this one.
+  /// The network that an address calls `name`; usually this network.
   virtual std::shared_ptr<const DatagramNetwork> named(const std::string& name) const = 0;
   /// Text for the user when no server answers: what may keep packets from arriving. May be empty.
   virtual std::string advice() const { return {}; }

@@ -32,8 +32,8 @@ class ReceiveQueue final : public Sleeper {
   ReceiveQueue() = default;
   explicit ReceiveQueue(const crypto::Opener& opener) : opener_(opener) {}
 
-  /// Sets what decrypts arriving packets; packets that arrive earlier are dropped. Must be called
-  /// at most once.
+  /// Sets the opener, which decrypts arriving packets; packets that arrive earlier are dropped.
+  /// Must be called at most once.
   void open(const crypto::Opener& opener);
   /// Decrypts and stores a sealed datagram of the peer, read at `now`: its header, and the frame
   /// after it.
@@ -42,7 +42,7 @@ class ReceiveQueue final : public Sleeper {
   void put(Bytes frame, TimePoint now);
 
   struct Packet {
-    Bytes frame;       ///< decrypted; packet_in() returns the packet in it
+    Bytes frame;       ///< a decrypted frame; packet_in() returns its packet
     TimePoint sent{};  ///< send time by our clock
   };
   /// Moves the next packet to `packet`, whose memory is reused. Returns false when there is none.
@@ -65,7 +65,7 @@ class ReceiveQueue final : public Sleeper {
   /// Must be called with every beat: deletes keys that were replaced.
   void on_tick(TimePoint now);
 
-  /// Whether a packet was decrypted: then the peer has the keys of the channel.
+  /// Whether a packet was decrypted, which proves that the peer has the keys of the channel.
   bool heard() const { return beats() != 0; }
   std::uint64_t beats() const { return beats_.load(std::memory_order_relaxed); }
   /// As Link::beats_read. The reader has handled a packet when it calls `pop` again.
@@ -86,7 +86,7 @@ class ReceiveQueue final : public Sleeper {
   void note_read();
 
   EventFd event_;
-  std::atomic<bool> asleep_{false};  // tells the pumping thread to notify
+  std::atomic<bool> asleep_{false};  // tells the thread in pump() to notify event_
   std::atomic<bool> closed_{false};  // the peer has sent Bye
   std::atomic<std::uint64_t> beats_{0};
   std::atomic<std::uint64_t> beats_read_{0};

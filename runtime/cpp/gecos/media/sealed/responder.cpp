@@ -68,7 +68,8 @@ void HandshakeResponder::take_first(const DatagramHeader& header, ByteView datag
       const auto admitted = keys_->directory.admission(*refused.who);
       log_warning(address_.medium,
                   address_.place() + " refused a client: " +
-                      (admitted ? "its key was admitted just now" : admitted.error().text));
+                      (admitted ? "its key was not admitted then, but is admitted now"
+                                : admitted.error().text));
     }
     return;
   }

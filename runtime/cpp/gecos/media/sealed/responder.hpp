@@ -19,8 +19,8 @@ namespace gecos::media {
 
 /// What the acceptor of an object and its links share: the port that receives the datagrams of all
 /// clients, and the handshake. A client counts as connected once one of its sealed packets was
-/// decrypted. A replayed handshake never gets that far: it displaces no client and holds no
-/// descriptor.
+/// decrypted. A replayed handshake never leads to a decrypted packet, so it displaces no client and
+/// holds no descriptor.
 class HandshakeResponder {
  public:
   /// A client that has connected and was not yet accepted.
@@ -63,7 +63,7 @@ class HandshakeResponder {
     std::optional<TimePoint> since_;
     unsigned taken_ = 0;
   };
-  /// A handshake that was answered; its initiator has yet to prove that it has the keys.
+  /// A handshake that was answered; the client has not yet proved that it has the keys.
   struct Unconfirmed {
     std::uint64_t client = 0;
     std::uint16_t reply_port = 0;

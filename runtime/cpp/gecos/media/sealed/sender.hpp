@@ -32,7 +32,7 @@ class SealedSender {
   bool send(InnerHeader what, ByteView head, ByteView body, Bytes& memory);
   /// Sends an unsealed datagram of the handshake: header(kind) and `frame`.
   bool send_bare(DatagramKind kind, ByteView frame);
-  /// The header of a datagram of the handshake, which authenticates the header.
+  /// The header of a handshake datagram. The handshake authenticates this header.
   std::array<std::byte, DatagramHeader::bytes> header(DatagramKind kind) const;
   /// Must be called with every beat: changes to the next key when that is due.
   void on_tick(TimePoint now);

@@ -14,7 +14,7 @@ namespace gecos::media {
 /// that time, and never too large. One thread at a time.
 class SendersClock {
  public:
-  /// Assumed maximum drift between two clocks: one part in so many.
+  /// Assumed maximum drift between two clocks: one part in 2000.
   static constexpr std::int64_t drift = 2000;
   /// The assumed maximum difference between two clocks, 73 years. Differences to the times of a
   /// peer are clamped to this range.

@@ -21,8 +21,8 @@ class SealedStream {
 
   const SharedStream& where() const { return where_; }
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns);
-  /// Sends the last sample again for readers that came late. Readers that have it already ignore
-  /// it. Any thread.
+  /// Sends the last sample again for readers that subscribed after it was sent. Readers that have
+  /// the sample already ignore it. Any thread.
   void repeat_last();
 
  private:

@@ -26,7 +26,7 @@
 namespace gecos::media::shm {
 namespace {
 
-constexpr std::size_t most_pending = 64;  // above this, silent clients are dropped
+constexpr std::size_t most_pending = 64;  // above this, the oldest client without Hello is dropped
 constexpr int most_at_once = 64;
 constexpr std::size_t longest_name = 32;
 constexpr std::string_view no_descriptors = "the server has no descriptors left (ulimit -n)";
@@ -67,14 +67,14 @@ bool server_is_dead(const std::string& path) {
   return is_socket(path) && !connect_to(path) && errno == ECONNREFUSED;
 }
 
-/// Why we cannot listen at `path`, which exists, and how to correct that.
+/// Returns why no server can listen at `path`, which exists already, and what the user can do.
 std::string occupied(const std::string& path) {
   const std::string elsewhere = "name a directory of your own in GECOS_RUNTIME_DIR";
   const Descriptor their = connect_to(path);
   if (!their && errno == EACCES) {
     return path + " belongs to another user; " + elsewhere;
   }
-  if (!their && errno != EAGAIN) {  // EAGAIN: a server is there, and its backlog is full
+  if (!their && errno != EAGAIN) {  // EAGAIN: a server listens, and its backlog is full
     const std::string why = system_text(errno);
     if (!is_socket(path)) {
       return path + " exists, but is not the socket of a server; remove it, or " + elsewhere;
@@ -84,7 +84,7 @@ std::string occupied(const std::string& path) {
   const auto server = their ? peer_of(their.get()) : tl::unexpected(std::string());
   if (!server) {
     return path + " is served already by another program (`fuser -v " + path +
-           "` tells by which); use that one, or " + elsewhere;
+           "` shows which one); use that program, or " + elsewhere;
   }
   const std::string taken = path + " is served already by ";
   if (*server->pid == ::getpid()) return taken + "this program";
@@ -223,7 +223,7 @@ ShmAcceptor::ShmAcceptor(std::string path, Descriptor listener, bool other_users
 ShmAcceptor::~ShmAcceptor() {
   if (inherited_) return;
   ::unlink(path_.c_str());
-  while (let_in()) {  // accepts the backlog, so that those clients are notified too
+  while (let_in()) {  // accepts the clients in the backlog, to notify them too
   }
   for (const PendingPeer& pending : pending_)
     say_goodbye(pending.socket.get(), "the server closed");
@@ -272,7 +272,7 @@ bool ShmAcceptor::let_in() {
   if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, pending.socket.get(), &event) != 0) return true;
   pending.peer = std::move(*peer);
   pending.death = std::move(*death);
-  if (pending_.size() == most_pending) drop(0);  // pending clients have sent nothing yet
+  if (pending_.size() == most_pending) drop(0);  // drops the oldest client without Hello
   pending_.push_back(std::move(pending));
   return true;
 }
@@ -300,7 +300,8 @@ std::unique_ptr<Link> ShmAcceptor::hear(std::size_t index) {
   if (read == ControlRead::Nothing) return nullptr;
   if (read != ControlRead::Message || hello.message.type != ControlType::Hello) {
     if (read == ControlRead::Garbage) {
-      say_goodbye(pending.socket.get(), "refused: another version of gecos, or not gecos at all");
+      say_goodbye(pending.socket.get(),
+                  "refused: the client uses another version of gecos, or is no gecos program");
     } else if (read == ControlRead::NoDescriptors) {
       say_goodbye(pending.socket.get(), no_descriptors);
       log_turned_away();

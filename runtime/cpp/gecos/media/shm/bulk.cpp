@@ -24,7 +24,8 @@ std::shared_ptr<Mapping> ShmBulk::make_area(std::uint64_t number) {
   auto sealed = make_sealed("gecos bulk", area_bytes);
   if (!sealed) {
     if (!std::exchange(warned_, true)) {
-      log_warning("shm", "no memory for a large packet, it waits: " + sealed.error().text);
+      log_warning("shm",
+                  "no memory for a large packet, so the packet waits: " + sealed.error().text);
     }
     return nullptr;
   }

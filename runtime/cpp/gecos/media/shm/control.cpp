@@ -24,8 +24,8 @@ union alignas(cmsghdr) DescriptorSpace {
   char bytes[CMSG_SPACE(2 * sizeof(int))];
 };
 
-/// Takes ownership of all received descriptors. Returns false when they are more than a message may
-/// have, or when some were lost.
+/// Takes ownership of all received descriptors. Returns false when the message has more descriptors
+/// than allowed, or when some were lost.
 bool take_descriptors(msghdr& header, std::array<Descriptor, 2>& into) {
   std::size_t taken = 0;
   bool fits = (header.msg_flags & MSG_CTRUNC) == 0;
@@ -116,7 +116,7 @@ tl::expected<Peer, std::string> peer_of(int socket) {
   ucred named{};
   socklen_t size = sizeof named;
   if (::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &named, &size) != 0) {
-    return tl::unexpected("the kernel does not tell the user of the peer: " + system_text(errno));
+    return tl::unexpected("the kernel does not report the user of the peer: " + system_text(errno));
   }
   if (named.pid <= 0 || named.uid == nobody || named.uid == static_cast<uid_t>(-1)) {
     return tl::unexpected<std::string>(
@@ -130,10 +130,10 @@ tl::expected<Descriptor, std::string> death_of_peer(int socket, std::int32_t pid
   int fd = -1;
   socklen_t size = sizeof fd;
   if (::getsockopt(socket, SOL_SOCKET, so_peerpidfd, &fd, &size) == 0) return Descriptor(fd);
-  // On older kernels the pid may belong to another process by now; then only the end of the socket
-  // shows the death.
+  // On older kernels the pid may belong to another process by now. Then only the closed socket
+  // shows that the peer died.
   fd = static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
-  if (fd < 0 && errno == ESRCH) return tl::unexpected<std::string>("its process has ended");
+  if (fd < 0 && errno == ESRCH) return tl::unexpected<std::string>("the peer's process has ended");
   return Descriptor(fd);
 }
 

@@ -21,7 +21,7 @@ constexpr std::size_t most_streams_of(ShmLink::Role sharing) {
   return sharing == ShmLink::Role::Server ? 1024 : 64;
 }
 constexpr std::size_t most_unsent = 256;
-constexpr int most_messages_at_once = 64;  // so that a flood cannot hold the reader
+constexpr int most_messages_at_once = 64;  // so that a flood of messages cannot block the reader
 
 /// Fails with the system's error text when no descriptor is left for the link's eventfd.
 tl::expected<std::unique_ptr<ShmLink>, std::string> make_link(ShmLink::Role role,
@@ -51,7 +51,7 @@ void PeerEnd::wake() {
   if (known() && event_) {
     notify_event_fd(event_.get());
   } else {
-    // This may fail: when the socket is full of messages, they wake the peer.
+    // This may fail when the socket is full: then the messages in the socket wake the peer.
     send_control(socket_.get(), ControlMessage{.type = ControlType::Notify});
   }
 }
@@ -153,7 +153,7 @@ tl::expected<std::uint64_t, SendProblem> ShmLink::send_quietly(ByteView head, By
 }
 
 void ShmLink::wake_reader() {
-  // Before its Welcome, a server may sleep, but cannot publish that: so it is woken in any case.
+  // Before its Welcome, a server may sleep, but cannot publish that it sleeps: so always wake it.
   if (other_->known() && !writer_.reader_sleeps()) return;
   note_ring(*own_.control);
   other_->wake();
@@ -175,7 +175,7 @@ std::optional<ByteView> ShmLink::receive() {
 
 std::optional<std::uint64_t> ShmLink::taken_by_peer() {
   // A server reads no packet before it has answered, so a server that died without an answer has
-  // read none.
+  // read no packet.
   if (!other_->known()) read_control();
   return writer_.taken();
 }
@@ -318,7 +318,8 @@ void ShmLink::read_control() {
       note_loss(Loss::Died, peer_.description + " closed its socket without a message");
     } else if (read == ControlRead::NoDescriptors) {
       const std::string why =
-          "no file descriptor is left for what the peer sent: " + system_text(EMFILE);
+          "no file descriptor is left to receive the descriptors of the peer: " +
+          system_text(EMFILE);
       if (control.message.type == ControlType::Share &&
           not_opened_.size() < most_streams_of(peer_role())) {
         not_opened_[control.message.id] = why;
@@ -330,7 +331,8 @@ void ShmLink::read_control() {
       note_loss(Loss::Broken, "the peer sent a message of another format or version");
     }
   }
-  // Only when nothing is left to read: a peer that sent Bye before it ended has closed, not died.
+  // Check this only when no message is left: a peer that sent Bye before it ended has closed the
+  // link, and has not died.
   if (watched[1].revents != 0 && read == ControlRead::Nothing) {
     note_loss(Loss::Died, peer_.description + " has ended");
   }
@@ -352,7 +354,7 @@ void ShmLink::take_control(ReceivedControl& control) {
       return;
     case ControlType::Bye: {
       const std::string why = message.words();
-      note_loss(Loss::Closed, why.empty() ? "the other end closed" : why);
+      note_loss(Loss::Closed, why.empty() ? "the other end closed the connection" : why);
       return;
     }
     case ControlType::Welcome:
@@ -361,7 +363,7 @@ void ShmLink::take_control(ReceivedControl& control) {
         note_loss(Loss::Broken, std::move(problem));
         return;
       }
-      event_.notify();  // wakes a thread that slept before it could read the ring
+      event_.notify();  // wakes a thread that fell asleep before it could read the ring
       return;
     case ControlType::Share:
       take_stream(control);
@@ -379,7 +381,7 @@ void ShmLink::take_control(ReceivedControl& control) {
     case ControlType::Hello:
       break;
   }
-  note_loss(Loss::Broken, "the peer sent a message that is not allowed here");
+  note_loss(Loss::Broken, "the peer sent a message that is not allowed in this state");
 }
 
 void ShmLink::take_stream(ReceivedControl& control) {
@@ -388,7 +390,7 @@ void ShmLink::take_stream(ReceivedControl& control) {
   if (arrived_.size() >= most_streams_of(peer_role()) || message.depth == 0 ||
       message.depth > most || message.largest > most ||
       message.depth + 1 > most / StreamMemory::slot_bytes(message.largest)) {
-    note_loss(Loss::Broken, "the peer shared too many streams, or one of an invalid size");
+    note_loss(Loss::Broken, "the peer shared too many streams, or a stream of an invalid size");
     return;
   }
   auto mapping = map_received(control.descriptors[0].get(),
@@ -407,7 +409,7 @@ void ShmLink::note_loss(Loss loss, std::string text) {
   if (loss_.load(std::memory_order_relaxed) != Loss::None) return;
   loss_text_ = std::move(text);
   loss_.store(loss, std::memory_order_seq_cst);
-  event_.notify();  // wakes another thread: the message that was read here no longer does
+  event_.notify();  // for another thread: the message that was read here wakes it no longer
 }
 
 bool ShmLink::send_or_keep(Unsent unsent) {

@@ -21,7 +21,8 @@
 
 namespace gecos::media::shm {
 
-/// Wakes the other end of a link. Outlives the link while a stream still wakes its reader.
+/// Wakes the other end of a link. Outlives the link while a stream still uses this object to wake
+/// its reader.
 class PeerEnd final : public Sleeper {
  public:
   explicit PeerEnd(Descriptor socket) : socket_(std::move(socket)) {}
@@ -47,7 +48,7 @@ class PeerEnd final : public Sleeper {
 };
 
 /// One end of a connection; both ends are the same except that the client sends Hello and the
-/// server Welcome.
+/// server sends Welcome.
 class ShmLink final : public Link, public QuietSender {
  public:
   enum class Role : std::uint8_t { Client, Server };
@@ -104,9 +105,9 @@ class ShmLink final : public Link, public QuietSender {
   void read_control_to_the_end();
   void take_control(ReceivedControl& control);
   void take_stream(ReceivedControl& control);
-  void note_loss(Loss loss, std::string text);  // @pre control_mutex_ is held, also below
-  bool send_or_keep(Unsent unsent);
-  void send_unsent();
+  void note_loss(Loss loss, std::string text);  // @pre control_mutex_ is held
+  bool send_or_keep(Unsent unsent);             // @pre control_mutex_ is held
+  void send_unsent();                           // @pre control_mutex_ is held
   void abandon() noexcept;
 
   const Role role_;
@@ -118,7 +119,7 @@ class ShmLink final : public Link, public QuietSender {
   const std::shared_ptr<PeerEnd> other_;
   RingWriter writer_;
   ShmBulk bulk_;
-  std::optional<RingReader> reader_;  // published by PeerEnd::known()
+  std::optional<RingReader> reader_;  // set before PeerEnd::known() returns true
   StreamWatches watches_;
   const std::array<int, 3> descriptors_;
   std::atomic<Loss> loss_{Loss::None};  // read by any thread; loss_text_ needs the mutex

@@ -35,7 +35,8 @@ class Shm final : public Medium {
     if (!socket) {
       if (errno == ENOENT || errno == ECONNREFUSED) return error(no_server(address));
       if (errno == EAGAIN) return error("too many clients wait for this server; try again");
-      if (errno == EACCES) return error("it belongs to another user, who is reached over lcm only");
+      if (errno == EACCES)
+        return error("the socket belongs to another user, who is reached over lcm only");
       return error(system_text(errno));
     }
     auto server = shm::peer_of(socket.get());
@@ -56,9 +57,9 @@ class Shm final : public Medium {
  private:
   std::string no_server(std::string_view address) const {
     const bool ours = address.starts_with(std::string(prefix) + options_.directory + "/");
-    if (!ours || options_.other_users) return "no server is there";
-    return "no server is there (the directory is for uid " + std::to_string(::geteuid()) +
-           " alone; programs of other users are reached over lcm)";
+    if (!ours || options_.other_users) return "no server listens at this address";
+    return "no server listens at this address (the directory is for uid " +
+           std::to_string(::geteuid()) + " alone; programs of other users are reached over lcm)";
   }
 
   const ShmOptions options_;

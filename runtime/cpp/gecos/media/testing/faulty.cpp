@@ -20,7 +20,7 @@ Offer offer_of(const Medium& inner, const Faults& faults) {
   Offer offer = inner.offer();
   const bool whole = faults.loss == 0 && faults.duplication == 0 && faults.corruption == 0;
   offer.reliable = offer.reliable && whole && faults.cut == nullptr;
-  offer.shared_words = offer.shared_words && offer.reliable;  // no words on a link that can be cut
+  offer.shared_words = offer.shared_words && offer.reliable;  // a cut link cannot stop shared words
   offer.ordered = offer.ordered && faults.reordering == 0;
   offer.intact = offer.intact && faults.corruption == 0;
   offer.real_time = offer.real_time && offer.reliable && faults.delay == Duration::zero();

@@ -14,7 +14,7 @@ struct Faults {
   std::uint64_t seed = 1;  ///< the same seed and the same packets give the same faults
   double loss = 0;
   double duplication = 0;
-  double corruption = 0;  ///< of one bit of a packet
+  double corruption = 0;  ///< flips one bit of a packet
   double reordering = 0;  ///< held back by `reordering_delay`, so later packets arrive first
   Duration reordering_delay = std::chrono::milliseconds(2);
   Duration delay{};  ///< added to every packet; a satellite takes 250 ms
@@ -23,7 +23,7 @@ struct Faults {
 };
 
 /// A test double. Wraps a medium so that its links apply `faults` to the packets that they receive;
-/// if both sides are wrapped, to both directions. Streams are not affected.
+/// if both sides are wrapped, packets of both directions have faults. Streams are not affected.
 ///
 /// Delays are measured by `clock`. A thread that sleeps on a link is woken for a delayed packet in
 /// real time; with a fake clock, poll again after every step.

@@ -7,7 +7,7 @@
 namespace gecos::session {
 
 /// Detects a server that sends heartbeats but no longer answers, because its thread hangs or its
-/// memory was damaged. Callers pass the time in.
+/// memory was damaged. Reads no clock: the caller passes the current time.
 class AnswerWatch {
  public:
   AnswerWatch(Duration ask_after, Duration give_up_after, TimePoint now)

@@ -15,7 +15,8 @@ std::string listed(const std::vector<std::string>& names) {
   return text.empty() ? "nothing is registered" : "known are " + text;
 }
 
-/// The time that a broker reported, limited to a minute; a longer time is not plausible.
+/// Converts a duration that a broker sent. Longer durations than a minute are not plausible and
+/// count as a minute.
 Duration longest_provisional(double seconds) {
   return std::chrono::duration_cast<Duration>(
       std::chrono::duration<double>(seconds > 0 ? std::min(seconds, 60.0) : 0.0));
@@ -56,7 +57,7 @@ tl::expected<Duration, NotRegistered> await_registered(CommandCore& asked, TimeP
   if (asked.progress().detail == Detail::Done) {
     const auto reply = wire::decoded<Broker_enlist_result>(asked.result());
     if (!reply || !reply->settles_in)
-      return Duration::zero();  // an older broker has no provisional names
+      return Duration::zero();  // an older broker: every registration is final
     return longest_provisional(*reply->settles_in);
   }
   const Failure& failure = asked.failure();
@@ -69,7 +70,8 @@ tl::expected<Duration, NotRegistered> await_registered(CommandCore& asked, TimeP
   return tl::unexpected(NotRegistered{false,
                                       {},
                                       failure.state() == State::ConnectionFailed ||
-                                          failure.detail == Detail::Stopped,  // the broker ends
+                                          // the broker is shutting down
+                                          failure.detail == Detail::Stopped,
                                       "the broker did not register the object: " + failure.text});
 }
 

@@ -22,14 +22,14 @@ std::shared_ptr<CommandCore> register_object(ClientConnection& broker, const Ent
                                              Duration served_for);
 
 struct NotRegistered {
-  bool taken = false;    ///< another object has the name; retry only after it is gone
+  bool taken = false;    ///< another object has the name; retry only after that object is gone
   std::string by;        ///< describes the object that has the name
-  bool unheard = false;  ///< the broker is gone or ends; retry with the next broker
+  bool unheard = false;  ///< the broker is gone or is shutting down; retry with the next broker
   std::string text;
 };
 /// Waits for the result of `register_object`. Returns how long the registration is provisional: a
-/// broker that has just started may still assign the name to an object that was served for longer.
-/// 0: the name is settled.
+/// broker that has just started may still assign the name to another object, if that object was
+/// served for longer. 0: the registration is final.
 tl::expected<Duration, NotRegistered> await_registered(CommandCore& asked, TimePoint deadline);
 void unregister_object(ClientConnection& broker, const std::string& name);
 

@@ -60,7 +60,7 @@ Lease::~Lease() {
   if (session_ != nullptr && fresh()) {
     log_warning("lease", std::string(to_string(grant_.status)) + " status of " +
                              session_->object_name() +
-                             " was given back at once, before anything was issued under it; keep "
+                             " was released at once, before any command was issued under it; keep "
                              "the lease: `const auto lease = gecos::actor(*robot);`");
   }
   release();

@@ -14,8 +14,9 @@
 namespace gecos::session {
 namespace {
 
-/// A server becomes UNREACHABLE before it would end the client's status for silence, so that
-/// commands have ended `grace` + `lease_ttl` after the server's death, detection included.
+/// A silent server becomes UNREACHABLE a little before it would itself end this client's status for
+/// silence. So commands end at most `grace` + `lease_ttl` after the server died, including the time
+/// until its death is detected.
 PeerLiveness::Bounds bounds_of_server(const LabOptions& options) {
   const Duration suspect =
       std::max(options.lease_ttl - 2 * options.heartbeat, 2 * options.heartbeat);
@@ -34,9 +35,9 @@ ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
       differing_(std::move(differing)),
       repeats_(!link_->offer().reliable),
       spin_(system_clock()),
-      // All packets that have arrived are read before the server is judged. So the verdict is right
-      // even when this thread did not run for `lease_ttl`, and on a busy machine it is not later
-      // than promised.
+      // This clock may advance by `lease_ttl` in one step, because all packets that have arrived
+      // are read before the server is judged. Smaller steps would delay the verdict on a busy
+      // machine.
       liveness_clock_(runtime_->clock().now(), runtime_->options().lease_ttl),
       liveness_(bounds_of_server(runtime_->options())),
       answers_(runtime_->options().lease_ttl,
@@ -55,11 +56,12 @@ ObjectRef ClientConnection::reference() const {
 }
 
 ClientConnection::~ClientConnection() {
-  if (watching_) leader_lock_.drop();  // maintenance sleeps as leader and cannot drop the lead now
+  // the maintenance thread took the lead and cannot drop it any more
+  if (watching_) leader_lock_.drop();
   close(runtime_->maintenance().on_this_thread() ? Duration{} : runtime_->options().heartbeat * 2);
 }
 
-// Calls
+// Sending calls
 
 std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& operation,
                                                     std::size_t size,
@@ -137,15 +139,15 @@ tl::expected<void, media::SendProblem> ClientConnection::send_call(
   return {};
 }
 
-/// Sends no call to an unreachable server over a medium that loses packets: the call would be
-/// unread there until its client has given it up.
+/// Sends a packet with a call. Over a medium that loses packets, sends nothing while the server is
+/// unreachable: the server would read the call only after the client has given it up.
 tl::expected<std::uint64_t, media::SendProblem> ClientConnection::send_first(ByteView packet) {
   if (repeats_ && unreachable()) return tl::unexpected(media::SendProblem::Full);
   return link_->send(packet, {});
 }
 
-/// Returns a failure for an operation that the server defines differently: the server would decode
-/// something else, so nothing is sent.
+/// Returns a failure when client and server define the operation differently. Such a call is not
+/// sent: the server would decode wrong arguments.
 std::optional<Failure> ClientConnection::differs(FunctionCode code, std::string_view name) const {
   if (!std::binary_search(differing_.begin(), differing_.end(), code)) return std::nullopt;
   return Failure{Detail::Refused,
@@ -167,7 +169,7 @@ Failure ClientConnection::not_sent(std::string_view name, std::size_t size,
         return {Detail::QueueFull,
                 what + " was not sent: " + std::string(link_->offer().name) +
                     " is full of packets that the server has not read yet; wait "
-                    "for an earlier call",
+                    "for an earlier call to end",
                 {},
                 {}};
       }
@@ -252,7 +254,7 @@ std::uint64_t ClientConnection::finished_up_to() const {
   return open != 0 ? open - 1 : next_counter_ - 1;
 }
 
-// The end
+// How a session ends
 
 void ClientConnection::lose(Ending how, const std::string& text) {
   std::vector<std::pair<std::uint64_t, std::shared_ptr<PendingCommand>>> open;
@@ -264,8 +266,8 @@ void ClientConnection::lose(Ending how, const std::string& text) {
     loss_text_ = text;
     lost_.store(true, std::memory_order_release);
     // After a goodbye that the server acknowledged, the calls queued at the server still run. They
-    // also still run after a goodbye without a wait: a proxy was dropped, and its commands are
-    // meant to continue.
+    // also still run when this program does not wait for the acknowledgement: then a proxy was
+    // dropped, and its commands are meant to continue.
     const bool drains =
         how == Ending::ByUs && (goodbye_heard_.load(std::memory_order_relaxed) || !awaits_goodbye_);
     goes_on = drains;
@@ -275,14 +277,15 @@ void ClientConnection::lose(Ending how, const std::string& text) {
     } else if (!drains) {
       withdraw_by_packet();
     }
-    // After a reported loss, calls have `grace` for failover; after silence, `grace` is over
-    // already.
+    // When the loss was reported, failover has `grace` to find another server. When the server fell
+    // silent, `grace` has already passed.
     if (how == Ending::Died || how == Ending::Closed) pending = detach(how, text);
     open = calls_.take_all();
   }
   log_info("client", "the session with " + welcome_.object + " ended: " + text);
   for (const auto& [counter, command] : open) {
-    if (goes_on) command->observe();  // the program closed the session on purpose
+    // no failure is logged: the program closed the session on purpose
+    if (goes_on) command->observe();
     Failure failure;
     {
       const MutexLock lock(mutex_);
@@ -296,7 +299,7 @@ void ClientConnection::lose(Ending how, const std::string& text) {
 }
 
 /// Withdraws the calls by a packet. Sends several copies over a medium that loses packets, because
-/// no thread repeats the packet later. A suspended server reads them when it continues.
+/// no thread repeats the packet later. A suspended server reads the packet when it continues.
 void ClientConnection::withdraw_by_packet() {
   constexpr int copies = 3;
   wire::PacketHeader header;
@@ -322,9 +325,9 @@ Failure ClientConnection::failure_of(const PendingCommand& command, Ending how,
 }
 
 /// Returns false only when it is proved that the server has not started the call and never will.
-/// With shared words, must be called after the withdrawal is written.
+/// When the medium has shared words, must be called after the withdrawal is written.
 bool ClientConnection::may_have_started(const PendingCommand& command, Ending how) const {
-  if (how == Ending::Broken) return true;  // the server's shared words prove nothing then
+  if (how == Ending::Broken) return true;  // the shared words of a broken server prove nothing
   if (withdrawn_ && command.marked_words != 0) {
     for (std::size_t word = 0; word < media::shared_word_count; ++word) {
       const bool may_stand_here = (command.marked_words >> word & 1U) != 0;
@@ -332,7 +335,7 @@ bool ClientConnection::may_have_started(const PendingCommand& command, Ending ho
     }
     return false;
   }
-  // A peer that is gone reads no more packets; a peer that is only silent still may.
+  // A server that is gone reads no more packets. A server that is only silent may still read them.
   if (how != Ending::Died && how != Ending::Closed) return true;
   const auto taken = link_->taken_by_peer();
   return !taken || command.sent_as <= *taken;

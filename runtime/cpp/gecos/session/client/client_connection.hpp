@@ -73,7 +73,7 @@ class ClientConnection final : public ClientSession,
   bool closed() const { return closed_.load(std::memory_order_relaxed); }
   bool unreachable() const { return unreachable_.load(std::memory_order_relaxed); }
 
-  // Failover: for calls that may be sent again in another session.
+  // Failover: how calls are sent again in another session.
   /// Sets how another session with the object can be opened. Must be called before this session is
   /// shared.
   void set_failover(std::shared_ptr<Failover> failover, ConnectTarget target);
@@ -140,9 +140,8 @@ class ClientConnection final : public ClientSession,
                                                const CallOptions& options);
   tl::expected<void, media::SendProblem> send_repeatable(
       const std::shared_ptr<PendingCommand>& command);
-  /// The number of open calls from which another call is refused. For an urgent call it is a
-  /// quarter higher, so that a client without credits can still stop what it started and release
-  /// its status.
+  /// Maximum number of open calls. It is a quarter higher for urgent calls, so that a client
+  /// without credits can still stop what it started and release its status.
   std::size_t most_open(bool urgent) const {
     return welcome_.credits + (urgent ? welcome_.credits / 4 : 0);
   }
@@ -194,7 +193,7 @@ class ClientConnection final : public ClientSession,
   media::SpinPolicy spin_;        ///< used by the leader only
   std::vector<int> descriptors_;  ///< used by the leader only, reused
   EventFd leader_event_;
-  std::atomic<bool> leader_called_{false};  // leader_event_ may be set; orders no other memory
+  std::atomic<bool> leader_called_{false};  // leader_event_ may be notified; orders no other memory
   std::atomic<bool> lost_{false};           // publishes loss_text_
   std::atomic<bool> closed_{false};         // orders no other memory
   std::atomic<bool> unreachable_{false};    // orders no other memory
@@ -206,7 +205,8 @@ class ClientConnection final : public ClientSession,
   std::atomic<std::uint64_t> heard_{0};     // packets received; orders no other memory
   std::atomic<std::uint64_t> epoch_{0};     // orders no other memory
 
-  /// Taken before mutex_, so that the end of one subscription does not end another subscription.
+  /// Held while a subscription is requested or ended, so that the end of one subscription does not
+  /// end another one to the same stream. Must be locked before mutex_.
   Mutex subscribing_;
   /// The number of subscriptions of each stream.
   std::map<FunctionCode, std::size_t> subscriptions_ GECOS_GUARDED_BY(subscribing_);
@@ -224,17 +224,18 @@ class ClientConnection final : public ClientSession,
   bool cancels_waiting_ GECOS_GUARDED_BY(mutex_) = false;  ///< a Cancel packet found no room
   /// The shortest time to a reply so far, over a medium that loses packets.
   Duration quickest_answer_ GECOS_GUARDED_BY(mutex_) = std::chrono::seconds(1);
-  /// The number of statuses acquired so far; `leases_` counts the leases of the newest.
+  /// The number of statuses acquired so far; `leases_` counts the leases of the newest status.
   std::uint64_t statuses_ GECOS_GUARDED_BY(mutex_) = 0;
-  std::uint64_t leases_ GECOS_GUARDED_BY(mutex_) = 0;  ///< leases of the newest status, unreleased
+  /// leases of the newest status that are not released
+  std::uint64_t leases_ GECOS_GUARDED_BY(mutex_) = 0;
 
   // Used by the maintenance thread only.
   bool watching_ = false;
-  SuspendAwareClock liveness_clock_;  ///< for the time-outs of the server
+  SuspendAwareClock liveness_clock_;  ///< measures how long the server is silent
   PeerLiveness liveness_;
   TimePoint next_beat_{};
   AnswerWatch answers_;
-  std::uint64_t open_when_asked_ = 0;  ///< highest call counter when the calls were last queried
+  std::uint64_t open_when_asked_ = 0;  ///< the highest call counter when calls were last queried
 };
 
 }  // namespace gecos::session

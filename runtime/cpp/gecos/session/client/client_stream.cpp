@@ -39,7 +39,7 @@ void ClientStream::finish(RawSample& sample) const {
 }
 
 bool ClientStream::latest(RawSample& into) {
-  if (lost()) return false;  // the medium would still return samples
+  if (lost()) return false;  // after a loss the medium would still return old samples
   if (reader_->latest(into.sequence, into)) finish(into);
   return into.sequence != 0;
 }

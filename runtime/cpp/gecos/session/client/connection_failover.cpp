@@ -15,13 +15,13 @@ void ClientConnection::set_failover(std::shared_ptr<Failover> failover, ConnectT
   connect_target_ = std::make_unique<const ConnectTarget>(std::move(target));
 }
 
-/// Returns the last session of the chain of successors and drops the sessions in between.
+/// Returns the last session of the chain of successors. Drops the lost sessions before it.
 std::shared_ptr<ClientConnection> ClientConnection::successor() {
   const auto first = next();
   auto last = first;
   while (last && last->lost()) last = last->next();
   if (last == first) return last;
-  auto between = first;  // destroyed without the mutex held
+  auto between = first;  // destroyed after the mutex is released
   const MutexLock lock(mutex_);
   if (successor_ == first) successor_ = last;
   return last;
@@ -54,7 +54,8 @@ std::shared_ptr<CommandCore> ClientConnection::call_repeatable(
   encode(to);
   const Duration within = options.deadline.value_or(operation.quality.deadline);
   if (within.count() > 0) {
-    const TimePoint now = runtime_->clock().since_boot();  // centuries away: no deadline
+    // a deadline that is centuries away counts as none
+    const TimePoint now = runtime_->clock().since_boot();
     if (within < TimePoint::max() - now) again.deadline = now + within;
   }
 

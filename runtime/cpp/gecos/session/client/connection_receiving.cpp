@@ -12,10 +12,10 @@ namespace gecos::session {
 
 namespace {
 
-/// The number of unanswered calls from which a client rests (ClientConnection::rest).
+/// A client with at least this many open calls may rest (ClientConnection::rest).
 constexpr std::size_t calls_of_a_flood = 32;
-/// Duration of a rest (ClientConnection::rest): about as long as the fruitless polls before it
-/// took.
+/// Duration of a rest (ClientConnection::rest): about as long as the client polled in vain before
+/// the rest.
 constexpr Duration rest_of_a_flood = std::chrono::microseconds(400);
 
 }  // namespace
@@ -30,7 +30,8 @@ void ClientConnection::poll_once() {
     }
     leader_lock_.drop();
   } else if (!repeats_ && leader_lock_.borrow()) {
-    // The sender of a packet that ends the leader's wait wakes the leader itself.
+    // The server wakes the leader for each packet that can end the leader's wait. So this thread
+    // need not wake it.
     taken = read_all();
     leader_lock_.release();
   }
@@ -43,7 +44,8 @@ bool ClientConnection::wait(const void* subject, FunctionRef<bool()> done, TimeP
     if (leader_lock_.try_take()) {
       const bool finished = lead(done, deadline);
       leader_lock_.drop();
-      if (has_watchers()) wake_maintenance();  // the maintenance thread reads on for the watchers
+      // the maintenance thread continues to read packets for the watchers
+      if (has_watchers()) wake_maintenance();
       return finished;
     }
     switch (leader_lock_.follow(subject, done, deadline)) {
@@ -73,7 +75,8 @@ bool ClientConnection::lead(FunctionRef<bool()> done, TimePoint deadline) {
     if (finished) return true;
     if (taken != 0) {
       leader_lock_.notify(nullptr);
-      // Replies to the calls of other threads may keep arriving as long as those threads call.
+      // The deadline is checked here too: replies to the calls of other threads may arrive without
+      // end.
       if (deadline != TimePoint::max() && std::chrono::steady_clock::now() >= deadline)
         return false;
       rested = false;
@@ -93,8 +96,8 @@ bool ClientConnection::lead(FunctionRef<bool()> done, TimePoint deadline) {
 }
 
 /// A client with many open calls that shares a core with its server leaves the core to the server
-/// for a while. If each reply woke this client, it would take the core from the server, and so from
-/// all other clients, for one call.
+/// for a while. If each single reply woke this client, it would take the core from the server every
+/// time, and all other clients would wait.
 bool ClientConnection::rest(FunctionRef<bool()> done, TimePoint deadline) {
   if (!spin_.gave_way()) return false;
   {
@@ -180,11 +183,12 @@ void ClientConnection::take_reply(const wire::PacketView& packet) {
   {
     const MutexLock lock(mutex_);
     command = calls_.take(packet.header.counter);
-    if (!command) return;  // a repeated reply
+    if (!command) return;  // the reply arrived before; this is a copy
     if (repeats_) {
       quickest_answer_ = std::min(quickest_answer_, runtime_->clock().now() - command->retry.first);
     }
-    if (packet.header.epoch != Epoch{} && leases_ != 0) {  // a stop renewed the status
+    // the call was a `stop`, which renewed the status of this client
+    if (packet.header.epoch != Epoch{} && leases_ != 0) {
       epoch_.store(number(packet.header.epoch), std::memory_order_relaxed);
     }
   }

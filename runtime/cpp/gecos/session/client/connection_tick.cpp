@@ -20,8 +20,8 @@ void ClientConnection::wake_maintenance() { runtime_->maintenance().wake(); }
 
 TimePoint ClientConnection::on_tick(TimePoint now) {
   if (lost()) return TimePoint::max();
-  // Each tick costs a wake-up, so a heartbeat that is due soon is sent in this tick, unless
-  // heartbeats of this medium are packets.
+  // Each tick costs a wake-up. So a heartbeat that is due soon is sent in this tick already, unless
+  // the medium sends heartbeats as packets.
   const Duration early = repeats_ ? Duration{} : Maintenance::calm_tick;
   const bool beat = now + early >= next_beat_;
   if (beat) {
@@ -85,8 +85,8 @@ void ClientConnection::judge_answers(TimePoint now) {
   }
 }
 
-/// Queries calls that are open for long over a medium that loses nothing, where calls are not
-/// repeated: a reply may have been damaged in shared memory.
+/// Queries calls that are open for long, because a reply may have been damaged in shared memory.
+/// Does nothing over a medium that loses packets: there the calls are sent again anyway.
 void ClientConnection::ask_after_calls() {
   if (repeats_) return;
   const MutexLock lock(mutex_);
@@ -100,8 +100,9 @@ void ClientConnection::ask_after_calls() {
   open_when_asked_ = next_counter_ - 1;
 }
 
-/// Sends each call again under its own counter until its outcome is known: in full while it may not
-/// have arrived, then without its arguments.
+/// Over a medium that loses packets, sends each open call again with the same counter: the whole
+/// call until its arrival is confirmed, after that only a Query for its outcome. Over any medium,
+/// sends a Cancel again that found no room.
 TimePoint ClientConnection::repeat(TimePoint now) {
   const MutexLock lock(mutex_);
   // Without open calls only the next heartbeat is due: many idle clients must cost nothing.

@@ -83,11 +83,13 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::broker(Tim
     return knows_broker() || !looking_;
   };
   if (!looked_.wait_until(lock, deadline, settled)) {
-    return tl::unexpected("no broker was found in time: another thread of this program still asks" +
-                          (missing_.empty() ? std::string() : "; before it, " + missing_));
+    return tl::unexpected(
+        "no broker was found in time: another thread of this program is looking for one" +
+        (missing_.empty() ? std::string() : "; the last search failed: " + missing_));
   }
   if (knows_broker()) return broker_;
-  const auto lost = std::exchange(broker_, nullptr);  // destroyed when no thread waits any more
+  // destroyed at the end of this function, while the mutex is not held
+  const auto lost = std::exchange(broker_, nullptr);
   looking_ = true;
   lock.unlock();
   tl::expected<std::shared_ptr<ClientConnection>, std::string> found;

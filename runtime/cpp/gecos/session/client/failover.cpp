@@ -136,7 +136,8 @@ TimePoint Failover::on_tick(TimePoint now) {
 void Failover::run() {
   MutexLock lock(mutex_);
   while (!ended_) {
-    std::vector<Search> done;  // destroyed without the mutex: ending sessions takes a while
+    // destroyed while the mutex is not held: ending sessions takes a while
+    std::vector<Search> done;
     const auto is_done = [](const Search& search) {
       return search.commands.empty() && (search.from->lost() || !search.from->unreachable());
     };
@@ -174,7 +175,7 @@ void Failover::look(std::shared_ptr<ClientConnection> from) {
     append(commands, std::exchange(search_of(from).commands, {}));
     const MutexUnlock unlocked(mutex_);
     commands = send_to(**found, std::move(commands));
-    found->reset();  // without the mutex: the destruction takes a while
+    found->reset();  // while the mutex is not held: the destruction takes a while
   }
   Search& search = search_of(from);
   append(search.commands, std::move(commands));
@@ -190,7 +191,7 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Failover::find(
     const auto entry = look_up(lab_, target.name, deadline_after(longest_look));
     if (!entry) return tl::unexpected(entry.error());
     if (entry->boot == from.welcome().incarnation) {
-      return tl::unexpected(std::string("no other server has taken its place"));
+      return tl::unexpected(std::string("no other server serves the object"));
     }
   }
   CreateOptions options = target.options;
@@ -200,7 +201,7 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Failover::find(
   return std::move(*created);
 }
 
-/// Sends `commands` in the session `found`. Returns the commands for which it had no room.
+/// Sends `commands` in the session `found`. Returns the commands for which the session had no room.
 std::vector<PendingFailover> Failover::send_to(ClientConnection& found,
                                                std::vector<PendingFailover> commands) {
   std::vector<PendingFailover> back;

@@ -40,8 +40,8 @@ struct PendingFailover {
 /// Each lab has one Failover; its thread starts with the first loss. Thread-safe.
 class Failover final : public TickTarget, public std::enable_shared_from_this<Failover> {
  public:
-  /// Maximum number of sessions in which a command is sent: a command that kills its server must
-  /// not kill every later server too.
+  /// Maximum number of sessions in which one command is sent. Without a limit, a command that
+  /// crashes its server would crash every later server too.
   static constexpr int most_sessions = 4;
   /// Maximum number of commands of one session that wait for a server.
   static constexpr std::size_t most_pending = 256;
@@ -80,7 +80,8 @@ class Failover final : public TickTarget, public std::enable_shared_from_this<Fa
                                        std::vector<PendingFailover> commands);
 
   Context& lab_;
-  const pid_t owner_;  ///< process id: a forked child has no thread that ends waiting commands
+  /// id of the creating process: a forked child has no thread to end waiting commands
+  const pid_t owner_;
   Mutex mutex_;
   ConditionVariable changed_;
   std::vector<Search> searches_ GECOS_GUARDED_BY(mutex_);

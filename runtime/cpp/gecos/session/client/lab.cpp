@@ -65,7 +65,7 @@ tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_objec
     Context& lab, const InterfaceDescription& wanted, const std::string& name,
     const CreateOptions& options) {
   if (name.empty()) {
-    return tl::unexpected(Attempt{"(nil)", Detail::NoServer, "an empty name is no object"});
+    return tl::unexpected(Attempt{"(nil)", Detail::NoServer, "an empty name refers to no object"});
   }
   if (lab.closed()) return tl::unexpected(closed_lab(name));
   const TimePoint deadline = deadline_after(options.patience);
@@ -78,9 +78,9 @@ tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_objec
   }
   if (options.incarnation != 0 && options.incarnation != entry->boot) {
     return tl::unexpected(Attempt{name, Detail::Refused,
-                                  name + " is served by another process than the reference speaks "
-                                         "of: it was started anew; ask for a new reference, or "
-                                         "create it by its name"});
+                                  name + " is served by another process than the one in the "
+                                         "reference: the server was restarted; ask for a new "
+                                         "reference, or create the proxy by name"});
   }
   const auto addresses = select(*lab.runtime(), *entry, wanted.quality, options.medium);
   if (!addresses) {

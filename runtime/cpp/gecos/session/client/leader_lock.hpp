@@ -48,7 +48,8 @@ class LeaderLock {
     bool notified = false;
     ConditionVariable woken;
   };
-  /// So many threads may follow at once before `follow` allocates: readers at 1 kHz must not.
+  /// Up to this many threads may follow at once without an allocation in `follow`, so that readers
+  /// at 1 kHz do not allocate.
   static constexpr std::size_t usual_followers = 16;
   enum class State : std::uint8_t { Free, Held, Resting, Borrowed };
   bool change(State from, State to) {
@@ -58,8 +59,9 @@ class LeaderLock {
   bool free() const { return state_.load(std::memory_order_seq_cst) == State::Free; }
   void notify_one();
 
-  std::atomic<State> state_{State::Free};  // publishes the link's receiving side to the next reader
-  std::atomic<int> follower_count_{0};     // 0: mutex_ need not be locked
+  // passes the receiving side of the link to the next reader
+  std::atomic<State> state_{State::Free};
+  std::atomic<int> follower_count_{0};  // 0: mutex_ need not be locked
   Mutex mutex_;
   std::vector<Follower*> followers_ GECOS_GUARDED_BY(mutex_);
 };

@@ -26,7 +26,8 @@ bool first_of_its_kind(const std::string& about, Detail detail) {
 void tell_unasked(const std::string& about, const Failure& failure) {
   if (!first_of_its_kind(about, failure.detail)) return;
   std::ostringstream line;
-  line << (about.empty() ? "a command" : about) << " failed, and nobody has asked: " << failure
+  line << (about.empty() ? "a command" : about)
+       << " failed, and nobody observed the failure: " << failure
        << ". Keep the command and ask it (get(), then()), or detach() it; more of the same are not "
           "reported";
   log_warning("command", std::move(line).str());
@@ -177,8 +178,8 @@ void PendingCommand::finish(ByteView result) {
 }
 
 void PendingCommand::fail(Failure failure) {
-  // A proof from a later session that the command did not start does not hold for an earlier
-  // session.
+  // A later session may prove that the command did not start there. The command may still have
+  // started in an earlier session.
   if (again && again->may_have_started && failure.state() == State::ConnectionFailed) {
     failure.detail = Detail::OutcomeUnknown;
   }

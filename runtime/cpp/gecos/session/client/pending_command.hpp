@@ -57,13 +57,14 @@ class PendingCommand final : public CommandCore {
       0;  ///< this and the next two are written before the command is shared, or by attach()
   std::uint64_t session_id = 0;
   std::uint64_t incarnation = 0;
-  std::uint64_t sent_as = 0;      ///< packet number on the link; written before sharing
-  std::uint8_t marked_words = 0;  ///< words that may contain its mark; written before sharing
+  std::uint64_t sent_as = 0;  ///< packet number on the link; written before sharing
+  /// shared words that may contain the mark of this call; written before sharing
+  std::uint8_t marked_words = 0;
   /// Notes that the command was sent in `session`, its first or another one. Requires the mutex of
   /// `session`.
   void attach(const std::shared_ptr<ClientConnection>& session, const CommandId& id,
               std::uint64_t as);
-  /// Notes that its session no longer has the command. Requires the mutex of that session.
+  /// Notes that the session no longer has this command. Requires the mutex of that session.
   void detach() { home_.store(nullptr, std::memory_order_release); }
 
   /// State for sending the call again over a medium that loses packets. Guarded by the session's
@@ -86,8 +87,9 @@ class PendingCommand final : public CommandCore {
     std::string_view name;
     Bytes arguments;
     TimePoint deadline = TimePoint::max();
-    int sessions = 0;  ///< number of sessions it was sent in; used by the sending thread only
-    bool may_have_started = false;         ///< it may have started in an earlier session
+    /// number of sessions in which the command was sent; used by the sending thread only
+    int sessions = 0;
+    bool may_have_started = false;         ///< the command may have started in an earlier session
     std::condition_variable_any attached;  ///< notified when attached or terminal
   };
   std::unique_ptr<Again> again;  ///< null: the command may not be sent again
@@ -112,15 +114,16 @@ class PendingCommand final : public CommandCore {
   std::uint32_t position_ GECOS_GUARDED_BY(mutex_) = 0;
   double fraction_ = 0;  ///< written with mutex_ held; constant once terminal
   Bytes feedback_ GECOS_GUARDED_BY(mutex_);
-  ShortBytes result_;  ///< as failure_: written once, before detail_ is terminal
+  ShortBytes result_;  ///< this and failure_ are written once, before detail_ is terminal
   Failure failure_;
-  std::string about_;  ///< "RX90.move"; set before the command fails, unless observed
+  /// "RX90.move", for the log; set before the command fails, unless the program observes it
+  std::string about_;
   /// The maintenance thread reads packets for this command, because no thread may wait in session_.
   bool watched_ GECOS_GUARDED_BY(mutex_) = false;
   std::unique_ptr<EventFd> exported_ GECOS_GUARDED_BY(mutex_);
   std::vector<std::function<void()>> callbacks_ GECOS_GUARDED_BY(mutex_);
   /// The session that has the command; null while the command waits for failover. Orders no other
-  /// memory. When it changes, a thread that waits in the old session must wait elsewhere.
+  /// memory. When it changes, a thread that waits in the old session must continue in the new one.
   std::atomic<const ClientConnection*> home_{nullptr};
   std::shared_ptr<ClientConnection> session_ GECOS_GUARDED_BY(mutex_);  ///< null once terminal
 };

@@ -12,9 +12,9 @@ qos::LineOffer line_of(const media::Offer& offer) {
   qos::LineOffer line;
   line.name = offer.name;
   line.between_hosts = offer.reach == media::Reach::Network;
-  line.reliable = true;  // where the medium loses packets, the session sends them again
+  line.reliable = true;  // when the medium loses packets, the session sends them again
   line.real_time = offer.real_time;
-  // Within one process neither end outlives the other, so no death must be reported.
+  // Within one process, client and server die together, so no medium needs to report a death.
   line.reports_death = offer.reports_death || offer.reach == media::Reach::Process;
   return line;
 }
@@ -75,7 +75,7 @@ tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, con
     const std::string asked_for = only ? " over " + std::string(media::to_string(*only)) : "";
     return tl::unexpected(
         "cannot be reached" + asked_for +
-        (reasons.empty() ? ": its server does not offer it" : " (" + reasons + ")"));
+        (reasons.empty() ? ": its server does not offer this medium" : " (" + reasons + ")"));
   }
   // A late packet does no harm in a simulated device, so soft real time is enough.
   qos::Quality held_to = asked;

@@ -25,7 +25,8 @@ void run_callback(const std::function<void()>& callback) {
   }
 }
 
-/// The state of the callback thread. It outlives a Callbacks that one of its callbacks destroys.
+/// The state shared with the callback thread. It outlives the Callbacks object when a callback
+/// destroys that object.
 struct Callbacks::Shared {
   void run();
 

@@ -16,7 +16,8 @@
 
 namespace gecos::session {
 
-/// The state of the maintenance thread. It outlives a Maintenance that is destroyed on that thread.
+/// The state shared with the maintenance thread. It outlives the Maintenance object when that
+/// object is destroyed on this thread.
 struct Maintenance::Shared {
   explicit Shared(const Clock& its_clock) : clock(its_clock) {}
 

@@ -60,7 +60,7 @@ class PauseWatch {
     return judging_.load(std::memory_order_acquire) ||
            (due != TimePoint::max() && now - due > longest_gap);
   }
-  /// The last check that found no pause; kept by a thread that checks often.
+  /// The result of the last check, if it found no pause; kept by a thread that checks often.
   struct Checked {
     Moment moment;
     TimePoint at{};  ///< time of the check, at most one kernel tick ago
@@ -79,13 +79,14 @@ class PauseWatch {
   void await_judgement(const Clock& clock) {
     if (!suspected(clock.since_boot())) return;
     MutexLock lock(mutex_);
-    // A tick that is late, but not late enough for a pause, sends no notification.
+    // A late tick that does not count as a pause sends no notification, so the loop checks at
+    // intervals.
     while (suspected(clock.since_boot())) judged_.wait_for(lock, longest_gap / 50);
   }
 
  private:
   std::atomic<TimePoint> due_{TimePoint::max()};  // orders no other memory
-  std::atomic<bool> judging_{false};  // clearing it publishes the work of the maintenance thread
+  std::atomic<bool> judging_{false};  // storing false publishes the work of the maintenance thread
   Mutex mutex_;
   ConditionVariable judged_;
 };

@@ -67,7 +67,7 @@ class OpenRuntimes {
 };
 
 std::atomic<std::uint64_t> incarnation_of_this_process{
-    0};  // 0: not drawn yet; orders no other memory
+    0};  // 0: not chosen yet; orders no other memory
 
 std::uint64_t random_incarnation() {
   std::uint64_t number = 0;
@@ -80,7 +80,7 @@ std::uint64_t random_incarnation() {
 }  // namespace
 
 std::string nothing_left(std::string_view what_for, const std::system_error& why) {
-  return "this process has nothing left for " + std::string(what_for) + ": " + why.what();
+  return "this process has no resources left for " + std::string(what_for) + ": " + why.what();
 }
 
 IncarnationId process_incarnation() {
@@ -101,7 +101,8 @@ Runtime::~Runtime() = default;
 
 tl::expected<std::shared_ptr<Runtime>, NoLab> Runtime::make(LabOptions options,
                                                             const Clock& clock) {
-  OpenRuntimes& open = OpenRuntimes::instance();  // first, so that it is destroyed after its users
+  // obtained first, so that it is destroyed after the runtimes that use it
+  OpenRuntimes& open = OpenRuntimes::instance();
   try {
     auto runtime = std::make_shared<Runtime>(std::move(options), clock);
     open.add(runtime);

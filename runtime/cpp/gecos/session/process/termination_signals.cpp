@@ -30,7 +30,7 @@ extern "C" void on_termination(int signal) {
   const int kept = errno;
   if (getpid() == owner) {
     came.load()->notify();
-  } else {  // a forked child, which shares the descriptor with its parent
+  } else {  // a forked child must not notify: the parent shares the descriptor
     ::signal(signal, SIG_DFL);
     raise(signal);
   }

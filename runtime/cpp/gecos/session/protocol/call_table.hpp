@@ -84,8 +84,8 @@ class CallTable {
     }
   }
 
-  /// Fills the gap that a removed call left: moves up the calls after `gap` that are not in their
-  /// home slot only because it was occupied.
+  /// Fills the gap that a removed call left. Moves up each call after `gap` that was displaced from
+  /// its hash slot because that slot was occupied.
   void close_gap(std::size_t gap) {
     for (std::size_t at = next(gap); slots_[at].counter != 0; at = next(at)) {
       const std::size_t distance_home = (at - home(slots_[at].counter)) & (slots_.size() - 1);

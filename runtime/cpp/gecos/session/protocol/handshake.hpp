@@ -22,8 +22,8 @@ struct Hello {
   std::uint64_t incarnation = 0;
   std::string interface_name;
   std::uint64_t interface_hash = 0;
-  /// Maximum age of a call when the server reads it. The server does not accept older calls: the
-  /// client has given them up, or sends them again. 0: no limit.
+  /// Maximum age of a call when the server reads it. The server does not accept older calls,
+  /// because the client has given them up or sends them again. 0: no limit.
   Duration accept_within{0};
 
   std::size_t encoded_size() const;
@@ -38,14 +38,15 @@ struct OperationHash {
   std::uint64_t hash = 0;
 };
 
-/// Body of Welcome: describes the session that was opened. Its id is in the packet header.
+/// Body of Welcome: describes the session that was opened. The id of the session is in the packet
+/// header.
 struct Welcome {
   std::string object;
   std::string interface_name;
   std::vector<std::string> bases;
   std::uint64_t interface_hash = 0;
   std::uint64_t incarnation = 0;
-  std::uint32_t credits = 0;              ///< calls that the client may have without a reply
+  std::uint32_t credits = 0;              ///< maximum number of the client's calls in flight
   std::vector<OperationHash> operations;  ///< empty when the client's interface_hash is equal
 
   bool is_a(const std::string& name) const;
@@ -73,7 +74,7 @@ struct FailureBody {
 struct ProgressBody {
   std::uint32_t position = 0;
   double fraction = 0;
-  Bytes feedback;  ///< the remaining bytes of the body
+  Bytes feedback;  ///< all remaining bytes of the packet body
 
   std::size_t encoded_size() const;
   void encode(wire::Encoder& to) const;

@@ -43,7 +43,8 @@ Bytes goodbye_body(const std::string& why);
 /// Decodes the reason in the body of a Goodbye, as ": why"; empty when the body has no reason.
 std::string text_of(ByteView goodbye);
 
-/// The clock for real waits. Policies use the clock of the lab instead.
+/// The clock of the system. Time-outs of sessions use the clock of the Runtime instead, which tests
+/// replace.
 const Clock& system_clock();
 
 }  // namespace gecos::session

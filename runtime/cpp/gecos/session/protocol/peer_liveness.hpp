@@ -8,8 +8,8 @@
 namespace gecos::session {
 
 /// Judges by heartbeats whether the peer of a session lives. Servers judge their clients with it,
-/// and clients their server. Callers pass in the time of a SuspendAwareClock, so that a peer does
-/// not become silent while this process does not run. Not thread-safe.
+/// and clients their server. Reads no clock: the caller passes the time of a SuspendAwareClock, so
+/// that a peer does not count as silent while this process does not run. Not thread-safe.
 class PeerLiveness {
  public:
   struct Bounds {
@@ -28,7 +28,7 @@ class PeerLiveness {
 
   /// Notes that the peer gave a sign of life other than a heartbeat.
   void heard(TimePoint now) { last_heard_ = now; }
-  /// From now on only heartbeats after the first `heartbeats` heartbeats count as signs of life.
+  /// Ignores the first `heartbeats` heartbeats of the peer: only later ones count as signs of life.
   void await_heartbeat_after(std::uint64_t heartbeats) { heartbeats_ = heartbeats; }
   /// Judges the peer. `heartbeats`: number of heartbeats received so far.
   Verdict check(std::uint64_t heartbeats, TimePoint now);

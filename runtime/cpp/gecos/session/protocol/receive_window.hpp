@@ -40,7 +40,7 @@ class ReceiveWindow {
                               ///< cumulative_ack_ + width
 };
 
-/// Keeps the replies that the client may request again, because its medium loses packets or its
+/// Keeps the replies that the client may request again, because the medium loses packets or the
 /// session was lost.
 class ReplyCache {
  public:
@@ -51,12 +51,12 @@ class ReplyCache {
   bool awaited(std::uint64_t counter) const { return counter > acknowledged_; }
   /// The reply to `counter`; null when it was acknowledged or dropped to make room.
   const Bytes* find(std::uint64_t counter) const;
-  /// Reduces the cache after its session was lost; the client may still request replies in another
-  /// session.
+  /// Drops the oldest replies when the session was lost, down to a smaller limit. The client may
+  /// still request the others in another session.
   void shrink();
 
  private:
-  static constexpr std::size_t most_replies = 512;  ///< more than a client's unanswered calls
+  static constexpr std::size_t most_replies = 512;  ///< more calls than a client may have in flight
   static constexpr std::size_t most_bytes = 16 * 1024 * 1024;  ///< size of two largest packets
   static constexpr std::size_t most_bytes_of_lost = 64 * 1024;
   struct Kept {

@@ -24,8 +24,8 @@ struct SampleTime {
   TimePoint measured{};
 };
 
-/// Completes `stamp_ns`, a wall-clock time that the servant sets, with the time by CLOCK_BOOTTIME.
-/// Compares the two clocks once, when the sample is published.
+/// Returns `stamp_ns`, a wall-clock time that the servant sets, together with the same moment by
+/// CLOCK_BOOTTIME. Compares the two clocks once, when the sample is published.
 inline SampleTime sample_time(std::int64_t stamp_ns, const Clock& clock) {
   const auto wall = Duration(static_cast<std::int64_t>(clock.unix_seconds() * 1e9));
   const TimePoint now = clock.since_boot();
@@ -45,7 +45,8 @@ inline void append_measured(Bytes& sample, TimePoint measured) {
       .put(static_cast<std::int64_t>(measured.time_since_epoch().count()));
 }
 
-/// Removes the appended measurement time from `sample` and returns it; nullopt when it is missing.
+/// Removes the appended measurement time from `sample` and returns it; nullopt when `sample` is too
+/// short to have one.
 inline std::optional<TimePoint> take_measured(Bytes& sample) {
   if (sample.size() < measured_bytes) return std::nullopt;
   const std::size_t size = sample.size() - measured_bytes;

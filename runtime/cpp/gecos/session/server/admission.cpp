@@ -64,8 +64,8 @@ std::optional<Failure> refusal_to_start(const CallRequest& call, const Admitting
   }
   if (caller.unheard) {
     return Failure{Detail::NotStarted,
-                   "the call was not started: no heartbeat of its caller arrived since the server "
-                   "stood still, or for too long",
+                   "the call was not started: its caller sent no heartbeat since the server was "
+                   "suspended, or was silent for too long",
                    {},
                    {}};
   }

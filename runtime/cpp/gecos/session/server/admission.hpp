@@ -9,8 +9,8 @@
 #include "gecos/session/server/name_claim.hpp"
 #include "gecos/session/server/object_queue.hpp"
 
-/// Admission control: whether a call may be queued, and later whether it may start. Pure: callers
-/// pass the time in.
+/// Admission control: whether a call may be queued, and later whether it may start. Pure functions:
+/// the caller passes the current time.
 namespace gecos::session {
 
 /// True when `operation` needs actor or master status and is not a safety operation. Its calls may
@@ -24,7 +24,7 @@ struct CallRequest {
   Epoch epoch{};  ///< epoch of the status under which the call was issued
 };
 
-/// The called object. `now`: the time by the object's lease clock.
+/// The called object. `now`: the current time by the object's lease clock.
 struct AdmittingObject {
   std::string_view name;
   const access::LeaseTable& leases;
@@ -41,7 +41,8 @@ std::optional<Failure> refusal_to_queue(const CallRequest& call, const Admitting
 struct CallerState {
   bool gone = false;       ///< the link of the session was lost
   bool withdrawn = false;  ///< the client withdrew all calls that have not started
-  bool unheard = false;    ///< no heartbeat since this process was suspended, or for too long
+  /// no heartbeat came since this process was suspended, or the client is silent for too long
+  bool unheard = false;
 };
 
 /// Returns why a queued call must not start; nullopt when it may start. Checked again because the
@@ -50,8 +51,9 @@ struct CallerState {
 std::optional<Failure> refusal_to_start(const CallRequest& call, const AdmittingObject& object,
                                         const CallerState& caller, bool expired);
 
-/// Returns when a call expires that has `left` until its deadline. `since_boot`: the current time
-/// of Clock::since_boot. TimePoint::max(), which means never, when `left` is zero or centuries.
+/// Converts `left`, the time until the deadline of a call, to the moment of the deadline.
+/// TimePoint::max(), which means no deadline, when `left` is zero or centuries. `since_boot`: the
+/// current time of Clock::since_boot.
 TimePoint expiry(Duration left, TimePoint since_boot);
 
 }  // namespace gecos::session

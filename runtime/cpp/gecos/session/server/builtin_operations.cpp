@@ -48,7 +48,8 @@ Failure undecodable(const wire::DecodeError& why) {
 
 /// Maximum time that a request for a status waits. Must be shorter than a client waits for a reply.
 constexpr Duration longest_wait_for_status = std::chrono::seconds(1);
-/// Requests for status that one object keeps waiting; a correct client has one at a time.
+/// Maximum number of requests for a status that wait at one object. A correct client has one such
+/// request at a time.
 constexpr std::size_t most_waiting_for_status = 64;
 
 Failure refusal(std::string reason, std::vector<Holder> holders) {
@@ -134,7 +135,7 @@ void ObjectHost::acquire(const std::shared_ptr<ServerSession>& session, std::uin
     return session->reply(
         counter, Failure{Detail::QueueFull,
                          name_ + ": " + std::to_string(waiting_.size()) +
-                             " requests for status wait already until a handler ends; try again",
+                             " requests for a status already wait for a handler to end; try again",
                          {},
                          {}});
   }
@@ -216,7 +217,7 @@ void ObjectHost::release(ServerSession& session, std::uint64_t counter, ByteView
   std::uint64_t epoch = asked->epoch;
   const std::uint64_t held_now = number(leases_.epoch());
   if (session.held_from <= epoch && epoch < held_now)
-    epoch = held_now;  // the session's own stops renewed its status
+    epoch = held_now;  // `stop` calls of this session renewed its status
   if (now && Epoch{epoch} == leases_.epoch() &&
       leases_.status_of(session.id()) != access::Status::Sensor) {
     end_commands([&](const ServerCall& call) { return call.client == session.id(); },
@@ -225,13 +226,14 @@ void ObjectHost::release(ServerSession& session, std::uint64_t counter, ByteView
   leases_.release(session.id(), Epoch{epoch},
                   session.commands != 0 && !now ? Commands::Pending : Commands::None);
   if (log_enabled(LogLevel::Info)) {
-    log_info("server", name_ + ": " + who(session.caller()) + " gives its status back" +
-                           (now ? ", and stops what was issued under it" : ""));
+    log_info("server", name_ + ": " + who(session.caller()) + " releases its status" +
+                           (now ? ", and stops the commands issued under it" : ""));
   }
   session.reply(counter, ByteView{});
 }
 
-/// Takes effect at once, even if handlers hang: needs only leases, queue and interrupt flags.
+/// Takes effect at once, even if handlers hang, because it needs only the leases, the queue and the
+/// interrupt flags.
 void ObjectHost::stop(ServerSession& by, std::uint64_t counter) {
   const std::string why = "stopped by " + who(by.caller());
   log_info("server", name_ + ": " + why);
@@ -249,7 +251,7 @@ void ObjectHost::outcome(ServerSession& session, std::uint64_t counter, ByteView
   if (asked->boot != number(process_incarnation())) {
     record = {number_of(Detail::OutcomeUnknown),
               "the server of " + name_ +
-                  " was started anew since; it does not know the outcomes of earlier calls"};
+                  " was restarted after the call; it does not know the outcomes of earlier calls"};
   } else {
     record = outcome_of(SessionId{asked->session}, asked->counter);
   }
@@ -273,8 +275,8 @@ OutcomeRecord ObjectHost::outcome_of(SessionId asked, std::uint64_t counter) {
       if (!session->repeats()) return {number_of(Detail::Sent), "the call has not arrived yet"};
       if (session->intake.reject_late(counter) == ReceiveWindow::Verdict::Beyond) {
         return {number_of(Detail::Sent),
-                "the call has not arrived, and is too far ahead of a missing call to be barred; "
-                "ask again"};
+                "the call has not arrived, but may still start: it is too far ahead of a missing "
+                "call; ask again"};
       }
       session->reply(counter, Failure{Detail::NotStarted, never.text, {}, {}});
       take_early(session);
@@ -285,8 +287,8 @@ OutcomeRecord ObjectHost::outcome_of(SessionId asked, std::uint64_t counter) {
   }
   return {
       number_of(Detail::OutcomeUnknown),
-      "the outcome is not known, or no longer: only the last outcomes of actor commands are kept, "
-      "and none of sensor operations"};
+      "the outcome is not known: the server keeps only the last outcomes of actor commands, and "
+      "none of sensor operations"};
 }
 
 void ObjectHost::subscribe(ServerSession& session, std::uint64_t counter, ByteView arguments) {

@@ -12,8 +12,8 @@ namespace gecos::session {
 
 /// The state of one call at its server, from the queue until its handler has answered and returned.
 /// `phase` follows the handler; `reported` is what was sent to the caller. A call can end for its
-/// caller (stopped, lease lost, deadline passed) while its handler continues. Pure: callers pass
-/// the time in.
+/// caller (stopped, lease lost, deadline passed) while its handler continues. Reads no clock: the
+/// caller passes the current time.
 class CallState {
  public:
   enum class Phase : std::uint8_t {
@@ -48,9 +48,9 @@ class CallState {
   /// The state after `event`; nullopt when `event` cannot happen in `state`.
   static constexpr std::optional<State> after(State state, Event event);
 
-  /// `deadline`: a time of Clock::since_boot; TimePoint::max(): no deadline.
+  /// `deadline`: a moment of Clock::since_boot; TimePoint::max() for no deadline.
   void set_deadline(TimePoint deadline) { deadline_ = deadline; }
-  /// Applies `event`. @pre `event` can happen in the current state. `now`: a time of
+  /// Applies `event`. @pre `event` can happen in the current state. `now`: the current time of
   /// Clock::since_boot, needed only for Begin.
   Change on(Event event, TimePoint now = {}) {
     const auto next = after(state_, event);
@@ -117,7 +117,8 @@ constexpr std::optional<CallState::State> CallState::after(State state, Event ev
   return std::nullopt;
 }
 
-/// The progress of a running call, as reported to its caller. Pure: callers pass the time in.
+/// The progress of a running call, as reported to its caller. Reads no clock: the caller passes the
+/// current time.
 class CallProgress {
  public:
   /// Minimum time between two reports. When progress is more frequent, only the newest is sent.

@@ -33,7 +33,7 @@ Calls awaited_by(ServerCall& call) {
   return found == nullptr ? Calls{} : Calls{std::move(found)};
 }
 
-/// Whether the last call of `way` waits, directly or through other calls, for `way.front()`. If so,
+/// Whether the last call of `way` waits, directly or through other calls, for the first one. If so,
 /// `way` is extended to the whole cycle.
 bool leads_back(Calls& way) {
   for (auto& next : awaited_by(*way.back())) {
@@ -73,10 +73,10 @@ std::string waits_for_itself(const std::shared_ptr<ServerCall>& handler) {
       "the handler of " + handler->title() + " waits for it, and it cannot start before ";
   if (way.size() == 1) return text + "that handler returns";
   for (auto next = way.begin() + 1; next != way.end(); ++next) {
-    text +=
-        "the handler of " + (*next)->title() + " returns, which waits for what cannot end before ";
+    text += "the handler of " + (*next)->title() +
+            " returns, which waits for a call that cannot end before ";
   }
-  return text + "the first one returns";
+  return text + "the first handler returns";
 }
 
 }  // namespace gecos::session

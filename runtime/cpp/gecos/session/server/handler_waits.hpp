@@ -22,9 +22,9 @@ void forget_session(SessionId id);
 /// `call`.
 std::shared_ptr<ObjectHost> object_in(const CommandId& call);
 
-/// Returns a text that describes how the waiting `handler` waits for its own end: "the handler of
-/// 'dim' of LAMP waits for it …". Returns an empty string when that is not certain. The caller must
-/// not hold the mutex of any object.
+/// Returns a text that describes how `handler` waits, through other calls, for its own end: "the
+/// handler of 'dim' of LAMP waits for it …". Returns an empty string when that is not certain. The
+/// caller must not hold the mutex of any object.
 std::string waits_for_itself(const std::shared_ptr<ServerCall>& handler);
 
 }  // namespace gecos::session

@@ -50,7 +50,8 @@ void ObjectHost::name_unanswered(std::uint64_t question, const std::string& why)
   log_warning("session", text);
 }
 
-/// Interrupts running commands, whatever their policy for the loss of a lease.
+/// Interrupts running commands, even if their interface declares that they continue after the loss
+/// of a lease.
 void ObjectHost::name_taken(const std::string& by) {
   std::string why;
   {

@@ -21,9 +21,9 @@ std::string text_of(ObjectQueue::Full full, std::size_t bytes) {
            " are queued already; wait until one of them has ended";
   };
   const auto room = [&](std::size_t most, const char* whose) {
-    return "its arguments take " + std::to_string(bytes) +
-           " bytes, which exceeds, with the arguments of " + whose + " open calls, the limit of " +
-           std::to_string(most) + " bytes; wait until one of them has ended";
+    return "its arguments take " + std::to_string(bytes) + " bytes; with the arguments of " +
+           whose + " open calls, this exceeds the limit of " + std::to_string(most) +
+           " bytes; wait until one of these calls has ended";
   };
   switch (full) {
     case ObjectQueue::Full::Object:
@@ -79,19 +79,20 @@ void ObjectHost::take_packet(const std::shared_ptr<ServerSession>& session, Byte
   if (!packet) return;
   const auto& header = packet->header;
   if (header.kind == wire::PacketKind::Hello) return greet(session, *packet);
-  if (header.version != wire::packet_version) return;  // no session of another version exists
+  // this server has only sessions of its own protocol version
+  if (header.version != wire::packet_version) return;
   const bool theirs = session->greeted() && header.session == session->id();
   if (header.kind == wire::PacketKind::Goodbye) {
     if (theirs) {
       session->left = true;
-      // The sender of a Goodbye that was sent while this process was suspended may be dead by now.
+      // A client that sent its Goodbye while this process was suspended may be dead by now.
       if (header.flags == withdraws || unheard_since_a_pause(*session)) withdraw(*session);
       release_all(*session);
     }
-    return say_goodbye(*session, header.session, "as you asked");
+    return say_goodbye(*session, header.session, "the client asked for it");
   }
   if (!theirs || session->closed)
-    return say_goodbye(*session, header.session, "the session is not known here");
+    return say_goodbye(*session, header.session, "the server does not know the session");
 
   if (session->repeats()) acknowledge(session, header.acknowledged);
   if (header.counter == 0) return;  // no call has counter 0: the packet is damaged or malicious
@@ -252,7 +253,8 @@ void ObjectHost::take_call(const std::shared_ptr<ServerSession>& session,
   }
   const std::size_t most =
       ObjectQueue::most_of_object + (operation->safety ? ObjectQueue::most_of_object / 4 : 0);
-  if (session->calls.size() + session->intake.aside() >= most) {  // no correct client has so many
+  // no correct client has so many calls in flight
+  if (session->calls.size() + session->intake.aside() >= most) {
     return session->reply(counter,
                           Failure{Detail::QueueFull,
                                   "the client has more unanswered calls than the server granted",
@@ -350,9 +352,9 @@ void ObjectHost::answer_again(ServerSession& session, std::uint64_t counter) {
   if (const Bytes* kept = session.replies->find(counter)) return session.send_again(*kept);
   const auto* found = session.calls.find(counter);
   if (found == nullptr) {
-    // Do not answer a query for a call that never arrived (the client sends the call again), that
-    // was acknowledged (the query is late), or that is deferred or waits for a status (for its
-    // caller it has not arrived).
+    // Some queries are not answered. The call never arrived: the client sends it again. Its reply
+    // was acknowledged: the query is late. The call is deferred or waits for a status: to its
+    // caller it must appear as not arrived.
     if (session.intake.is_aside(counter) || waits_for_status(session, counter)) return;
     if (!session.intake.seen(counter) || !session.replies->awaited(counter)) return;
     return session.reply(counter,
@@ -385,9 +387,13 @@ void ObjectHost::cancel(ServerSession& session, std::uint64_t counter) {
           return other.client == call->client && other.state.queued() &&
                  other.counter > call->counter;
         },
-        Failure{Detail::Canceled, "canceled with the command before it", {}, {}});
+        Failure{Detail::Canceled,
+                "canceled, because an earlier command of the same client was canceled",
+                {},
+                {}});
     while (const auto later = session.intake.first_aside(counter)) {
-      end_early(session, *later, Detail::Canceled, "canceled with the command before it");
+      end_early(session, *later, Detail::Canceled,
+                "canceled, because an earlier command of the same client was canceled");
     }
   }
 }

@@ -42,7 +42,7 @@ void ObjectHost::resume(const std::shared_ptr<ServerSession>& session,
   if (call->operation().code != packet.header.code) {
     return session->reply(
         packet.header.counter,
-        Failure{Detail::BadParameter, "the call was sent with another operation before", {}, {}});
+        Failure{Detail::BadParameter, "the call was sent before, with another operation", {}, {}});
   }
   if (call->resumed_in) call->resumed_in->calls.take(call->resumed_counter);
   call->resumed_in = session;

@@ -7,8 +7,9 @@
 
 namespace gecos::session {
 
-/// Over a medium that loses nothing, a call also waits unread while handlers take long. That is no
-/// reason to refuse the call; only a pause of this process is a reason.
+/// Checks the age of a call. Over a medium that loses nothing, a call also waits unread while
+/// handlers take long; that is no reason to refuse the call. Only a pause of this process is a
+/// reason.
 Intake::Verdict Intake::arrived(const Arrival& packet) {
   if (judges_age(packet.unheard) && packet.age > accept_within_) {
     if (repeats_) return Verdict::Ignore;

@@ -17,7 +17,7 @@ namespace gecos::session {
 ///
 /// A medium that loses packets may reorder calls. An ordered call that arrives early is deferred
 /// until all calls before it have arrived; otherwise an arm would move to its second goal first.
-/// Pure: callers pass the time in.
+/// Reads no clock: the caller passes the current time.
 class Intake {
  public:
   /// `repeats`: the medium may lose packets, so the client resends its calls.
@@ -78,7 +78,7 @@ class Intake {
   /// no limit.
   void accept_within(Duration longest) { accept_within_ = longest; }
   Duration accepts_within() const { return accept_within_; }
-  /// Notes that the client issues no more calls and that its calls must not start any more.
+  /// Notes that the client issues no more calls and that its waiting calls must not start.
   void withdraw() { withdrawn_ = true; }
   bool withdrawn() const { return withdrawn_; }
 

@@ -132,7 +132,8 @@ void IoLoop::turn() {
       }))) {
     return;
   }
-  // The event that was notified after `ended_` was set may have been drained above.
+  // The call of take_events() above may have drained the event that announces `ended_`, so check
+  // `ended_` again.
   if (prepare_all_to_sleep() && !ended_.load()) {
     woken_ = media::Woken::Early;
     rang_at_ = TimePoint{};
@@ -142,8 +143,8 @@ void IoLoop::turn() {
   spin_.begin();
 }
 
-/// A sleeping client on another core sends nothing soon. A sleeping client on this core may just
-/// have been woken by a reply of this server and be waiting for the core.
+/// A sleeping client on another core does not count: it sends nothing soon. A sleeping client on
+/// this core counts: a reply of this server may just have woken it, and it waits for the core.
 media::Peers IoLoop::peers() const {
   const std::int32_t mine = running_core();
   bool here = false;
@@ -205,7 +206,8 @@ void IoLoop::retire_idle(TimePoint now) {
   active_.erase(std::remove_if(active_.begin(), active_.end(), idle), active_.end());
 }
 
-/// Returns false when a session must stay active, because a packet has arrived.
+/// Prepares the link of each active session for sleep. Returns false when a session must stay
+/// active, because a packet has arrived.
 bool IoLoop::prepare_all_to_sleep() {
   for (const auto& session : active_) {
     session->active = false;
@@ -224,7 +226,7 @@ bool IoLoop::prepare_all_to_sleep() {
 void IoLoop::activate(const std::shared_ptr<ServerSession>& session) {
   if (session->gone.load()) return;
   if (session->active) {
-    session->link().loss();  // the event comes only once: loss() must ask the kernel now
+    session->link().loss();  // epoll reports a loss only once, so loss() must ask the kernel now
     return;
   }
   session->link().woke();
@@ -273,7 +275,8 @@ void IoLoop::accept(Endpoint& endpoint) {
     }
   }
   if (endpoint.acceptor->short_of_descriptors()) somebody_waits_.store(true);
-  // Over a medium that loses packets, the packets of all links arrive through this endpoint.
+  // Over a medium that loses packets, the packets of all clients arrive through this endpoint. So
+  // each of their sessions may have one.
   const MutexLock list(list_mutex_);
   for (const auto& [key, session] : sessions_) {
     if (session->repeats() && session->object() == endpoint.object) activate(session);
@@ -300,7 +303,7 @@ void IoLoop::watch(const std::shared_ptr<ServerSession>& session) {
                          " is open: " + session->link().peer().description);
 }
 
-// Losses
+// Lost links
 
 void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
   if (session->gone.load()) return;
@@ -313,7 +316,7 @@ void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
   // without a goodbye has given up its calls.
   session->object()->depart(session, ObjectHost::Departure::Lost);
   if (session->object()->ready())
-    session->object()->run_ready(Starter::Other);  // the last calls of the client
+    session->object()->run_ready(Starter::Other);  // starts the calls that the last packets queued
 }
 
 /// Disconnects the sessions whose links the maintenance thread found lost, after reading their last

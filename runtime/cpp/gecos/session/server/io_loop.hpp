@@ -14,8 +14,8 @@
 
 namespace gecos::session {
 
-/// The I/O loop of a server: accepts clients, reads their packets and runs short handlers between
-/// two polls.
+/// The I/O loop of a server: accepts clients, polls their links for packets, and runs short
+/// handlers between two polls.
 ///
 /// Only active connections are polled. A connection that was silent for 10 ms is put to sleep and
 /// costs nothing until its descriptor reports a packet. One thread polls at a time. It releases
@@ -88,14 +88,14 @@ class IoLoop {
   std::vector<std::shared_ptr<ServerSession>> active_ GECOS_GUARDED_BY(polling_);
   /// Scratch list of prepare_all_to_sleep, kept so that it does not allocate.
   std::vector<std::shared_ptr<ServerSession>> still_active_ GECOS_GUARDED_BY(polling_);
-  /// What ended the last sleep, and when the client sent the wake-up.
+  /// What ended the last sleep, and when the client that ended it sent the wake-up.
   media::Woken woken_ GECOS_GUARDED_BY(polling_) = media::Woken::Early;
   TimePoint rang_at_ GECOS_GUARDED_BY(polling_){};
   std::uint64_t next_key_ GECOS_GUARDED_BY(polling_) = 1;
   unsigned turns_ GECOS_GUARDED_BY(polling_) = 0;
   std::thread::id main_id_ GECOS_GUARDED_BY(polling_);
 
-  Mutex list_mutex_;  ///< held only briefly; the polling thread also takes it
+  Mutex list_mutex_;  ///< locked only briefly, also by the polling thread
   std::unordered_map<std::uint64_t, std::shared_ptr<ServerSession>> sessions_
       GECOS_GUARDED_BY(list_mutex_);  ///< by the key of their epoll events
   std::vector<std::unique_ptr<Endpoint>> new_endpoints_ GECOS_GUARDED_BY(list_mutex_);
@@ -105,7 +105,8 @@ class IoLoop {
   Mutex standby_mutex_;
   ConditionVariable standby_called_;
   bool standby_wanted_ GECOS_GUARDED_BY(standby_mutex_) = false;
-  std::uint64_t handler_seen_ = 0;  ///< maintenance thread only: `handler_turn_` at the last tick
+  /// `handler_turn_` at the last tick; used by the maintenance thread only
+  std::uint64_t handler_seen_ = 0;
   TimePoint next_beat_{};
   std::thread main_;
   std::thread standby_;

@@ -11,7 +11,7 @@ namespace gecos::session {
 /// have the name: after a long pause another server may have it, and two servers must not move one
 /// robot. Each question to the broker has a number. A pause begins a new question, because an
 /// answer to an older question says nothing about the time after the pause. A time-out never
-/// permits commands. Pure.
+/// permits commands. This class itself asks nobody and reads no clock.
 class NameClaim {
  public:
   enum class Standing : std::uint8_t {
@@ -54,7 +54,7 @@ class NameClaim {
   bool waits() const { return standing_ == Standing::Asked; }
   /// True when actor commands must end as NOT_STARTED.
   bool refuses() const { return standing_ == Standing::Unanswered || standing_ == Standing::Taken; }
-  /// Describes for people why actor commands do not start, or that they may start.
+  /// A text for people that says why actor commands do not start, or that they may start.
   std::string text() const;
 
  private:

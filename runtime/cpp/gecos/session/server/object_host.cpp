@@ -108,8 +108,8 @@ bool ObjectHost::begin(ServerCall& call) {
   return may_start(call) && marked(call, now);
 }
 
-/// Waits until no pause is left to judge, and returns the CLOCK_BOOTTIME of that check. The mutex
-/// is held from the check on, so a thread that marks a call with this time has not waited since.
+/// Waits until every pause is judged. Returns the CLOCK_BOOTTIME at which no unjudged pause was
+/// found. The mutex is held from that moment on, so the caller may mark a call with this time.
 TimePoint ObjectHost::await_judgement() {
   PauseWatch& pauses = runtime_->maintenance().pauses();
   for (;;) {
@@ -213,7 +213,7 @@ bool ObjectHost::withdrawn(const ServerCall& call) {
   return session.link().peer_word(withdrawn_word) >= counter;
 }
 
-// Outcomes
+// Answers and outcomes
 
 void ObjectHost::answered(ServerCall& call, ByteView result) {
   let_pause_be_judged(call);
@@ -266,9 +266,9 @@ void ObjectHost::tell_outcome(ServerCall& call, const Failure& failure) {
   call.listener().reply(call.counter_in(call.listener()), failure);
 }
 
-/// Records the end of `call`. Must be called before the reply is sent, so that a client that saw
-/// its last command end can acquire the status. Commands of the next holder still wait for the
-/// handler to return.
+/// Records the end of `call`. Must be called before the reply is sent, so that the status can be
+/// acquired as soon as a client sees its last command end. Commands of the next holder still wait
+/// for the handler to return.
 void ObjectHost::settle(ServerCall& call, Detail detail, const std::string& text) {
   if (log_enabled(level_of(call.operation()))) log_end(call, detail, text, runtime_->clock().now());
   call.session->calls.take(call.counter);
@@ -371,7 +371,7 @@ void ObjectHost::tell_positions() {
   }
 }
 
-// Time and losses
+// Deadlines, silent clients and lost links
 
 TimePoint ObjectHost::on_tick(TimePoint now) {
   look_at_time(now);
@@ -455,7 +455,8 @@ bool ObjectHost::check_liveness(const std::shared_ptr<ServerSession>& session) {
   if (session->overrun()) return true;
   const TimePoint now = lease_clock_.now();
   const auto verdict = session->liveness.check(session->link().beats_seen(), now);
-  // An unread Goodbye that withdraws calls may precede the heartbeat; it must be read first.
+  // The link may hold an unread Goodbye that was sent before the heartbeat and withdraws calls. It
+  // must be read first.
   const bool heard = session->link().beats_read() > session->heartbeats_before;
   if (heard && verdict <= PeerLiveness::Verdict::Quiet) no_more_awaited(*session);
   if (verdict == PeerLiveness::Verdict::Quiet) return false;
@@ -463,8 +464,8 @@ bool ObjectHost::check_liveness(const std::shared_ptr<ServerSession>& session) {
     leases_.renew(session->id(), now);
     return false;
   }
-  // The client may withdraw its calls before its next heartbeat arrives, and the server cannot know
-  // that.
+  // A silent client may have withdrawn its calls. The server cannot know that before the next
+  // heartbeat, so no call starts until then.
   if (session->repeats()) await_heartbeat(*session);
   return verdict == PeerLiveness::Verdict::Dead;
 }
@@ -484,7 +485,7 @@ void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure
       lose_status(session->id(), "its holder (" + session->caller().program + ", pid " +
                                      std::to_string(session->caller().pid) + ") is gone");
     }
-    // The missing calls before these deferred calls will not arrive any more.
+    // Calls that were issued before these deferred calls are missing and will not arrive any more.
     while (const auto counter = session->intake.first_aside()) {
       end_early(
           *session, *counter, Detail::Rejected,
@@ -535,7 +536,7 @@ void ObjectHost::close() {
     waiting.session->reply(waiting.counter,
                            Failure{Detail::Rejected, "the server is about to end", {}, {}});
   }
-  const auto open = open_;  // the calls left are sensor operations that are answered later
+  const auto open = open_;  // the remaining calls are sensor operations that are answered later
   for (const auto& call : open) {
     interrupt(*call);
     if (!call->state.ended()) end(*call, failure);

@@ -47,7 +47,7 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   }
 
   // Functions for the I/O loop (IoLoop).
-  /// Processes one packet of `session`. Calls that may start after it are started by `run_ready`.
+  /// Processes one packet of `session`. Starts no call: call `run_ready` after it.
   void take(const std::shared_ptr<ServerSession>& session, ByteView packet);
   /// As `take`, but returns a call that may start now, or null. The caller must pass the call to
   /// `run_ready` soon.
@@ -56,7 +56,7 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   /// Runs the handler of `started`, unless it is null, and the handlers of all calls that may
   /// start.
   void run_ready(Starter starter, std::shared_ptr<ServerCall> started = nullptr);
-  /// True when `run_ready` may have something to do: a hint that saves locking the mutex.
+  /// A hint without locking the mutex: false when `run_ready` has nothing to do.
   bool ready() const { return ready_.load(std::memory_order_acquire); }
 
   // Any thread may call the functions below.
@@ -77,7 +77,7 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   /// starts calls that no other thread starts. Returns when the next tick is due.
   TimePoint on_tick(TimePoint now);
 
-  // Whether the broker confirms the name of the object (name_claim.hpp).
+  // Whether the broker confirms that this object has its name (name_claim.hpp).
   /// Must be called before the object is registered where other processes find it: from now on
   /// actor commands need the broker's confirmation of the name.
   void claim_name();
@@ -136,7 +136,7 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   void refuse_endless(const CommandId& call, const std::string& why);
   std::vector<RunningHandler> running_handlers() GECOS_REQUIRES(mutex_);
 
-  // Packets.
+  // Processing of packets.
   void take_packet(const std::shared_ptr<ServerSession>& session, ByteView bytes)
       GECOS_REQUIRES(mutex_);
   void acknowledge(const std::shared_ptr<ServerSession>& session, std::uint64_t counter)
@@ -196,7 +196,7 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
       GECOS_REQUIRES(mutex_);
   OutcomeRecord outcome_of(SessionId session, std::uint64_t counter) GECOS_REQUIRES(mutex_);
 
-  // Life of calls.
+  // Start, interruption and end of calls.
   std::shared_ptr<ServerCall> start_next(Starter starter) GECOS_REQUIRES(mutex_);
   std::vector<std::shared_ptr<ServerCall>> actor_commands() const GECOS_REQUIRES(mutex_);
   std::shared_ptr<QueueEntry> next_entry() GECOS_REQUIRES(mutex_);

@@ -5,7 +5,8 @@
 namespace gecos::session {
 namespace {
 
-/// A preempting command ends the commands before it when it is queued, so it may use their room.
+/// A preempting command ends the commands before it as soon as it is queued, so it may use their
+/// room.
 bool replaces(const QueueEntry& entry) { return entry.operation.on_new == OnNew::Preempt; }
 
 bool beside_each_other(const QueueEntry& one, const QueueEntry& other) {

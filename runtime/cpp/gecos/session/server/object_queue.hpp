@@ -35,8 +35,7 @@ enum class LaneThreads : std::uint8_t {
 
 /// Decides in which order the calls of one object start. The queue has three lanes: safety
 /// operations start first, then sensor operations, then actor commands, whose lane is bounded and
-/// FIFO. Actor commands run one at a time, unless the interface says otherwise. Pure and not
-/// thread-safe.
+/// FIFO. Actor commands run one at a time, unless the interface says otherwise. Not thread-safe.
 class ObjectQueue {
  public:
   static constexpr std::size_t most_of_object = 256;
@@ -52,7 +51,7 @@ class ObjectQueue {
 
   enum class Full : std::uint8_t { Object, Client, BytesOfObject, BytesOfClient };
   /// Queues `entry`; fails with the limit that is reached. A preempting command may use the room of
-  /// the commands that it replaces: the caller of `push` must then end these commands.
+  /// the commands that it replaces: after `push`, the caller must end these commands.
   tl::expected<void, Full> push(std::shared_ptr<QueueEntry> entry);
 
   /// Removes and returns the next call that may start now; null when no call may start.

@@ -33,15 +33,15 @@ class OutcomeLog {
   void opened(SessionId id, std::weak_ptr<ServerSession> session);
   std::shared_ptr<ServerSession> open(SessionId id) const;
   /// Must be called when session `id` receives no more packets; its calls that have not arrived
-  /// never start. `arrived`: the calls that have arrived. `lost`: the session when its client may
-  /// request its replies in another session, else null.
+  /// never start. `arrived`: the calls that have arrived. `lost`: the session itself if its client
+  /// may still request replies in another session, else null.
   void closed(SessionId id, const ReceiveWindow& arrived,
               const std::shared_ptr<ServerSession>& lost);
   /// The session `id` if it is open, or if it was lost and has calls that have not ended; else
   /// null.
   std::shared_ptr<ServerSession> session(SessionId id) const;
-  /// The reply that was sent to the call `counter` of session `id`, which may be lost; null when
-  /// the session is unknown or the reply is no longer kept.
+  /// The reply that was sent to the call `counter` of session `id`, even if that session was lost
+  /// since; null when the session is unknown or the reply is no longer kept.
   const Bytes* reply(SessionId id, std::uint64_t counter) const;
   /// Whether the call `counter` arrived in the closed session `id`; nullopt when the session is
   /// unknown or no longer kept.
@@ -57,7 +57,7 @@ class OutcomeLog {
     SessionId id{};
     ReceiveWindow arrived;
     std::weak_ptr<ServerSession> session;
-    std::shared_ptr<const ReplyCache> replies;  ///< null: its replies are not kept
+    std::shared_ptr<const ReplyCache> replies;  ///< null: the replies of this session are not kept
   };
   const Closed* find_closed(SessionId id) const;
 

@@ -18,13 +18,13 @@ namespace gecos::session {
 namespace {
 
 constexpr Duration patience = std::chrono::seconds(2);
-/// For the registrar's thread: how long actor commands may wait before they are refused because no
-/// broker answers.
+/// How long the registrar's thread waits for a broker. Actor commands wait as long; then they are
+/// refused because no broker answers.
 constexpr Duration answer_patience = std::chrono::seconds(1);
 constexpr Duration between_tries = std::chrono::milliseconds(200);
 constexpr Duration look_again_after = std::chrono::milliseconds(20);
-/// A missing broker is reported after this time, because server and broker are often started
-/// together.
+/// A missing broker is not reported before this time has passed, because server and broker are
+/// often started together.
 constexpr Duration report_after = std::chrono::seconds(1);
 
 /// Whether other processes can find `entry`, so that the broker may assign the name to another
@@ -108,7 +108,7 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
 
 /// Tries again when the broker is lost during the registration: a restarted broker accepts the same
 /// entry again. Also tries again while the broker has not noticed that the last holder of the name
-/// has ended, because a killed server may be restarted sooner than that.
+/// has ended: a killed server may be restarted before the broker notices.
 tl::expected<Duration, std::string> Registrar::register_first(Registration& registration,
                                                               TimePoint deadline) {
   for (;;) {
@@ -240,8 +240,8 @@ Duration Registrar::served_for(const Registration& registration) const {
   return lab_->runtime()->clock().since_boot() - registration.since;
 }
 
-/// Once there was a broker, a broker is searched only at its address: a broker elsewhere does not
-/// know which names the first broker has assigned.
+/// Once a broker was found, later searches use only its address: a broker at another address does
+/// not know which names the first broker has assigned.
 tl::expected<Registrar::Broker, std::string> Registrar::find_broker(TimePoint deadline) {
   std::string place;
   {

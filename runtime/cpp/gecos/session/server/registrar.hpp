@@ -62,8 +62,8 @@ class Registrar {
   Duration served_for(const Registration& registration) const;
   tl::expected<Duration, std::string> register_first(Registration& registration,
                                                      TimePoint deadline);
-  /// Logs why no broker answers, once, when this state lasts. `missing`: the reason; empty when a
-  /// broker answers.
+  /// Logs once why no broker answers, when that lasts for a while. `missing`: the reason; empty
+  /// when a broker answers.
   void note_broker(const std::string& missing);
   /// True when the process that holds `name` has ended. A holder on another host counts as running,
   /// because its process cannot be checked; a pid that does not exist here counts as ended.
@@ -82,7 +82,8 @@ class Registrar {
   bool reported_missing_ GECOS_GUARDED_BY(mutex_) = false;
   std::string reported_;  ///< why clients cannot find some objects; used by thread_ only
   bool wanted_ GECOS_GUARDED_BY(mutex_) = false;
-  TimePoint next_ GECOS_GUARDED_BY(mutex_) = TimePoint::max();  ///< when the broker is asked again
+  /// the moment at which the broker is asked again
+  TimePoint next_ GECOS_GUARDED_BY(mutex_) = TimePoint::max();
   bool ended_ GECOS_GUARDED_BY(mutex_) = false;
   std::thread thread_;  ///< own thread, because the search for a broker blocks
 };

@@ -63,7 +63,7 @@ class Server::Core {
     TimePoint on_tick(TimePoint now) override;
     void after_pause(Duration stood_still) override;
     Mutex mutex;
-    Core* core GECOS_GUARDED_BY(mutex);  ///< null once the server ends
+    Core* core GECOS_GUARDED_BY(mutex);  ///< null once the destruction of the server has begun
   };
 
   struct Opened {
@@ -136,8 +136,8 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
     auto acceptor = [&]() -> tl::expected<std::unique_ptr<media::Acceptor>, media::MediumError> {
       const auto medium = lab_->runtime()->medium(kind);
       if (!medium) return tl::unexpected(medium.error());
-      // Within a host, the well-known address of a medium must be served: there is only one. Over a
-      // network it may fail: another host may have the address, or there is no network.
+      // The well-known address of a medium exists only once. Within a host it must be served. Over
+      // a network it may fail: another host may have the address, or there is no network.
       needed = needed || (options.well_known && (*medium)->offer().reach != media::Reach::Network);
       try {
         return (*medium)->listen(name, options.well_known);

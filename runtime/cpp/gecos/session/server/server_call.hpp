@@ -16,7 +16,7 @@ namespace gecos::session {
 class ObjectHost;
 class ServerSession;
 
-/// Describes a wait, without a time-out, of a handler's thread for another call.
+/// The wait of a handler's thread for another call, without a time-out.
 struct HandlerWait {
   CommandId command;
   std::string name;
@@ -47,12 +47,12 @@ class ServerCall final : public CallCore,
   void waits(const CommandCore& command) override;
   void goes_on() override;
 
-  /// Records when the call is marked as started. Must be called before the mark of the call is
-  /// written, with the object's mutex held.
+  /// Records the moment at which the call is marked as started. Must be called before the mark of
+  /// the call is written, with the object's mutex held.
   void note_mark(TimePoint now) { marked_at_.store(now, std::memory_order_relaxed); }
 
-  /// The session in which progress and outcome of this call are reported, and the counter of the
-  /// call in that session. Both functions require the object's mutex.
+  /// The next two functions require the object's mutex. They return the session in which progress
+  /// and outcome of this call are reported, and the counter of the call in that session.
   ServerSession& listener() const { return resumed_in ? *resumed_in : *session; }
   std::uint64_t counter_in(const ServerSession& teller) const {
     return resumed_in.get() == &teller ? resumed_counter : counter;

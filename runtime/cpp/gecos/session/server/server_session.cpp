@@ -11,11 +11,11 @@
 namespace gecos::session {
 namespace {
 
-/// Maximum number of waiting packets: a reply to each granted call, as many Goodbyes, and room for
-/// repeated replies.
+/// Maximum number of waiting packets: a reply and a Goodbye for each granted call, and as many
+/// again for repeated replies.
 constexpr std::size_t most_backlog = 4 * ObjectQueue::most_of_object;
-/// Maximum size of the backlog in bytes. A result that would exceed it is dropped, and its call
-/// fails.
+/// Maximum size of the backlog in bytes. A result that would exceed this limit is dropped, and its
+/// call fails.
 constexpr std::size_t most_backlog_bytes = 128 * 1024 * 1024;
 
 wire::PacketHeader reply_to(std::uint64_t counter) {
@@ -38,7 +38,7 @@ Failure shortened(const Failure& failure, std::size_t takes, std::size_t carried
   while (cut > 0 && inside_character()) --cut;
   return {failure.detail,
           failure.text.substr(0, cut) + (cut < failure.text.size() ? "…" : "") +
-              " (cut: as a whole it takes " + std::to_string(takes) +
+              " (cut: the whole failure takes " + std::to_string(takes) +
               " bytes and the medium carries " + std::to_string(carried) + ")",
           {},
           {}};
@@ -136,8 +136,7 @@ bool ServerSession::report(const ServerCall& call, Detail detail, std::size_t po
   const MutexLock lock(send_mutex_);
   if (!backlog_.empty()) return false;
   write_packet(packet_, header, body.encoded_size(), [&](wire::Encoder& to) { body.encode(to); });
-  // Progress ends no wait: a caller that sleeps until the end of its call must not be woken by
-  // progress.
+  // Sent without a wake-up: a caller that sleeps until its call ends must not be woken by progress.
   return media::send_quietly(*link_, packet_, {}).has_value();
 }
 

@@ -47,7 +47,7 @@ class ServerSession {
   // The functions below require the object's mutex.
   void reply(std::uint64_t counter, const Failure& failure);
   void reply(std::uint64_t counter, ByteView result, Epoch epoch = {});
-  /// Replies to the call `counter` with `before`, the reply that the call got in another session.
+  /// Replies to the call `counter` with `before`, the reply that this call got in another session.
   void reply_as(std::uint64_t counter, const wire::PacketView& before);
   /// Sends the latest progress of `call`, or drops it when the link has no room. Returns true when
   /// the progress was sent.
@@ -70,7 +70,8 @@ class ServerSession {
   unsigned quiet_looks = 0;  ///< 0: a packet came since the last `retire_idle`
   TimePoint last_heard{};
 
-  std::atomic<bool> gone{false};  // true: the poller forgets the session; orders no other memory
+  // true: the polling thread drops the session; orders no other memory
+  std::atomic<bool> gone{false};
 
   // Guarded by the object's mutex.
   CallTable<ServerCall> calls;
@@ -93,7 +94,7 @@ class ServerSession {
   /// True after this process was suspended or while the client is silent: no call of the session
   /// may start before the client's next heartbeat.
   bool awaited = false;
-  /// Number of heartbeats received before `awaited` was set; only a later heartbeat clears it.
+  /// Number of heartbeats received when `awaited` was set; only a later heartbeat clears `awaited`.
   std::uint64_t heartbeats_before = 0;
 
  private:

@@ -16,8 +16,8 @@ namespace gecos::session {
 /// Publishes one stream of an object. Creates one writer per medium, at the first subscription over
 /// this medium. Without subscribers, only the latest sample is kept.
 ///
-/// Publishing takes no lock of the object, uses no session, and does not allocate once a sample of
-/// the same size was published. Thread-safe.
+/// Publishing takes no lock of the object and uses no session. It does not allocate when a sample
+/// of the same size was published before. Thread-safe.
 class StreamPort {
  public:
   /// `object`: the name of the object, used in messages. Both arguments must outlive the port.
