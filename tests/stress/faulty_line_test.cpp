@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "../cpp/media/kind_names.hpp"
+#include "gecos/binding.hpp"
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
 #include "gecos/media/testing/faulty.hpp"
@@ -36,15 +37,15 @@ std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
 
 /// Each program of the test has its own faulty connection, all with the same faults. Even on a slow
 /// machine no peer counts as lost: a call that ends with anything but DONE is a defect.
-gecos::LabOptions bad_line(std::uint64_t seed) {
+gecos::Lab bad_line(std::uint64_t seed) {
   const gecos::media::Faults faults{
       .seed = seed, .loss = 0.1, .duplication = 0.1, .corruption = 0.01, .reordering = 0.3};
   gecos::LabOptions options;
   options.grace = options.lease_ttl = std::chrono::seconds(20);
-  options.wrap_medium = [faults](std::unique_ptr<gecos::media::Medium> inner) {
+  const auto wrap = [faults](std::unique_ptr<gecos::media::Medium> inner) {
     return gecos::media::make_faulty(std::move(inner), faults, real_clock);
   };
-  return options;
+  return gecos::session::LabAccess::with_media(options, wrap);
 }
 
 /// Counts the runs of each command, and the commands that came reordered or damaged.

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "gecos/binding.hpp"
 #include "gecos/media/testing/faulty.hpp"
 
 namespace stress {
@@ -41,20 +42,19 @@ gecos::media::Kind Setting::medium() const {
   return *kind;
 }
 
-gecos::LabOptions Setting::lab() const {
-  gecos::LabOptions options;
-  if (text("faults").empty()) return options;
+gecos::Lab Setting::lab() const {
+  if (text("faults").empty()) return gecos::Lab();
   gecos::media::Faults faults;
   std::istringstream from(text("faults"));
   char comma = 0;
   from >> faults.loss >> comma >> faults.duplication >> comma >> faults.reordering >> comma >>
       faults.corruption >> comma >> faults.seed;
   if (!from) wrong("faults are five numbers: " + text("faults"));
-  options.wrap_medium = [faults](std::unique_ptr<gecos::media::Medium> inner) {
+  const auto wrap = [faults](std::unique_ptr<gecos::media::Medium> inner) {
     if (inner->offer().name != "lcm") return inner;
     return gecos::media::make_faulty(std::move(inner), faults, real_clock());
   };
-  return options;
+  return gecos::session::LabAccess::with_media({}, wrap);
 }
 
 }  // namespace stress

@@ -18,7 +18,7 @@ class Setting {
   gecos::media::Kind medium() const;
   /// With faults on lcm when `faults` says so: "loss,duplication,reordering,corruption,seed". The
   /// broker, met over shm, has none.
-  gecos::LabOptions lab() const;
+  gecos::Lab lab() const;
 
  private:
   std::map<std::string, std::string> values_;

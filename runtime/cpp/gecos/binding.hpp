@@ -14,6 +14,14 @@ namespace gecos::session {
 /// own.
 IncarnationId process_incarnation();
 
+/// The parts of a Lab that its users do not need.
+struct LabAccess {
+  static const LabOrWhyNot& context(const Lab& lab) { return lab.core_; }
+  /// A Lab that passes each medium through `wrap` when it opens the medium: a test wraps it in one
+  /// that loses packets (gecos/media/testing/faulty.hpp).
+  static Lab with_media(LabOptions options, media::WrapMedium wrap);
+};
+
 /// The session of `lab` with its broker, opened when there is none; on failure, what was tried.
 /// @pre `lab` holds a value.
 tl::expected<std::shared_ptr<ClientSession>, std::string> broker_session(const LabOrWhyNot& lab,

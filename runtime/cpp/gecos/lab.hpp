@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <initializer_list>
 #include <iosfwd>
 #include <memory>
@@ -14,7 +13,6 @@
 
 #include "gecos/base/checked_result.hpp"
 #include "gecos/media/kinds.hpp"
-#include "gecos/media/medium.hpp"
 #include "gecos/object.hpp"
 
 namespace gecos {
@@ -27,9 +25,6 @@ struct LabOptions {
   Duration grace = std::chrono::seconds(1);  ///< how long a lost peer may stay UNREACHABLE
   Duration lease_ttl = std::chrono::milliseconds(500);  ///< silence that ends a session
   Duration heartbeat = std::chrono::milliseconds(100);
-  /// Wraps each medium when it is opened, for example in a test double that loses packets
-  /// (gecos/media/testing/faulty.hpp). Null: no wrapper.
-  std::function<std::unique_ptr<media::Medium>(std::unique_ptr<media::Medium>)> wrap_medium{};
 };
 
 struct CreateOptions {
@@ -56,6 +51,7 @@ std::ostream& operator<<(std::ostream& out, const CreateError& error);
 
 namespace session {
 class Context;
+struct LabAccess;
 /// An opened session, and why the names before it in the list were skipped.
 struct Created {
   std::shared_ptr<ClientSession> session;
@@ -128,9 +124,10 @@ class Lab {
     return create<Proxy>(std::vector<std::string>{reference.name}, std::move(options));
   }
 
-  const session::LabOrWhyNot& core() const { return core_; }
-
  private:
+  friend struct session::LabAccess;
+  explicit Lab(session::LabOrWhyNot core) : core_(std::move(core)) {}
+
   const session::LabOrWhyNot core_;
 };
 

@@ -46,7 +46,7 @@ nb::object create(LabHandle& self, nb::handle interface, const std::vector<std::
   }
   const InterfaceDescription& wanted = description_of(interface);
   auto created = run_interruptibly([lab = self.get(), &wanted, names, options] {
-    return session::create(lab->core(), wanted, names, options);
+    return session::create(session::LabAccess::context(*lab), wanted, names, options);
   });
   if (created) {
     return nb::cast(
@@ -64,7 +64,7 @@ nb::object broker(LabHandle& self, nb::handle interface, double patience) {
   const InterfaceDescription& wanted = description_of(interface);
   auto opened =
       run_interruptibly([lab = self.get(), until = deadline_after(patience_of(patience))] {
-        return session::broker_session(lab->core(), until);
+        return session::broker_session(session::LabAccess::context(*lab), until);
       });
   if (!opened) return nb::str(opened.error().c_str());
   return nb::cast(self.keep(std::make_shared<SessionHandle>(std::move(*opened), wanted)));

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "fork_generation.hpp"
+#include "gecos/binding.hpp"
 #include "gecos/builtin_operations.hpp"
 #include "gecos/lab.hpp"
 #include "waiting.hpp"
@@ -81,8 +82,9 @@ class LabHandle {
   /// Throws std::system_error when the process has no thread or descriptor left for the Lab, and
   /// std::runtime_error when the environment variables ask for something that does not exist.
   explicit LabHandle(LabOptions options) : lab_(std::make_shared<Lab>(std::move(options))) {
-    if (lab_->core()) return;
-    const session::NoLab& why = lab_->core().error();
+    const session::LabOrWhyNot& context = session::LabAccess::context(*lab_);
+    if (context) return;
+    const session::NoLab& why = context.error();
     if (why.missing) throw std::system_error(*why.missing);
     throw std::runtime_error(why.text);
   }

@@ -4,6 +4,7 @@
 #include <future>
 
 #include "bench.hpp"
+#include "gecos/binding.hpp"
 #include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/client/select.hpp"
@@ -12,6 +13,7 @@ namespace {
 
 using gecos::Detail;
 using gecos::media::Kind;
+using gecos::session::LabAccess;
 
 class Create : public probe::Bench {
  protected:
@@ -25,7 +27,8 @@ class Create : public probe::Bench {
 
 TEST_F(Create, TakesTheFirstThatIsThereAndSaysWhyNotTheOthers) {
   serve("SIM", servant_);
-  auto created = gecos::session::create(lab_.core(), probe::description(), {"REAL", "SIM"}, {});
+  auto created =
+      gecos::session::create(LabAccess::context(lab_), probe::description(), {"REAL", "SIM"}, {});
   ASSERT_TRUE(created) << created.error();
   EXPECT_EQ(created->session->object_name(), "SIM");
   ASSERT_EQ(created->passed_over.attempts.size(), 1u);
@@ -71,7 +74,8 @@ TEST_F(Create, SaysThatTheServerIsOffline) {
     dead.addresses = {"inproc:nowhere"};
     return dead;
   }();
-  auto broker = lab_.core().value()->broker(gecos::deadline_after(std::chrono::seconds(5)));
+  auto broker =
+      LabAccess::context(lab_).value()->broker(gecos::deadline_after(std::chrono::seconds(5)));
   ASSERT_TRUE(broker) << broker.error();
   ASSERT_TRUE(
       gecos::session::await_registered(*gecos::session::register_object(**broker, entry, {}),
@@ -119,7 +123,7 @@ TEST_F(Create, SaysWhyTheMediumThatLeadsToTheBrokerCannotBeHad) {
 }
 
 TEST_F(Create, TellsAnotherRuntimeDirectoryOfThisHostFromAnotherHost) {
-  auto& runtime = *lab_.core().value()->runtime();
+  auto& runtime = *LabAccess::context(lab_).value()->runtime();
   gecos::Entry entry;
   entry.hostname = "robots";
   entry.addresses = {"shm:/tmp/theirs/PROBE.12.1.sock"};
@@ -135,17 +139,18 @@ TEST_F(Create, TellsAnotherRuntimeDirectoryOfThisHostFromAnotherHost) {
 
 TEST_F(Create, RefusesHardRealtimeOnAMediumThatCannotUnlessSimulated) {
   gecos::Entry entry;
-  entry.host = lab_.core().value()->runtime()->host_identity();
+  entry.host = LabAccess::context(lab_).value()->runtime()->host_identity();
   entry.addresses = {"lcm:239.255.76.67:20017/x"};
   gecos::qos::Quality hard;
   hard.line = gecos::qos::Class::HardRealtime;
-  const auto refused =
-      gecos::session::select(*lab_.core().value()->runtime(), entry, hard, std::nullopt);
+  const auto refused = gecos::session::select(*LabAccess::context(lab_).value()->runtime(), entry,
+                                              hard, std::nullopt);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().find("lcm"), std::string::npos);
   EXPECT_NE(refused.error().find("HARD_REALTIME"), std::string::npos) << refused.error();
   entry.simulated = true;
-  EXPECT_TRUE(gecos::session::select(*lab_.core().value()->runtime(), entry, hard, std::nullopt));
+  EXPECT_TRUE(gecos::session::select(*LabAccess::context(lab_).value()->runtime(), entry, hard,
+                                     std::nullopt));
 }
 
 TEST_F(Create, TakesOnlyMediaThatTheInterfaceNames) {
@@ -156,7 +161,7 @@ TEST_F(Create, TakesOnlyMediaThatTheInterfaceNames) {
   gecos::InterfaceDescription wanted = probe::description();
   const auto over = [&](Media media) {
     wanted.quality.media = media;
-    return gecos::session::create(lab_.core(), wanted, {"PROBE"}, {});
+    return gecos::session::create(LabAccess::context(lab_), wanted, {"PROBE"}, {});
   };
   const auto medium = [](const auto& created) { return created->session->offer().name; };
 
@@ -269,7 +274,7 @@ class Restarted : public probe::NothingLeftOpen {
   gecos::Entry entry(pid_t pid) {
     gecos::Entry holder;
     holder.name = "PROBE";
-    holder.host = lab_.core().value()->runtime()->host_identity();
+    holder.host = LabAccess::context(lab_).value()->runtime()->host_identity();
     holder.pid = pid;
     return holder;
   }

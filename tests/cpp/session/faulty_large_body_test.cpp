@@ -3,6 +3,7 @@
 #include <random>
 
 #include "bench.hpp"
+#include "gecos/binding.hpp"
 #include "gecos/media/testing/faulty.hpp"
 
 namespace {
@@ -10,15 +11,15 @@ namespace {
 using gecos::Detail;
 using gecos::media::Kind;
 
-gecos::LabOptions bad_line(std::uint64_t seed) {
+gecos::Lab bad_line(std::uint64_t seed) {
   static const gecos::SystemClock clock;
   const gecos::media::Faults faults{
       .seed = seed, .loss = 0.1, .duplication = 0.1, .corruption = 0.01, .reordering = 0.3};
   gecos::LabOptions options = probe::patient();
-  options.wrap_medium = [faults](std::unique_ptr<gecos::media::Medium> inner) {
+  const auto wrap = [faults](std::unique_ptr<gecos::media::Medium> inner) {
     return gecos::media::make_faulty(std::move(inner), faults, clock);
   };
-  return options;
+  return gecos::session::LabAccess::with_media(options, wrap);
 }
 
 class LargeBodyOverABadLine : public probe::NothingLeftOpen {
@@ -26,13 +27,13 @@ class LargeBodyOverABadLine : public probe::NothingLeftOpen {
   std::mutex mutex_;
   std::map<std::uint32_t, int> runs_;  ///< of each call; guarded by mutex_
   const std::uint64_t seed_ = std::random_device{}();
-  gecos::Lab broker_lab_{bad_line(seed_ + 2)};
+  gecos::Lab broker_lab_ = bad_line(seed_ + 2);
   gecos::broker::Broker broker_;
   gecos::Server broker_server_{broker_lab_};
   probe::ProbeServant servant_;
-  gecos::Lab server_lab_{bad_line(seed_)};
+  gecos::Lab server_lab_ = bad_line(seed_);
   gecos::Server server_{server_lab_};
-  gecos::Lab lab_{bad_line(seed_ + 1)};
+  gecos::Lab lab_ = bad_line(seed_ + 1);
 };
 
 TEST_F(LargeBodyOverABadLine, ArrivesIntactAndIsCarriedOutOnce) {

@@ -3,6 +3,7 @@
 #include <future>
 
 #include "../settles.hpp"
+#include "gecos/binding.hpp"
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/client/context.hpp"
 #include "over_media.hpp"
@@ -12,6 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 using gecos::Detail;
 using gecos::StreamEnd;
+using gecos::session::LabAccess;
 
 class ClosedLab : public probe::OverMedia {
  protected:
@@ -108,10 +110,10 @@ TEST_P(ClosedLab, SendsNothingAndCreatesNothing) {
 TEST_P(ClosedLab, KeepsNoSessionThatIsOpenedMeanwhile) {
   const auto late = std::dynamic_pointer_cast<gecos::session::ClientConnection>(other_.session());
   ASSERT_NE(late, nullptr);
-  EXPECT_TRUE(lab_.core().value()->keep(late));
+  EXPECT_TRUE(LabAccess::context(lab_).value()->keep(late));
   lab_.close();
   EXPECT_TRUE(late->closed());
-  EXPECT_FALSE(lab_.core().value()->keep(late));
+  EXPECT_FALSE(LabAccess::context(lab_).value()->keep(late));
 }
 
 TEST_P(ClosedLab, GoesOnServing) {

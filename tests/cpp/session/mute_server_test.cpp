@@ -2,6 +2,7 @@
 #include <atomic>
 #include <limits>
 
+#include "gecos/binding.hpp"
 #include "gecos/media/layers/layer.hpp"
 #include "over_media.hpp"
 
@@ -31,12 +32,12 @@ class MuteLink final : public gecos::media::LinkLayer {
 };
 
 /// Bounds of .8 s instead of 3 s.
-gecos::LabOptions quick(const std::shared_ptr<std::atomic<int>>& lost) {
+gecos::Lab quick(const std::shared_ptr<std::atomic<int>>& lost) {
   gecos::LabOptions options;
   options.lease_ttl = 200ms;
   options.grace = 200ms;
   options.heartbeat = 40ms;
-  options.wrap_medium = [lost](std::unique_ptr<gecos::media::Medium> inner) {
+  const auto wrap = [lost](std::unique_ptr<gecos::media::Medium> inner) {
     const gecos::media::Offer offer = inner->offer();
     return gecos::media::make_layer(
         std::move(inner), offer,
@@ -44,7 +45,7 @@ gecos::LabOptions quick(const std::shared_ptr<std::atomic<int>>& lost) {
           return std::make_unique<MuteLink>(std::move(link), offered, lost);
         });
   };
-  return options;
+  return gecos::session::LabAccess::with_media(options, wrap);
 }
 
 constexpr int all = std::numeric_limits<int>::max();
@@ -58,7 +59,7 @@ class MuteServer : public probe::OverMedia {
   void TearDown() override { EXPECT_LT(std::chrono::steady_clock::now() - begin_, 5 * 800ms + 1s); }
 
   std::shared_ptr<std::atomic<int>> lost_ = std::make_shared<std::atomic<int>>(0);
-  gecos::Lab near_it_{quick(lost_)};
+  gecos::Lab near_it_ = quick(lost_);
   probe::Probe probe_;
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };

@@ -11,8 +11,9 @@ namespace gecos::broker {
 std::vector<std::string> other_brokers(Duration patience) {
   std::vector<std::string> places;
   Lab lab;
-  if (!lab.core()) throw std::runtime_error(lab.core().error().text);
-  for (auto& found : session::find_brokers(lab.core(), patience)) {
+  const session::LabOrWhyNot& context = session::LabAccess::context(lab);
+  if (!context) throw std::runtime_error(context.error().text);
+  for (auto& found : session::find_brokers(context, patience)) {
     if (found.incarnation != session::process_incarnation())
       places.push_back(std::move(found.address));
   }

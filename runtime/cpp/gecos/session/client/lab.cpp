@@ -27,9 +27,9 @@ std::ostream& operator<<(std::ostream& out, const CreateError& error) {
 
 namespace {
 
-session::LabOrWhyNot make_core(LabOptions options) {
+session::LabOrWhyNot make_context(LabOptions options, media::WrapMedium wrap) {
   if (const auto& problem = log_level_problem()) return tl::unexpected(session::NoLab{*problem});
-  return session::Runtime::make(std::move(options), session::system_clock())
+  return session::Runtime::make(std::move(options), session::system_clock(), std::move(wrap))
       .map([](std::shared_ptr<session::Runtime> runtime) {
         return std::make_shared<session::Context>(std::move(runtime));
       });
@@ -37,7 +37,7 @@ session::LabOrWhyNot make_core(LabOptions options) {
 
 }  // namespace
 
-Lab::Lab(LabOptions options) : core_(make_core(std::move(options))) {}
+Lab::Lab(LabOptions options) : Lab(make_context(std::move(options), {})) {}
 
 Lab::~Lab() = default;
 
@@ -46,6 +46,11 @@ void Lab::close() {
 }
 
 namespace session {
+
+Lab LabAccess::with_media(LabOptions options, media::WrapMedium wrap) {
+  return Lab(make_context(std::move(options), std::move(wrap)));
+}
+
 namespace {
 
 using Attempt = CreateError::Attempt;

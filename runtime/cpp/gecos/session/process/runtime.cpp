@@ -94,17 +94,17 @@ IncarnationId process_incarnation() {
   return IncarnationId{known};
 }
 
-Runtime::Runtime(LabOptions options, const Clock& clock)
-    : options_(std::move(options)), clock_(clock), maintenance_(clock) {}
+Runtime::Runtime(LabOptions options, const Clock& clock, media::WrapMedium wrap)
+    : options_(std::move(options)), clock_(clock), wrap_(std::move(wrap)), maintenance_(clock) {}
 
 Runtime::~Runtime() = default;
 
-tl::expected<std::shared_ptr<Runtime>, NoLab> Runtime::make(LabOptions options,
-                                                            const Clock& clock) {
+tl::expected<std::shared_ptr<Runtime>, NoLab> Runtime::make(LabOptions options, const Clock& clock,
+                                                            media::WrapMedium wrap) {
   // obtained first, so that it is destroyed after the runtimes that use it
   OpenRuntimes& open = OpenRuntimes::instance();
   try {
-    auto runtime = std::make_shared<Runtime>(std::move(options), clock);
+    auto runtime = std::make_shared<Runtime>(std::move(options), clock, std::move(wrap));
     open.add(runtime);
     return runtime;
   } catch (const std::system_error& failed) {
@@ -116,7 +116,7 @@ tl::expected<media::Medium*, media::MediumError> Runtime::medium(media::Kind kin
   const MutexLock lock(mutex_);
   auto found = media_.find(kind);
   if (found == media_.end()) {
-    auto opened = media::open(kind, options_.wrap_medium);
+    auto opened = media::open(kind, wrap_);
     log_debug("media",
               opened ? std::string(media::to_string(kind)) + " was opened" : opened.error().text);
     if (!opened) return tl::unexpected(std::move(opened.error()));

@@ -32,9 +32,10 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
  public:
   /// Creates a runtime whose sessions say goodbye when the program exits, even if their Lab is
   /// never destroyed. Fails when this process has no thread or descriptor left for the runtime.
-  static tl::expected<std::shared_ptr<Runtime>, NoLab> make(LabOptions options, const Clock& clock);
+  static tl::expected<std::shared_ptr<Runtime>, NoLab> make(LabOptions options, const Clock& clock,
+                                                            media::WrapMedium wrap = {});
 
-  Runtime(LabOptions options, const Clock& clock);
+  Runtime(LabOptions options, const Clock& clock, media::WrapMedium wrap = {});
   ~Runtime();
 
   const LabOptions& options() const { return options_; }
@@ -65,6 +66,7 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
  private:
   const LabOptions options_;
   const Clock& clock_;
+  const media::WrapMedium wrap_;  ///< of a test; null: media are used unwrapped
   Mutex mutex_;
   std::map<media::Kind, std::unique_ptr<media::Medium>> media_ GECOS_GUARDED_BY(mutex_);
   std::optional<std::string> host_identity_ GECOS_GUARDED_BY(mutex_);

@@ -217,7 +217,7 @@ void Server::Core::run() {
 
 void Server::Core::shut_down() { ended_.notify(); }
 
-Server::Server(Lab& lab) : core_(Core::make(lab.core())) {}
+Server::Server(Lab& lab) : core_(Core::make(session::LabAccess::context(lab))) {}
 Server::~Server() {
   // A forked child leaks the core, which belongs to its parent.
   if (core_ && (*core_)->inherited()) static_cast<void>(core_->release());
