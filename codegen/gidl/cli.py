@@ -100,7 +100,7 @@ def _parser() -> argparse.ArgumentParser:
     dump.add_argument(
         "--omg",
         choices=("corba", "dds"),
-        help="print plain IDL instead: for omniidl, or types for idlc",
+        help="print plain IDL instead: corba for omniidl; dds, types only, for idlc",
     )
     dump.set_defaults(command=_dump, prints=True)
 

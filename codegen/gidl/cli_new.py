@@ -13,7 +13,7 @@ from gidl.scaffold import ScaffoldRefusal, write_device, write_mock
 
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     new = verbs.add_parser(
-        "new", help="start a device: interface, server and client; or a mock of one"
+        "new", help="write the first files of a device (interface, server, client) or a mock server"
     )
     new.add_argument("name", nargs="?", help="name of the device, like thermometer")
     new.add_argument("--into", type=Path, help="folder to create; default: the name")

@@ -69,7 +69,7 @@ class TypeNames:
 
 
 def name_types(model: Model, language: Language) -> TypeNames:
-    """Names all declarations of `model` in `language`."""
+    """Chooses the name of every declaration of `model` in code of `language`."""
     naming = _Naming(model, language)
     for file in model.files:  # each file comes after those it includes
         naming.name_file(file)

@@ -49,7 +49,7 @@ int run(int count, char** words) {
   return devices::serve_device(lab, servant,
                                {.program = "robcl-lds",
                                 .name = line.text("name"),
-                                .blocking = true,  // handlers wait for the world
+                                .blocking = true,  // handlers wait for answers of the world server
                                 .beats = {{20ms, [&servant](double) { servant.publish(); }}}});
 }
 

@@ -104,7 +104,7 @@ def _one(sides: Sides, old: AnyDeclaration, new: AnyDeclaration, report: Report)
                 report.add("G1102", old.name,
                            f"constant '{old.name}' was {old.value!r} and is {new.value!r}",
                            "programs that were built before the change use the old value",
-                           "keep the constant, and add another one", new=new.facts,
+                           "keep the constant, and declare another constant", new=new.facts,
                            old=old.facts)  # fmt: skip
 
 
@@ -132,8 +132,8 @@ def _refused(old: AnyDeclaration, new: AnyDeclaration, what: str, report: Report
 def _enum(old: EnumDeclaration, new: EnumDeclaration, report: Report) -> None:
     if old.default_literal != new.default_literal:
         report.add("G1004", old.name,
-                   f"unknown literals of '{old.name}' became "
-                   f"{old.default_literal or 'an error'} and become "
+                   f"unknown literals of '{old.name}' were read as "
+                   f"{old.default_literal or 'an error'} and are read as "
                    f"{new.default_literal or 'an error'}",
                    "the hash of every operation that uses the enum differs, so old and new "
                    "programs refuse each other", "keep @default_literal as it was", new=new.facts,
@@ -207,7 +207,8 @@ def _typedef(sides: Sides, old: Typedef, new: Typedef, report: Report) -> None:
     if was != is_now:
         report.add("G1102", old.name, f"{what} was {was} and is {is_now}",
                    "programs that use the type do not build any more, or compute with another type",
-                   "keep the type, and add another one", new=new.facts, old=old.facts)  # fmt: skip
+                   "keep the type, and declare another type",
+                   new=new.facts, old=old.facts)  # fmt: skip
         return
     slots.number(report, old.name, what, (old.unit or "", new.unit or ""),
                  (old.range, new.range), (new.facts, old.facts))  # fmt: skip

@@ -7,7 +7,8 @@
 namespace gecos::broker {
 namespace {
 
-/// Converts the time for which a server says it has served an object; the number may be invalid.
+/// The given time in seconds, which a server reports, as a Duration: zero when it is negative or
+/// NaN, and a century at most.
 Duration duration_of(double seconds) {
   constexpr double century = 3.2e9;
   if (!(seconds > 0)) return Duration::zero();

@@ -52,8 +52,8 @@ class HandshakeAcceptor {
 
   struct Answer {
     Bytes second;                    ///< the second message, to be sent back
-    std::optional<Channel> channel;  ///< nothing when the first message was a repetition
-    Bytes payload;                   ///< the client's payload; empty after a repetition
+    std::optional<Channel> channel;  ///< nothing when the first message was repeated
+    Bytes payload;  ///< the client's payload; empty when the first message was repeated
   };
   struct Refused {
     Refusal why;

@@ -72,7 +72,7 @@ enum class SendProblem : std::uint8_t {
 
 enum class Loss : std::uint8_t {
   None,    ///< the link is not lost, as far as the medium knows
-  Closed,  ///< the peer closed the link in order
+  Closed,  ///< the peer closed the link by a message
   Died,    ///< the peer's process ended, or closed its socket without a message
   Broken,  ///< the peer violated the protocol of the medium (see Link::loss_text)
 };

@@ -20,8 +20,8 @@ class QuietSender {
   ~QuietSender() = default;
 };
 
-/// Sends a packet for which the peer does not wait: quietly if `link` supports it, else by
-/// Link::send.
+/// Sends a packet for which the peer does not wait: without waking the peer if `link` supports
+/// that, else by Link::send.
 inline tl::expected<std::uint64_t, SendProblem> send_quietly(Link& link, ByteView head,
                                                              ByteView body) {
   if (auto* const quiet = dynamic_cast<QuietSender*>(&link)) return quiet->send_quietly(head, body);

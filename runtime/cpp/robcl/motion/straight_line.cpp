@@ -21,7 +21,7 @@ constexpr double line_step = mm(1);     // longest distance of the tool between 
 constexpr double turn_step = deg(0.2);  // largest turn of the tool between two knots
 constexpr double joint_step = 0.03;     // rad per joint between two knots; else more knots
 constexpr double joint_jump = 0.1;      // rad per joint between the closest knots; else fail
-constexpr std::size_t closer = 8;       // largest factor by which knots are added
+constexpr std::size_t closer = 8;       // the number of knots grows at most by this factor
 constexpr std::size_t fewest = 50, most = 4000;
 
 Failure with_place(Failure failure, const std::string& where) {

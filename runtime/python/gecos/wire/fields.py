@@ -72,7 +72,7 @@ class Fields:
             if source.remaining < struct.calcsize(">" + code):
                 source.refuse(DecodeProblem.TRUNCATED, name)
             source.number(code, name)  # an invalid boolean is reported instead of a later TRUNCATED
-        raise AssertionError("the run is truncated, but each of its fields fits")
+        raise AssertionError("the group of numbers is truncated, but each number fits")
 
     def _unfit(self, values: tuple[Any, ...]) -> EncodeError | TypeError:
         if len(values) != len(self._codes):

@@ -466,8 +466,8 @@ _numbers = {code: Number(code) for code in READERS}
 
 
 def kind_of(step: Any) -> Kind:
-    """The kind of a layout step. A step is the code of a number, a kind, a type with its own
-    layout, or a function that returns a type that is declared later."""
+    """Converts a layout step to a Kind. A step is a Kind, the code of a number, a type with its
+    own layout, or a function that returns a type that is declared later."""
     if isinstance(step, Kind):
         return step
     if isinstance(step, str):

@@ -40,5 +40,5 @@ def compile_struct(layout: StructLayout, fingerprint: int) -> None:
 
 
 def accelerated(function: _FunctionT) -> _FunctionT:
-    """Decorates a function of `gecos.wire`, which then runs compiled for compiled structs."""
+    """Decorates a function of `gecos.wire`: structs with a compiled plan use the C++ version."""
     return _plans.entry(function.__name__, function) if COMPILED else function

@@ -95,7 +95,7 @@ class ShmLink final : public Link, public QuietSender {
   };
   struct Unsent {
     ControlMessage message;
-    std::shared_ptr<SealedMemory> memory;  // keeps the descriptor to be sent
+    std::shared_ptr<SealedMemory> memory;  // owns the descriptor until it is sent
   };
 
   Role peer_role() const { return role_ == Role::Client ? Role::Server : Role::Client; }

@@ -16,8 +16,8 @@ class ReceiveWindow {
   enum class Verdict : std::uint8_t {
     New,
     Seen,
-    Beyond,  ///< too far ahead of the first missing counter to be recorded: the counter counts as
-             ///< not arrived
+    Beyond,  ///< too far ahead of the first missing counter to be recorded; it counts as not
+             ///< arrived
   };
   /// Notes that `counter` arrived.
   Verdict arrived(std::uint64_t counter);

@@ -196,8 +196,8 @@ void ObjectHost::refuse_waiting(TimePoint now) {
         refusal(name_ + ": " + std::string(access::to_string(status_of(waiting.what.wanted))) +
                     " status refused: the handler of '" + std::string(runs->operation().name) +
                     "' still runs (issued by " + who(runs->caller()) +
-                    "); the status of its caller has ended and the handler was told to end; try "
-                    "again",
+                    "), although the status under which it was issued has ended; the handler "
+                    "was told to end: try again",
                 shown(std::vector{last}, lease_clock_.now())));
     return true;
   });
