@@ -53,7 +53,8 @@ class Verdict:
 def all_lanes(build: str, jobs: int) -> list[Lane]:
     python = sys.executable
     alone = ("tests/gidl", "tests/generated", "tests/fuzz", "tests/docs", "tests/tools")
-    of_compiler = (*alone, "tests/system/test_sdk.py")
+    sdk, peers = "tests/system/test_sdk.py", "tests/system/test_bench_peers.py"
+    of_compiler = (*alone, sdk)
     of_python = (*alone, "tests/system", "tests/stress")
     pytest_sum = r"^=+ .*(passed|failed|error|no tests).* =+$"
     return [
@@ -83,9 +84,11 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
             (python, "-m", "pytest", f"-n{jobs}", "--dist=worksteal", *of_compiler),
             pytest_sum,
         ),
+        # Alone: its busy loops on every core would keep the programs of other tests from running.
+        Lane("bench-peers", (python, "-m", "pytest", peers), pytest_sum),
         Lane(
             "systems",
-            (python, "-m", "pytest", "tests/system", "--ignore=tests/system/test_sdk.py"),
+            (python, "-m", "pytest", "tests/system", *(f"--ignore={f}" for f in (sdk, peers))),
             pytest_sum,
             shares_network=True,
         ),
