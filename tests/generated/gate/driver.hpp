@@ -235,7 +235,8 @@ Answer sent(const T& value) {
 template <class T>
 Answers send(gecos::ByteView neutral, gecos::ByteView) {
   In in(neutral);
-  T value{};
+  const auto made = std::make_unique<T>();  // clang 14 crashes at local variables of some types
+  T& value = *made;
   Form<T>::fill(in, value);
   std::ostringstream printed;
   printed << value;
@@ -397,7 +398,8 @@ struct Samples final : gecos::session::Publisher {
 template <class Servant, class Owner, class A>
 Answers publish(void (Owner::*method)(A, std::int64_t), gecos::ByteView neutral, gecos::ByteView) {
   In in(neutral);
-  std::decay_t<A> value{};
+  const auto made = std::make_unique<std::decay_t<A>>();
+  auto& value = *made;
   Form<std::decay_t<A>>::fill(in, value);
   Servant servant;
   const auto samples = std::make_shared<Samples>();
