@@ -40,6 +40,7 @@ class Lane:
     command: tuple[str, ...]
     closing: str
     shares_network: bool = False
+    alone: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,8 +85,14 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
             (python, "-m", "pytest", f"-n{jobs}", "--dist=worksteal", *of_compiler),
             pytest_sum,
         ),
-        # Alone: its busy loops on every core would keep the programs of other tests from running.
-        Lane("bench-peers", (python, "-m", "pytest", peers), pytest_sum),
+        # Its busy loops on every core would keep the programs of other lanes from running.
+        Lane(
+            "bench-peers",
+            (python, "-m", "pytest", peers),
+            pytest_sum,
+            shares_network=True,
+            alone=True,
+        ),
         Lane(
             "systems",
             (python, "-m", "pytest", "tests/system", *(f"--ignore={f}" for f in (sdk, peers))),
@@ -177,12 +184,14 @@ def has_own_networks() -> bool:
 
 def in_steps(lanes: Sequence[Lane]) -> list[list[Lane]]:
     """Groups lanes into steps. Lanes that share the network form one step and run two at a time, if
-    each can have a network of its own."""
+    each can have a network of its own and need not run alone."""
     sharing = [lane for lane in lanes if lane.shares_network]
     if len(sharing) < 2 or not has_own_networks():
         return [[lane] for lane in lanes]
     apart = [replace(lane, command=(*OWN_NETWORK, *lane.command)) for lane in sharing]
-    return [*([lane] for lane in lanes if not lane.shares_network), apart]
+    rest = [lane for lane in lanes if not lane.shares_network]
+    steps = [[lane] for lane in (*rest, *(lane for lane in apart if lane.alone))]
+    return [*steps, [lane for lane in apart if not lane.alone]]
 
 
 def summary(verdicts: Sequence[Verdict]) -> str:
