@@ -67,7 +67,7 @@ def test_bytes_are_checked_like_arrays(types: Any) -> None:
         ),
         (types.Bytes(few=b"12345"), r"Bytes\.few: 5 elements, at most 4"),
         (types.Limited(b"\x09\x0a"), r"Limited\.s: 10 is outside \[-inf, 9\]"),
-        (types.Limited(signed_ones=b"ab"), r"Limited\.signed_ones: an array of"),
+        (types.Limited(signed_ones=b"ab"), r"Limited\.signed_ones: the array has"),
         (types.Bytes(raws=3), r"Bytes\.raws: 3 is not bytes"),
         (types.Bytes(raws=np.zeros(2)), r"Bytes\.raws: .* is not bytes"),
         (types.Letters(one=65), r"Letters\.one: 65 is not one character of Latin-1"),
