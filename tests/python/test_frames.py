@@ -159,7 +159,7 @@ def test_millimetres_and_degrees_say_so() -> None:
         (lambda: rotate_x(math.inf), None),
         (
             lambda: Frame.from_quaternion(0, 0, 0, 1, 1, 0, 0),
-            r"w, x, y, z = \(1, 1, 0, 0\) has length 1\.41421356, .*normalise it",
+            r"w, x, y, z = \(1, 1, 0, 0\) has length 1\.41421356; .*normalise it",
         ),
         (lambda: Frame.from_matrix(np.eye(3)), r"shape \(3, 3\), it must be \(4, 4\)"),
         (lambda: Frame.from_matrix(2 * np.eye(4)), r"last row .*\(0, 0, 0, 2\)"),
