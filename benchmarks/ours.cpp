@@ -19,7 +19,7 @@
 namespace gecos::benchmarks {
 namespace {
 
-using media::Link;
+using media::Connection;
 
 /// A pipe between this process and another, small enough pieces at a time that it never fills.
 class Pipe {
@@ -61,23 +61,23 @@ class Pipe {
 
 // Packets
 
-/// Waits as a session does: spins by policy, then sleeps. Nothing once the link is lost.
-std::optional<ByteView> await_packet(Link& link, media::SpinPolicy& spin,
+/// Waits as a session does: spins by policy, then sleeps. Nothing once the connection is lost.
+std::optional<ByteView> await_packet(Connection& connection, media::SpinPolicy& spin,
                                      media::Acceptor* acceptor) {
   spin.begin();
   for (;;) {
-    if (const auto packet = link.receive()) return packet;
-    if (spin.again([&] { return media::place_of(link.peer_whereabouts()); })) continue;
-    if (link.prepare_to_sleep()) {
-      std::vector<int> all(link.descriptors().begin(), link.descriptors().end());
+    if (const auto packet = connection.receive()) return packet;
+    if (spin.again([&] { return media::place_of(connection.peer_whereabouts()); })) continue;
+    if (connection.prepare_to_sleep()) {
+      std::vector<int> all(connection.descriptors().begin(), connection.descriptors().end());
       if (acceptor != nullptr) {
         all.insert(all.end(), acceptor->descriptors().begin(), acceptor->descriptors().end());
       }
       media::sleep_on(all, TimePoint::max());
-      spin.woke(link.peer_whereabouts().rang_at, media::Woken::ByAnswer);
-      link.woke();
+      spin.woke(connection.peer_whereabouts().rang_at, media::Woken::ByAnswer);
+      connection.woke();
     }
-    if (link.loss() != media::Loss::None) return std::nullopt;
+    if (connection.loss() != media::Loss::None) return std::nullopt;
     spin.begin();
   }
 }
@@ -89,13 +89,13 @@ class Packets final : public PingPong {
     std::array<char, 256> address{};
     address_.read_all(address.data(), address.size(), "the server");
     medium_ = media::open(kind).value();
-    link_ = medium_->connect(address.data()).value();
+    connection_ = medium_->connect(address.data()).value();
   }
 
   void call() override {
-    if (!link_->send(ByteView(packet_).first(48), ByteView(packet_).subspan(48)) ||
-        !await_packet(*link_, spin_, nullptr)) {
-      throw std::runtime_error("packets: " + link_->loss_text());
+    if (!connection_->send(ByteView(packet_).first(48), ByteView(packet_).subspan(48)) ||
+        !await_packet(*connection_, spin_, nullptr)) {
+      throw std::runtime_error("packets: " + connection_->loss_text());
     }
   }
 
@@ -107,14 +107,14 @@ class Packets final : public PingPong {
     std::array<char, 256> address{};
     acceptor->address().copy(address.data(), address.size() - 1);
     address_.write_all(address.data(), address.size());
-    std::unique_ptr<Link> link;
-    while ((link = acceptor->accept()) == nullptr) {
+    std::unique_ptr<Connection> connection;
+    while ((connection = acceptor->accept()) == nullptr) {
       media::sleep_on(acceptor->descriptors(), TimePoint::max());
     }
     media::SpinPolicy spin(clock_);
     for (;;) {
-      const auto packet = await_packet(*link, spin, acceptor.get());
-      if (!packet || !link->send(*packet, {})) return;
+      const auto packet = await_packet(*connection, spin, acceptor.get());
+      if (!packet || !connection->send(*packet, {})) return;
     }
   }
 
@@ -124,7 +124,7 @@ class Packets final : public PingPong {
   Pipe address_;
   OtherProcess server_;
   std::unique_ptr<media::Medium> medium_;
-  std::unique_ptr<Link> link_;
+  std::unique_ptr<Connection> connection_;
 };
 
 // Calls

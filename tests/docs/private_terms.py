@@ -18,6 +18,10 @@ SUFFIXES = {".cpp", ".hpp", ".py", ".pyi", ".j2"}
 
 MEDIA = ("runtime/cpp/gecos/media/*", "tests/cpp/media/*", "tests/cpp/session/*", "benchmarks/*")
 SESSION = ("runtime/cpp/gecos/session/*", "tests/cpp/session/*")
+GECOS = (
+    *("runtime/cpp/gecos/*", "runtime/python/*", "benchmarks/*"),
+    *(f"tests/{each}/*" for each in ("cpp/media", "cpp/qos", "cpp/session", "fuzz", "protocol")),
+)
 
 INSTEAD: dict[str, str] = {
     "adrift": "pending failover",
@@ -53,8 +57,10 @@ INSTEAD: dict[str, str] = {
     "leaver": "registered for shutdown",
     "let go": "lease released",
     "lineage": "fork generation",
+    "link": "connection",
     "linked session": "client connection",
     "moor": "attach",
+    "offer": "capabilities",
     "opening": "handshake initiator",
     "origin": "connect target",
     "outlet": "sealed sender, publisher",
@@ -80,6 +86,8 @@ INSTEAD: dict[str, str] = {
 SCOPES: dict[str, tuple[str, ...]] = {
     "arm": MEDIA,  # elsewhere the arm of a robot or of a union
     "hold": SESSION,
+    "link": GECOS,  # elsewhere of a robot, of a file or of a library
+    "offer": GECOS,
     "origin": SESSION,  # elsewhere of a coordinate frame
     "ticket": SESSION,
     "told": SESSION,

@@ -109,8 +109,8 @@ void try_handshake(Script script) {
   }
 }
 
-/// The receive queue of a link, whose peer has the channel's keys and seals what it likes, and
-/// whose port anybody may write to.
+/// The receive queue of a connection, whose peer has the channel's keys and seals what it likes,
+/// and whose port anybody may write to.
 void try_receive_queue(Script script) {
   const crypto::Key key;
   TimePoint now{std::chrono::hours(1)};

@@ -6,7 +6,7 @@ namespace gecos::fuzz {
 
 void try_packets(ByteView input) {
   Script script(input);
-  if (script.one_in(2)) return try_linked(script);
+  if (script.one_in(2)) return try_connected(script);
   try_served(script);
 }
 

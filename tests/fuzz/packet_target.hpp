@@ -9,7 +9,7 @@ namespace gecos::fuzz {
 /// The server's side, with two clients.
 void try_served(Script script);
 /// The client's side, from its greeting on.
-void try_linked(Script script);
+void try_connected(Script script);
 
 /// One clock for all inputs; it only advances.
 inline FakeClock& the_clock() {

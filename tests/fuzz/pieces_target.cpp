@@ -6,7 +6,7 @@
 
 #include "gecos/media/layers/fragments.hpp"
 #include "gecos/media/layers/transfer.hpp"
-#include "scripted_link.hpp"
+#include "scripted_connection.hpp"
 
 namespace gecos::fuzz {
 namespace {
@@ -18,20 +18,20 @@ constexpr std::size_t piece_bytes = 8 * 1024;
 /// Connects to a script.
 class ScriptedMedium final : public Medium {
  public:
-  explicit ScriptedMedium(std::unique_ptr<Link> link)
-      : offer_(link->offer()), link_(std::move(link)) {}
-  const Offer& offer() const override { return offer_; }
+  explicit ScriptedMedium(std::unique_ptr<Connection> connection)
+      : capabilities_(connection->capabilities()), connection_(std::move(connection)) {}
+  const Capabilities& capabilities() const override { return capabilities_; }
   tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view, bool) override {
     return tl::unexpected(MediumError{"a script serves nobody"});
   }
-  tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view) override {
-    return std::move(link_);
+  tl::expected<std::unique_ptr<Connection>, MediumError> connect(std::string_view) override {
+    return std::move(connection_);
   }
   std::string well_known_address(std::string_view) const override { return {}; }
 
  private:
-  const Offer offer_;
-  std::unique_ptr<Link> link_;
+  const Capabilities capabilities_;
+  std::unique_ptr<Connection> connection_;
 };
 
 Bytes piece_of(std::uint64_t transfer, std::size_t size, std::uint32_t index, std::size_t content) {
@@ -44,8 +44,8 @@ Bytes piece_of(std::uint64_t transfer, std::size_t size, std::uint32_t index, st
 }  // namespace
 
 void try_pieces(Script script) {
-  auto made = std::make_unique<ScriptedLink>(false, piece_bytes + Piece::head_bytes);
-  ScriptedLink& inner = *made;
+  auto made = std::make_unique<ScriptedConnection>(false, piece_bytes + Piece::head_bytes);
+  ScriptedConnection& inner = *made;
   std::deque<Bytes> arriving;
   inner.next = [&]() -> std::optional<Bytes> {
     if (arriving.empty()) return std::nullopt;
@@ -55,7 +55,7 @@ void try_pieces(Script script) {
   };
   FakeClock clock;
   const auto medium = make_fragmented(std::make_unique<ScriptedMedium>(std::move(made)), clock);
-  const auto link = std::move(*medium->connect({}));
+  const auto connection = std::move(*medium->connect({}));
   std::uint64_t transfer = 0;
   for (int step = 0; step < 100 && !script.over(); ++step) {
     switch (script.below(8)) {
@@ -92,19 +92,19 @@ void try_pieces(Script script) {
         break;
       case 4: {
         const Bytes packet(script.word() % (8 * piece_bytes), std::byte{script.byte()});
-        const auto sent = link->send(packet, {});
+        const auto sent = connection->send(packet, {});
         expect(sent || sent.error() != SendProblem::TooLarge, "what is small enough goes");
         break;
       }
       case 5:
         clock.advance(std::chrono::milliseconds(script.byte()));
-        link->beat();
+        connection->beat();
         break;
       case 6:
         inner.full = !inner.full;
         break;
       case 7:
-        while (const auto packet = link->receive()) {
+        while (const auto packet = connection->receive()) {
           expect(packet->size() <= largest_transfer, "no packet is larger than the largest");
         }
         break;

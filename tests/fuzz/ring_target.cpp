@@ -247,7 +247,7 @@ void try_rings(ByteView input) {
     case 2:
       return try_stream(script);
     case 3:
-      return try_shm_link(script);
+      return try_shm_connection(script);
   }
 }
 

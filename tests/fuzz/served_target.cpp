@@ -12,7 +12,7 @@
 #include "gecos/wire/fields.hpp"
 #include "packet_target.hpp"
 #include "probe.hpp"
-#include "scripted_link.hpp"
+#include "scripted_connection.hpp"
 
 namespace gecos::fuzz {
 namespace {
@@ -104,13 +104,13 @@ class Client {
  public:
   Client(std::shared_ptr<ObjectHost> object, Servant& servant, bool reliable)
       : object_(std::move(object)), servant_(servant) {
-    auto link = std::make_unique<ScriptedLink>(reliable);
-    link_ = link.get();
-    session_ = std::make_shared<ServerSession>(std::move(link), object_);
-    link_->heard = [this](const wire::PacketView& packet) { hear(packet); };
+    auto connection = std::make_unique<ScriptedConnection>(reliable);
+    connection_ = connection.get();
+    session_ = std::make_shared<ServerSession>(std::move(connection), object_);
+    connection_->heard = [this](const wire::PacketView& packet) { hear(packet); };
     greet("probe::Probe");
   }
-  ~Client() { link_->heard = nullptr; }
+  ~Client() { connection_->heard = nullptr; }
 
   const std::shared_ptr<ServerSession>& session() const { return session_; }
 
@@ -124,16 +124,16 @@ class Client {
         return greet({reinterpret_cast<const char*>(name.data()), name.size()});
       }
       case 2:
-        link_->full = !link_->full;
+        connection_->full = !connection_->full;
         return;
       case 3:
         session_->flush();
         return;
       case 4:
-        ++link_->beats;
+        ++connection_->beats;
         return;
       case 5:
-        link_->age_of_packets = Duration(script.number() >> 1);
+        connection_->age_of_packets = Duration(script.number() >> 1);
         return;
       default:
         return send(script, other, serial);
@@ -192,7 +192,7 @@ class Client {
     } else {
       // Whoever repeats a call repeats it as it was; then it may arrive any number of times.
       auto& as = serials_[{number(header.session), header.counter}];
-      if (as == 0 || link_->offer().reliable) as = ++serial;
+      if (as == 0 || connection_->capabilities().reliable) as = ++serial;
       wire::Encoder(body).put(as);
     }
     take(wire::encode_packet(header, body));
@@ -250,7 +250,7 @@ class Client {
 
   const std::shared_ptr<ObjectHost> object_;
   Servant& servant_;
-  ScriptedLink* link_ = nullptr;
+  ScriptedConnection* connection_ = nullptr;
   std::shared_ptr<ServerSession> session_;
   std::uint64_t newest_ = 0;
   Epoch epoch_{};

@@ -10,7 +10,7 @@
 #include <memory>
 #include <string>
 
-#include "gecos/media/shm/link.hpp"
+#include "gecos/media/shm/connection.hpp"
 #include "gecos/media/shm/stream.hpp"
 
 namespace gecos::fuzz {
@@ -19,7 +19,7 @@ namespace {
 using namespace gecos::media;
 using shm::ControlMessage;
 using shm::ControlType;
-using shm::ShmLink;
+using shm::ShmConnection;
 
 constexpr std::size_t ring_bytes = RingMemory::bytes(usual_slot_count);
 constexpr std::size_t stream_bytes = StreamMemory::bytes(64, 4);
@@ -28,7 +28,7 @@ constexpr std::size_t stream_bytes = StreamMemory::bytes(64, 4);
 class Hostile {
  public:
   /// Its ring is honest at first, and both are.
-  static std::unique_ptr<Link> meet(Hostile& self, bool as_server) {
+  static std::unique_ptr<Connection> meet(Hostile& self, bool as_server) {
     std::array<int, 2> ends{};
     expect(
         ::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends.data()) == 0,
@@ -37,16 +37,16 @@ class Hostile {
     Peer peer{::geteuid(), ::getpid(), "a peer that means harm"};
     const std::array given{self.memory_.memfd.get(), self.event_.descriptor()};
     if (!as_server) {
-      auto link = ShmLink::greet(Descriptor(ends[0]), peer, {});
-      expect(link.has_value(), "setup: a client");
+      auto connection = ShmConnection::greet(Descriptor(ends[0]), peer, {});
+      expect(connection.has_value(), "setup: a client");
       shm::send_control(self.socket_.get(), {.type = ControlType::Welcome}, given);
-      return std::move(*link);
+      return std::move(*connection);
     }
     shm::ReceivedControl hello;
     hello.descriptors = {Descriptor(::dup(given[0])), Descriptor(::dup(given[1]))};
-    auto link = ShmLink::welcome(Descriptor(ends[0]), peer, {}, hello);
-    expect(link.has_value(), "setup: a server");
-    return std::move(*link);
+    auto connection = ShmConnection::welcome(Descriptor(ends[0]), peer, {}, hello);
+    expect(connection.has_value(), "setup: a server");
+    return std::move(*connection);
   }
 
   void act(Script& script) {
@@ -102,10 +102,10 @@ class Hostile {
 
 }  // namespace
 
-void try_shm_link(Script script) {
+void try_shm_connection(Script script) {
   const bool as_server = script.one_in(2);
   Hostile hostile;
-  const auto link = Hostile::meet(hostile, as_server);
+  const auto connection = Hostile::meet(hostile, as_server);
   auto sealed =
       std::make_shared<shm::SealedMemory>(shm::make_sealed("stream", stream_bytes).value());
   const StreamMemory memory{sealed->mapping.data(), 64, 4};
@@ -117,29 +117,29 @@ void try_shm_link(Script script) {
   for (int step = 0; step < 200 && !script.over(); ++step) {
     switch (script.below(12)) {
       case 0: {
-        const auto packet = link->receive();
+        const auto packet = connection->receive();
         expect(!packet || packet->size() <= largest_ring_packet,
                "no packet is larger than the largest");
         break;
       }
       case 1:
-        if (link->send(Bytes(script.byte()), {})) ++sent;
+        if (connection->send(Bytes(script.byte()), {})) ++sent;
         break;
       case 2:
-        if (link->prepare_to_sleep()) link->woke();
+        if (connection->prepare_to_sleep()) connection->woke();
         break;
       case 3:
-        link->beat();
-        link->beats_seen();
+        connection->beat();
+        connection->beats_seen();
         break;
       case 4:
-        if (as_server) static_cast<void>(link->share(script.byte(), writer));
+        if (as_server) static_cast<void>(connection->share(script.byte(), writer));
         break;
       case 5:
-        if (as_server) link->unshare(script.byte());
+        if (as_server) connection->unshare(script.byte());
         break;
       case 6:
-        if (!as_server) reader = link->open_stream(script.byte());
+        if (!as_server) reader = connection->open_stream(script.byte());
         break;
       case 7: {
         const std::uint64_t before = sample.sequence;
@@ -153,11 +153,12 @@ void try_shm_link(Script script) {
       default:
         hostile.act(script);
     }
-    expect(link->taken_by_peer().value_or(0) <= sent, "no more packets are taken than were sent");
-    expect(loss == Loss::None || link->loss() == loss, "the first loss stays");
-    loss = link->loss();
-    expect((loss == Loss::None) == link->loss_text().empty(), "a loss says why");
-    expect(loss == Loss::None || !link->prepare_to_sleep(), "nobody sleeps on what is lost");
+    expect(connection->taken_by_peer().value_or(0) <= sent,
+           "no more packets are taken than were sent");
+    expect(loss == Loss::None || connection->loss() == loss, "the first loss stays");
+    loss = connection->loss();
+    expect((loss == Loss::None) == connection->loss_text().empty(), "a loss says why");
+    expect(loss == Loss::None || !connection->prepare_to_sleep(), "nobody sleeps on what is lost");
   }
 }
 

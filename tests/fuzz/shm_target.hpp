@@ -4,8 +4,8 @@
 
 namespace gecos::fuzz {
 
-/// A link over shm, of either role, whose peer holds real memory and a real socket and does with
-/// them what it likes.
-void try_shm_link(Script script);
+/// A connection over shm, of either role, whose peer holds real memory and a real socket and does
+/// with them what it likes.
+void try_shm_connection(Script script);
 
 }  // namespace gecos::fuzz

@@ -7,7 +7,8 @@
 
 namespace gecos::fuzz {
 
-/// Rings and streams in memory, and a link over shm, whose other side scribbles between our steps.
+/// Rings and streams in memory, and a connection over shm, whose other side scribbles between our
+/// steps.
 void try_rings(ByteView input);
 /// A session, the client's side or the server's, whose peer sends what it likes.
 void try_packets(ByteView input);

@@ -275,14 +275,14 @@ def test_a_query_while_it_runs_is_answered_by_progress(rail: Session) -> None:
 def test_forged_repeated_and_clear_datagrams_change_nothing(rail: Session) -> None:
     rail.acquire(Status.ACTOR)
     assert distance(rail.call(MEASURE)) == 2.0
-    link = rail.connection.link
-    assert link is not None
+    sealed = rail.connection.sealed
+    assert sealed is not None
 
     def off(counter: int, spare: int) -> bytes:
         """A call that would switch the laser off."""
         packet = Packet(packets.Kind.CALL, code=POWER, session=rail.id, counter=counter)
         packet = replace(packet, epoch=rail.epoch, body=packets.boolean(False))
-        return link.seal(Inner.PACKET, spare, packet.pack())
+        return sealed.seal(Inner.PACKET, spare, packet.pack())
 
     number = rail.count()
     rail.acknowledges = False  # a call up to there is still to come
@@ -311,11 +311,11 @@ def test_forged_repeated_and_clear_datagrams_change_nothing(rail: Session) -> No
 
 
 def test_keys_of_up_to_eight_generations_ahead_are_taken(rail: Session) -> None:
-    link = rail.connection.link
-    assert link is not None
+    sealed = rail.connection.sealed
+    assert sealed is not None
     for ahead in (1, 8):
         for _ in range(ahead):
-            link.channel.sealer.turn_over()
+            sealed.channel.sealer.turn_over()
         assert distance(rail.call(MEASURE)) == 2.0
 
 
@@ -388,5 +388,5 @@ def test_who_is_not_admitted_gets_no_channel(rail: Session, loop: Loop, keys: Ke
     address = f"{rail.connection.place}#{rail.connection.server.hex()}"
     stranger = Session(loop, address, Keys(b"\x07" * 32, keys.admitted), "lab::RailSensor")
     loop.for_seconds(0.3)
-    assert stranger.connection.link is None
+    assert stranger.connection.sealed is None
     assert distance(rail.call(MEASURE)) == 2.0

@@ -54,8 +54,8 @@ def test_handshake_and_the_first_beats() -> None:
         (accepted.channel, 0, "server beat", 2_000_000_000),
     ):
         sent: list[bytes] = []
-        link = frames.Link(channel, Header(Kind.SEALED, port, NUMBER), sent.append)
-        assert link.seal(Inner.BEAT, 0, b"", at) == EXAMPLES[name]
+        sealed = frames.SealedConnection(channel, Header(Kind.SEALED, port, NUMBER), sent.append)
+        assert sealed.seal(Inner.BEAT, 0, b"", at) == EXAMPLES[name]
     beat = EXAMPLES["server beat"]
     text = ours.opener.open(beat[:16], beat[16:])
     assert text is not None and Frame.of(text) == Frame(Inner.BEAT, 0, 2_000_000_000, b"")

@@ -108,7 +108,7 @@ def test_packets_of_reserved_kinds_are_dropped(partner: Partner, client: Client)
     task = partner.task("read")
     about = {"code": code("level"), "session": task.session.id, "counter": task.call.counter}
     for kind in (0, 8, 9, 10, 13, 14, 15, 16, 17, 127, 255):
-        task.session.visitor.link.send_packet(Packet(kind, 5, **about).pack())
+        task.session.visitor.sealed.send_packet(Packet(kind, 5, **about).pack())
     for number in (1, 2):
         partner.level.publish(partner.level.seal(f64(number)))
         assert client.says("sample") == f"{number} 0 {number}"
@@ -125,5 +125,5 @@ def test_the_reserved_byte_of_a_packet_is_not_looked_at(partner: Partner, client
     client.issues("a", "read 1")
     task = partner.task("read")
     reply = Packet(Kind.REPLY, 5, session=task.session.id, counter=1, body=struct.pack(">I", 7))
-    task.session.visitor.link.send_packet(with_reserved(reply.pack()))
+    task.session.visitor.sealed.send_packet(with_reserved(reply.pack()))
     assert client.ends("a") == "FINISHED DONE 7"

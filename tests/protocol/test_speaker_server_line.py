@@ -7,7 +7,7 @@ import copy
 import pytest
 from lines import Lossy, Through
 from partner import Partner, code
-from speaker.frames import HEADER, Frame, Header, Inner, Link
+from speaker.frames import HEADER, Frame, Header, Inner, SealedConnection
 from speaker.frames import Kind as Datagram
 from speaker.noise import GENERATIONS_AHEAD, WINDOW, Channel
 from speaker.packets import Detail, Kind, Packet, u32
@@ -19,7 +19,7 @@ def sealed_reply(task: Task, number: int, session: int = 0, counter: int = 0) ->
     """A datagram that answers a read, to be published or not."""
     session, counter = session or task.session.id, counter or task.call.counter
     packet = Packet(Kind.REPLY, Detail.DONE, session=session, counter=counter, body=u32(number))
-    return task.session.visitor.link.seal(Inner.PACKET, 1 << 40, packet.pack())
+    return task.session.visitor.sealed.seal(Inner.PACKET, 1 << 40, packet.pack())
 
 
 def asked(partner: Partner, client: Client) -> Task:
@@ -136,7 +136,7 @@ def test_an_answer_to_another_call_or_session_is_none(partner: Partner, client: 
         publish(sealed_reply(task, 99, counter=counter))
     publish(sealed_reply(task, 99, session=task.session.id + 1))
     zero = Packet(Kind.REPLY, Detail.DONE, session=task.session.id, body=u32(99))
-    task.session.visitor.link.send_packet(zero.pack())
+    task.session.visitor.sealed.send_packet(zero.pack())
     task.done(u32(6))
     assert client.ends("a") == "FINISHED DONE 6"
     client.issues("b", "read 1")  # counter 2, which was answered before it was asked
@@ -161,7 +161,7 @@ def test_a_key_of_a_later_generation_is_taken(ahead: int, partner: Partner, clie
     task = asked(partner, client)
     before = sealed_reply(task, 5)
     for _ in range(ahead):
-        task.session.visitor.link.channel.sealer.turn_over()
+        task.session.visitor.sealed.channel.sealer.turn_over()
     task.tell()
     partner.awaits(Kind.QUERY)  # it has opened the new generation
     task.session.visitor.publish(before)  # the one before is good for a second more
@@ -173,11 +173,13 @@ def test_a_key_of_a_later_generation_is_taken(ahead: int, partner: Partner, clie
 
 def test_a_key_of_nine_generations_ahead_is_not_taken(partner: Partner, client: Client) -> None:
     task = asked(partner, client)
-    link = task.session.visitor.link
-    ahead = copy.copy(link.channel.sealer)
+    sealed = task.session.visitor.sealed
+    ahead = copy.copy(sealed.channel.sealer)
     for _ in range(GENERATIONS_AHEAD + 1):
         ahead.turn_over()
-    far = Link(Channel(ahead, link.channel.opener), link.header, task.session.visitor.publish)
+    far = SealedConnection(
+        Channel(ahead, sealed.channel.opener), sealed.header, task.session.visitor.publish
+    )
     reply = Packet(Kind.REPLY, Detail.DONE, session=task.session.id, counter=1, body=u32(9))
     far.send_packet(reply.pack())
     task.done(u32(6))
@@ -191,8 +193,8 @@ def test_of_late_packets_the_last_1024_are_taken(
     task = asked(partner, client)
     visitor = task.session.visitor
     late = sealed_reply(task, 5)
-    visitor.link.channel.sealer.number += behind - 1  # numbers that nobody ever sees
-    visitor.link.send(Inner.BEAT)
+    visitor.sealed.channel.sealer.number += behind - 1  # numbers that nobody ever sees
+    visitor.sealed.send(Inner.BEAT)
     visitor.publish(late)
     task.done(u32(6))
     assert client.ends("a") == f"FINISHED DONE {value}"
@@ -200,18 +202,18 @@ def test_of_late_packets_the_last_1024_are_taken(
 
 def test_frames_and_packets_of_unknown_kinds_are_dropped(partner: Partner, client: Client) -> None:
     task = asked(partner, client)
-    link = task.session.visitor.link
+    sealed = task.session.visitor.sealed
     for kind in (0, 5, 7, 99, 255):
-        link.send(kind, 1, b"whatever")
+        sealed.send(kind, 1, b"whatever")
     for short in range(25 - 8):
         text = Frame(Inner.BEAT, 0, 0, b"").pack()[:short]
         header = Header(Datagram.SEALED, 0, task.session.visitor.client).pack()
-        task.session.visitor.publish(header + link.channel.sealer.seal(header, text))
+        task.session.visitor.publish(header + sealed.channel.sealer.seal(header, text))
     for kind in (0, 1, 4, 7, 8, 9, 10, 12, 13, 14, 15, 16, 17, 127, 128, 255):
         task.session.send(Packet(kind, counter=1, body=u32(4)))
     good = Packet(Kind.REPLY, Detail.DONE, session=task.session.id, counter=1, body=u32(4)).pack()
     for bad in (good[:-1], good + b"\0", bytes([0x91]) + good[1:], good[:60], b"", good[:8]):
-        link.send_packet(bad)
+        sealed.send_packet(bad)
     task.session.send(Packet(Kind.REPLY, Detail.DONE, counter=1, body=u32(4), version=2))
     task.done(u32(6))
     assert client.ends("a") == "FINISHED DONE 6"
@@ -219,7 +221,7 @@ def test_frames_and_packets_of_unknown_kinds_are_dropped(partner: Partner, clien
 
 def test_pieces_that_lie_are_dropped(partner: Partner, client: Client) -> None:
     task = asked(partner, client)
-    link = task.session.visitor.link
+    sealed = task.session.visitor.sealed
     mark = bytes.fromhex("6765636f73207031")
     for transfer, size, index, piece in (
         (1, 0, 0, b""),  # no packet is empty
@@ -232,10 +234,10 @@ def test_pieces_that_lie_are_dropped(partner: Partner, client: Client) -> None:
         (2**64 - 1, 20_000, 0, b"x" * 8191),
     ):
         head = mark + transfer.to_bytes(8, "big") + size.to_bytes(4, "big")
-        link.send(Inner.PACKET, 1, head + index.to_bytes(4, "big") + piece)
+        sealed.send(Inner.PACKET, 1, head + index.to_bytes(4, "big") + piece)
     answer = bytes.fromhex("6765636f73206131")
     for what in (bytes(16), b"\xff" * 16, b"", b"\xff" * 15, b"\xff" * 17):
-        link.send(Inner.PACKET, 1, answer + what)
+        sealed.send(Inner.PACKET, 1, answer + what)
     task.done(u32(6))
     assert client.ends("a") == "FINISHED DONE 6"
     client.issues("b", "mirror 30000")

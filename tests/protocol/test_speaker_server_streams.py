@@ -110,7 +110,7 @@ def test_a_share_that_is_invalid_opens_nothing(partner: Partner, client: Client)
 
     def never(number: int, body: bytes) -> bool:
         for body in bad if not told else []:
-            partner.session.visitor.link.send(Inner.SHARE, 1, body)
+            partner.session.visitor.sealed.send(Inner.SHARE, 1, body)
         told.append(body)
         return False
 

@@ -51,7 +51,7 @@ gecos::Lab Setting::lab() const {
       faults.corruption >> comma >> faults.seed;
   if (!from) wrong("faults are five numbers: " + text("faults"));
   const auto wrap = [faults](std::unique_ptr<gecos::media::Medium> inner) {
-    if (inner->offer().name != "lcm") return inner;
+    if (inner->capabilities().name != "lcm") return inner;
     return gecos::media::make_faulty(std::move(inner), faults, real_clock());
   };
   return gecos::session::LabAccess::with_media({}, wrap);

@@ -29,7 +29,7 @@ def python(path: str, text: str) -> list[Violation]:
         ("runtime/cpp/gecos/media/inproc/inproc.cpp", '"gecos/access/status.hpp"'),
         ("runtime/cpp/gecos/media/parts/ring.cpp", '"gecos/media/shm/memory.hpp"'),
         ("runtime/cpp/gecos/media/sealed/sender.cpp", '"gecos/media/lcm/port.hpp"'),
-        ("runtime/cpp/gecos/media/shm/link.cpp", '"gecos/media/sealed/sender.hpp"'),
+        ("runtime/cpp/gecos/media/shm/connection.cpp", '"gecos/media/sealed/sender.hpp"'),
         ("runtime/cpp/gecos/media/layers/fragments.cpp", '"gecos/media/lcm/lcm.hpp"'),
         ("runtime/cpp/gecos/media/lcm/network.cpp", '"gecos/media/testing/faulty.hpp"'),
         ("runtime/cpp/gecos/session/client/select.cpp", '"gecos/media/lcm/lcm.hpp"'),

@@ -43,7 +43,7 @@ class ClientSession {
   /// interface derived from it.
   virtual const std::string& interface_name() const = 0;
   virtual const std::string& object_name() const = 0;
-  virtual const media::Offer& offer() const = 0;
+  virtual const media::Capabilities& capabilities() const = 0;
   /// The reference by which other programs find the object. Nil when the proxy was not made by
   /// `Lab::create`.
   virtual ObjectRef reference() const = 0;

@@ -210,8 +210,9 @@ void bind_client(nb::module_& module) {
       .def_prop_ro("object_name", [](const SessionHandle& s) { return s.about().object_name(); })
       .def_prop_ro("interface_name",
                    [](const SessionHandle& s) { return s.about().interface_name(); })
-      .def_prop_ro("medium",
-                   [](const SessionHandle& s) { return std::string(s.about().offer().name); })
+      .def_prop_ro(
+          "medium",
+          [](const SessionHandle& s) { return std::string(s.about().capabilities().name); })
       .def("reference", &reference)
       .def("call", &call, nb::arg("code"), nb::arg("arguments"), nb::arg("deadline").none())
       .def("subscribe", &subscribe, nb::arg("code"))

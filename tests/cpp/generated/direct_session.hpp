@@ -80,7 +80,7 @@ class Direct final : public gecos::session::ClientSession {
   const std::string& interface_name() const override { return name_; }
   const std::string& object_name() const override { return name_; }
   gecos::ObjectRef reference() const override { return {}; }
-  const gecos::media::Offer& offer() const override { return offer_; }
+  const gecos::media::Capabilities& capabilities() const override { return capabilities_; }
   std::uint64_t lease_acquired(std::uint64_t) override { return 0; }
   void lease_released(std::uint64_t) override {}
   std::uint64_t issued() override { return 0; }
@@ -90,5 +90,5 @@ class Direct final : public gecos::session::ClientSession {
  private:
   gecos::Servant& servant_;
   std::string name_ = "STAGE";
-  gecos::media::Offer offer_;
+  gecos::media::Capabilities capabilities_;
 };

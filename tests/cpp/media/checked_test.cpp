@@ -17,8 +17,8 @@ TEST(Crc32c, IsThatOfTheStandards) {
 TEST(Checked, OfDamagedPacketsNoneArrivesAndOfTheOthersAll) {
   const FakeClock clock;
   const auto medium = make_checked(make_faulty(make_inproc(), {.corruption = 0.5}, clock));
-  EXPECT_TRUE(medium->offer().intact);
-  EXPECT_FALSE(medium->offer().reliable);
+  EXPECT_TRUE(medium->capabilities().intact);
+  EXPECT_FALSE(medium->capabilities().reliable);
   const auto acceptor = medium->listen("RX90", false).value();
   End client(std::move(*medium->connect(acceptor->address())));
   End server(acceptor->accept());
@@ -26,7 +26,7 @@ TEST(Checked, OfDamagedPacketsNoneArrivesAndOfTheOthersAll) {
   for (int i = 0; i < 1000; ++i) {
     const std::string text = "packet " + std::to_string(i);
     ASSERT_TRUE(client.send(text));
-    while (const auto packet = server.link->receive()) {
+    while (const auto packet = server.connection->receive()) {
       ++arrived;
       ASSERT_EQ(std::string(reinterpret_cast<const char*>(packet->data()), packet->size()), text);
     }
@@ -38,8 +38,8 @@ TEST(Checked, ThePacketThatIsTooLargeByTheChecksumIsRefused) {
   const auto medium = make_checked(make_inproc());
   const auto acceptor = medium->listen("RX90", false).value();
   End client(std::move(*medium->connect(acceptor->address())));
-  const std::size_t largest = medium->offer().largest_packet;
-  EXPECT_EQ(largest, make_inproc()->offer().largest_packet - 4);
+  const std::size_t largest = medium->capabilities().largest_packet;
+  EXPECT_EQ(largest, make_inproc()->capabilities().largest_packet - 4);
   EXPECT_TRUE(client.send(std::string(largest, 'x')));
   EXPECT_EQ(client.send(std::string(largest + 1, 'x')).error(), SendProblem::TooLarge);
 }

@@ -56,9 +56,9 @@ class Conformance : public testing::TestWithParam<Candidate> {
     acceptor_ = listen("RX90");
     ASSERT_NE(acceptor_, nullptr);
     client_ = connect();
-    ASSERT_NE(client_.link, nullptr);
-    server_ = End(wait_for_client(*acceptor_, *client_.link), acceptor_.get());
-    ASSERT_NE(server_.link, nullptr);
+    ASSERT_NE(client_.connection, nullptr);
+    server_ = End(wait_for_client(*acceptor_, *client_.connection), acceptor_.get());
+    ASSERT_NE(server_.connection, nullptr);
   }
 
   std::unique_ptr<Acceptor> listen(std::string_view name, bool well_known = false) {
@@ -67,9 +67,9 @@ class Conformance : public testing::TestWithParam<Candidate> {
     return acceptor ? std::move(*acceptor) : nullptr;
   }
   End connect() {
-    auto link = medium_->connect(acceptor_->address());
-    if (!link) ADD_FAILURE() << link.error().text;
-    return End(link ? std::move(*link) : nullptr);
+    auto connection = medium_->connect(acceptor_->address());
+    if (!connection) ADD_FAILURE() << connection.error().text;
+    return End(connection ? std::move(*connection) : nullptr);
   }
 
   const ScratchDirectory directory_;
@@ -90,12 +90,12 @@ TEST_P(Conformance, CarriesPacketsBothWaysInOrder) {
     ASSERT_EQ(server_.receive(), text);
     ASSERT_EQ(client_.receive(), "answer to " + text);
   }
-  EXPECT_FALSE(client_.link->receive());
-  EXPECT_FALSE(server_.link->receive());
+  EXPECT_FALSE(client_.connection->receive());
+  EXPECT_FALSE(server_.connection->receive());
 }
 
 TEST_P(Conformance, CarriesEverySizeUpToTheLargest) {
-  const std::size_t largest = medium_->offer().largest_packet;
+  const std::size_t largest = medium_->capabilities().largest_packet;
   for (const std::size_t size :
        {std::size_t{0}, std::size_t{1}, std::size_t{48}, std::size_t{239}, std::size_t{240},
         std::size_t{241}, std::size_t{5000}, std::size_t{8'192}, std::size_t{8'193},
@@ -111,15 +111,16 @@ TEST_P(Conformance, CarriesEverySizeUpToTheLargest) {
 }
 
 TEST_P(Conformance, RefusesWhatNeverFits) {
-  const std::string text(medium_->offer().largest_packet + 1, 'x');
+  const std::string text(medium_->capabilities().largest_packet + 1, 'x');
   EXPECT_EQ(client_.send(text).error(), SendProblem::TooLarge);
   ASSERT_TRUE(client_.send("after it"));
   EXPECT_EQ(server_.receive(), "after it") << "nothing of the large one was sent";
 }
 
 TEST_P(Conformance, LargeAndSmallPacketsKeepTheirOrder) {
-  if (!medium_->offer().ordered) GTEST_SKIP() << "small ones overtake";
-  const std::size_t large = std::min(std::size_t{1'000'000}, medium_->offer().largest_packet - 30);
+  if (!medium_->capabilities().ordered) GTEST_SKIP() << "small ones overtake";
+  const std::size_t large =
+      std::min(std::size_t{1'000'000}, medium_->capabilities().largest_packet - 30);
   std::vector<std::string> sent;
   for (int i = 0; i < 30; ++i) {
     const std::size_t size = i % 3 == 0 ? large + static_cast<std::size_t>(i) : 100;
@@ -132,10 +133,11 @@ TEST_P(Conformance, LargeAndSmallPacketsKeepTheirOrder) {
 }
 
 TEST_P(Conformance, SaysFullOfLargePacketsTooAndLosesNone) {
-  if (!medium_->offer().reliable) GTEST_SKIP() << "promises no room";
+  if (!medium_->capabilities().reliable) GTEST_SKIP() << "promises no room";
   const std::string text(5'000'000, 'x');
   for (int round = 0; round < 2; ++round) {
-    ASSERT_EQ(client_.link->loss(), Loss::None);  // looks for what the server has said as well
+    // loss() looks for what the server has said as well
+    ASSERT_EQ(client_.connection->loss(), Loss::None);
     int sent = 0;
     while (client_.send(text + std::to_string(sent))) ++sent;
     EXPECT_EQ(client_.send(text).error(), SendProblem::Full);
@@ -152,7 +154,7 @@ TEST_P(Conformance, NumbersItsPacketsFromOne) {
 }
 
 TEST_P(Conformance, SaysFullAndLosesNothingWhereItIsReliable) {
-  if (!medium_->offer().reliable) GTEST_SKIP() << "promises no room";
+  if (!medium_->capabilities().reliable) GTEST_SKIP() << "promises no room";
   const std::string text(1000, 'x');
   int sent = 0;
   while (client_.send(text + std::to_string(sent))) ++sent;
@@ -164,77 +166,77 @@ TEST_P(Conformance, SaysFullAndLosesNothingWhereItIsReliable) {
 }
 
 TEST_P(Conformance, TellsWhatThePeerHasTakenWhereItCan) {
-  if (!client_.link->taken_by_peer()) GTEST_SKIP() << "cannot know";
+  if (!client_.connection->taken_by_peer()) GTEST_SKIP() << "cannot know";
   ASSERT_TRUE(client_.send("one"));
   ASSERT_TRUE(client_.send("two"));
-  EXPECT_EQ(client_.link->taken_by_peer(), 0u);
+  EXPECT_EQ(client_.connection->taken_by_peer(), 0u);
   EXPECT_EQ(server_.receive(), "one");
-  EXPECT_EQ(client_.link->taken_by_peer(), 1u);
+  EXPECT_EQ(client_.connection->taken_by_peer(), 1u);
   EXPECT_EQ(server_.receive(), "two");
-  EXPECT_EQ(client_.link->taken_by_peer(), 2u);
+  EXPECT_EQ(client_.connection->taken_by_peer(), 2u);
 }
 
 TEST_P(Conformance, AnOrderlyCloseIsSeenAfterTheLastPacket) {
   ASSERT_TRUE(server_.send("last words"));
-  server_.link.reset();
+  server_.connection.reset();
   EXPECT_EQ(client_.receive(), "last words");
   EXPECT_EQ(client_.wait_for_loss(), Loss::Closed);
-  EXPECT_FALSE(client_.link->loss_text().empty());
+  EXPECT_FALSE(client_.connection->loss_text().empty());
   EXPECT_EQ(client_.send("too late").error(), SendProblem::Lost);
-  EXPECT_FALSE(client_.link->prepare_to_sleep()) << "nothing will come: do not sleep";
+  EXPECT_FALSE(client_.connection->prepare_to_sleep()) << "nothing will come: do not sleep";
 }
 
 TEST_P(Conformance, TheServerSeesItsClientClose) {
   ASSERT_TRUE(client_.send("last words"));
-  client_.link.reset();
+  client_.connection.reset();
   EXPECT_EQ(server_.receive(), "last words");
   EXPECT_EQ(server_.wait_for_loss(), Loss::Closed);
   EXPECT_EQ(server_.send("too late").error(), SendProblem::Lost);
 }
 
 TEST_P(Conformance, ACloseWakesASleeper) {
-  std::thread closing([&] { server_.link.reset(); });
+  std::thread closing([&] { server_.connection.reset(); });
   EXPECT_EQ(client_.wait_for_loss(), Loss::Closed);
   closing.join();
 }
 
-TEST_P(Conformance, LinksOutliveTheirAcceptor) {
-  server_ = End(std::move(server_.link));
-  if (!medium_->offer().connectionless) acceptor_.reset();
+TEST_P(Conformance, ConnectionsOutliveTheirAcceptor) {
+  server_ = End(std::move(server_.connection));
+  if (!medium_->capabilities().connectionless) acceptor_.reset();
   ASSERT_TRUE(server_.send("still here"));
   EXPECT_EQ(client_.receive(), "still here");
-  EXPECT_EQ(client_.link->loss(), Loss::None);
+  EXPECT_EQ(client_.connection->loss(), Loss::None);
 }
 
 TEST_P(Conformance, BeatsAreSeenWithoutPackets) {
-  const std::uint64_t before = server_.link->beats_seen();
-  client_.link->beat();
+  const std::uint64_t before = server_.connection->beats_seen();
+  client_.connection->beat();
   EXPECT_TRUE(server_.wait([&] {
-    server_.link->receive();
-    if (server_.link->beats_seen() > before) return true;
-    client_.link->beat();  // a beat wakes nobody: another one, as maintenance sends them
-    return server_.link->beats_seen() > before;
+    server_.connection->receive();
+    if (server_.connection->beats_seen() > before) return true;
+    client_.connection->beat();  // a beat wakes nobody: another one, as maintenance sends them
+    return server_.connection->beats_seen() > before;
   }));
 }
 
 TEST_P(Conformance, WordsAreReadByThePeerWithoutAPacket) {
-  if (!client_.link->offer().shared_words) GTEST_SKIP() << "it has none";
+  if (!client_.connection->capabilities().shared_words) GTEST_SKIP() << "it has none";
   ASSERT_TRUE(client_.send("both ends know each other"));
   ASSERT_EQ(server_.receive(), "both ends know each other");
   ASSERT_TRUE(server_.send("now"));
   ASSERT_EQ(client_.receive(), "now");
   for (std::size_t word = 0; word < shared_word_count; ++word) {
-    EXPECT_EQ(client_.link->peer_word(word), 0u);
-    client_.link->write_word(word, 10 + word);
-    server_.link->write_word(word, 20 + word);
-    EXPECT_EQ(server_.link->peer_word(word), 10 + word);
-    EXPECT_EQ(client_.link->peer_word(word), 20 + word);
+    EXPECT_EQ(client_.connection->peer_word(word), 0u);
+    client_.connection->write_word(word, 10 + word);
+    server_.connection->write_word(word, 20 + word);
+    EXPECT_EQ(server_.connection->peer_word(word), 10 + word);
+    EXPECT_EQ(client_.connection->peer_word(word), 20 + word);
   }
 }
 
 TEST_P(Conformance, AnEndSaysWhereItLooksWhetherItSleepsAndWhenItRang) {
-  if (!client_.link->offer().shared_words) {
-    EXPECT_EQ(client_.link->peer_whereabouts().core, unknown_core);
+  if (!client_.connection->capabilities().shared_words) {
+    EXPECT_EQ(client_.connection->peer_whereabouts().core, unknown_core);
     GTEST_SKIP() << "it shares no memory";
   }
   ASSERT_TRUE(client_.send("both ends know each other"));
@@ -243,22 +245,22 @@ TEST_P(Conformance, AnEndSaysWhereItLooksWhetherItSleepsAndWhenItRang) {
   ASSERT_EQ(client_.receive(), "now");
 
   const OnOneCore pinned;
-  EXPECT_FALSE(server_.link->receive());
-  EXPECT_EQ(client_.link->peer_whereabouts().core, pinned.core());
-  EXPECT_FALSE(client_.link->peer_whereabouts().asleep);
+  EXPECT_FALSE(server_.connection->receive());
+  EXPECT_EQ(client_.connection->peer_whereabouts().core, pinned.core());
+  EXPECT_FALSE(client_.connection->peer_whereabouts().asleep);
 
-  ASSERT_TRUE(server_.link->prepare_to_sleep());
-  EXPECT_TRUE(client_.link->peer_whereabouts().asleep);
+  ASSERT_TRUE(server_.connection->prepare_to_sleep());
+  EXPECT_TRUE(client_.connection->peer_whereabouts().asleep);
   const TimePoint before = std::chrono::steady_clock::now();
   ASSERT_TRUE(client_.send("wake up"));
-  EXPECT_GE(server_.link->peer_whereabouts().rang_at, before);
-  EXPECT_LE(server_.link->peer_whereabouts().rang_at, std::chrono::steady_clock::now());
-  server_.link->woke();
-  EXPECT_FALSE(client_.link->peer_whereabouts().asleep);
+  EXPECT_GE(server_.connection->peer_whereabouts().rang_at, before);
+  EXPECT_LE(server_.connection->peer_whereabouts().rang_at, std::chrono::steady_clock::now());
+  server_.connection->woke();
+  EXPECT_FALSE(client_.connection->peer_whereabouts().asleep);
 
-  const TimePoint rang_at = server_.link->peer_whereabouts().rang_at;
+  const TimePoint rang_at = server_.connection->peer_whereabouts().rang_at;
   ASSERT_TRUE(client_.send("it is awake"));
-  EXPECT_EQ(server_.link->peer_whereabouts().rang_at, rang_at) << "nobody had to be woken";
+  EXPECT_EQ(server_.connection->peer_whereabouts().rang_at, rang_at) << "nobody had to be woken";
 }
 
 TEST_P(Conformance, QuietPacketsAreReadBeforeThePacketThatWakes) {
@@ -267,31 +269,31 @@ TEST_P(Conformance, QuietPacketsAreReadBeforeThePacketThatWakes) {
   ASSERT_TRUE(server_.send("now"));
   ASSERT_EQ(client_.receive(), "now");
 
-  const bool quiet = dynamic_cast<QuietSender*>(server_.link.get()) != nullptr;
+  const bool quiet = dynamic_cast<QuietSender*>(server_.connection.get()) != nullptr;
   EXPECT_EQ(quiet, GetParam().name == "inproc" || GetParam().name == "shm");
-  client_.link->woke();
-  ASSERT_TRUE(client_.link->prepare_to_sleep());
-  ASSERT_TRUE(send_quietly(*server_.link, bytes_of("news"), bytes_of(" 1")));
+  client_.connection->woke();
+  ASSERT_TRUE(client_.connection->prepare_to_sleep());
+  ASSERT_TRUE(send_quietly(*server_.connection, bytes_of("news"), bytes_of(" 1")));
   if (quiet) {
-    EXPECT_EQ(sleep_on(client_.link->descriptors(), TimePoint{}), Wake::TimedOut);
-    const auto read_in_its_sleep = client_.link->receive();
+    EXPECT_EQ(sleep_on(client_.connection->descriptors(), TimePoint{}), Wake::TimedOut);
+    const auto read_in_its_sleep = client_.connection->receive();
     ASSERT_TRUE(read_in_its_sleep);
     EXPECT_TRUE(std::ranges::equal(*read_in_its_sleep, bytes_of("news 1")));
   } else {
-    client_.link->woke();
+    client_.connection->woke();
     EXPECT_EQ(client_.receive(), "news 1");
-    ASSERT_TRUE(client_.link->prepare_to_sleep());
+    ASSERT_TRUE(client_.connection->prepare_to_sleep());
   }
-  ASSERT_TRUE(send_quietly(*server_.link, bytes_of("news"), bytes_of(" 2")));
+  ASSERT_TRUE(send_quietly(*server_.connection, bytes_of("news"), bytes_of(" 2")));
   ASSERT_TRUE(server_.send("the end"));
-  EXPECT_NE(sleep_on(client_.link->descriptors(), too_late()), Wake::TimedOut);
-  client_.link->woke();
+  EXPECT_NE(sleep_on(client_.connection->descriptors(), too_late()), Wake::TimedOut);
+  client_.connection->woke();
   EXPECT_EQ(client_.receive(), "news 2");
   EXPECT_EQ(client_.receive(), "the end");
 }
 
 TEST_P(Conformance, QuietPacketsWakeThePeerBeforeTheyTakeTheRoomOfOthers) {
-  if (dynamic_cast<QuietSender*>(server_.link.get()) == nullptr) {
+  if (dynamic_cast<QuietSender*>(server_.connection.get()) == nullptr) {
     GTEST_SKIP() << "every packet wakes its peer";
   }
   ASSERT_TRUE(client_.send("both ends know each other"));
@@ -300,48 +302,50 @@ TEST_P(Conformance, QuietPacketsWakeThePeerBeforeTheyTakeTheRoomOfOthers) {
   ASSERT_EQ(client_.receive(), "now");
 
   const auto woken = [&] {
-    return sleep_on(client_.link->descriptors(), TimePoint{}) == Wake::Ready;
+    return sleep_on(client_.connection->descriptors(), TimePoint{}) == Wake::Ready;
   };
-  client_.link->woke();
-  ASSERT_TRUE(client_.link->prepare_to_sleep());
+  client_.connection->woke();
+  ASSERT_TRUE(client_.connection->prepare_to_sleep());
   std::size_t sent = 0;
-  for (; !woken(); ++sent) ASSERT_TRUE(send_quietly(*server_.link, bytes_of("news"), {}));
+  for (; !woken(); ++sent) ASSERT_TRUE(send_quietly(*server_.connection, bytes_of("news"), {}));
   EXPECT_GT(sent, 100u);
   for (std::size_t i = 0; i < sent / 2; ++i) ASSERT_TRUE(server_.send("there is room")) << i;
-  client_.link->woke();
-  while (client_.link->receive()) {
+  client_.connection->woke();
+  while (client_.connection->receive()) {
   }
 
-  ASSERT_TRUE(client_.link->prepare_to_sleep());
+  ASSERT_TRUE(client_.connection->prepare_to_sleep());
   const std::string large(100'000, 'x');
-  ASSERT_TRUE(send_quietly(*server_.link, bytes_of(large), {}));
+  ASSERT_TRUE(send_quietly(*server_.connection, bytes_of(large), {}));
   EXPECT_TRUE(woken()) << "it lies beside the ring, where room is scarce";
-  client_.link->woke();
+  client_.connection->woke();
   EXPECT_EQ(client_.receive(), large);
 }
 
 TEST_P(Conformance, PrepareToSleepFindsAQuietPacket) {
   ASSERT_TRUE(client_.send("both ends know each other"));
   ASSERT_EQ(server_.receive(), "both ends know each other");
-  ASSERT_TRUE(send_quietly(*server_.link, bytes_of("news"), {}));
-  ASSERT_TRUE(client_.wait(
-      [&] { return !client_.link->prepare_to_sleep() || (client_.link->woke(), false); }));
+  ASSERT_TRUE(send_quietly(*server_.connection, bytes_of("news"), {}));
+  ASSERT_TRUE(client_.wait([&] {
+    return !client_.connection->prepare_to_sleep() || (client_.connection->woke(), false);
+  }));
   EXPECT_EQ(client_.receive(), "news");
 }
 
 TEST_P(Conformance, PrepareToSleepFindsWhatIsThereAlready) {
   ASSERT_TRUE(client_.send("first"));
-  ASSERT_TRUE(server_.wait(
-      [&] { return !server_.link->prepare_to_sleep() || (server_.link->woke(), false); }));
+  ASSERT_TRUE(server_.wait([&] {
+    return !server_.connection->prepare_to_sleep() || (server_.connection->woke(), false);
+  }));
   EXPECT_EQ(server_.receive(), "first");
 }
 
 TEST_P(Conformance, DescriptorsAreQuietAfterWoke) {
-  ASSERT_TRUE(server_.link->prepare_to_sleep());
+  ASSERT_TRUE(server_.connection->prepare_to_sleep());
   ASSERT_TRUE(client_.send("wake up"));
   EXPECT_EQ(server_.receive(), "wake up");
-  server_.link->woke();
-  EXPECT_EQ(sleep_on(server_.link->descriptors(), TimePoint{}), Wake::TimedOut);
+  server_.connection->woke();
+  EXPECT_EQ(sleep_on(server_.connection->descriptors(), TimePoint{}), Wake::TimedOut);
 }
 
 TEST_P(Conformance, NoWakeUpIsLost) {
@@ -360,14 +364,15 @@ TEST_P(Conformance, NoWakeUpIsLost) {
 }
 
 TEST_P(Conformance, WhoAsksForALossTakesNoWakeUpFromASleeper) {
-  ASSERT_TRUE(server_.link->prepare_to_sleep());
+  ASSERT_TRUE(server_.connection->prepare_to_sleep());
   ASSERT_TRUE(client_.send("before it has heard of the server"));
-  EXPECT_EQ(server_.link->loss(), Loss::None)
+  EXPECT_EQ(server_.connection->loss(), Loss::None)
       << "as maintenance asks, beside the thread that sleeps";
-  std::vector<int> all(server_.link->descriptors().begin(), server_.link->descriptors().end());
+  std::vector<int> all(server_.connection->descriptors().begin(),
+                       server_.connection->descriptors().end());
   all.insert(all.end(), acceptor_->descriptors().begin(), acceptor_->descriptors().end());
   EXPECT_EQ(sleep_on(all, too_late()), Wake::Ready);
-  server_.link->woke();
+  server_.connection->woke();
   EXPECT_EQ(server_.receive(), "before it has heard of the server");
 }
 
@@ -375,12 +380,12 @@ TEST_P(Conformance, MaintenanceMayBeatBesideEverything) {
   std::atomic<bool> done{false};
   std::thread maintenance([&] {
     while (!done.load()) {
-      client_.link->beat();
-      server_.link->beat();
-      EXPECT_EQ(client_.link->loss(), Loss::None);
-      EXPECT_EQ(server_.link->loss(), Loss::None);
-      client_.link->beats_seen();
-      client_.link->taken_by_peer();
+      client_.connection->beat();
+      server_.connection->beat();
+      EXPECT_EQ(client_.connection->loss(), Loss::None);
+      EXPECT_EQ(server_.connection->loss(), Loss::None);
+      client_.connection->beats_seen();
+      client_.connection->taken_by_peer();
       std::this_thread::yield();
     }
   });
@@ -392,16 +397,16 @@ TEST_P(Conformance, MaintenanceMayBeatBesideEverything) {
   maintenance.join();
 }
 
-TEST_P(Conformance, AnAcceptorHasManyLinksThatDoNotMix) {
+TEST_P(Conformance, AnAcceptorHasManyConnectionsThatDoNotMix) {
   constexpr std::size_t count = 12;
   std::vector<End> clients;
   std::vector<End> servers;
   for (std::size_t i = 0; i < count; ++i) {
     clients.push_back(connect());
     ASSERT_TRUE(clients.back().send("I am " + std::to_string(i)));
-    auto link = wait_for_client(*acceptor_, *clients.back().link);
-    ASSERT_NE(link, nullptr);
-    servers.emplace_back(std::move(link), acceptor_.get());
+    auto connection = wait_for_client(*acceptor_, *clients.back().connection);
+    ASSERT_NE(connection, nullptr);
+    servers.emplace_back(std::move(connection), acceptor_.get());
     ASSERT_EQ(servers.back().receive(), "I am " + std::to_string(i));
   }
   for (std::size_t i = 0; i < count; ++i) {
@@ -409,21 +414,21 @@ TEST_P(Conformance, AnAcceptorHasManyLinksThatDoNotMix) {
   }
   for (std::size_t i = 0; i < count; ++i) {
     ASSERT_EQ(clients[i].receive(), "you are " + std::to_string(i));
-    ASSERT_FALSE(clients[i].link->receive());
+    ASSERT_FALSE(clients[i].connection->receive());
   }
-  clients[3].link.reset();
+  clients[3].connection.reset();
   EXPECT_EQ(servers[3].wait_for_loss(), Loss::Closed);
-  EXPECT_EQ(servers[4].link->loss(), Loss::None);
+  EXPECT_EQ(servers[4].connection->loss(), Loss::None);
 }
 
 TEST_P(Conformance, AStreamIsReadNewestFirstOrOneByOne) {
   const auto writer = acceptor_->make_stream(100, 4);
-  ASSERT_TRUE(server_.link->share(7, *writer));
+  ASSERT_TRUE(server_.connection->share(7, *writer));
   const auto reader = client_.wait_for_stream(7);
   ASSERT_NE(reader, nullptr);
   StreamSample sample;
   EXPECT_FALSE(reader->latest(0, sample)) << "nothing was published";
-  EXPECT_EQ(client_.link->open_stream(8), nullptr) << "nothing was shared under this number";
+  EXPECT_EQ(client_.connection->open_stream(8), nullptr) << "nothing was shared under this number";
 
   for (int i = 1; i <= 3; ++i) ASSERT_TRUE(writer->publish(bytes_of(std::to_string(i)), 1000 + i));
   for (std::uint64_t i = 1; i <= 3; ++i) {
@@ -439,30 +444,31 @@ TEST_P(Conformance, AStreamIsReadNewestFirstOrOneByOne) {
 }
 
 TEST_P(Conformance, AStreamForWhichThisProcessHasNoDescriptorSaysSoAndCanBeSharedAgain) {
-  if (medium_->offer().reach == Reach::Process && !medium_->offer().connectionless) {
+  if (medium_->capabilities().reach == Reach::Process && !medium_->capabilities().connectionless) {
     GTEST_SKIP() << "its samples lie in memory that both ends have: it needs none";
   }
   const auto writer = acceptor_->make_stream(100, 4);
-  ASSERT_EQ(client_.link->loss(), Loss::None) << "it has heard the server's answer";
-  ASSERT_TRUE(server_.link->share(7, *writer));
-  EXPECT_EQ(client_.link->why_no_stream(7), "");
+  ASSERT_EQ(client_.connection->loss(), Loss::None) << "it has heard the server's answer";
+  ASSERT_TRUE(server_.connection->share(7, *writer));
+  EXPECT_EQ(client_.connection->why_no_stream(7), "");
   {
     const NoDescriptorLeft none;
     EXPECT_TRUE(client_.wait([&] {
-      EXPECT_EQ(client_.link->open_stream(7), nullptr);
-      return !client_.link->why_no_stream(7).empty() || client_.link->loss() != Loss::None;
+      EXPECT_EQ(client_.connection->open_stream(7), nullptr);
+      return !client_.connection->why_no_stream(7).empty() ||
+             client_.connection->loss() != Loss::None;
     }));
   }
-  EXPECT_NE(client_.link->why_no_stream(7).find("Too many open files"), std::string::npos)
-      << client_.link->why_no_stream(7);
-  ASSERT_TRUE(server_.link->share(7, *writer));
+  EXPECT_NE(client_.connection->why_no_stream(7).find("Too many open files"), std::string::npos)
+      << client_.connection->why_no_stream(7);
+  ASSERT_TRUE(server_.connection->share(7, *writer));
   EXPECT_NE(client_.wait_for_stream(7), nullptr);
-  EXPECT_EQ(client_.link->why_no_stream(7), "");
+  EXPECT_EQ(client_.connection->why_no_stream(7), "");
 }
 
 TEST_P(Conformance, ASlowReaderLosesOldSamplesAndSeesHowMany) {
   const auto writer = acceptor_->make_stream(100, 4);
-  ASSERT_TRUE(server_.link->share(1, *writer));
+  ASSERT_TRUE(server_.connection->share(1, *writer));
   const auto reader = client_.wait_for_stream(1);
   ASSERT_NE(reader, nullptr);
   for (int i = 1; i <= 50; ++i) ASSERT_TRUE(writer->publish(bytes_of(std::to_string(i)), i));
@@ -477,23 +483,23 @@ TEST_P(Conformance, ASlowReaderLosesOldSamplesAndSeesHowMany) {
 TEST_P(Conformance, AStreamSharedLaterShowsItsLastSample) {
   const auto writer = acceptor_->make_stream(100, 4);
   ASSERT_TRUE(writer->publish(bytes_of("a pose at rest"), 5));
-  ASSERT_TRUE(server_.link->share(1, *writer));
+  ASSERT_TRUE(server_.connection->share(1, *writer));
   const auto reader = client_.wait_for_stream(1);
   ASSERT_NE(reader, nullptr);
   StreamSample sample;
   std::thread serving([&] {
     server_.wait([&] {
-      server_.link->receive();
-      return server_.link->loss() != Loss::None;
+      server_.connection->receive();
+      return server_.connection->loss() != Loss::None;
     });
   });
   EXPECT_TRUE(client_.wait([&] {
-    client_.link->receive();
+    client_.connection->receive();
     return reader->latest(0, sample);
   }));
   EXPECT_EQ(text_of(sample.bytes), "a pose at rest");
   EXPECT_EQ(sample.sequence, 1u);
-  client_.link.reset();
+  client_.connection.reset();
   serving.join();
 }
 
@@ -505,9 +511,9 @@ TEST_P(Conformance, RefusesASampleThatIsTooLarge) {
 
 TEST_P(Conformance, APublisherWakesItsSleepingReaders) {
   const auto writer = acceptor_->make_stream(16, 8);
-  ASSERT_TRUE(server_.link->share(1, *writer));
+  ASSERT_TRUE(server_.connection->share(1, *writer));
   End second = connect();
-  auto second_server = wait_for_client(*acceptor_, *second.link);
+  auto second_server = wait_for_client(*acceptor_, *second.connection);
   ASSERT_NE(second_server, nullptr);
   ASSERT_TRUE(second_server->share(9, *writer));
   const auto reader = client_.wait_for_stream(1);
@@ -535,19 +541,19 @@ TEST_P(Conformance, APublisherWakesItsSleepingReaders) {
 
 TEST_P(Conformance, AfterUnshareNobodyOpensTheStream) {
   const auto writer = acceptor_->make_stream(16, 8);
-  ASSERT_TRUE(server_.link->share(1, *writer));
+  ASSERT_TRUE(server_.connection->share(1, *writer));
   ASSERT_NE(client_.wait_for_stream(1), nullptr);
-  server_.link->unshare(1);
+  server_.connection->unshare(1);
   ASSERT_TRUE(server_.send("done"));
   ASSERT_EQ(client_.receive(), "done");
   EXPECT_TRUE(client_.wait([&] {
-    client_.link->receive();
-    return client_.link->open_stream(1) == nullptr;
+    client_.connection->receive();
+    return client_.connection->open_stream(1) == nullptr;
   }));
   EXPECT_TRUE(writer->publish(bytes_of("for nobody"), 0));
 }
 
-TEST_P(Conformance, ALinkMayGoWhileAStreamIsPublished) {
+TEST_P(Conformance, AConnectionMayGoWhileAStreamIsPublished) {
   const auto writer = acceptor_->make_stream(16, 8);
   std::atomic<bool> done{false};
   std::thread publishing([&] {
@@ -558,7 +564,7 @@ TEST_P(Conformance, ALinkMayGoWhileAStreamIsPublished) {
   });
   for (int i = 0; i < 20; ++i) {
     End client = connect();
-    auto server = wait_for_client(*acceptor_, *client.link);
+    auto server = wait_for_client(*acceptor_, *client.connection);
     ASSERT_NE(server, nullptr);
     ASSERT_TRUE(server->share(1, *writer));
     ASSERT_NE(client.wait_for_stream(1), nullptr);
@@ -568,22 +574,22 @@ TEST_P(Conformance, ALinkMayGoWhileAStreamIsPublished) {
 }
 
 TEST_P(Conformance, SamplesOfAClientGoInward) {
-  const auto writer = client_.link->make_stream(100, 4);
-  ASSERT_TRUE(client_.link->share(7, *writer));
+  const auto writer = client_.connection->make_stream(100, 4);
+  ASSERT_TRUE(client_.connection->share(7, *writer));
   std::unique_ptr<StreamReader> reader;
   ASSERT_TRUE(wait_ticking(server_, client_, [&] {
-    server_.link->receive();
-    reader = server_.link->open_stream(7);
+    server_.connection->receive();
+    reader = server_.connection->open_stream(7);
     return reader != nullptr;
   }));
-  EXPECT_EQ(server_.link->open_stream(8), nullptr) << "nothing was shared under this number";
+  EXPECT_EQ(server_.connection->open_stream(8), nullptr) << "nothing was shared under this number";
   StreamSample sample;
   EXPECT_FALSE(reader->latest(0, sample)) << "nothing was published";
 
   for (std::uint64_t i = 1; i <= 100; ++i) {
     ASSERT_TRUE(writer->publish(bytes_of(std::to_string(i)), static_cast<std::int64_t>(1000 + i)));
     ASSERT_TRUE(server_.wait([&] {
-      server_.link->receive();
+      server_.connection->receive();
       return reader->next(i - 1, sample);
     }));
     EXPECT_EQ(sample.sequence, i);
@@ -596,14 +602,14 @@ TEST_P(Conformance, SamplesOfAClientGoInward) {
 
 TEST_P(Conformance, BothEndsShareStreamsUnderTheSameNumber) {
   const auto outward = acceptor_->make_stream(16, 4);
-  const auto inward = client_.link->make_stream(16, 4);
-  ASSERT_TRUE(server_.link->share(1, *outward));
-  ASSERT_TRUE(client_.link->share(1, *inward));
+  const auto inward = client_.connection->make_stream(16, 4);
+  ASSERT_TRUE(server_.connection->share(1, *outward));
+  ASSERT_TRUE(client_.connection->share(1, *inward));
   const auto at_client = client_.wait_for_stream(1);
   std::unique_ptr<StreamReader> at_server;
   ASSERT_TRUE(wait_ticking(server_, client_, [&] {
-    server_.link->receive();
-    at_server = server_.link->open_stream(1);
+    server_.connection->receive();
+    at_server = server_.connection->open_stream(1);
     return at_server != nullptr;
   }));
   ASSERT_NE(at_client, nullptr);
@@ -613,22 +619,22 @@ TEST_P(Conformance, BothEndsShareStreamsUnderTheSameNumber) {
   ASSERT_TRUE(client_.wait([&] { return at_client->latest(0, sample); }));
   EXPECT_EQ(text_of(sample.bytes), "measured");
   ASSERT_TRUE(server_.wait([&] {
-    server_.link->receive();
+    server_.connection->receive();
     return at_server->latest(0, sample);
   }));
   EXPECT_EQ(text_of(sample.bytes), "commanded");
 
-  client_.link->unshare(1);
+  client_.connection->unshare(1);
   EXPECT_TRUE(wait_ticking(server_, client_, [&] {
-    server_.link->receive();
-    return server_.link->open_stream(1) == nullptr;
+    server_.connection->receive();
+    return server_.connection->open_stream(1) == nullptr;
   }));
-  EXPECT_TRUE(client_.link->open_stream(1) != nullptr) << "the server's stream goes on";
+  EXPECT_TRUE(client_.connection->open_stream(1) != nullptr) << "the server's stream goes on";
 }
 
 TEST_P(Conformance, ASampleIsWrittenIntoLentMemoryAndReadInPlace) {
   const auto writer = acceptor_->make_stream(64, 4);
-  ASSERT_TRUE(server_.link->share(1, *writer));
+  ASSERT_TRUE(server_.connection->share(1, *writer));
   const auto reader = client_.wait_for_stream(1);
   ASSERT_NE(reader, nullptr);
   EXPECT_FALSE(reader->lend_latest(0));
@@ -646,7 +652,7 @@ TEST_P(Conformance, ASampleIsWrittenIntoLentMemoryAndReadInPlace) {
   }
   std::optional<LentSample> sample;
   ASSERT_TRUE(client_.wait([&] {
-    client_.link->receive();
+    client_.connection->receive();
     sample = reader->lend_latest(1);
     return sample.has_value();
   }));
@@ -658,7 +664,7 @@ TEST_P(Conformance, ASampleIsWrittenIntoLentMemoryAndReadInPlace) {
 
   ASSERT_TRUE(writer->publish(bytes_of("a copy"), 6));
   ASSERT_TRUE(client_.wait([&] {
-    client_.link->receive();
+    client_.connection->receive();
     sample = reader->lend_latest(2);
     return sample.has_value();
   }));
@@ -667,31 +673,31 @@ TEST_P(Conformance, ASampleIsWrittenIntoLentMemoryAndReadInPlace) {
 
 TEST_P(Conformance, AWriterNeverWaitsForAReaderThatHoldsASample) {
   const auto writer = acceptor_->make_stream(16, 2);
-  ASSERT_TRUE(server_.link->share(1, *writer));
+  ASSERT_TRUE(server_.connection->share(1, *writer));
   const auto reader = client_.wait_for_stream(1);
   ASSERT_NE(reader, nullptr);
   ASSERT_TRUE(writer->publish(bytes_of("0"), 0));
   std::optional<LentSample> held;
   ASSERT_TRUE(client_.wait([&] {
-    client_.link->receive();
+    client_.connection->receive();
     held = reader->lend_latest(0);
     return held.has_value();
   }));
   for (int i = 1; i <= 10; ++i) ASSERT_TRUE(writer->publish(bytes_of(std::to_string(i)), i));
-  if (medium_->offer().shared_words) {
+  if (medium_->capabilities().shared_words) {
     EXPECT_FALSE(reader->intact(*held)) << "its slot is another's by now";
   }
   EXPECT_TRUE(!reader->intact(*held) || std::ranges::equal(held->bytes, bytes_of("0")));
   StreamSample sample;
   ASSERT_TRUE(client_.wait([&] {
-    client_.link->receive();
+    client_.connection->receive();
     return reader->latest(10, sample);
   }));
   EXPECT_EQ(text_of(sample.bytes), "10");
 }
 
 TEST_P(Conformance, NobodyIsAtAnUnknownAddress) {
-  if (medium_->offer().connectionless) GTEST_SKIP() << "silence is all that a datagram gets";
+  if (medium_->capabilities().connectionless) GTEST_SKIP() << "silence is all that a datagram gets";
   EXPECT_FALSE(medium_->connect(medium_->well_known_address("NOBODY")));
   EXPECT_FALSE(medium_->connect("nonsense"));
   const std::string address = acceptor_->address();
@@ -700,7 +706,7 @@ TEST_P(Conformance, NobodyIsAtAnUnknownAddress) {
 }
 
 TEST_P(Conformance, AClientOfAnAcceptorThatClosesIsTold) {
-  if (medium_->offer().connectionless) GTEST_SKIP() << "silence is all that a datagram gets";
+  if (medium_->capabilities().connectionless) GTEST_SKIP() << "silence is all that a datagram gets";
   End late = connect();
   ASSERT_TRUE(late.send("is anybody there?"));
   acceptor_.reset();
@@ -721,27 +727,27 @@ TEST_P(Conformance, TheWellKnownPlaceIsTakenOnce) {
   ASSERT_TRUE(client);
   End end(std::move(*client));
   ASSERT_TRUE(end.send("hello"));
-  EXPECT_NE(wait_for_client(*broker, *end.link), nullptr);
+  EXPECT_NE(wait_for_client(*broker, *end.connection), nullptr);
 }
 
 TEST_P(Conformance, NothingIsLeftOpen) {
   const auto once = [&] {
     auto acceptor = listen("LASER");
-    auto link = medium_->connect(acceptor->address());
-    ASSERT_TRUE(link);
-    End client(std::move(*link));
-    End server(wait_for_client(*acceptor, *client.link), acceptor.get());
+    auto connection = medium_->connect(acceptor->address());
+    ASSERT_TRUE(connection);
+    End client(std::move(*connection));
+    End server(wait_for_client(*acceptor, *client.connection), acceptor.get());
     const auto writer = acceptor->make_stream(100, 4);
-    ASSERT_TRUE(server.link->share(1, *writer));
+    ASSERT_TRUE(server.connection->share(1, *writer));
     std::unique_ptr<StreamReader> reader;
     ASSERT_TRUE(wait_ticking(client, server, [&] {
-      reader = client.link->open_stream(1);
+      reader = client.connection->open_stream(1);
       return reader != nullptr;
     }));
-    const std::string text(medium_->offer().reliable ? 1'000'000 : 1, 'x');
+    const std::string text(medium_->capabilities().reliable ? 1'000'000 : 1, 'x');
     ASSERT_TRUE(wait_ticking(server, client, [&] {
       EXPECT_TRUE(client.send(text));
-      return server.link->receive().has_value();
+      return server.connection->receive().has_value();
     }));
   };
   once();  // what is made once for the whole process
@@ -750,25 +756,26 @@ TEST_P(Conformance, NothingIsLeftOpen) {
   EXPECT_EQ(open_descriptors(), before);
 }
 
-TEST_P(Conformance, AForkedChildFindsItsLinksDead) {
-  const std::string large(std::min(std::size_t{1'000'000}, medium_->offer().largest_packet), 'x');
+TEST_P(Conformance, AForkedChildFindsItsConnectionsDead) {
+  const std::string large(std::min(std::size_t{1'000'000}, medium_->capabilities().largest_packet),
+                          'x');
   ASSERT_TRUE(server_.send(large));
   ASSERT_TRUE(client_.receive() == large);
   ASSERT_TRUE(client_.send("for the parent"));
   const pid_t child = ::fork();
   if (child == 0) {
     int wrong = 0;
-    if (client_.link->loss() != Loss::Broken) wrong |= 1;
-    if (client_.link->send({}, {}).has_value()) wrong |= 2;
+    if (client_.connection->loss() != Loss::Broken) wrong |= 1;
+    if (client_.connection->send({}, {}).has_value()) wrong |= 2;
     if (server_.send(large).has_value()) wrong |= 32;
-    client_.link->beat();
-    if (client_.link->receive().has_value()) wrong |= 64;
-    if (server_.link->loss() != Loss::Broken) wrong |= 4;
-    if (client_.link->loss_text().find("fork") == std::string::npos) wrong |= 8;
-    if (client_.link->prepare_to_sleep()) wrong |= 16;
-    client_.link->woke();
-    client_.link.reset();  // must not say goodbye in the parent's name
-    server_.link.reset();
+    client_.connection->beat();
+    if (client_.connection->receive().has_value()) wrong |= 64;
+    if (server_.connection->loss() != Loss::Broken) wrong |= 4;
+    if (client_.connection->loss_text().find("fork") == std::string::npos) wrong |= 8;
+    if (client_.connection->prepare_to_sleep()) wrong |= 16;
+    client_.connection->woke();
+    client_.connection.reset();  // must not say goodbye in the parent's name
+    server_.connection.reset();
     acceptor_.reset();
     ::_exit(wrong);
   }
@@ -779,9 +786,10 @@ TEST_P(Conformance, AForkedChildFindsItsLinksDead) {
   EXPECT_EQ(server_.receive(), "for the parent");
   ASSERT_TRUE(server_.send(large));
   EXPECT_TRUE(client_.receive() == large);
-  EXPECT_EQ(client_.link->loss(), Loss::None);
+  EXPECT_EQ(client_.connection->loss(), Loss::None);
   auto another = connect();
-  EXPECT_NE(wait_for_client(*acceptor_, *another.link), nullptr) << "the acceptor still accepts";
+  EXPECT_NE(wait_for_client(*acceptor_, *another.connection), nullptr)
+      << "the acceptor still accepts";
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -24,7 +24,7 @@ struct Line {
 
   std::vector<std::string> arrived() {
     std::vector<std::string> all;
-    while (const auto packet = server.link->receive()) {
+    while (const auto packet = server.connection->receive()) {
       all.emplace_back(reinterpret_cast<const char*>(packet->data()), packet->size());
     }
     return all;
@@ -51,20 +51,21 @@ std::vector<std::string> send_many(Line& line, int count) {
 
 TEST(Faulty, WithoutFaultsItIsTheMediumBelow) {
   Line line({});
-  EXPECT_TRUE(line.medium->offer().reliable);
-  EXPECT_TRUE(line.medium->offer().ordered);
+  EXPECT_TRUE(line.medium->capabilities().reliable);
+  EXPECT_TRUE(line.medium->capabilities().ordered);
   const auto arrived = send_many(line, 100);
   ASSERT_EQ(arrived.size(), 100u);
   for (std::size_t i = 0; i < 100; ++i) EXPECT_EQ(arrived[i], std::to_string(i));
-  EXPECT_EQ(line.client.link->taken_by_peer(), 100u);
+  EXPECT_EQ(line.client.connection->taken_by_peer(), 100u);
 }
 
 TEST(Faulty, LosesAboutAsManyAsItIsAskedTo) {
   Line line({.loss = 0.1});
-  EXPECT_FALSE(line.medium->offer().reliable);
+  EXPECT_FALSE(line.medium->capabilities().reliable);
   const auto arrived = send_many(line, 5000);
   EXPECT_NEAR(static_cast<double>(arrived.size()), 4500, 100);
-  EXPECT_FALSE(line.client.link->taken_by_peer()) << "nothing is known over a line that loses";
+  EXPECT_FALSE(line.client.connection->taken_by_peer())
+      << "nothing is known over a line that loses";
 }
 
 TEST(Faulty, RepeatsSome) {
@@ -95,8 +96,8 @@ TEST(Faulty, FlipsOneBitOfSome) {
 
 TEST(Faulty, LetsLaterPacketsOvertakeWithoutLosingAny) {
   Line line({.reordering = 0.3});
-  EXPECT_FALSE(line.medium->offer().ordered);
-  EXPECT_TRUE(line.medium->offer().reliable);
+  EXPECT_FALSE(line.medium->capabilities().ordered);
+  EXPECT_TRUE(line.medium->capabilities().reliable);
   auto arrived = send_many(line, 1000);
   int overtaken = 0;
   for (std::size_t i = 1; i < arrived.size(); ++i) {
@@ -112,12 +113,12 @@ TEST(Faulty, DelaysLikeASatelliteAndWakesNobodyBefore) {
   Line line({.delay = 250ms});
   ASSERT_TRUE(line.client.send("move"));
   EXPECT_TRUE(line.arrived().empty());
-  ASSERT_TRUE(line.server.link->prepare_to_sleep()) << "nothing is due";
-  line.server.link->woke();
+  ASSERT_TRUE(line.server.connection->prepare_to_sleep()) << "nothing is due";
+  line.server.connection->woke();
   line.clock.advance(249ms);
   EXPECT_TRUE(line.arrived().empty());
   line.clock.advance(1ms);
-  EXPECT_FALSE(line.server.link->prepare_to_sleep()) << "now it is";
+  EXPECT_FALSE(line.server.connection->prepare_to_sleep()) << "now it is";
   EXPECT_EQ(line.arrived(), std::vector<std::string>{"move"});
 }
 
@@ -136,18 +137,18 @@ TEST(Faulty, ASleeperIsWokenForADelayedPacket) {
 TEST(Faulty, ACutLineIsSilentUntilItIsMended) {
   std::atomic<bool> cut{false};
   Line line({.cut = &cut});
-  line.client.link->beat();
-  const std::uint64_t beats = line.server.link->beats_seen();
+  line.client.connection->beat();
+  const std::uint64_t beats = line.server.connection->beats_seen();
   cut.store(true);
   ASSERT_TRUE(line.client.send("lost"));
-  line.client.link->beat();
+  line.client.connection->beat();
   EXPECT_TRUE(line.arrived().empty());
-  EXPECT_EQ(line.server.link->beats_seen(), beats);
-  EXPECT_EQ(line.server.link->loss(), Loss::None);
+  EXPECT_EQ(line.server.connection->beats_seen(), beats);
+  EXPECT_EQ(line.server.connection->loss(), Loss::None);
   cut.store(false);
   ASSERT_TRUE(line.client.send("heard"));
   EXPECT_EQ(line.arrived(), std::vector<std::string>{"heard"});
-  EXPECT_GT(line.server.link->beats_seen(), beats);
+  EXPECT_GT(line.server.connection->beats_seen(), beats);
 }
 
 TEST(Faulty, TheSameSeedGivesTheSameFaults) {

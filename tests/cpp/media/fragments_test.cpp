@@ -135,7 +135,7 @@ TEST(Transfer, BelievesNoAnswerBeyondWhatItSends) {
   EXPECT_TRUE(out.complete());
 }
 
-/// Client and server over a medium with the layers that its offer asks for, and beats as
+/// Client and server over a medium with the layers that its capabilities ask for, and beats as
 /// maintenance gives them.
 class Fragmented : public testing::Test {
  protected:
@@ -146,12 +146,12 @@ class Fragmented : public testing::Test {
         server_(wait_for_client(*acceptor_, *client_)) {}
 
   /// Both ends look once at what has come; gives what came for `to`.
-  std::optional<Bytes> look(const Link* to) {
+  std::optional<Bytes> look(const Connection* to) {
     std::optional<Bytes> found;
     acceptor_->accept();
-    for (Link* link : {client_.get(), server_.get()}) {
-      const auto packet = link->receive();
-      if (packet && link == to) found.emplace(packet->begin(), packet->end());
+    for (Connection* connection : {client_.get(), server_.get()}) {
+      const auto packet = connection->receive();
+      if (packet && connection == to) found.emplace(packet->begin(), packet->end());
     }
     const TimePoint now = std::chrono::steady_clock::now();
     if (now < next_beat_) return found;
@@ -160,7 +160,7 @@ class Fragmented : public testing::Test {
     server_->beat();
     return found;
   }
-  Bytes arrived_at(const Link& to) {
+  Bytes arrived_at(const Connection& to) {
     const TimePoint end = too_late();
     while (std::chrono::steady_clock::now() < end) {
       if (auto packet = look(&to)) return std::move(*packet);
@@ -169,7 +169,7 @@ class Fragmented : public testing::Test {
     return {};
   }
   /// As soon as the one before has arrived as a whole.
-  void send_when_free(Link& from, const Bytes& packet) {
+  void send_when_free(Connection& from, const Bytes& packet) {
     const TimePoint end = too_late();
     while (!from.send(packet, {})) {
       look(nullptr);
@@ -180,8 +180,8 @@ class Fragmented : public testing::Test {
   const SystemClock clock_;
   const std::unique_ptr<Medium> medium_;
   const std::unique_ptr<Acceptor> acceptor_;
-  const std::unique_ptr<Link> client_;
-  const std::unique_ptr<Link> server_;
+  const std::unique_ptr<Connection> client_;
+  const std::unique_ptr<Connection> server_;
   TimePoint next_beat_{};
 };
 
@@ -229,7 +229,7 @@ TEST_F(InPieces, WhatArrivedAndIsSentAgainArrivesAgain) {
 }
 
 TEST_F(InPieces, LargePacketsArriveThoughEveryTenthPieceIsLost) {
-  EXPECT_EQ(medium_->offer().largest_packet, largest_transfer);
+  EXPECT_EQ(medium_->capabilities().largest_packet, largest_transfer);
   for (unsigned i = 1; i <= 3; ++i) {
     const Bytes packet = random_bytes(1'000'000 + i, i);
     send_when_free(*client_, packet);
@@ -257,7 +257,7 @@ class InSmallPieces : public Fragmented {
  protected:
   using Fragmented::Fragmented;
   void expect_large_packets() {
-    EXPECT_EQ(medium_->offer().largest_packet, largest_transfer);
+    EXPECT_EQ(medium_->capabilities().largest_packet, largest_transfer);
     const Bytes packet = random_bytes(100'001, 1);
     send_when_free(*client_, packet);
     EXPECT_EQ(arrived_at(*server_), packet);

@@ -35,27 +35,29 @@ TEST(Kinds, AMediumThatOthersHearIsSealedAndEachCarriesWhatTheSessionSends) {
   for (const Kind kind : all_kinds()) {
     const auto opened = open(kind);
     ASSERT_TRUE(opened) << opened.error().text;
-    const Offer& offer = (*opened)->offer();
-    EXPECT_EQ(offer.name, to_string(kind));
-    EXPECT_EQ(offer.reach, reach_of(kind));
-    EXPECT_TRUE(offer.authenticated || !offer.overheard) << offer.name;
-    EXPECT_TRUE(offer.intact) << offer.name;
-    EXPECT_GE(offer.largest_packet, largest_transfer) << offer.name;
+    const Capabilities& capabilities = (*opened)->capabilities();
+    EXPECT_EQ(capabilities.name, to_string(kind));
+    EXPECT_EQ(capabilities.reach, reach_of(kind));
+    EXPECT_TRUE(capabilities.authenticated || !capabilities.overheard) << capabilities.name;
+    EXPECT_TRUE(capabilities.intact) << capabilities.name;
+    EXPECT_GE(capabilities.largest_packet, largest_transfer) << capabilities.name;
   }
 }
 
 TEST(Kinds, LayersAreChosenByWhatAMediumOffers) {
   const SystemClock clock;
   const auto whole = with_layers(make_inproc(), clock);
-  EXPECT_EQ(whole->offer().largest_packet, inproc_offer.largest_packet) << "it needs none";
-  EXPECT_TRUE(whole->offer().ordered);
+  EXPECT_EQ(whole->capabilities().largest_packet, inproc_capabilities.largest_packet)
+      << "it needs none";
+  EXPECT_TRUE(whole->capabilities().ordered);
   Faults damage;
   damage.corruption = 0.1;
   const auto checked = with_layers(make_faulty(make_inproc(), damage, clock), clock);
-  EXPECT_TRUE(checked->offer().intact);
-  EXPECT_EQ(checked->offer().largest_packet, inproc_offer.largest_packet - 4) << "a checksum";
+  EXPECT_TRUE(checked->capabilities().intact);
+  EXPECT_EQ(checked->capabilities().largest_packet, inproc_capabilities.largest_packet - 4)
+      << "a checksum";
   const auto small = with_layers(make_pair_medium(), clock);
-  EXPECT_EQ(small->offer().largest_packet, largest_transfer) << "in pieces";
+  EXPECT_EQ(small->capabilities().largest_packet, largest_transfer) << "in pieces";
 }
 
 TEST(Open, HowFarLcmGoesIsANumberOfRouters) {

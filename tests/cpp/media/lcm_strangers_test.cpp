@@ -24,7 +24,7 @@ class LcmStrangers : public testing::Test {
         where_(SealedAddress::parse(acceptor_->address()).value()),
         stranger_(where_.port, where_.channel),
         client_(std::move(*medium_->connect(acceptor_->address()))),
-        server_(wait_for_client(*acceptor_, *client_.link), acceptor_.get()) {}
+        server_(wait_for_client(*acceptor_, *client_.connection), acceptor_.get()) {}
 
   void expect_an_honest_call() {
     ASSERT_TRUE(client_.send("an honest call"));
@@ -43,7 +43,7 @@ class LcmStrangers : public testing::Test {
   End server_;
 };
 
-TEST_F(LcmStrangers, GarbageOnAnObjectsChannelMakesNoLinkAndStopsNothing) {
+TEST_F(LcmStrangers, GarbageOnAnObjectsChannelMakesNoConnectionAndStopsNothing) {
   std::mt19937_64 random(5);
   for (int i = 0; i < 500; ++i) {
     Bytes garbage(random() % 200);
@@ -67,17 +67,17 @@ TEST_F(LcmStrangers, NothingIsInClearButWhoSendsToWhom) {
     const auto kind = DatagramHeader::read(datagram).value().kind;
     EXPECT_TRUE(kind == DatagramKind::First || kind == DatagramKind::Sealed);
   }
-  EXPECT_TRUE(medium_->offer().authenticated);
+  EXPECT_TRUE(medium_->capabilities().authenticated);
   const std::string key = "key " + where_.key->short_name() + ", 239.255.76.67:";
-  EXPECT_TRUE(client_.link->peer().description.starts_with(key));
-  EXPECT_TRUE(server_.link->peer().description.starts_with(key)) << "one user, one key";
+  EXPECT_TRUE(client_.connection->peer().description.starts_with(key));
+  EXPECT_TRUE(server_.connection->peer().description.starts_with(key)) << "one user, one key";
 }
 
 TEST_F(LcmStrangers, WhatIsForgedAlteredOrPlayedBackIsNotThePeers) {
   ASSERT_TRUE(client_.send("once"));
   ASSERT_EQ(server_.receive(), "once");
   const std::vector<Bytes> recorded = stranger_.of(DatagramKind::Sealed);
-  const std::uint64_t beats = server_.link->beats_seen();
+  const std::uint64_t beats = server_.connection->beats_seen();
   for (const Bytes& datagram : recorded) {
     stranger_.say(where_.channel, datagram);
     for (std::size_t at = 4; at < datagram.size(); ++at) {
@@ -99,21 +99,21 @@ TEST_F(LcmStrangers, WhatIsForgedAlteredOrPlayedBackIsNotThePeers) {
     stranger_.say(where_.channel, forged);
   }
   expect_an_honest_call();
-  EXPECT_EQ(server_.link->beats_seen(), beats + 1) << "the honest call, and nothing else";
-  EXPECT_EQ(server_.link->loss(), Loss::None);
-  EXPECT_FALSE(server_.link->receive());
+  EXPECT_EQ(server_.connection->beats_seen(), beats + 1) << "the honest call, and nothing else";
+  EXPECT_EQ(server_.connection->loss(), Loss::None);
+  EXPECT_FALSE(server_.connection->receive());
 }
 
-TEST_F(LcmStrangers, AFirstMessagePlayedBackMakesNoLink) {
+TEST_F(LcmStrangers, AFirstMessagePlayedBackMakesNoConnection) {
   const std::size_t before = open_descriptors();
   const auto recorded = stranger_.of(DatagramKind::First);  // several on a busy machine
   for (const Bytes& first : recorded) stranger_.say(where_.channel, first);
-  client_.link.reset();
+  client_.connection.reset();
   EXPECT_EQ(server_.wait_for_loss(), Loss::Closed);
-  server_.link.reset();
+  server_.connection.reset();
   for (const Bytes& first : recorded) stranger_.say(where_.channel, first);
   client_ = End(std::move(*medium_->connect(acceptor_->address())));
-  server_ = End(wait_for_client(*acceptor_, *client_.link), acceptor_.get());
+  server_ = End(wait_for_client(*acceptor_, *client_.connection), acceptor_.get());
   expect_an_honest_call();
   EXPECT_LE(open_descriptors(), before);
 }
@@ -163,9 +163,9 @@ TEST_F(LcmStrangers, AClientWhoseAnswerWasLostGetsTheSameOneAgain) {
   Bytes memory;
   ASSERT_TRUE(sender.send({InnerKind::Packet, 1}, bytes_of("met"), {}, memory));
   End met(wait_for_client(*acceptor_), acceptor_.get());
-  ASSERT_NE(met.link, nullptr);
+  ASSERT_NE(met.connection, nullptr);
   EXPECT_EQ(met.receive(), "met");
-  EXPECT_TRUE(met.others.empty()) << "three messages, one link";
+  EXPECT_TRUE(met.others.empty()) << "three messages, one connection";
 }
 
 TEST_F(LcmStrangers, AnotherChannelOfThePortIsNotHeard) {
@@ -177,10 +177,10 @@ TEST_F(LcmStrangers, AnotherChannelOfThePortIsNotHeard) {
 
 TEST_F(LcmStrangers, AStreamThatWasRepeatedOrOvertakenNeverGoesBack) {
   const auto writer = acceptor_->make_stream(100, 4);
-  ASSERT_TRUE(server_.link->share(1, *writer));
+  ASSERT_TRUE(server_.connection->share(1, *writer));
   std::unique_ptr<StreamReader> reader;
   ASSERT_TRUE(wait_ticking(client_, server_, [&] {
-    reader = client_.link->open_stream(1);
+    reader = client_.connection->open_stream(1);
     return reader != nullptr;
   }));
   ASSERT_TRUE(writer->publish(bytes_of("one"), 1));
@@ -188,8 +188,8 @@ TEST_F(LcmStrangers, AStreamThatWasRepeatedOrOvertakenNeverGoesBack) {
   StreamSample sample;
   ASSERT_TRUE(wait_ticking(client_, server_, [&] { return reader->latest(1, sample); }));
   // Another reader opens it, so the last sample goes out again.
-  ASSERT_TRUE(server_.link->share(1, *writer));
-  const auto again = client_.link->open_stream(1);
+  ASSERT_TRUE(server_.connection->share(1, *writer));
+  const auto again = client_.connection->open_stream(1);
   ASSERT_NE(again, nullptr);
   StreamSample same;
   ASSERT_TRUE(wait_ticking(client_, server_, [&] { return again->latest(0, same); }));
@@ -200,7 +200,7 @@ TEST_F(LcmStrangers, AStreamThatWasRepeatedOrOvertakenNeverGoesBack) {
 
 TEST_F(LcmStrangers, AReaderCannotForgeASampleToTheOthers) {
   const auto writer = acceptor_->make_stream(100, 4);
-  ASSERT_TRUE(server_.link->share(1, *writer));
+  ASSERT_TRUE(server_.connection->share(1, *writer));
   const auto reader = client_.wait_for_stream(1);
   ASSERT_NE(reader, nullptr);
   const SharedStream& where = dynamic_cast<SealedStreamWriter&>(*writer).stream()->where();

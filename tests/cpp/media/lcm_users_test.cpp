@@ -21,7 +21,7 @@ class LcmUsers : public testing::Test {
   }
   LcmOptions options(const std::string& whose) { return with_keys(directory_, whose); }
   /// What the client says of a server that it cannot meet.
-  std::string trouble(Acceptor& acceptor, Link& client, const std::string& expected) {
+  std::string trouble(Acceptor& acceptor, Connection& client, const std::string& expected) {
     const TimePoint end = too_late();
     while (client.loss_text().find(expected) == std::string::npos &&
            std::chrono::steady_clock::now() < end) {
@@ -57,7 +57,8 @@ TEST_F(LcmUsers, AClientWhoseKeyIsNotAdmittedIsNotMetAndToldWhatToDo) {
   const std::string text = trouble(*acceptor, *client, "the server does not admit our key");
   EXPECT_NE(text.find(options("bob").key_directory + "/"), std::string::npos) << text;
   admit("bob", "ada");
-  EXPECT_NE(wait_for_client(*acceptor, *client), nullptr) << "from now on, with the same link";
+  EXPECT_NE(wait_for_client(*acceptor, *client), nullptr)
+      << "from now on, with the same connection";
 }
 
 TEST_F(LcmUsers, AKeyFileThatIsDamagedIsNamedToWhoAdmitsByIt) {
@@ -112,10 +113,10 @@ TEST_F(LcmUsers, EachOfTwoUsersWhoAdmitEachOtherProvesItsKey) {
   admit("bob", "ada");
   const auto acceptor = ada_->listen("RX90", false).value();
   End client(std::move(*bob_->connect(acceptor->address())));
-  End server(wait_for_client(*acceptor, *client.link), acceptor.get());
-  ASSERT_NE(server.link, nullptr);
+  End server(wait_for_client(*acceptor, *client.connection), acceptor.get());
+  ASSERT_NE(server.connection, nullptr);
   const auto bob = SealedKeys::open(options("bob").key_directory).value()->own.public_key();
-  EXPECT_TRUE(server.link->peer().description.starts_with("key " + bob.short_name()));
+  EXPECT_TRUE(server.connection->peer().description.starts_with("key " + bob.short_name()));
   ASSERT_TRUE(client.send("hello"));
   EXPECT_EQ(server.receive(), "hello");
 }
@@ -125,29 +126,29 @@ TEST_F(LcmUsers, BothSidesMayBeginAgain) {
     const auto acceptor = ada_->listen("BROKER", true).value();
     for (int client_life = 0; client_life < 3; ++client_life) {
       End client(std::move(*ada_->connect(acceptor->address())));
-      End server(wait_for_client(*acceptor, *client.link), acceptor.get());
-      ASSERT_NE(server.link, nullptr);
+      End server(wait_for_client(*acceptor, *client.connection), acceptor.get());
+      ASSERT_NE(server.connection, nullptr);
       ASSERT_TRUE(client.send("hello"));
       ASSERT_EQ(server.receive(), "hello");
       if (client_life == 1) {
-        client.link.reset();
+        client.connection.reset();
         EXPECT_EQ(server.wait_for_loss(), Loss::Closed);
       } else {
-        server.link.reset();
+        server.connection.reset();
         EXPECT_EQ(client.wait_for_loss(), Loss::Closed);
       }
     }
   }
 }
 
-TEST_F(LcmUsers, ARecordingPlayedToTheNextLifeOfAServerMakesNoLink) {
+TEST_F(LcmUsers, ARecordingPlayedToTheNextLifeOfAServerMakesNoConnection) {
   std::vector<Bytes> recorded;
   const SealedAddress place = SealedAddress::parse(ada_->well_known_address("BROKER")).value();
   Recorder stranger(place.port, place.channel);
   {
     const auto acceptor = ada_->listen("BROKER", true).value();
     End client(std::move(*ada_->connect(acceptor->address())));
-    End server(wait_for_client(*acceptor, *client.link), acceptor.get());
+    End server(wait_for_client(*acceptor, *client.connection), acceptor.get());
     ASSERT_TRUE(client.send("move"));
     ASSERT_EQ(server.receive(), "move");
     ASSERT_FALSE(stranger.of(DatagramKind::Sealed).empty());
@@ -156,7 +157,7 @@ TEST_F(LcmUsers, ARecordingPlayedToTheNextLifeOfAServerMakesNoLink) {
   const auto acceptor = ada_->listen("BROKER", true).value();
   for (const Bytes& datagram : recorded) stranger.say(place.channel, datagram);
   End client(std::move(*ada_->connect(acceptor->address())));
-  End server(wait_for_client(*acceptor, *client.link), acceptor.get());
+  End server(wait_for_client(*acceptor, *client.connection), acceptor.get());
   ASSERT_TRUE(client.send("hello"));
   EXPECT_EQ(server.receive(), "hello");
   EXPECT_TRUE(server.others.empty());

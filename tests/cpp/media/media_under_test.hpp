@@ -51,25 +51,25 @@ class NoDescriptorLeft {
 /// Nothing in these tests waits this long; who does has lost a wake-up.
 inline TimePoint too_late() { return std::chrono::steady_clock::now() + std::chrono::seconds(20); }
 
-/// One end of a link, waited on as its users do. `acceptor` is the acceptor whose descriptors and
-/// accept() feed it too, if any.
+/// One end of a connection, waited on as its users do. `acceptor` is the acceptor whose descriptors
+/// and accept() feed it too, if any.
 class End {
  public:
-  explicit End(std::unique_ptr<Link> of, Acceptor* acceptor = nullptr)
-      : link(std::move(of)), acceptor_(acceptor) {}
+  explicit End(std::unique_ptr<Connection> of, Acceptor* acceptor = nullptr)
+      : connection(std::move(of)), acceptor_(acceptor) {}
 
   /// Waits until `done`, looking again whenever something woke us. False: too late.
   bool wait(const std::function<bool()>& done) {
     for (;;) {
       if (done()) return true;
       bool in_time = true;
-      if (link->prepare_to_sleep()) {
-        std::vector<int> all(link->descriptors().begin(), link->descriptors().end());
+      if (connection->prepare_to_sleep()) {
+        std::vector<int> all(connection->descriptors().begin(), connection->descriptors().end());
         if (acceptor_ != nullptr) {
           all.insert(all.end(), acceptor_->descriptors().begin(), acceptor_->descriptors().end());
         }
         in_time = sleep_on(all, too_late()) != Wake::TimedOut;
-        link->woke();
+        connection->woke();
       }
       if (acceptor_ != nullptr) {
         while (auto another = acceptor_->accept()) others.push_back(std::move(another));
@@ -80,16 +80,16 @@ class End {
       }
     }
   }
-  /// The next packet, as text. "(nothing)" when none came in time or the link was lost.
+  /// The next packet, as text. "(nothing)" when none came in time or the connection was lost.
   std::string receive() {
     std::string got = "(nothing)";
     wait([&] {
-      if (const auto packet = link->receive()) {
+      if (const auto packet = connection->receive()) {
         got.assign(reinterpret_cast<const char*>(packet->data()), packet->size());
         return true;
       }
-      if (link->loss() == Loss::None) return false;
-      if (const auto packet = link->receive()) {  // sent before the loss
+      if (connection->loss() == Loss::None) return false;
+      if (const auto packet = connection->receive()) {  // sent before the loss
         got.assign(reinterpret_cast<const char*>(packet->data()), packet->size());
       }
       return true;
@@ -98,23 +98,23 @@ class End {
   }
   tl::expected<std::uint64_t, SendProblem> send(std::string_view text) {
     const ByteView bytes = std::as_bytes(std::span(text.data(), text.size()));
-    return link->send(bytes.first(bytes.size() / 2), bytes.subspan(bytes.size() / 2));
+    return connection->send(bytes.first(bytes.size() / 2), bytes.subspan(bytes.size() / 2));
   }
   Loss wait_for_loss() {
-    wait([&] { return link->loss() != Loss::None; });
-    return link->loss();
+    wait([&] { return connection->loss() != Loss::None; });
+    return connection->loss();
   }
   std::unique_ptr<StreamReader> wait_for_stream(std::uint32_t id) {
     std::unique_ptr<StreamReader> reader;
     wait([&] {
-      reader = link->open_stream(id);
-      return reader != nullptr || link->loss() != Loss::None;
+      reader = connection->open_stream(id);
+      return reader != nullptr || connection->loss() != Loss::None;
     });
     return reader;
   }
 
-  std::unique_ptr<Link> link;
-  std::vector<std::unique_ptr<Link>> others;  ///< that came while we waited
+  std::unique_ptr<Connection> connection;
+  std::vector<std::unique_ptr<Connection>> others;  ///< that came while we waited
 
  private:
   Acceptor* acceptor_;
@@ -128,11 +128,11 @@ inline bool wait_ticking(End& one, End& other, const std::function<bool()>& done
     if (done()) return true;
     const TimePoint now = std::chrono::steady_clock::now();
     if (now >= end) return false;
-    for (Link* link : {one.link.get(), other.link.get()}) {
-      link->beat();
-      link->beats_seen();
+    for (Connection* connection : {one.connection.get(), other.connection.get()}) {
+      connection->beat();
+      connection->beats_seen();
     }
-    sleep_on(one.link->descriptors(),
+    sleep_on(one.connection->descriptors(),
              std::min<TimePoint>(end, now + std::chrono::milliseconds(20)));
   }
 }
@@ -144,20 +144,20 @@ inline std::uint16_t port_of_this_process() {
 }
 
 /// The next client of `acceptor`, waited for. Null when none came in time.
-inline std::unique_ptr<Link> wait_for_client(Acceptor& acceptor) {
+inline std::unique_ptr<Connection> wait_for_client(Acceptor& acceptor) {
   for (;;) {
-    if (auto link = acceptor.accept()) return link;
+    if (auto connection = acceptor.accept()) return connection;
     if (sleep_on(acceptor.descriptors(), too_late()) == Wake::TimedOut) return acceptor.accept();
   }
 }
 
 /// The same where the client has to do its part, as maintenance would: on lcm it proves its
 /// key.
-inline std::unique_ptr<Link> wait_for_client(Acceptor& acceptor, Link& client) {
+inline std::unique_ptr<Connection> wait_for_client(Acceptor& acceptor, Connection& client) {
   const TimePoint end = too_late();
   while (client.loss() == Loss::None) {
     client.beat();
-    if (auto link = acceptor.accept()) return link;
+    if (auto connection = acceptor.accept()) return connection;
     const TimePoint now = std::chrono::steady_clock::now();
     if (now >= end) break;
     std::vector<int> all(acceptor.descriptors().begin(), acceptor.descriptors().end());

@@ -73,16 +73,16 @@ std::unique_ptr<StreamWriter> make_samples(std::size_t largest, std::size_t dept
   return std::make_unique<StreamRingWriter>(memory, std::move(mapping));
 }
 
-class PairLink final : public Link {
+class PairConnection final : public Connection {
  public:
-  PairLink(std::shared_ptr<PairLine> line, std::size_t side)
+  PairConnection(std::shared_ptr<PairLine> line, std::size_t side)
       : line_(std::move(line)),
         side_(side),
         own_(line_->sides[side]),
         other_(line_->sides[1 - side]),
         sleeper_(std::make_shared<PairSleeper>(line_, 1 - side)),
         descriptors_{own_.socket.get(), own_.event.descriptor()} {}
-  ~PairLink() override {
+  ~PairConnection() override {
     for (const auto& [id, sleepers] : shared_) {
       if (const auto list = sleepers.lock()) list->remove(sleeper_.get());
     }
@@ -91,11 +91,11 @@ class PairLink final : public Link {
     other_.event.notify();
   }
 
-  const Offer& offer() const override { return pair_offer; }
+  const Capabilities& capabilities() const override { return pair_capabilities; }
   const Peer& peer() const override { return peer_; }
 
   tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override {
-    if (head.size() + body.size() > offer().largest_packet) {
+    if (head.size() + body.size() > capabilities().largest_packet) {
       return tl::unexpected(SendProblem::TooLarge);
     }
     if (loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
@@ -194,13 +194,13 @@ class PairAcceptor final : public Acceptor {
         address_(std::move(address)),
         descriptors_{backlog_->event.descriptor()} {}
   ~PairAcceptor() override {
-    while (accept() != nullptr) {  // a client that still waits sees the link closed
+    while (accept() != nullptr) {  // a client that still waits sees the connection closed
     }
   }
 
-  const Offer& offer() const override { return pair_offer; }
+  const Capabilities& capabilities() const override { return pair_capabilities; }
   const std::string& address() const override { return address_; }
-  std::unique_ptr<Link> accept() override {
+  std::unique_ptr<Connection> accept() override {
     const std::lock_guard lock(backlog_->mutex);
     if (backlog_->waiting.empty()) {
       backlog_->event.drain();
@@ -208,7 +208,7 @@ class PairAcceptor final : public Acceptor {
     }
     auto line = std::move(backlog_->waiting.front());
     backlog_->waiting.pop_front();
-    return std::make_unique<PairLink>(std::move(line), 1);
+    return std::make_unique<PairConnection>(std::move(line), 1);
   }
   std::span<const int> descriptors() const override { return descriptors_; }
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
@@ -223,7 +223,7 @@ class PairAcceptor final : public Acceptor {
 
 class PairMedium final : public Medium {
  public:
-  const Offer& offer() const override { return pair_offer; }
+  const Capabilities& capabilities() const override { return pair_capabilities; }
 
   tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
                                                               bool well_known) override {
@@ -236,7 +236,8 @@ class PairMedium final : public Medium {
     return std::make_unique<PairAcceptor>(std::move(backlog), std::move(address));
   }
 
-  tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) override {
+  tl::expected<std::unique_ptr<Connection>, MediumError> connect(
+      std::string_view address) override {
     const auto found = places_.find(address);
     const auto backlog = found == places_.end() ? nullptr : found->second.lock();
     if (backlog == nullptr) {
@@ -249,7 +250,7 @@ class PairMedium final : public Medium {
     const std::lock_guard lock(backlog->mutex);
     backlog->waiting.push_back(line);
     backlog->event.notify();
-    return std::make_unique<PairLink>(std::move(line), 0);
+    return std::make_unique<PairConnection>(std::move(line), 0);
   }
 
   std::string well_known_address(std::string_view name) const override {

@@ -14,22 +14,23 @@ namespace gecos::media {
 
 inline constexpr std::size_t pair_datagram = 200;
 
-inline constexpr Offer pair_offer{.name = "pair",
-                                  .reach = Reach::Process,
-                                  .reliable = false,
-                                  .real_time = false,
-                                  .reports_death = false,
-                                  .largest_packet = pair_datagram};
+inline constexpr Capabilities pair_capabilities{.name = "pair",
+                                                .reach = Reach::Process,
+                                                .reliable = false,
+                                                .real_time = false,
+                                                .reports_death = false,
+                                                .largest_packet = pair_datagram};
 
-inline constexpr Offer sealed_pair_offer{.name = "pair",
-                                         .reach = Reach::Process,
-                                         .ordered = false,
-                                         .reliable = false,
-                                         .real_time = false,
-                                         .reports_death = false,
-                                         .overheard = true,
-                                         .connectionless = true,
-                                         .largest_packet = pair_datagram - packet_overhead};
+inline constexpr Capabilities sealed_pair_capabilities{
+    .name = "pair",
+    .reach = Reach::Process,
+    .ordered = false,
+    .reliable = false,
+    .real_time = false,
+    .reports_death = false,
+    .overheard = true,
+    .connectionless = true,
+    .largest_packet = pair_datagram - packet_overhead};
 
 std::unique_ptr<Medium> make_pair_medium();
 

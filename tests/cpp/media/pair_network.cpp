@@ -69,7 +69,7 @@ class PairPort final : public DatagramPort {
 
 class PairNetwork final : public DatagramNetwork, public std::enable_shared_from_this<PairNetwork> {
  public:
-  const Offer& offer() const override { return sealed_pair_offer; }
+  const Capabilities& capabilities() const override { return sealed_pair_capabilities; }
   const std::string& name() const override { return name_; }
   std::size_t largest_datagram() const override { return pair_datagram; }
   tl::expected<std::unique_ptr<DatagramPort>, MediumError> open(std::uint16_t port) const override {

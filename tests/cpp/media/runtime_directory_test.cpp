@@ -132,10 +132,10 @@ std::string heard_by(uid_t user) {
   ChildProcess asking([&](const auto&) {
     become(user);
     const auto medium = make_shm();
-    auto link = medium->connect(medium->well_known_address("BROKER"));
-    std::string said = link ? "" : link.error().text;
-    if (link) {
-      End end(std::move(*link));
+    auto connection = medium->connect(medium->well_known_address("BROKER"));
+    std::string said = connection ? "" : connection.error().text;
+    if (connection) {
+      End end(std::move(*connection));
       static_cast<void>(end.send("who?"));
       said = end.receive();
     }

@@ -51,7 +51,7 @@ class ShmHostile : public testing::Test {
  protected:
   void SetUp() override { before_ = open_descriptors(); }
 
-  /// Whoever it was, it made no link, it holds no descriptor of ours, and others are served.
+  /// Whoever it was, it made no connection, it holds no descriptor of ours, and others are served.
   void expect_refused() {
     EXPECT_EQ(acceptor_->accept(), nullptr);
     EXPECT_EQ(acceptor_->accept(), nullptr);
@@ -60,7 +60,7 @@ class ShmHostile : public testing::Test {
   void expect_served() {
     End client(std::move(*medium_->connect(acceptor_->address())));
     End server(wait_for_client(*acceptor_));
-    ASSERT_NE(server.link, nullptr);
+    ASSERT_NE(server.connection, nullptr);
     ASSERT_TRUE(client.send("an honest call"));
     EXPECT_EQ(server.receive(), "an honest call");
   }
@@ -153,9 +153,9 @@ TEST_F(ShmHostile, AnEventFdThatIsNoneIsNeverNotified) {
   RingMemory::at(memory.mapping.data(), usual_slot_count).control->asleep.store(1);
   const std::array given{memory.memfd.get(), writing.get()};
   ASSERT_TRUE(shm::send_control(socket.get(), {.type = ControlType::Hello}, given));
-  const auto link = wait_for_client(*acceptor_);
-  ASSERT_NE(link, nullptr);
-  ASSERT_TRUE(link->send(bytes_of("wake up"), {}));
+  const auto connection = wait_for_client(*acceptor_);
+  ASSERT_NE(connection, nullptr);
+  ASSERT_TRUE(connection->send(bytes_of("wake up"), {}));
   shm::ReceivedControl got;
   ASSERT_EQ(shm::receive_control(socket.get(), got), shm::ControlRead::Message);
   EXPECT_EQ(got.message.type, ControlType::Welcome);
@@ -195,30 +195,30 @@ TEST_F(ShmHostile, SilentPeersDoNotKeepHonestOnesOut) {
   expect_served();
 }
 
-TEST_F(ShmHostile, ALinkThatSendsGarbageLaterIsBroken) {
+TEST_F(ShmHostile, AConnectionThatSendsGarbageLaterIsBroken) {
   for (const ControlType type : {ControlType::Hello, ControlType::Welcome, ControlType::Share,
                                  ControlType::Area, static_cast<ControlType>(99)}) {
     const Scribbler scribbler(acceptor_->address());
-    const auto link = wait_for_client(*acceptor_);
-    ASSERT_NE(link, nullptr);
-    ASSERT_EQ(link->loss(), Loss::None);
+    const auto connection = wait_for_client(*acceptor_);
+    ASSERT_NE(connection, nullptr);
+    ASSERT_EQ(connection->loss(), Loss::None);
     ASSERT_TRUE(shm::send_control(scribbler.socket.get(), {.type = type}));
-    EXPECT_EQ(link->loss(), Loss::Broken);
-    EXPECT_FALSE(link->loss_text().empty());
-    EXPECT_FALSE(link->prepare_to_sleep());
+    EXPECT_EQ(connection->loss(), Loss::Broken);
+    EXPECT_FALSE(connection->loss_text().empty());
+    EXPECT_FALSE(connection->prepare_to_sleep());
   }
 }
 
 TEST_F(ShmHostile, AFloodOfNotificationsDelaysButNeverHolds) {
   const Scribbler scribbler(acceptor_->address());
-  const auto link = wait_for_client(*acceptor_);
-  ASSERT_NE(link, nullptr);
+  const auto connection = wait_for_client(*acceptor_);
+  ASSERT_NE(connection, nullptr);
   for (int round = 0; round < 100; ++round) {
     while (shm::send_control(scribbler.socket.get(), {.type = ControlType::Notify})) {
     }
-    link->prepare_to_sleep();
-    link->woke();
-    ASSERT_EQ(link->loss(), Loss::None);
+    connection->prepare_to_sleep();
+    connection->woke();
+    ASSERT_EQ(connection->loss(), Loss::None);
   }
 }
 
@@ -226,9 +226,9 @@ TEST_F(ShmHostile, AScribbledRingGivesPacketsOrBreaksButHurtsNobody) {
   std::mt19937_64 random(11);
   for (int round = 0; round < 50; ++round) {
     const Scribbler scribbler(acceptor_->address());
-    const auto link = wait_for_client(*acceptor_);
-    ASSERT_NE(link, nullptr);
-    for (int i = 0; i < 2000 && link->loss() == Loss::None; ++i) {
+    const auto connection = wait_for_client(*acceptor_);
+    ASSERT_NE(connection, nullptr);
+    for (int i = 0; i < 2000 && connection->loss() == Loss::None; ++i) {
       auto* const words = reinterpret_cast<std::uint64_t*>(scribbler.memory.mapping.data());
       const std::uint64_t value = random() >> (random() % 64);
       // Anything anywhere, and now and then just what the reader looks at next.
@@ -236,13 +236,13 @@ TEST_F(ShmHostile, AScribbledRingGivesPacketsOrBreaksButHurtsNobody) {
       RingSlot& slot = scribbler.ring.slots[static_cast<std::size_t>(i) % 8];
       slot.size.store(static_cast<std::uint32_t>(value));
       slot.sequence.store(static_cast<std::uint64_t>(i) % 8 + 1);
-      if (const auto packet = link->receive()) {
+      if (const auto packet = connection->receive()) {
         ASSERT_LE(packet->size(), largest_ring_packet);
       }
-      [[maybe_unused]] const auto sent = link->send(bytes_of("x"), {});
-      ASSERT_LE(link->taken_by_peer(), 2000u);
-      link->beats_seen();
-      if (link->prepare_to_sleep()) link->woke();
+      [[maybe_unused]] const auto sent = connection->send(bytes_of("x"), {});
+      ASSERT_LE(connection->taken_by_peer(), 2000u);
+      connection->beats_seen();
+      if (connection->prepare_to_sleep()) connection->woke();
     }
   }
   expect_served();
@@ -250,8 +250,8 @@ TEST_F(ShmHostile, AScribbledRingGivesPacketsOrBreaksButHurtsNobody) {
 
 TEST_F(ShmHostile, ASizeThatChangesWhileItIsReadHurtsNobody) {
   const Scribbler scribbler(acceptor_->address());
-  const auto link = wait_for_client(*acceptor_);
-  ASSERT_NE(link, nullptr);
+  const auto connection = wait_for_client(*acceptor_);
+  ASSERT_NE(connection, nullptr);
   std::atomic<bool> done{false};
   std::thread scribbling([&] {
     for (std::uint32_t i = 0; !done.load(); ++i) {
@@ -262,7 +262,7 @@ TEST_F(ShmHostile, ASizeThatChangesWhileItIsReadHurtsNobody) {
   });
   for (std::size_t slot = 0; slot < 16; ++slot) scribbler.ring.slots[slot].sequence.store(slot + 1);
   for (int i = 0; i < 16; ++i) {
-    if (const auto packet = link->receive()) {
+    if (const auto packet = connection->receive()) {
       EXPECT_LE(packet->size(), largest_ring_packet);
     }
   }
@@ -283,7 +283,7 @@ struct BulkScribbler : Scribbler {
   RingWriter writer{ring};
 };
 
-TEST_F(ShmHostile, AnAreaThatCouldHurtLaterBreaksTheLink) {
+TEST_F(ShmHostile, AnAreaThatCouldHurtLaterBreaksTheConnection) {
   constexpr int all = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL;
   struct Case {
     std::size_t size;
@@ -294,72 +294,72 @@ TEST_F(ShmHostile, AnAreaThatCouldHurtLaterBreaksTheLink) {
         Case{area_bytes, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL}, Case{area_bytes - 1, all},
         Case{0, all}, Case{std::size_t{1} << 40, all}}) {
     BulkScribbler scribbler(acceptor_->address());
-    const auto link = wait_for_client(*acceptor_);
-    ASSERT_NE(link, nullptr);
+    const auto connection = wait_for_client(*acceptor_);
+    ASSERT_NE(connection, nullptr);
     const Descriptor memfd = memfd_of(size, seals);
     ASSERT_TRUE(scribbler.show(memfd.get()));
     scribbler.writer.announce({1, 0, 100});
-    EXPECT_FALSE(link->receive());
-    EXPECT_EQ(link->loss(), Loss::Broken) << size << " " << seals;
-    EXPECT_FALSE(link->prepare_to_sleep());
+    EXPECT_FALSE(connection->receive());
+    EXPECT_EQ(connection->loss(), Loss::Broken) << size << " " << seals;
+    EXPECT_FALSE(connection->prepare_to_sleep());
   }
 }
 
-TEST_F(ShmHostile, AnAreaThatWasAnnouncedButNeverShownBreaksTheLink) {
+TEST_F(ShmHostile, AnAreaThatWasAnnouncedButNeverShownBreaksTheConnection) {
   BulkScribbler scribbler(acceptor_->address());
-  const auto link = wait_for_client(*acceptor_);
-  ASSERT_NE(link, nullptr);
+  const auto connection = wait_for_client(*acceptor_);
+  ASSERT_NE(connection, nullptr);
   scribbler.writer.announce({1, 0, 100});
-  EXPECT_FALSE(link->receive());
-  EXPECT_EQ(link->loss(), Loss::Broken);
+  EXPECT_FALSE(connection->receive());
+  EXPECT_EQ(connection->loss(), Loss::Broken);
 }
 
 TEST_F(ShmHostile, AnAreaBehindAFullSocketIsFound) {
   BulkScribbler scribbler(acceptor_->address());
-  const auto link = wait_for_client(*acceptor_);
-  ASSERT_NE(link, nullptr);
+  const auto connection = wait_for_client(*acceptor_);
+  ASSERT_NE(connection, nullptr);
   int sent = 0;
   while (shm::send_control(scribbler.socket.get(), {.type = ControlType::Notify})) ++sent;
   ASSERT_GT(sent, 64);
-  ASSERT_EQ(link->loss(), Loss::None);  // reads some of them, which makes room
+  ASSERT_EQ(connection->loss(), Loss::None);  // reads some of them, which makes room
   const auto area = shm::make_sealed("hostile", area_bytes).value();
   ASSERT_TRUE(scribbler.show(area.memfd.get()));
   scribbler.writer.announce({1, 0, 100'000});
-  const auto packet = link->receive();
+  const auto packet = connection->receive();
   ASSERT_TRUE(packet);
   EXPECT_EQ(packet->size(), 100'000u);
 }
 
 TEST_F(ShmHostile, PagesThatWereNeverWrittenAreReadAsZeros) {
   BulkScribbler scribbler(acceptor_->address());
-  const auto link = wait_for_client(*acceptor_);
-  ASSERT_NE(link, nullptr);
+  const auto connection = wait_for_client(*acceptor_);
+  ASSERT_NE(connection, nullptr);
   const auto area = shm::make_sealed("hostile", area_bytes).value();
   ASSERT_TRUE(scribbler.show(area.memfd.get()));
   scribbler.writer.announce({1, 0, largest_bulk_packet});
-  const auto packet = link->receive();
+  const auto packet = connection->receive();
   ASSERT_TRUE(packet);
   EXPECT_TRUE(std::ranges::all_of(*packet, [](std::byte b) { return b == std::byte{0}; }));
 }
 
 TEST_F(ShmHostile, AreasThatComeAndEndWhileTheyAreReadHurtNobody) {
   BulkScribbler scribbler(acceptor_->address());
-  const auto link = wait_for_client(*acceptor_);
-  ASSERT_NE(link, nullptr);
+  const auto connection = wait_for_client(*acceptor_);
+  ASSERT_NE(connection, nullptr);
   const auto area = shm::make_sealed("hostile", area_bytes).value();
   std::atomic<bool> done{false};
   // Maintenance reads the socket in another thread than the one that copies.
   std::thread maintenance([&] {
     while (!done.load()) {
-      link->loss();
-      link->beat();
+      connection->loss();
+      connection->beat();
     }
   });
-  for (std::uint64_t number = 1; number <= 300 && link->loss() == Loss::None; ++number) {
+  for (std::uint64_t number = 1; number <= 300 && connection->loss() == Loss::None; ++number) {
     if (!scribbler.show(area.memfd.get(), number)) continue;
     scribbler.writer.announce({number, 0, 3'000'000});
     scribbler.end(number);  // before it was read
-    if (const auto packet = link->receive()) {
+    if (const auto packet = connection->receive()) {
       EXPECT_EQ(packet->size(), 3'000'000u);
     }
   }
@@ -372,15 +372,15 @@ TEST_F(ShmHostile, ScribbledPlacesGivePacketsOrBreakButHurtNobody) {
   const auto area = shm::make_sealed("hostile", area_bytes).value();
   for (int round = 0; round < 100; ++round) {
     BulkScribbler scribbler(acceptor_->address());
-    const auto link = wait_for_client(*acceptor_);
-    ASSERT_NE(link, nullptr);
+    const auto connection = wait_for_client(*acceptor_);
+    ASSERT_NE(connection, nullptr);
     ASSERT_TRUE(scribbler.show(area.memfd.get(), 1));
-    for (int i = 0; i < 100 && link->loss() == Loss::None; ++i) {
+    for (int i = 0; i < 100 && connection->loss() == Loss::None; ++i) {
       const auto any = [&] {
         return i % 4 == 0 ? random() >> (random() % 64) : random() % 200'000;
       };
       scribbler.writer.announce({any() % 20 == 0 ? any() : 1, any(), any()});
-      if (const auto packet = link->receive()) {
+      if (const auto packet = connection->receive()) {
         ASSERT_LE(packet->size(), largest_bulk_packet);
       }
     }
@@ -389,18 +389,18 @@ TEST_F(ShmHostile, ScribbledPlacesGivePacketsOrBreakButHurtNobody) {
 
 TEST_F(ShmHostile, WhoNeverTakesLargePacketsFillsOnlyItsOwnArea) {
   BulkScribbler scribbler(acceptor_->address());
-  const auto link = wait_for_client(*acceptor_);
-  ASSERT_NE(link, nullptr);
+  const auto connection = wait_for_client(*acceptor_);
+  ASSERT_NE(connection, nullptr);
   const Bytes image(2'000'000);
   const std::size_t before = open_descriptors();
   std::uint64_t sent = 0;
-  while (link->send(image, {})) ++sent;
-  EXPECT_EQ(link->send(image, {}).error(), SendProblem::Full);
+  while (connection->send(image, {})) ++sent;
+  EXPECT_EQ(connection->send(image, {}).error(), SendProblem::Full);
   EXPECT_LE(sent * image.size(), area_bytes);
-  for (unsigned i = 0; i < 2 * area_kept; ++i) link->beat();
-  EXPECT_EQ(link->send(image, {}).error(), SendProblem::Full)
+  for (unsigned i = 0; i < 2 * area_kept; ++i) connection->beat();
+  EXPECT_EQ(connection->send(image, {}).error(), SendProblem::Full)
       << "what is not taken is not given back";
-  EXPECT_EQ(link->taken_by_peer(), 0u);
+  EXPECT_EQ(connection->taken_by_peer(), 0u);
   EXPECT_EQ(open_descriptors(), before) << "an area is held by its mapping alone";
   expect_served();
 }
@@ -437,7 +437,7 @@ TEST_F(ShmHostile, AClientRefusesAServersUnsealedMemory) {
   const std::array given{memfd.get(), event.descriptor()};
   ASSERT_TRUE(shm::send_control(socket.get(), {.type = ControlType::Welcome}, given));
   EXPECT_EQ(client.wait_for_loss(), Loss::Broken);
-  EXPECT_EQ(client.link->loss_text(), "the peer sent memory that is not sealed");
+  EXPECT_EQ(client.connection->loss_text(), "the peer sent memory that is not sealed");
 }
 
 TEST_F(ShmHostile, AClientRefusesStreamsOfImpossibleSizes) {
@@ -458,8 +458,8 @@ TEST_F(ShmHostile, AClientRefusesStreamsOfImpossibleSizes) {
     share.depth = depth;
     const std::array given{memory.memfd.get()};
     ASSERT_TRUE(shm::send_control(socket.get(), share, given));
-    EXPECT_EQ(client.link->open_stream(1), nullptr);
-    EXPECT_EQ(client.link->loss(), Loss::Broken);
+    EXPECT_EQ(client.connection->open_stream(1), nullptr);
+    EXPECT_EQ(client.connection->loss(), Loss::Broken);
   }
 }
 

@@ -30,9 +30,9 @@ class ShmProcess : public testing::Test {
     return make_shm({.directory = directory_.path()})->listen("RX90", true).value();
   }
   End connect() const {
-    auto link = make_shm({.directory = directory_.path()})->connect(well_known());
-    if (!link) ADD_FAILURE() << link.error().text;
-    return End(link ? std::move(*link) : nullptr);
+    auto connection = make_shm({.directory = directory_.path()})->connect(well_known());
+    if (!connection) ADD_FAILURE() << connection.error().text;
+    return End(connection ? std::move(*connection) : nullptr);
   }
 
   const ScratchDirectory directory_;
@@ -52,9 +52,9 @@ TEST_F(ShmProcess, TwoProcessesAnswerEachOther) {
   ChildProcess server([&](const auto& say_ready) { echo(*listen(), say_ready); });
   ASSERT_TRUE(server.wait_ready());
   End client = connect();
-  EXPECT_EQ(client.link->peer().pid, server.pid());
-  EXPECT_EQ(client.link->peer().uid, ::geteuid());
-  const std::string large(client.link->offer().largest_packet, 'x');
+  EXPECT_EQ(client.connection->peer().pid, server.pid());
+  EXPECT_EQ(client.connection->peer().uid, ::geteuid());
+  const std::string large(client.connection->capabilities().largest_packet, 'x');
   for (int i = 0; i < 2000; ++i) {
     const std::string text = i % 500 == 0 ? large : std::to_string(i);
     ASSERT_TRUE(client.send(text));
@@ -62,7 +62,7 @@ TEST_F(ShmProcess, TwoProcessesAnswerEachOther) {
   }
   ASSERT_TRUE(client.send("end"));
   EXPECT_EQ(client.receive(), "end");
-  EXPECT_EQ(client.wait_for_loss(), Loss::Closed) << client.link->loss_text();
+  EXPECT_EQ(client.wait_for_loss(), Loss::Closed) << client.connection->loss_text();
   EXPECT_EQ(server.wait(), 0);
 }
 
@@ -75,17 +75,17 @@ TEST_F(ShmProcess, AKilledServerIsSeenByASleeperAtOnce) {
   });
   ASSERT_TRUE(server.wait_ready());
   End client = connect();
-  ASSERT_TRUE(client.link->prepare_to_sleep());
+  ASSERT_TRUE(client.connection->prepare_to_sleep());
   std::thread killing([&] { server.kill(); });
   // The promise: the kernel reports it; 100 ms is five times what a loaded host takes for that.
   const TimePoint deadline = std::chrono::steady_clock::now() + 100ms;
   killing.join();
-  while (client.link->loss() == Loss::None) {
-    ASSERT_NE(sleep_on(client.link->descriptors(), deadline), Wake::TimedOut);
-    client.link->woke();
+  while (client.connection->loss() == Loss::None) {
+    ASSERT_NE(sleep_on(client.connection->descriptors(), deadline), Wake::TimedOut);
+    client.connection->woke();
   }
-  EXPECT_EQ(client.link->loss(), Loss::Died);
-  EXPECT_NE(client.link->loss_text().find(std::to_string(*client.link->peer().pid)),
+  EXPECT_EQ(client.connection->loss(), Loss::Died);
+  EXPECT_NE(client.connection->loss_text().find(std::to_string(*client.connection->peer().pid)),
             std::string::npos);
   EXPECT_EQ(client.send("anybody?").error(), SendProblem::Lost);
 }
@@ -103,9 +103,9 @@ TEST_F(ShmProcess, WhatADeadServerTookAndAnsweredStaysKnown) {
   End client = connect();
   for (int i = 0; i < 10; ++i) ASSERT_TRUE(client.send("command"));
   EXPECT_EQ(client.wait_for_loss(), Loss::Died);
-  EXPECT_EQ(client.link->taken_by_peer(), 3u);
+  EXPECT_EQ(client.connection->taken_by_peer(), 3u);
   EXPECT_EQ(client.receive(), "answer");
-  EXPECT_EQ(client.link->taken_by_peer(), 3u);
+  EXPECT_EQ(client.connection->taken_by_peer(), 3u);
 }
 
 /// How many areas this process sees, in its memory and among its descriptors.
@@ -138,7 +138,7 @@ TEST_F(ShmProcess, OfLargePacketsToOneThatDiesItIsKnownWhichItTook) {
     End client = connect();
     for (int i = 0; i < 10; ++i) ASSERT_TRUE(client.send(i % 2 == 0 ? image : "command"));
     EXPECT_EQ(client.wait_for_loss(), Loss::Died);
-    EXPECT_EQ(client.link->taken_by_peer(), 3u);
+    EXPECT_EQ(client.connection->taken_by_peer(), 3u);
     EXPECT_TRUE(client.receive() == image + "answer") << "what it had sent is there";
     EXPECT_EQ(areas_seen(), 2u);
   }
@@ -154,7 +154,7 @@ TEST_F(ShmProcess, AnAreaIsGivenBackToTheKernelWhenItIsNotUsed) {
     ASSERT_TRUE(client.send(image));
     ASSERT_TRUE(client.receive() == image);
     EXPECT_EQ(areas_seen(), 2u);
-    for (unsigned i = 0; i <= area_kept; ++i) client.link->beat();
+    for (unsigned i = 0; i <= area_kept; ++i) client.connection->beat();
     EXPECT_EQ(areas_seen(), 1u) << "ours is gone; the server's maintenance does not beat here";
   }
   ASSERT_TRUE(client.send("end"));
@@ -186,7 +186,7 @@ TEST_F(ShmProcess, AServerThatDiedBeforeItAcceptedHasTakenNothing) {
   ASSERT_TRUE(client.send("command"));
   server.kill();
   EXPECT_EQ(client.wait_for_loss(), Loss::Died);
-  EXPECT_EQ(client.link->taken_by_peer(), 0u);
+  EXPECT_EQ(client.connection->taken_by_peer(), 0u);
 }
 
 TEST_F(ShmProcess, AKilledClientIsSeenByTheServer) {
@@ -200,7 +200,7 @@ TEST_F(ShmProcess, AKilledClientIsSeenByTheServer) {
   ASSERT_TRUE(client.wait_ready());
   End server(wait_for_client(*acceptor));
   EXPECT_EQ(server.receive(), "hello");
-  EXPECT_EQ(server.link->loss(), Loss::None);
+  EXPECT_EQ(server.connection->loss(), Loss::None);
   client.kill();
   EXPECT_EQ(server.wait_for_loss(), Loss::Died);
 }
@@ -215,7 +215,7 @@ TEST_F(ShmProcess, AProcessThatExitsWithoutAWordHasDied) {
   });
   ASSERT_TRUE(client.wait_ready());
   End server(wait_for_client(*acceptor));
-  ASSERT_NE(server.link, nullptr);
+  ASSERT_NE(server.connection, nullptr);
   ASSERT_TRUE(server.send("go"));
   EXPECT_EQ(server.wait_for_loss(), Loss::Died);
 }
@@ -240,7 +240,7 @@ TEST_F(ShmProcess, AChildOfTheDeadServerThatHoldsItsSocketHidesNothing) {
   ASSERT_TRUE(client.send("go"));
   ASSERT_EQ(client.receive(), "forked");
   ::kill(server.pid(), SIGKILL);  // not reaped yet: its death alone must do
-  EXPECT_EQ(client.wait_for_loss(), Loss::Died) << client.link->loss_text();
+  EXPECT_EQ(client.wait_for_loss(), Loss::Died) << client.connection->loss_text();
 }
 
 TEST_F(ShmProcess, AStoppedPeerIsNotLost) {
@@ -250,11 +250,11 @@ TEST_F(ShmProcess, AStoppedPeerIsNotLost) {
   ASSERT_TRUE(client.send("one"));
   ASSERT_EQ(client.receive(), "one");
   server.kill(SIGSTOP);
-  const std::uint64_t beats = client.link->beats_seen();
+  const std::uint64_t beats = client.connection->beats_seen();
   ASSERT_TRUE(client.send("two"));
-  EXPECT_EQ(client.link->loss(), Loss::None)
+  EXPECT_EQ(client.connection->loss(), Loss::None)
       << "only its silence tells, and the session judges that";
-  EXPECT_EQ(client.link->beats_seen(), beats);
+  EXPECT_EQ(client.connection->beats_seen(), beats);
   server.kill(SIGCONT);
   EXPECT_EQ(client.receive(), "two");
   ASSERT_TRUE(client.send("end"));
@@ -267,7 +267,7 @@ TEST_F(ShmProcess, AStreamOfADeadServerCanStillBeReadAndHoldsNobody) {
     say_ready();
     End end(wait_for_client(*acceptor));
     const auto writer = acceptor->make_stream(64, 4);
-    [[maybe_unused]] const auto shared = end.link->share(1, *writer);
+    [[maybe_unused]] const auto shared = end.connection->share(1, *writer);
     for (;;) [[maybe_unused]] const auto published = writer->publish(bytes_of("pose"), 1);
   });
   ASSERT_TRUE(server.wait_ready());
@@ -293,7 +293,7 @@ TEST_F(ShmProcess, AKilledServersSocketGivesWayToTheNext) {
       ::pause();
     });
     ASSERT_TRUE(server.wait_ready());
-    EXPECT_TRUE(connect().link);
+    EXPECT_TRUE(connect().connection);
     server.kill();
   }
   listen();
@@ -328,7 +328,7 @@ TEST_F(ShmProcess, WhoStandsBehindManyThatAreSilentIsLetInThoughEventsAreEdges) 
   for (int i = 0; i < 200; ++i)
     silent.push_back(shm::connect_to(address.substr(address.find(':') + 1)));
   End client = connect();
-  std::unique_ptr<Link> server;
+  std::unique_ptr<Connection> server;
   while (!server && ::epoll_wait(watched, &event, 1, 0) == 1) server = acceptor->accept();
   EXPECT_NE(server, nullptr);
   ::close(watched);
@@ -345,7 +345,8 @@ TEST_F(ShmProcess, AClientIsTurnedAwayWhenNoDescriptorIsLeft) {
     say_ready();
     // Whoever could not be let in is told so; the others stay.
     for (End& end : ends) {
-      end.wait([&] { return end.link->loss() != Loss::None || end.link->beats_seen() > 0; });
+      end.wait(
+          [&] { return end.connection->loss() != Loss::None || end.connection->beats_seen() > 0; });
     }
     ::_exit(0);
   });
@@ -354,10 +355,10 @@ TEST_F(ShmProcess, AClientIsTurnedAwayWhenNoDescriptorIsLeft) {
   ::getrlimit(RLIMIT_NOFILE, &before);
   const rlimit tight{open_descriptors() + 12, before.rlim_max};
   ::setrlimit(RLIMIT_NOFILE, &tight);
-  std::vector<std::unique_ptr<Link>> links;
-  while (auto link = acceptor->accept()) {
-    link->beat();
-    links.push_back(std::move(link));
+  std::vector<std::unique_ptr<Connection>> connections;
+  while (auto connection = acceptor->accept()) {
+    connection->beat();
+    connections.push_back(std::move(connection));
   }
   EXPECT_EQ(sleep_on(acceptor->descriptors(), TimePoint{}), Wake::TimedOut)
       << "who watches for edges comes once";
@@ -378,8 +379,8 @@ TEST_F(ShmProcess, AClientHearsThatTheDescriptorsOfTheServerEndedWhileItWasLetIn
     ::setrlimit(RLIMIT_NOFILE, &tight);
     EXPECT_EQ(acceptor->accept(), nullptr);
     ::setrlimit(RLIMIT_NOFILE, &before);
-    EXPECT_TRUE(client.wait([&] { return client.link->loss() != Loss::None; }));
-    const std::string why = client.link->loss_text();
+    EXPECT_TRUE(client.wait([&] { return client.connection->loss() != Loss::None; }));
+    const std::string why = client.connection->loss_text();
     EXPECT_TRUE(why.find("no descriptors left (ulimit -n)") != std::string::npos ||
                 why.find("Too many open files") != std::string::npos)
         << left << ": " << why;

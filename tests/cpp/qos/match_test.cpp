@@ -9,16 +9,16 @@ namespace {
 
 using namespace std::chrono_literals;
 
-const LineOffer shm{.name = "shm"};
-const LineOffer lcm{.name = "lcm",
-                    .between_hosts = true,
-                    .reliable = true,
-                    .real_time = false,
-                    .reports_death = false};
+const LineCapabilities shm{.name = "shm"};
+const LineCapabilities lcm{.name = "lcm",
+                           .between_hosts = true,
+                           .reliable = true,
+                           .real_time = false,
+                           .reports_death = false};
 
-LineOffer measured(LineOffer offer, Duration latency) {
-  offer.latency = latency;
-  return offer;
+LineCapabilities measured(LineCapabilities line, Duration latency) {
+  line.latency = latency;
+  return line;
 }
 
 TEST(Match, AnyMediumIsTimeIndependent) {
@@ -36,7 +36,7 @@ TEST(Match, HardRealtimeNeedsAMediumWithoutLossOrSharedQueue) {
 }
 
 TEST(Match, ReliableNeedsSomebodyWhoRepeats) {
-  LineOffer bare = lcm;
+  LineCapabilities bare = lcm;
   bare.reliable = false;
   ASSERT_EQ(violations({}, bare).size(), 1U);
   EXPECT_EQ(violations({}, bare)[0].term, "reliability=RELIABLE");
@@ -58,7 +58,7 @@ TEST(Match, LcmMayBeTheOnlyOneNamed) {
 }
 
 TEST(Match, OneProcessIsAsGoodAsItsSharedMemory) {
-  const LineOffer inproc{.name = "inproc"};
+  const LineCapabilities inproc{.name = "inproc"};
   EXPECT_TRUE(violations({.media = Media::Shm}, inproc).empty());
   EXPECT_TRUE(violations({.media = Media::Inproc}, inproc).empty());
   EXPECT_EQ(violations({.media = Media::Lcm | Media::Tcp}, inproc).size(), 1U);
@@ -93,33 +93,33 @@ TEST(Match, AllViolatedTermsAreFound) {
 }
 
 TEST(Rank, StaticPromisesComeBeforeMeasuredLatency) {
-  const std::array offers{measured(lcm, 1us), measured(shm, 1ms)};
-  EXPECT_EQ(rank({}, offers), (std::vector<std::size_t>{1, 0}));
+  const std::array lines{measured(lcm, 1us), measured(shm, 1ms)};
+  EXPECT_EQ(rank({}, lines), (std::vector<std::size_t>{1, 0}));
 }
 
 TEST(Rank, LowerLatencyComesFirstAmongEquals) {
-  const std::array offers{measured(shm, 2us), shm, measured(shm, 1us)};
-  EXPECT_EQ(rank({}, offers), (std::vector<std::size_t>{2, 0, 1}));
+  const std::array lines{measured(shm, 2us), shm, measured(shm, 1us)};
+  EXPECT_EQ(rank({}, lines), (std::vector<std::size_t>{2, 0, 1}));
 }
 
 TEST(Rank, OrderGivenDecidesTheRest) {
-  const std::array offers{lcm, shm, shm};
-  EXPECT_EQ(rank({}, offers), (std::vector<std::size_t>{1, 2, 0}));
+  const std::array lines{lcm, shm, shm};
+  EXPECT_EQ(rank({}, lines), (std::vector<std::size_t>{1, 2, 0}));
 }
 
 TEST(Rank, WhatDoesNotFitIsLeftOut) {
-  const std::array offers{lcm, shm};
-  EXPECT_EQ(rank({.line = Class::HardRealtime}, offers), (std::vector<std::size_t>{1}));
+  const std::array lines{lcm, shm};
+  EXPECT_EQ(rank({.line = Class::HardRealtime}, lines), (std::vector<std::size_t>{1}));
 }
 
 TEST(Choose, GivesTheBest) {
-  const std::array offers{lcm, shm};
-  EXPECT_EQ(choose({}, offers).value(), 1U);
+  const std::array lines{lcm, shm};
+  EXPECT_EQ(choose({}, lines).value(), 1U);
 }
 
 TEST(Choose, ListsEveryMediumAndTheTermItViolates) {
-  const std::array offers{measured(shm, 3ms), lcm};
-  const auto chosen = choose({.line = Class::HardRealtime, .latency = 1ms}, offers);
+  const std::array lines{measured(shm, 3ms), lcm};
+  const auto chosen = choose({.line = Class::HardRealtime, .latency = 1ms}, lines);
   ASSERT_FALSE(chosen);
   EXPECT_EQ(chosen.error(),
             "no medium meets the required quality; latency=1ms: shm was measured at 3ms; "

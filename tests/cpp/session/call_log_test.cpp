@@ -45,11 +45,11 @@ TEST_P(CallLog, TellsCommandsLeasesAndSessionsAtInfo) {
   EXPECT_SAYS_NOT(said, "debug");
 }
 
-TEST_P(CallLog, TellsReadingsAndLinksTooAtDebug) {
+TEST_P(CallLog, TellsReadingsAndConnectionsTooAtDebug) {
   const std::string said = said_at(gecos::LogLevel::Debug);
   EXPECT_SAYS(said, "gecos debug server: PROBE.read of ");
   EXPECT_SAYS(said, "gecos debug client: PROBE.read ended FINISHED/DONE\n");
-  EXPECT_SAYS(said, "gecos debug media: PROBE: a link over ");
+  EXPECT_SAYS(said, "gecos debug media: PROBE: a connection over ");
   EXPECT_SAYS(said, ": connected\n");
 }
 

@@ -163,7 +163,7 @@ TEST_F(Create, TakesOnlyMediaThatTheInterfaceNames) {
     wanted.quality.media = media;
     return gecos::session::create(LabAccess::context(lab_), wanted, {"PROBE"}, {});
   };
-  const auto medium = [](const auto& created) { return created->session->offer().name; };
+  const auto medium = [](const auto& created) { return created->session->capabilities().name; };
 
   auto lcm = over(Media::Lcm);
   ASSERT_TRUE(lcm) << lcm.error();
@@ -187,13 +187,13 @@ TEST_F(Create, PrefersTheMediumThatPromisesMost) {
   ASSERT_TRUE(server_->add("PROBE", servant_, everything));
   auto created = lab_.create<probe::Probe>("PROBE");
   ASSERT_TRUE(created) << created.error();
-  EXPECT_EQ(created->session()->offer().name, "inproc");
+  EXPECT_EQ(created->session()->capabilities().name, "inproc");
   for (const Kind kind : {Kind::Inproc, Kind::Shm, Kind::Lcm}) {
     gecos::CreateOptions options;
     options.medium = kind;
     auto asked = lab_.create<probe::Probe>("PROBE", options);
     ASSERT_TRUE(asked) << asked.error();
-    EXPECT_EQ(asked->session()->offer().name, to_string(kind));
+    EXPECT_EQ(asked->session()->capabilities().name, to_string(kind));
     EXPECT_EQ(asked->read().get().value(), 7);
   }
 }

@@ -9,7 +9,7 @@ class OutcomesOf : public OverALossyLine {
   /// Asked by a session of its own, as somebody who lost his would.
   Outcome ask(SessionId session, std::uint64_t counter) {
     const auto asked = std::exchange(session_, nullptr);
-    TestLink* const asked_link = link_;
+    TestConnection* const asked_connection = connection_;
     connect();
     Bytes body(3 * 8);
     wire::Encoder to(body);
@@ -17,12 +17,12 @@ class OutcomesOf : public OverALossyLine {
     to.put(number(session));
     to.put(counter);
     call(1, GecosObjectInterface::outcome.code, body);
-    const auto packet = wire::decode_packet(link_->sent.back());
+    const auto packet = wire::decode_packet(connection_->sent.back());
     wire::Decoder from(packet->body);
     OutcomeRecord record;
     EXPECT_TRUE(wire::get_block(from, record, "outcome"));
     session_ = asked;
-    link_ = asked_link;
+    connection_ = asked_connection;
     return {detail_from(record.detail).value_or(Detail::Fault), record.text};
   }
 };

@@ -16,7 +16,7 @@ class SentAgain : public ServedObjects, public ::testing::WithParamInterface<boo
     return connect()->id();
   }
   Bytes last_body() const {
-    const auto packet = wire::decode_packet(link_->sent.back());
+    const auto packet = wire::decode_packet(connection_->sent.back());
     return Bytes(packet->body.begin(), packet->body.end());
   }
 };
@@ -30,7 +30,7 @@ TEST_P(SentAgain, WhatRunsIsNotStartedTwiceAndToldOfWhereItWasSentLast) {
   const SessionId lost = lose();
   again(1, lost, 5);
   packet(wire::PacketKind::Query, 1);
-  const auto told = wire::decode_packet(link_->sent.back());
+  const auto told = wire::decode_packet(connection_->sent.back());
   EXPECT_EQ(told->header.kind, wire::PacketKind::Progress);
   EXPECT_EQ(told->header.counter, 1u);
   ASSERT_EQ(servant_.kept.size(), 1u);

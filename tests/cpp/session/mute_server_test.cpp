@@ -13,15 +13,16 @@ using gecos::Detail;
 using gecos::media::Role;
 
 /// What the server answers is lost on its way, and what it beats arrives.
-class MuteLink final : public gecos::media::LinkLayer {
+class MuteConnection final : public gecos::media::ConnectionLayer {
  public:
-  MuteLink(std::unique_ptr<gecos::media::Link> inner, const gecos::media::Offer& offer,
-           std::shared_ptr<std::atomic<int>> lost)
-      : LinkLayer(std::move(inner), offer), lost_(std::move(lost)) {}
+  MuteConnection(std::unique_ptr<gecos::media::Connection> inner,
+                 const gecos::media::Capabilities& capabilities,
+                 std::shared_ptr<std::atomic<int>> lost)
+      : ConnectionLayer(std::move(inner), capabilities), lost_(std::move(lost)) {}
 
   std::optional<gecos::ByteView> receive() override {
     for (;;) {
-      const auto packet = LinkLayer::receive();
+      const auto packet = ConnectionLayer::receive();
       if (!packet || lost_->load() == 0) return packet;
       lost_->fetch_sub(1);
     }
@@ -38,12 +39,13 @@ gecos::Lab quick(const std::shared_ptr<std::atomic<int>>& lost) {
   options.grace = 200ms;
   options.heartbeat = 40ms;
   const auto wrap = [lost](std::unique_ptr<gecos::media::Medium> inner) {
-    const gecos::media::Offer offer = inner->offer();
-    return gecos::media::make_layer(
-        std::move(inner), offer,
-        [lost](std::unique_ptr<gecos::media::Link> link, const gecos::media::Offer& offered, Role) {
-          return std::make_unique<MuteLink>(std::move(link), offered, lost);
-        });
+    const gecos::media::Capabilities layer_capabilities = inner->capabilities();
+    return gecos::media::make_layer(std::move(inner), layer_capabilities,
+                                    [lost](std::unique_ptr<gecos::media::Connection> connection,
+                                           const gecos::media::Capabilities& capabilities, Role) {
+                                      return std::make_unique<MuteConnection>(std::move(connection),
+                                                                              capabilities, lost);
+                                    });
   };
   return gecos::session::LabAccess::with_media(options, wrap);
 }

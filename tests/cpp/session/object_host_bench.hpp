@@ -14,12 +14,12 @@
 namespace gecos::session {
 
 /// The server's end of a line that loses what the test says.
-class TestLink final : public media::Link {
+class TestConnection final : public media::Connection {
  public:
-  explicit TestLink(bool reliable) { offer_.reliable = reliable, carry(64 * 1024); }
-  void carry(std::size_t largest_packet) { offer_.largest_packet = largest_packet; }
+  explicit TestConnection(bool reliable) { capabilities_.reliable = reliable, carry(64 * 1024); }
+  void carry(std::size_t largest_packet) { capabilities_.largest_packet = largest_packet; }
 
-  const media::Offer& offer() const override { return offer_; }
+  const media::Capabilities& capabilities() const override { return capabilities_; }
   const media::Peer& peer() const override { return peer_; }
   tl::expected<std::uint64_t, media::SendProblem> send(ByteView head, ByteView) override {
     if (full) return tl::unexpected(media::SendProblem::Full);
@@ -51,7 +51,7 @@ class TestLink final : public media::Link {
   std::vector<Bytes> sent;
 
  private:
-  media::Offer offer_;
+  media::Capabilities capabilities_;
   media::Peer peer_;
   std::uint64_t beats_ = 0;
 };
@@ -108,9 +108,9 @@ class ServedObjects : public ::testing::Test {
   /// before.
   std::shared_ptr<ServerSession> connect() {
     auto before = session_;
-    auto link = std::make_unique<TestLink>(reliable_);
-    link_ = link.get();
-    session_ = std::make_shared<ServerSession>(std::move(link), object_);
+    auto connection = std::make_unique<TestConnection>(reliable_);
+    connection_ = connection.get();
+    session_ = std::make_shared<ServerSession>(std::move(connection), object_);
     Hello hello;
     hello.user = "ada";
     hello.interface_name = "probe::Probe";
@@ -171,7 +171,7 @@ class ServedObjects : public ::testing::Test {
   }
   /// Detail of the newest reply to `counter`; nothing while there was none.
   std::optional<Detail> reply_to(std::uint64_t counter) const {
-    for (auto at = link_->sent.rbegin(); at != link_->sent.rend(); ++at) {
+    for (auto at = connection_->sent.rbegin(); at != connection_->sent.rend(); ++at) {
       const auto packet = wire::decode_packet(*at);
       if (packet->header.kind == wire::PacketKind::Reply && packet->header.counter == counter) {
         return detail_from(static_cast<std::uint8_t>(packet->header.flags));
@@ -181,7 +181,7 @@ class ServedObjects : public ::testing::Test {
   }
   Epoch granted() const {
     Grant grant;
-    const auto packet = wire::decode_packet(link_->sent.back());
+    const auto packet = wire::decode_packet(connection_->sent.back());
     wire::Decoder from(packet->body);
     EXPECT_TRUE(wire::get_block(from, grant, "grant"));
     return Epoch{grant.epoch};
@@ -193,7 +193,7 @@ class ServedObjects : public ::testing::Test {
   std::shared_ptr<Runtime> runtime_ = Runtime::make({}, clock_).value();
   std::shared_ptr<ObjectHost> object_ = make_object();
   std::shared_ptr<ServerSession> session_;
-  TestLink* link_ = nullptr;
+  TestConnection* connection_ = nullptr;
   std::uint64_t acknowledged_ = 0;
 };
 

@@ -49,12 +49,12 @@ TEST_F(ServedObjects, BeginNothingAfterAPauseBeforeWhatCameAheadOfTheHeartbeatIs
   call(1, probe::read_code);
   call(2, probe::read_code);
   object_->await_sign_of_life(*session_);
-  link_->unread = true;
+  connection_->unread = true;
   ASSERT_FALSE(object_->check_liveness(session_));
   EXPECT_FALSE(servant_.kept.at(0).begin())
       << "the packet may be a Goodbye that withdraws the call";
   EXPECT_EQ(reply_to(1), Detail::NotStarted);
-  link_->unread = false;
+  connection_->unread = false;
   ASSERT_FALSE(object_->check_liveness(session_));
   EXPECT_TRUE(servant_.kept.at(1).begin());
 }
@@ -166,7 +166,7 @@ TEST_F(ServedObjects, AreForgottenThoughTheyEndedBeforeAThreadCameToACallThatHad
 
 TEST_F(ServedObjects, PartsFromAClientThatAsksAndNeverListens) {
   ASSERT_FALSE(object_->check_liveness(session_));
-  link_->full = true;
+  connection_->full = true;
   bool parted = false;
   for (std::uint64_t counter = 1; counter < 100'000 && !parted; ++counter) {
     call(counter, GecosObjectInterface::ping.code);
@@ -177,12 +177,12 @@ TEST_F(ServedObjects, PartsFromAClientThatAsksAndNeverListens) {
 }
 
 TEST_F(ServedObjects, GivesUpLargeResultsOfAClientThatTakesNone) {
-  link_->carry(32 * 1024 * 1024);
-  link_->full = true;
+  connection_->carry(32 * 1024 * 1024);
+  connection_->full = true;
   servant_.result.resize(30 * 1024 * 1024);
   for (std::uint64_t counter = 1; counter <= 6; ++counter) call(counter, probe::read_code);
   EXPECT_FALSE(session_->overrun());
-  link_->full = false;
+  connection_->full = false;
   session_->flush();
   for (std::uint64_t counter = 1; counter <= 4; ++counter)
     EXPECT_EQ(reply_to(counter), Detail::Done);
@@ -193,12 +193,12 @@ TEST_F(ServedObjects, GivesUpLargeResultsOfAClientThatTakesNone) {
 }
 
 TEST_F(ServedObjects, PacketsThatCountNoCallAreIgnored) {
-  link_->sent.clear();
+  connection_->sent.clear();
   for (const auto kind :
        {wire::PacketKind::Query, wire::PacketKind::Cancel, wire::PacketKind::Call}) {
     packet(kind, 0, probe::read_code);
   }
-  EXPECT_TRUE(link_->sent.empty());
+  EXPECT_TRUE(connection_->sent.empty());
   call(1, probe::read_code);
   EXPECT_EQ(reply_to(1), Detail::Done);
 }
@@ -212,7 +212,7 @@ TEST_F(ServedObjects, AnswersThatTheOutcomeOfNoCallIsNotKnown) {
   call(1, GecosObjectInterface::outcome.code, body);
   ASSERT_EQ(reply_to(1), Detail::Done);
   OutcomeRecord record;
-  const auto packet = wire::decode_packet(link_->sent.back());
+  const auto packet = wire::decode_packet(connection_->sent.back());
   wire::Decoder from(packet->body);
   ASSERT_TRUE(wire::get_block(from, record, "outcome"));
   EXPECT_EQ(detail_from(record.detail), Detail::OutcomeUnknown);
@@ -248,13 +248,13 @@ TEST_F(ServedObjects, ADeadlineInCenturiesIsNone) {
 
 TEST_F(OverALossyLine, StartNothingOfAClientThatIsSilentBeforeItIsHeardAgain) {
   ASSERT_FALSE(object_->check_liveness(session_));
-  link_->silent = true;
+  connection_->silent = true;
   TimePoint now = system_clock().now();
   for (int look = 0; look < 4; ++look) object_->on_tick(now += std::chrono::milliseconds(200));
   ASSERT_FALSE(object_->check_liveness(session_));
   call(1, probe::read_code);
   EXPECT_EQ(reply_to(1), std::nullopt) << "its client may have given it up";
-  link_->silent = false;
+  connection_->silent = false;
   ASSERT_FALSE(object_->check_liveness(session_));
   object_->run_ready(Starter::Poller);
   EXPECT_EQ(reply_to(1), Detail::Done);
@@ -262,7 +262,7 @@ TEST_F(OverALossyLine, StartNothingOfAClientThatIsSilentBeforeItIsHeardAgain) {
 
 TEST_F(OverALossyLine, CallsOfAClientThatSaidGoodbyeAreNotHeldUpWhenItsSilenceIsJudgedOnceMore) {
   ASSERT_FALSE(object_->check_liveness(session_));
-  link_->silent = true;
+  connection_->silent = true;
   TimePoint now = system_clock().now();
   for (int look = 0; look < 4; ++look) object_->on_tick(now += std::chrono::milliseconds(200));
   ASSERT_FALSE(object_->check_liveness(session_));
@@ -275,12 +275,12 @@ TEST_F(OverALossyLine, CallsOfAClientThatSaidGoodbyeAreNotHeldUpWhenItsSilenceIs
 }
 
 TEST_F(OverALossyLine, PacketsThatCountNoCallAreIgnored) {
-  link_->sent.clear();
+  connection_->sent.clear();
   for (const auto kind :
        {wire::PacketKind::Query, wire::PacketKind::Cancel, wire::PacketKind::Call}) {
     packet(kind, 0, probe::read_code);
   }
-  EXPECT_TRUE(link_->sent.empty());
+  EXPECT_TRUE(connection_->sent.empty());
   call(1, probe::read_code);
   EXPECT_EQ(reply_to(1), Detail::Done);
 }
@@ -288,7 +288,7 @@ TEST_F(OverALossyLine, PacketsThatCountNoCallAreIgnored) {
 TEST_F(OverALossyLine, ACallWhoseAnswerWasCrowdedOutStillComesToAnEnd) {
   constexpr std::uint64_t kept = 512;
   for (std::uint64_t counter = 1; counter <= kept + 1; ++counter) call(counter, probe::read_code);
-  link_->sent.clear();  // the first answers were lost
+  connection_->sent.clear();  // the first answers were lost
   packet(wire::PacketKind::Query, 1);
   EXPECT_EQ(reply_to(1), Detail::OutcomeUnknown);
   packet(wire::PacketKind::Query, kept + 1);
@@ -296,22 +296,22 @@ TEST_F(OverALossyLine, ACallWhoseAnswerWasCrowdedOutStillComesToAnEnd) {
 }
 
 TEST_F(OverALossyLine, AnAnswerThatHasNotGoneYetIsNotPutBehindItselfWhenItIsAskedFor) {
-  link_->full = true;
+  connection_->full = true;
   call(1, probe::read_code);
   for (int times = 0; times < 3; ++times) packet(wire::PacketKind::Query, 1);
-  link_->full = false;
-  link_->sent.clear();
+  connection_->full = false;
+  connection_->sent.clear();
   session_->flush();
-  EXPECT_EQ(link_->sent.size(), 1u);
+  EXPECT_EQ(connection_->sent.size(), 1u);
 }
 
 TEST_F(OverALossyLine, ALateRepetitionOfWhatWasAcknowledgedIsIgnored) {
   call(1, probe::read_code);
   acknowledged_ = 1;
   call(2, probe::read_code);
-  link_->sent.clear();
+  connection_->sent.clear();
   call(1, probe::read_code);
-  EXPECT_TRUE(link_->sent.empty());
+  EXPECT_TRUE(connection_->sent.empty());
 }
 
 TEST_F(OverALossyLine, AReleaseThatOvertakesACommandWaitsForIt) {
@@ -328,15 +328,15 @@ TEST_F(OverALossyLine, AReleaseThatOvertakesACommandWaitsForIt) {
 TEST_F(OverALossyLine, ACommandThatOvertakesAnotherWaitsForIt) {
   acquire(1);
   const Epoch epoch = granted();
-  link_->sent.clear();
+  connection_->sent.clear();
   call(4, probe::set_code, {}, epoch);
   call(3, probe::set_code, {}, epoch);
   call(3, probe::set_code, {}, epoch);
   packet(wire::PacketKind::Query, 3);
-  EXPECT_TRUE(link_->sent.empty()) << "as far as its caller knows it has not arrived";
+  EXPECT_TRUE(connection_->sent.empty()) << "as far as its caller knows it has not arrived";
   call(2, probe::set_code, {}, epoch);
   std::vector<std::uint64_t> answered;
-  for (const Bytes& sent : link_->sent) {
+  for (const Bytes& sent : connection_->sent) {
     const auto packet = wire::decode_packet(sent);
     if (packet->header.kind == wire::PacketKind::Reply) answered.push_back(packet->header.counter);
   }
@@ -372,10 +372,10 @@ TEST_F(OverALossyLine, WhatWasOnItsWayWhenTheDeviceWasStoppedIsStopped) {
   const Epoch epoch = granted();
   call(3, probe::set_code, {}, epoch);  // before the one that was issued before it
   const auto mover = connect();
-  TestLink& line = static_cast<TestLink&>(mover->link());
+  TestConnection& line = static_cast<TestConnection&>(mover->connection());
   call(1, GecosObjectInterface::stop.code);
   ASSERT_EQ(reply_to(1), Detail::Done);
-  session_ = mover, link_ = &line;
+  session_ = mover, connection_ = &line;
   call(2, probe::set_code, {}, epoch);
   EXPECT_EQ(reply_to(2), Detail::Stopped);
   EXPECT_EQ(reply_to(3), Detail::Stopped);

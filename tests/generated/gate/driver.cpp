@@ -43,8 +43,8 @@ tl::expected<std::shared_ptr<gecos::session::StreamCore>, gecos::Failure> Line::
   return tl::unexpected(gecos::Failure{});
 }
 
-const gecos::media::Offer& Line::offer() const {
-  static const gecos::media::Offer none;
+const gecos::media::Capabilities& Line::capabilities() const {
+  static const gecos::media::Capabilities none;
   return none;
 }
 

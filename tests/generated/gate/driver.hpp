@@ -288,7 +288,7 @@ class Line final : public gecos::session::ClientSession {
       const gecos::StreamDescription& stream) override;
   const std::string& interface_name() const override { return name_; }
   const std::string& object_name() const override { return name_; }
-  const gecos::media::Offer& offer() const override;
+  const gecos::media::Capabilities& capabilities() const override;
   gecos::ObjectRef reference() const override { return {}; }
   std::uint64_t lease_acquired(std::uint64_t) override { return 0; }
   void lease_released(std::uint64_t) override {}

@@ -70,18 +70,18 @@ class Session:
         return min(open_ones) - 1 if open_ones else self._counter
 
     def send(self, packet: Packet) -> None:
-        link = self.connection.link
-        if link is None:
+        sealed = self.connection.sealed
+        if sealed is None:
             return
-        link.send_packet(replace(packet, session=self.id, acknowledged=self.acknowledged).pack())
+        sealed.send_packet(replace(packet, session=self.id, acknowledged=self.acknowledged).pack())
 
     def _silence(self, now: float) -> float:
-        link = self.connection.link
-        return now - link.heard_at if link and link.heard_at else 0.0
+        sealed = self.connection.sealed
+        return now - sealed.heard_at if sealed and sealed.heard_at else 0.0
 
     def tick(self, now: float) -> None:
-        link = self.connection.link
-        if link is None or self.connection.closed or self.refused or self.goodbye:
+        sealed = self.connection.sealed
+        if sealed is None or self.connection.closed or self.refused or self.goodbye:
             return
         if not self.welcome:
             if self._again.due(now):
@@ -131,8 +131,8 @@ class Session:
 
     def _share(self, frame: Frame) -> None:
         share = Share.of(frame.body)
-        link = self.connection.link
-        if share is None or share.id != frame.number or link is None:
+        sealed = self.connection.sealed
+        if share is None or share.id != frame.number or sealed is None:
             return
         known = self.shares.get(share.id)
         if known is None or known.share != share:
@@ -140,7 +140,7 @@ class Session:
                 self.loop.leave(known)
             self.shares[share.id] = StreamReader(share)
             self.loop.join(self.shares[share.id])
-        link.send(Inner.OPENED, share.id)
+        sealed.send(Inner.OPENED, share.id)
 
     def ready(self) -> Welcome:
         """Waits for Welcome."""

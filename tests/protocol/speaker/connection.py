@@ -6,7 +6,7 @@ import secrets
 import time
 from collections.abc import Callable
 
-from .frames import HEADER, Frame, Header, Inner, Kind, Link
+from .frames import HEADER, Frame, Header, Inner, Kind, SealedConnection
 from .lcm import Again, Ear, Loop, parse_place
 from .noise import Initiation, Keys
 
@@ -23,7 +23,7 @@ class Connection:
         self.client = secrets.randbelow(2**64 - 1) + 1
         self.reply_port = 20000 + secrets.randbelow(12001)
         self.ear = Ear(self.reply_port, f"GC{self.client:016x}")
-        self.link: Link | None = None
+        self.sealed: SealedConnection | None = None
         self.on_frame: Callable[[Frame, float], None] = lambda frame, age: None
         self.on_tick: Callable[[float], None] = lambda now: None
         self.closed = False
@@ -48,13 +48,13 @@ class Connection:
         if header.kind == Kind.KEY and len(rest) == 32 and not self.server:
             if self.keys.admits(rest):
                 self.server, self._again = rest, Again()
-        elif header.kind == Kind.SECOND and self._initiation and self.link is None:
+        elif header.kind == Kind.SECOND and self._initiation and self.sealed is None:
             channel = self._initiation.finish(rest)
             if channel:
                 self._again = Again()
-                self.link = Link(channel, self.header(Kind.SEALED), self.publish)
-        elif header.kind == Kind.SEALED and self.link:
-            opened = self.link.receive(payload)
+                self.sealed = SealedConnection(channel, self.header(Kind.SEALED), self.publish)
+        elif header.kind == Kind.SEALED and self.sealed:
+            opened = self.sealed.receive(payload)
             if opened:
                 self._take(*opened)
 
@@ -67,13 +67,13 @@ class Connection:
     def tick(self, now: float) -> None:
         if self.closed:
             return
-        if self.link is None:
+        if self.sealed is None:
             self._shake_hands(now)
-        elif self.link.heard_at is None:  # the server does not know yet that we are here
+        elif self.sealed.heard_at is None:  # the server does not know yet that we are here
             if self._again.due(now):
-                self.link.send(Inner.BEAT)
+                self.sealed.send(Inner.BEAT)
         else:
-            self.link.tick(now)
+            self.sealed.tick(now)
         self.on_tick(now)
 
     def _shake_hands(self, now: float) -> None:
@@ -92,6 +92,6 @@ class Connection:
 
     def close(self) -> None:
         """Ends it in order."""
-        if self.link and not self.closed:
-            self.link.send(Inner.BYE)
+        if self.sealed and not self.closed:
+            self.sealed.send(Inner.BYE)
         self._loop.leave(self)

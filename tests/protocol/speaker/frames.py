@@ -192,7 +192,7 @@ class PiecesIn:
         self._send(_PIECE.pack(_RECEIVED_MARK, transfer, whole, bits))
 
 
-class Link:
+class SealedConnection:
     """One side of an open connection: seals what goes out, opens what comes in."""
 
     def __init__(self, channel: Channel, header: Header, publish: Callable[[bytes], None]) -> None:

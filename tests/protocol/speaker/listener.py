@@ -8,7 +8,7 @@ from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from .frames import HEADER, Frame, Header, Inner, Kind, Link
+from .frames import HEADER, Frame, Header, Inner, Kind, SealedConnection
 from .lcm import Ear, Loop, parse_place, place_of
 from .noise import Accepted, Keys, accept
 
@@ -35,14 +35,16 @@ class Visitor:
         self.client = first.client
         self.key = accepted.client
         self.publish = publish
-        self.link = Link(accepted.channel, Header(Kind.SEALED, 0, first.client), publish)
+        self.sealed = SealedConnection(
+            accepted.channel, Header(Kind.SEALED, 0, first.client), publish
+        )
         self.on_frame: Callable[[Frame, float], None] = lambda frame, age: None
         self.on_gone: Callable[[], None] = lambda: None
         self.bye = False
         """Whether one of the two said so."""
 
     def silence(self, now: float) -> float:
-        return now - self.link.heard_at if self.link.heard_at else 0.0
+        return now - self.sealed.heard_at if self.sealed.heard_at else 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +124,7 @@ class Listener:
             return
         since = time.monotonic() - REMEMBERED_S
         for first in self._answered.values():
-            came_before = first.visitor.link.heard_at is not None
+            came_before = first.visitor.sealed.heard_at is not None
             if first.visitor.client != header.client or first.at < since or came_before:
                 continue
             if self._open(first.visitor, payload):
@@ -130,12 +132,12 @@ class Listener:
 
     def _open(self, visitor: Visitor, payload: bytes) -> bool:
         """Whether it is this client's; the first such frame makes it one who has come."""
-        opened = visitor.link.receive(payload)
-        if visitor.link.heard_at is None:
+        opened = visitor.sealed.receive(payload)
+        if visitor.sealed.heard_at is None:
             return False
         if visitor.client not in self.visitors:
             self.visitors[visitor.client] = visitor
-            visitor.link.send(Inner.BEAT)
+            visitor.sealed.send(Inner.BEAT)
             self.on_visitor(visitor)
         if opened is None:
             return True
@@ -156,13 +158,13 @@ class Listener:
             if visitor.silence(now) > self.silent_s:
                 self._gone(visitor)
             else:
-                visitor.link.tick(now)
+                visitor.sealed.tick(now)
         self.on_tick(now)
 
     def bye(self) -> None:
         """Ends all connections in order."""
         for visitor in list(self.visitors.values()):
-            visitor.link.send(Inner.BYE)
+            visitor.sealed.send(Inner.BYE)
             visitor.bye = True
             self._gone(visitor)
 

@@ -56,7 +56,7 @@ class Session:
         if self.over:
             return
         for goes in self.served.mouth(self, replace(packet, session=packet.session or self.id)):
-            self.visitor.link.send_packet(goes.pack())
+            self.visitor.sealed.send_packet(goes.pack())
 
     def share(self, stream: StreamWriter) -> int:
         known = next((i for i, (shared, _) in self.shares.items() if shared is stream), None)
@@ -69,7 +69,7 @@ class Session:
     def _send_share(self, number: int, stream: StreamWriter) -> None:
         body = stream.share(number).pack()
         if self.passes_share(number, body):
-            self.visitor.link.send(Inner.SHARE, number, body)
+            self.visitor.sealed.send(Inner.SHARE, number, body)
 
     def tick(self, now: float) -> None:
         if self.visitor.silence(now) > self.served.status_silent_s and self.status != Status.SENSOR:
@@ -124,7 +124,7 @@ class Session:
 
     def _refuse(self, why: str) -> None:
         body = Failure(why).pack()
-        self.visitor.link.send_packet(Packet(Kind.REFUSED, Detail.REFUSED, body=body).pack())
+        self.visitor.sealed.send_packet(Packet(Kind.REFUSED, Detail.REFUSED, body=body).pack())
 
     def _take(self, packet: Packet, age_ns: float) -> None:
         if self.over or packet.session != self.id or self.id == 0:
@@ -146,7 +146,7 @@ class Session:
             self._cancel(packet.counter)
 
     def _say_goodbye(self, session: int) -> None:
-        self.visitor.link.send_packet(Packet(Kind.GOODBYE, session=session).pack())
+        self.visitor.sealed.send_packet(Packet(Kind.GOODBYE, session=session).pack())
 
     def _call(self, call: Packet, age_ns: float) -> None:
         assert self.hello is not None

@@ -7,10 +7,10 @@
 
 namespace gecos::media {
 
-/// What an end of a link publishes so that the other end can choose how to wait (waiting.hpp). A
-/// wrong value costs time, but does no other harm.
+/// What an end of a connection publishes so that the other end can choose how to wait
+/// (waiting.hpp). A wrong value costs time, but does no other harm.
 struct Whereabouts {
-  std::int32_t core = unknown_core;  ///< core from which this end last polled the link
+  std::int32_t core = unknown_core;  ///< core from which this end last polled the connection
   bool asleep = false;               ///< this end sleeps until it is notified
   TimePoint rang_at{};  ///< when this end last notified the other end, by the steady clock
 };

@@ -30,7 +30,7 @@ const Registration& registration_of(Kind kind) {
 
 }  // namespace
 
-std::string_view to_string(Kind kind) { return registration_of(kind).offer.name; }
+std::string_view to_string(Kind kind) { return registration_of(kind).capabilities.name; }
 
 std::optional<Kind> kind_from(std::string_view name) {
   const auto found = std::ranges::find(kinds, name, to_string);
@@ -43,7 +43,7 @@ std::optional<Kind> kind_of(std::string_view address) {
 
 std::span<const Kind> all_kinds() { return kinds; }
 
-Reach reach_of(Kind kind) { return registration_of(kind).offer.reach; }
+Reach reach_of(Kind kind) { return registration_of(kind).capabilities.reach; }
 
 bool within_process(std::span<const Kind> kinds) {
   return !kinds.empty() &&
@@ -58,8 +58,8 @@ tl::expected<std::unique_ptr<Medium>, MediumError> open(Kind kind, const WrapMed
 }
 
 std::unique_ptr<Medium> with_layers(std::unique_ptr<Medium> medium, const Clock& clock) {
-  if (!medium->offer().intact) medium = make_checked(std::move(medium));
-  if (medium->offer().largest_packet < largest_transfer) {
+  if (!medium->capabilities().intact) medium = make_checked(std::move(medium));
+  if (medium->capabilities().largest_packet < largest_transfer) {
     medium = make_fragmented(std::move(medium), clock);
   }
   return medium;

@@ -15,7 +15,7 @@ namespace gecos::media {
 
 /// All media, the shortest reach first. Each line has an enumerator and a name; the folder of the
 /// medium has the same name. To add a medium, add its folder and one line here (registration.hpp).
-/// Other code must check the Offer instead of the enumerator.
+/// Other code must check the Capabilities instead of the enumerator.
 #define GECOS_MEDIA(MEDIUM) \
   MEDIUM(Inproc, inproc)    \
   MEDIUM(Shm, shm)          \
@@ -43,8 +43,8 @@ using WrapMedium = std::function<std::unique_ptr<Medium>(std::unique_ptr<Medium>
 /// used here. `wrap`, if set, is applied below these layers.
 tl::expected<std::unique_ptr<Medium>, MediumError> open(Kind kind, const WrapMedium& wrap = {});
 
-/// Wraps `medium` in the layers that its offer requires: checksums if packets may be damaged,
-/// fragmentation if the session's largest packet does not fit.
+/// Wraps `medium` in the layers that its capabilities require: checksums if packets may be
+/// damaged, fragmentation if the session's largest packet does not fit.
 std::unique_ptr<Medium> with_layers(std::unique_ptr<Medium> medium, const Clock& clock);
 
 /// A text that is equal in two programs if and only if they reach each other over shm. Where shm is

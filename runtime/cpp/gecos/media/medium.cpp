@@ -2,12 +2,12 @@
 
 namespace gecos::media {
 
-void Link::write_word(std::size_t /*index*/, std::uint64_t /*value*/) {}
+void Connection::write_word(std::size_t /*index*/, std::uint64_t /*value*/) {}
 
-std::uint64_t Link::peer_word(std::size_t /*index*/) { return 0; }
+std::uint64_t Connection::peer_word(std::size_t /*index*/) { return 0; }
 
-Whereabouts Link::peer_whereabouts() { return {}; }
+Whereabouts Connection::peer_whereabouts() { return {}; }
 
-std::string Link::why_no_stream(std::uint32_t /*id*/) { return {}; }
+std::string Connection::why_no_stream(std::uint32_t /*id*/) { return {}; }
 
 }  // namespace gecos::media

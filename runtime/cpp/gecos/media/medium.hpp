@@ -14,20 +14,20 @@
 #include "gecos/media/core.hpp"
 
 /// The interface of a medium. A medium moves opaque packets between two endpoints and states its
-/// guarantees for them (Offer).
+/// guarantees for them (Capabilities).
 ///
 /// Code that uses this interface must not depend on how a medium works; code that implements it
 /// must not depend on what a packet means. One conformance suite (tests/cpp/media) runs on every
 /// medium.
 ///
-/// Threads: for one link, at most one thread at a time may call receive(), prepare_to_sleep() and
-/// woke(), and at most one, possibly another, may call send(), make_stream(), share() and
-/// unshare(); the user of the link must ensure that. Any thread may call all other functions of a
-/// link at any time: the maintenance thread may call beat() while another thread is in send(). At
-/// most one thread at a time may use an acceptor; other threads may use its links.
+/// Threads: for one connection, at most one thread at a time may call receive(), prepare_to_sleep()
+/// and woke(), and at most one, possibly another, may call send(), make_stream(), share() and
+/// unshare(); the user of the connection must ensure that. Any thread may call all other functions
+/// of a connection at any time: the maintenance thread may call beat() while another thread is in
+/// send(). At most one thread at a time may use an acceptor; other threads may use its connections.
 ///
-/// In a forked child, the links and acceptors of its parent are dead (Loss::Broken): the child must
-/// make its own.
+/// In a forked child, the connections and acceptors of its parent are dead (Loss::Broken): the
+/// child must make its own.
 namespace gecos::media {
 
 /// The distance that a medium spans.
@@ -37,9 +37,9 @@ enum class Reach : std::uint8_t {
   Network,  ///< between hosts
 };
 
-/// What a medium guarantees for each of its links. Code must check these members instead of the
-/// medium's name.
-struct Offer {
+/// What a medium guarantees for each of its connections. Code must check these members instead of
+/// the medium's name.
+struct Capabilities {
   std::string_view name = "inproc";  ///< prefix of the medium's addresses; of static storage
   Reach reach = Reach::Process;
   bool ordered = true;
@@ -50,7 +50,7 @@ struct Offer {
   bool authenticated = true;       ///< the identity of the peer's user is proved
   bool overheard = false;          ///< other programs receive the packets: they must be sealed
   bool connectionless = false;     ///< only silence shows that no server is running; the acceptor
-                                   ///< receives the packets for its links
+                                   ///< receives the packets for its connections
   bool shared_words = false;       ///< write_word() and peer_word() work
   std::size_t largest_packet = 0;  ///< in bytes
   std::size_t piece = 0;           ///< bytes of content in a piece; 0: as many as fit in a packet
@@ -67,14 +67,14 @@ struct Peer {
 enum class SendProblem : std::uint8_t {
   Full,      ///< no room until the peer reads packets; nothing was sent, try again
   TooLarge,  ///< the packet never fits; nothing was sent
-  Lost,      ///< the link is lost; nothing was sent
+  Lost,      ///< the connection is lost; nothing was sent
 };
 
 enum class Loss : std::uint8_t {
-  None,    ///< the link is not lost, as far as the medium knows
-  Closed,  ///< the peer closed the link by a message
+  None,    ///< the connection is not lost, as far as the medium knows
+  Closed,  ///< the peer closed the connection by a message
   Died,    ///< the peer's process ended, or closed its socket without a message
-  Broken,  ///< the peer violated the protocol of the medium (see Link::loss_text)
+  Broken,  ///< the peer violated the protocol of the medium (see Connection::loss_text)
 };
 
 /// One sample of a stream as stored in the medium.
@@ -130,15 +130,15 @@ class StreamReader {
 inline constexpr std::size_t shared_word_count = 4;
 
 /// One end of a connection between a client and a server.
-class Link {
+class Connection {
  public:
-  virtual ~Link() = default;  ///< closes the link in order: the peer sees Loss::Closed
+  virtual ~Connection() = default;  ///< closes the connection in order: the peer sees Loss::Closed
 
-  virtual const Offer& offer() const = 0;
+  virtual const Capabilities& capabilities() const = 0;
   virtual const Peer& peer() const = 0;
 
   /// Sends head and body as one packet; both are copied before the function returns. Never blocks.
-  /// Returns the packet's number on this link: 1 for the first, rising by one.
+  /// Returns the packet's number on this connection: 1 for the first, rising by one.
   virtual tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) = 0;
 
   /// Returns the next packet, or nullopt when none has arrived. The bytes are a private copy, valid
@@ -161,21 +161,23 @@ class Link {
   virtual std::optional<std::uint64_t> taken_by_peer() = 0;
 
   /// Announces that this end is about to sleep on `descriptors()`. Returns false when a packet has
-  /// arrived or the link is lost: do not sleep. Call `woke()` afterwards, whatever the result.
+  /// arrived or the connection is lost: do not sleep. Call `woke()` afterwards, whatever the
+  /// result.
   virtual bool prepare_to_sleep() = 0;
   virtual void woke() = 0;
-  /// File descriptors that become readable when a packet or sample may have arrived or the link was
-  /// lost. They are valid for the life of the link; poll them level- or edge-triggered. woke()
-  /// makes them unreadable again. With edge-triggered polling, call loss() on every event that
-  /// comes while the link is not prepared to sleep, because a second event may never come. The
-  /// descriptors of a lost link may stay readable. On a connectionless medium, packets for links
-  /// that an acceptor made arrive through the acceptor's descriptors: poll those as well, and call
-  /// accept() when they are readable.
+  /// File descriptors that become readable when a packet or sample may have arrived or the
+  /// connection was lost. They are valid for the life of the connection; poll them level- or
+  /// edge-triggered. woke() makes them unreadable again. With edge-triggered polling, call loss()
+  /// on every event that comes while the connection is not prepared to sleep, because a second
+  /// event may never come. The descriptors of a lost connection may stay readable. On a
+  /// connectionless medium, packets for connections that an acceptor made arrive through the
+  /// acceptor's descriptors: poll those as well, and call accept() when they are readable.
   virtual std::span<const int> descriptors() const = 0;
 
   /// Writes a word of shared memory, zero at first, that the peer reads in place. No packet is
   /// sent, and the peer need not run: a suspended process finds the value when it continues.
-  /// Sequentially consistent; any thread. @pre offer().shared_words and `index` < shared_word_count
+  /// Sequentially consistent; any thread. @pre capabilities().shared_words and `index` <
+  /// shared_word_count
   virtual void write_word(std::size_t index, std::uint64_t value);
   /// Reads a word that the peer writes. A hostile peer may write any value: trust the word only
   /// where a wrong value harms the peer alone.
@@ -196,11 +198,11 @@ class Link {
   /// that does not order heartbeats with packets. Any thread.
   virtual std::uint64_t beats_read() { return beats_seen(); }
 
-  /// Asks the kernel whether the link is lost. This is a system call on shm: call it on ticks and
-  /// after a wake-up without a packet, not for every packet. Packets that the peer sent before the
-  /// loss can still be received. Once a loss was found, the result never changes.
+  /// Asks the kernel whether the connection is lost. This is a system call on shm: call it on ticks
+  /// and after a wake-up without a packet, not for every packet. Packets that the peer sent before
+  /// the loss can still be received. Once a loss was found, the result never changes.
   virtual Loss loss() = 0;
-  /// Why the link is lost; on lcm also why no peer answers.
+  /// Why the connection is lost; on lcm also why no peer answers.
   virtual std::string loss_text() const = 0;
 
   /// Makes a stream for this peer alone: samples from a client to its server. Use
@@ -208,7 +210,8 @@ class Link {
   /// Throws std::exception when no memory or no descriptor is left.
   virtual std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) = 0;
   /// Lets the peer read `stream` under the number `id`. The session chooses `id`; each end numbers
-  /// the streams that it shares. `stream` must have been made by this link or by its acceptor.
+  /// the streams that it shares. `stream` must have been made by this connection or by its
+  /// acceptor.
   virtual tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) = 0;
   /// Ends the peer's access to the stream `id`.
   virtual void unshare(std::uint32_t id) = 0;
@@ -220,22 +223,23 @@ class Link {
   virtual std::string why_no_stream(std::uint32_t id);
 };
 
-/// Server side of one object on one medium: makes a link for each client that connects.
+/// Server side of one object on one medium: makes a connection for each client that connects.
 class Acceptor {
  public:
-  virtual ~Acceptor() = default;  ///< no client can connect afterwards; existing links stay open
-  virtual const Offer& offer() const = 0;
+  /// No client can connect afterwards; existing connections stay open.
+  virtual ~Acceptor() = default;
+  virtual const Capabilities& capabilities() const = 0;
   /// The address that a client passes to Medium::connect, such as "shm:/run/gecos/1f3a.sock".
   virtual const std::string& address() const = 0;
-  /// The link of the next client that has connected, or null.
-  virtual std::unique_ptr<Link> accept() = 0;
+  /// The connection of the next client that has connected, or null.
+  virtual std::unique_ptr<Connection> accept() = 0;
   /// Whether a client is waiting but the process is out of file descriptors. Call accept() again
   /// later: no event announces that a descriptor is free again.
   virtual bool short_of_descriptors() const { return false; }
   /// File descriptors that become readable when a client may have connected; on lcm also when
-  /// packets for the acceptor's links may have arrived.
+  /// packets for the acceptor's connections may have arrived.
   virtual std::span<const int> descriptors() const = 0;
-  /// Makes a stream that all links of this acceptor can share. `largest`: bytes of a sample;
+  /// Makes a stream that all connections of this acceptor can share. `largest`: bytes of a sample;
   /// `depth`: samples kept.
   virtual std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) = 0;
 };
@@ -244,18 +248,19 @@ struct MediumError {
   std::string text;  ///< what failed, where, and what to do
 };
 
-/// A way to move packets: makes acceptors and links.
+/// A way to move packets: makes acceptors and connections.
 class Medium {
  public:
   virtual ~Medium() = default;
-  virtual const Offer& offer() const = 0;
+  virtual const Capabilities& capabilities() const = 0;
   /// Opens an address at which the clients of one object connect. The address is unique and `name`
   /// serves diagnostics only, unless `well_known` requests the well-known address of `name` on this
   /// host (the broker's).
   virtual tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
                                                                       bool well_known) = 0;
   /// Connects to an address returned by `Acceptor::address`.
-  virtual tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) = 0;
+  virtual tl::expected<std::unique_ptr<Connection>, MediumError> connect(
+      std::string_view address) = 0;
   /// The well-known address of `name`, whether or not a server listens there.
   virtual std::string well_known_address(std::string_view name) const = 0;
 };

@@ -9,7 +9,7 @@ namespace gecos::media {
 /// What is known about a medium before it is opened. The folder of a medium `x` defines
 /// `x_registration`.
 struct Registration {
-  const Offer& offer;
+  const Capabilities& capabilities;
   /// Opens the medium with its usual settings, or returns why it cannot be used here.
   tl::expected<std::unique_ptr<Medium>, MediumError> (*open)();
 };

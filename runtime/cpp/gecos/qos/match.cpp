@@ -16,38 +16,37 @@ std::string milliseconds(Duration duration) {
 
 }  // namespace
 
-std::vector<Violation> violations(const Quality& asked, const LineOffer& offer) {
+std::vector<Violation> violations(const Quality& asked, const LineCapabilities& line) {
   std::vector<Violation> found;
-  if (asked.line == Class::HardRealtime && !offer.real_time) {
+  if (asked.line == Class::HardRealtime && !line.real_time) {
     found.push_back({"class=" + std::string(to_string(asked.line)),
-                     offer.name + " shares its queue with others and may lose packets"});
+                     line.name + " shares its queue with others and may lose packets"});
   }
-  if (asked.reliability == Reliability::Reliable && !offer.reliable) {
+  if (asked.reliability == Reliability::Reliable && !line.reliable) {
     found.push_back({"reliability=" + std::string(to_string(asked.reliability)),
-                     offer.name + " may lose packets, and nothing retransmits them"});
+                     line.name + " may lose packets, and nothing retransmits them"});
   }
-  if (!allows(asked.media, offer.name)) {
-    found.push_back({"media=" + to_string(asked.media), offer.name + " is not one of these media"});
+  if (!allows(asked.media, line.name)) {
+    found.push_back({"media=" + to_string(asked.media), line.name + " is not one of these media"});
   }
   const bool latency_binds = asked.line != Class::TimeIndependent && asked.latency > Duration{};
-  if (latency_binds && offer.latency && *offer.latency > asked.latency) {
+  if (latency_binds && line.latency && *line.latency > asked.latency) {
     found.push_back({"latency=" + milliseconds(asked.latency),
-                     offer.name + " was measured at " + milliseconds(*offer.latency)});
+                     line.name + " was measured at " + milliseconds(*line.latency)});
   }
   return found;
 }
 
-std::vector<std::size_t> rank(const Quality& asked, std::span<const LineOffer> offers) {
+std::vector<std::size_t> rank(const Quality& asked, std::span<const LineCapabilities> lines) {
   std::vector<std::size_t> fitting;
-  for (std::size_t i = 0; i < offers.size(); ++i) {
-    if (violations(asked, offers[i]).empty()) fitting.push_back(i);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (violations(asked, lines[i]).empty()) fitting.push_back(i);
   }
   std::ranges::stable_sort(fitting, [&](std::size_t left, std::size_t right) {
-    const LineOffer& a = offers[left];
-    const LineOffer& b = offers[right];
-    const auto promises = [](const LineOffer& offer) {
-      return std::tuple(!offer.real_time, !offer.reliable, !offer.reports_death,
-                        offer.between_hosts);
+    const LineCapabilities& a = lines[left];
+    const LineCapabilities& b = lines[right];
+    const auto promises = [](const LineCapabilities& line) {
+      return std::tuple(!line.real_time, !line.reliable, !line.reports_death, line.between_hosts);
     };
     if (promises(a) != promises(b)) return promises(a) < promises(b);
     return a.latency.value_or(Duration::max()) < b.latency.value_or(Duration::max());
@@ -56,13 +55,13 @@ std::vector<std::size_t> rank(const Quality& asked, std::span<const LineOffer> o
 }
 
 tl::expected<std::size_t, std::string> choose(const Quality& asked,
-                                              std::span<const LineOffer> offers) {
-  if (offers.empty()) return tl::unexpected(std::string("there is no medium to choose from"));
-  const std::vector<std::size_t> best_first = rank(asked, offers);
+                                              std::span<const LineCapabilities> lines) {
+  if (lines.empty()) return tl::unexpected(std::string("there is no medium to choose from"));
+  const std::vector<std::size_t> best_first = rank(asked, lines);
   if (!best_first.empty()) return best_first.front();
   std::string text = "no medium meets the required quality";
-  for (const LineOffer& offer : offers) {
-    for (const Violation& violation : violations(asked, offer)) {
+  for (const LineCapabilities& line : lines) {
+    for (const Violation& violation : violations(asked, line)) {
       text += "; " + violation.term + ": " + violation.why;
     }
   }

@@ -13,7 +13,7 @@
 namespace gecos::qos {
 
 /// What one medium promises, and what was measured over it.
-struct LineOffer {
+struct LineCapabilities {
   std::string name;            ///< name of its medium, for messages: "shm"
   bool between_hosts = false;  ///< packets leave the host, or may leave it
   bool reliable = true;        ///< no packet is lost, or the session retransmits each lost packet
@@ -28,17 +28,17 @@ struct Violation {
   std::string why;   ///< "lcm shares its queue with others and may lose packets"
 };
 
-/// The terms of `asked` that `offer` does not meet; empty when it meets all. A latency that is not
+/// The terms of `asked` that `line` does not meet; empty when it meets all. A latency that is not
 /// measured yet counts as met. HARD_REALTIME is checked for the medium only, not for the waiting
 /// threads.
-std::vector<Violation> violations(const Quality& asked, const LineOffer& offer);
+std::vector<Violation> violations(const Quality& asked, const LineCapabilities& line);
 
-/// Indices of the offers that meet `asked`, best first. Static promises decide first, then the
-/// lower measured latency, then the order of `offers`.
-std::vector<std::size_t> rank(const Quality& asked, std::span<const LineOffer> offers);
+/// Indices of the lines that meet `asked`, best first. Static promises decide first, then the
+/// lower measured latency, then the order of `lines`.
+std::vector<std::size_t> rank(const Quality& asked, std::span<const LineCapabilities> lines);
 
-/// The index of the best offer, or a text that lists every offer with each term that it violates.
+/// The index of the best line, or a text that lists every line with each term that it violates.
 tl::expected<std::size_t, std::string> choose(const Quality& asked,
-                                              std::span<const LineOffer> offers);
+                                              std::span<const LineCapabilities> lines);
 
 }  // namespace gecos::qos

@@ -38,13 +38,16 @@ TimePoint ScheduleClock::since_boot() const {
 
 /// One end of a line. Each touch of what both see is a point at which the schedule may go on with
 /// somebody else.
-class LineEnd final : public media::Link {
+class LineEnd final : public media::Connection {
  public:
   LineEnd(Line& line, Side side) : line_(line), side_(side) {
-    offer_.reliable = offer_.ordered = offer_.shared_words = line.way_ != Way::Radio;
-    offer_.reports_death = offer_.reliable;
-    offer_.name = line.way_ == Way::Radio ? "lcm" : line.way_ == Way::Memory ? "shm" : "inproc";
-    offer_.largest_packet = 64 * 1024;
+    capabilities_.reliable = capabilities_.ordered = capabilities_.shared_words =
+        line.way_ != Way::Radio;
+    capabilities_.reports_death = capabilities_.reliable;
+    capabilities_.name = line.way_ == Way::Radio    ? "lcm"
+                         : line.way_ == Way::Memory ? "shm"
+                                                    : "inproc";
+    capabilities_.largest_packet = 64 * 1024;
   }
   ~LineEnd() override {
     if (me().dead) return;
@@ -56,7 +59,7 @@ class LineEnd final : public media::Link {
     }
   }
 
-  const media::Offer& offer() const override { return offer_; }
+  const media::Capabilities& capabilities() const override { return capabilities_; }
   const media::Peer& peer() const override { return peer_; }
   tl::expected<std::uint64_t, media::SendProblem> send(ByteView head, ByteView body) override {
     touch();
@@ -139,14 +142,14 @@ class LineEnd final : public media::Link {
 
   Line& line_;
   const Side side_;
-  media::Offer offer_;
+  media::Capabilities capabilities_;
   media::Peer peer_;
 };
 
 Line::Line(Way way, Mutant mutant, ScheduleClock& clock, Dice& dice)
     : way_(way), mutant_(mutant), clock_(clock), dice_(dice) {}
 
-std::unique_ptr<media::Link> Line::link(Side side) {
+std::unique_ptr<media::Connection> Line::connection(Side side) {
   return std::make_unique<LineEnd>(*this, side);
 }
 

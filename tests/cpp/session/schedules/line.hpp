@@ -20,7 +20,7 @@ enum class Mutant : std::uint8_t {
   WithdrawalReadBeforeMark,  ///< the server looks whether a call is withdrawn, and then marks it
   WithdrawalForgotten,       ///< the client reports the ends and withdraws nothing
   PauseForgotten,            ///< the server's clock stands while the server does
-  ClosingIsGoodbye,          ///< a link that closes without a word lets the queue go on
+  ClosingIsGoodbye,          ///< a connection that closes without a word lets the queue go on
 };
 
 /// A frame that is older when it is read says nothing of its sender's life now, as over lcm.
@@ -89,7 +89,7 @@ class Line {
  public:
   Line(Way way, Mutant mutant, ScheduleClock& clock, Dice& dice);
 
-  std::unique_ptr<media::Link> link(Side side);
+  std::unique_ptr<media::Connection> connection(Side side);
   Way way() const { return way_; }
   /// Nothing that it does has an effect any more.
   void kill(Side side) { ends_[index(side)].dead = true; }

@@ -201,7 +201,7 @@ void Schedule::open() {
   options.thread_safe = lanes_ == Lanes::Queued || dice_.one_in(2);
   options.blocking = dice_.one_in(4);
   object_ = std::make_shared<ObjectHost>(runtime_, "BENCH", *handlers_, options);
-  served_ = std::make_shared<ServerSession>(line_.link(Side::Server), object_);
+  served_ = std::make_shared<ServerSession>(line_.connection(Side::Server), object_);
 
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Hello;
@@ -215,8 +215,9 @@ void Schedule::open() {
   welcome.interface_hash = bench().hash;
   welcome.incarnation = number(process_incarnation());
   welcome.credits = ObjectQueue::most_of_object;
-  session_ = std::make_shared<ClientConnection>(runtime_, line_.link(Side::Client), served_->id(),
-                                                std::move(welcome), std::vector<FunctionCode>{});
+  session_ =
+      std::make_shared<ClientConnection>(runtime_, line_.connection(Side::Client), served_->id(),
+                                         std::move(welcome), std::vector<FunctionCode>{});
   take_status();
 }
 
@@ -257,7 +258,7 @@ void Schedule::client_step() {
       if (judge_.count() != 0) judge_.command(dice_.below(judge_.count())).cancel();
       return;
     case 1:
-      if (session_->lost() && judge_.all_ended()) session_.reset();  // its link closes
+      if (session_->lost() && judge_.all_ended()) session_.reset();  // its connection closes
       return;
     case 2:
       if (!dice_.one_in(12)) return;
@@ -313,7 +314,7 @@ void Schedule::server_step() {
 void Schedule::server_polls() {
   std::shared_ptr<ServerCall> started;
   if (served_) {
-    if (const auto packet = served_->link().receive()) {
+    if (const auto packet = served_->connection().receive()) {
       started = object_->take_and_start(served_, *packet, Starter::Poller);
     }
   }
@@ -332,14 +333,14 @@ void Schedule::server_maintains() {
   if (served_) {
     served_->flush();
     if (now >= server_beat_due_) {
-      served_->link().beat();
+      served_->connection().beat();
       server_beat_due_ = now + runtime_->options().heartbeat;
     }
     if (object_->check_liveness(served_)) {
       trace_(clock_.now(), "the server has not heard of its client for too long");
       object_->depart(served_, ObjectHost::Departure::Lost);
       served_.reset();
-    } else if (served_->link().loss() != media::Loss::None) {
+    } else if (served_->connection().loss() != media::Loss::None) {
       part();
     }
   }
@@ -352,8 +353,8 @@ void Schedule::server_maintains() {
 void Schedule::part() {
   using Departure = ObjectHost::Departure;
   trace_(clock_.now(), "the server parts from its client");
-  const bool closed = served_->link().loss() == media::Loss::Closed;
-  while (const auto packet = served_->link().receive()) object_->take(served_, *packet);
+  const bool closed = served_->connection().loss() == media::Loss::Closed;
+  while (const auto packet = served_->connection().receive()) object_->take(served_, *packet);
   const auto session = std::exchange(served_, nullptr);
   const bool as_a_goodbye = closed && mutant_ == Mutant::ClosingIsGoodbye;
   object_->depart(session, as_a_goodbye ? Departure::InOrder : Departure::Lost);

@@ -41,14 +41,14 @@ struct SharedStream {
   std::shared_ptr<void> owner;
 };
 
-/// Both sides of a connection. The last of its two links destroys it.
-struct Connection {
+/// Both sides of a connection. The last of its two ends destroys it.
+struct SidePair {
   std::array<Side, 2> sides;
   std::mutex mutex;
   std::array<std::map<std::uint32_t, SharedStream>, 2> streams;  ///< streams that each side shares
   std::atomic<bool> inherited{false};  // true in a forked child; read by both ends
   ForkWatch watch{this, [](void* owner) noexcept {
-                    auto& self = *static_cast<Connection*>(owner);
+                    auto& self = *static_cast<SidePair*>(owner);
                     self.inherited.store(true);
                     for (Side& side : self.sides) side.event.close();
                   }};
@@ -84,32 +84,32 @@ std::unique_ptr<StreamWriter> make_ring(std::size_t largest, std::size_t depth) 
 
 class SideSleeper final : public Sleeper {
  public:
-  SideSleeper(std::shared_ptr<Connection> connection, std::size_t side)
-      : connection_(std::move(connection)), side_(side) {}
-  void wake_if_asleep() override { connection_->sides[side_].wake_if_asleep(); }
+  SideSleeper(std::shared_ptr<SidePair> pair, std::size_t side)
+      : pair_(std::move(pair)), side_(side) {}
+  void wake_if_asleep() override { pair_->sides[side_].wake_if_asleep(); }
 
  private:
-  const std::shared_ptr<Connection> connection_;
+  const std::shared_ptr<SidePair> pair_;
   const std::size_t side_;
 };
 
-class InprocLink final : public Link, public QuietSender {
+class InprocConnection final : public Connection, public QuietSender {
  public:
-  InprocLink(std::shared_ptr<Connection> connection, std::size_t side)
-      : connection_(std::move(connection)),
+  InprocConnection(std::shared_ptr<SidePair> pair, std::size_t side)
+      : pair_(std::move(pair)),
         side_(side),
-        own_(connection_->sides[side]),
-        other_(connection_->sides[1 - side]),
+        own_(pair_->sides[side]),
+        other_(pair_->sides[1 - side]),
         writer_(own_.ring),
         areas_(other_.bulk),
         bulk_(writer_, areas_),
         reader_(*own_.ring.control, other_.ring, &own_.bulk),
-        sleeper_(std::make_shared<SideSleeper>(connection_, 1 - side)),
+        sleeper_(std::make_shared<SideSleeper>(pair_, 1 - side)),
         descriptors_{own_.event.descriptor()},
         peer_{::geteuid(), ::getpid(), "this process"} {
     writer_.set_reader(other_.ring.control);
   }
-  ~InprocLink() override {
+  ~InprocConnection() override {
     for (const auto& [id, sleepers] : shared_) {
       if (const auto list = sleepers.lock()) list->remove(sleeper_.get());
     }
@@ -117,7 +117,7 @@ class InprocLink final : public Link, public QuietSender {
     other_.event.notify();
   }
 
-  const Offer& offer() const override { return inproc_offer; }
+  const Capabilities& capabilities() const override { return inproc_capabilities; }
   const Peer& peer() const override { return peer_; }
 
   tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override {
@@ -170,11 +170,11 @@ class InprocLink final : public Link, public QuietSender {
     return other_.ring.control->beats.load(std::memory_order_relaxed);
   }
   Loss loss() override {
-    if (connection_->inherited.load(std::memory_order_relaxed)) return Loss::Broken;
+    if (pair_->inherited.load(std::memory_order_relaxed)) return Loss::Broken;
     return other_.closed.load(std::memory_order_acquire) ? Loss::Closed : Loss::None;
   }
   std::string loss_text() const override {
-    if (connection_->inherited.load(std::memory_order_relaxed)) {
+    if (pair_->inherited.load(std::memory_order_relaxed)) {
       return "this connection belongs to the process that forked this one: make a new connection";
     }
     return other_.closed.load(std::memory_order_acquire) ? "the other end closed the connection"
@@ -188,8 +188,8 @@ class InprocLink final : public Link, public QuietSender {
     if (loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
     auto& ring = dynamic_cast<StreamRingWriter&>(stream);
     {
-      const std::lock_guard lock(connection_->mutex);
-      connection_->streams[side_][id] = {ring.memory(), ring.owner()};
+      const std::lock_guard lock(pair_->mutex);
+      pair_->streams[side_][id] = {ring.memory(), ring.owner()};
     }
     if (const auto list = shared_[id].lock()) list->remove(sleeper_.get());
     shared_[id] = ring.sleepers();
@@ -199,16 +199,16 @@ class InprocLink final : public Link, public QuietSender {
   }
   void unshare(std::uint32_t id) override {
     {
-      const std::lock_guard lock(connection_->mutex);
-      connection_->streams[side_].erase(id);
+      const std::lock_guard lock(pair_->mutex);
+      pair_->streams[side_].erase(id);
     }
     const auto held = shared_.extract(id);
     if (held.empty()) return;
     if (const auto list = held.mapped().lock()) list->remove(sleeper_.get());
   }
   std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override {
-    const std::lock_guard lock(connection_->mutex);
-    const auto& streams = connection_->streams[1 - side_];
+    const std::lock_guard lock(pair_->mutex);
+    const auto& streams = pair_->streams[1 - side_];
     const auto found = streams.find(id);
     if (found == streams.end()) return nullptr;
     return watches_.open(found->second.memory, found->second.owner);
@@ -221,7 +221,7 @@ class InprocLink final : public Link, public QuietSender {
     other_.event.notify();
   }
 
-  const std::shared_ptr<Connection> connection_;
+  const std::shared_ptr<SidePair> pair_;
   const std::size_t side_;
   Side& own_;
   Side& other_;
@@ -239,7 +239,7 @@ class InprocLink final : public Link, public QuietSender {
 /// The clients that wait for one acceptor.
 struct Backlog {
   std::mutex mutex;
-  std::deque<std::shared_ptr<Connection>> waiting;
+  std::deque<std::shared_ptr<SidePair>> waiting;
   EventFd event;
 };
 
@@ -268,21 +268,21 @@ class InprocAcceptor final : public Acceptor {
       const std::lock_guard lock(backlogs.mutex);
       backlogs.by_address.erase(address_);
     }
-    while (accept() != nullptr) {  // closes the links of clients that still wait
+    while (accept() != nullptr) {  // closes the connections of clients that still wait
     }
   }
 
-  const Offer& offer() const override { return inproc_offer; }
+  const Capabilities& capabilities() const override { return inproc_capabilities; }
   const std::string& address() const override { return address_; }
-  std::unique_ptr<Link> accept() override {
+  std::unique_ptr<Connection> accept() override {
     const std::lock_guard lock(backlog_->mutex);
     if (backlog_->waiting.empty()) {
       backlog_->event.drain();
       return nullptr;
     }
-    auto connection = std::move(backlog_->waiting.front());
+    auto pair = std::move(backlog_->waiting.front());
     backlog_->waiting.pop_front();
-    return std::make_unique<InprocLink>(std::move(connection), 1);
+    return std::make_unique<InprocConnection>(std::move(pair), 1);
   }
   std::span<const int> descriptors() const override { return descriptors_; }
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
@@ -297,7 +297,7 @@ class InprocAcceptor final : public Acceptor {
 
 class Inproc final : public Medium {
  public:
-  const Offer& offer() const override { return inproc_offer; }
+  const Capabilities& capabilities() const override { return inproc_capabilities; }
 
   tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
                                                               bool well_known) override {
@@ -314,7 +314,8 @@ class Inproc final : public Medium {
     return std::make_unique<InprocAcceptor>(std::move(backlog), std::move(address));
   }
 
-  tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) override {
+  tl::expected<std::unique_ptr<Connection>, MediumError> connect(
+      std::string_view address) override {
     Backlogs& backlogs = Backlogs::of_this_process();
     std::shared_ptr<Backlog> backlog;
     const std::lock_guard lock(backlogs.mutex);
@@ -325,13 +326,13 @@ class Inproc final : public Medium {
       return tl::unexpected(
           MediumError{std::string(address) + ": no server in this process has this address"});
     }
-    auto connection = std::make_shared<Connection>();
+    auto pair = std::make_shared<SidePair>();
     {
       const std::lock_guard backlog_lock(backlog->mutex);
-      backlog->waiting.push_back(connection);
+      backlog->waiting.push_back(pair);
       backlog->event.notify();
     }
-    return std::make_unique<InprocLink>(std::move(connection), 0);
+    return std::make_unique<InprocConnection>(std::move(pair), 0);
   }
 
   std::string well_known_address(std::string_view name) const override {
@@ -344,7 +345,7 @@ class Inproc final : public Medium {
 std::unique_ptr<Medium> make_inproc() { return std::make_unique<Inproc>(); }
 
 const Registration inproc_registration{
-    inproc_offer,
+    inproc_capabilities,
     []() -> tl::expected<std::unique_ptr<Medium>, MediumError> { return make_inproc(); }};
 
 }  // namespace gecos::media

@@ -7,19 +7,20 @@
 
 namespace gecos::media {
 
-inline constexpr Offer inproc_offer{.name = "inproc",
-                                    .reach = Reach::Process,
-                                    .ordered = true,
-                                    .reliable = true,
-                                    .real_time = true,
-                                    .reports_death = false,  // the peer dies with this process
-                                    .authenticated = true,
-                                    .shared_words = true,
-                                    .largest_packet = largest_bulk_packet};
+inline constexpr Capabilities inproc_capabilities{
+    .name = "inproc",
+    .reach = Reach::Process,
+    .ordered = true,
+    .reliable = true,
+    .real_time = true,
+    .reports_death = false,  // the peer dies with this process
+    .authenticated = true,
+    .shared_words = true,
+    .largest_packet = largest_bulk_packet};
 
 /// A medium within this process: the rings of shm in private memory, with eventfds for wake-ups.
 /// The reference implementation of a medium. All media that this function makes reach each other.
-/// Links that a forked child inherits are dead.
+/// Connections that a forked child inherits are dead.
 std::unique_ptr<Medium> make_inproc();
 
 }  // namespace gecos::media

@@ -21,19 +21,19 @@ constexpr std::array<std::uint32_t, 256> make_table() {
   return table;
 }
 
-Offer offer_when_checked(const Medium& inner) {
-  Offer offer = inner.offer();
-  offer.intact = true;
-  offer.largest_packet -= check_size;
-  return offer;
+Capabilities capabilities_when_checked(const Medium& inner) {
+  Capabilities capabilities = inner.capabilities();
+  capabilities.intact = true;
+  capabilities.largest_packet -= check_size;
+  return capabilities;
 }
 
-class CheckedLink final : public LinkLayer {
+class CheckedConnection final : public ConnectionLayer {
  public:
-  using LinkLayer::LinkLayer;
+  using ConnectionLayer::ConnectionLayer;
 
   tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override {
-    if (head.size() + body.size() > offer().largest_packet) {
+    if (head.size() + body.size() > capabilities().largest_packet) {
       return tl::unexpected(SendProblem::TooLarge);
     }
     const std::uint32_t sum = crc32c(body, crc32c(head));
@@ -75,11 +75,12 @@ std::uint32_t crc32c(ByteView bytes, std::uint32_t before) {
 }
 
 std::unique_ptr<Medium> make_checked(std::unique_ptr<Medium> inner) {
-  const Offer offer = offer_when_checked(*inner);
-  return make_layer(std::move(inner), offer,
-                    [](std::unique_ptr<Link> link, const Offer& offered, Role) {
-                      return std::make_unique<CheckedLink>(std::move(link), offered);
-                    });
+  const Capabilities layer_capabilities = capabilities_when_checked(*inner);
+  return make_layer(
+      std::move(inner), layer_capabilities,
+      [](std::unique_ptr<Connection> connection, const Capabilities& capabilities, Role) {
+        return std::make_unique<CheckedConnection>(std::move(connection), capabilities);
+      });
 }
 
 }  // namespace gecos::media

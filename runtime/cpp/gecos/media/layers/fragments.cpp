@@ -10,24 +10,25 @@
 namespace gecos::media {
 namespace {
 
-std::size_t piece_of(const Offer& offer) {
-  const std::size_t fits = offer.largest_packet - Piece::head_bytes;
-  return offer.piece == 0 ? fits : std::min(offer.piece, fits);
+std::size_t piece_of(const Capabilities& capabilities) {
+  const std::size_t fits = capabilities.largest_packet - Piece::head_bytes;
+  return capabilities.piece == 0 ? fits : std::min(capabilities.piece, fits);
 }
 
-Offer fragmented_offer(const Medium& inner) {
-  Offer offer = inner.offer();
-  offer.ordered = false;  // a small packet may overtake a large one
-  offer.largest_packet = largest_transfer;
-  return offer;
+Capabilities fragmented_capabilities(const Medium& inner) {
+  Capabilities capabilities = inner.capabilities();
+  capabilities.ordered = false;  // a small packet may overtake a large one
+  capabilities.largest_packet = largest_transfer;
+  return capabilities;
 }
 
 /// The age of a large packet is the age of its last piece.
-class FragmentedLink final : public LinkLayer {
+class FragmentedConnection final : public ConnectionLayer {
  public:
-  FragmentedLink(std::unique_ptr<Link> inner, const Offer& offer, const Clock& clock)
-      : LinkLayer(std::move(inner), offer),
-        piece_bytes_(piece_of(this->inner().offer())),
+  FragmentedConnection(std::unique_ptr<Connection> inner, const Capabilities& capabilities,
+                       const Clock& clock)
+      : ConnectionLayer(std::move(inner), capabilities),
+        piece_bytes_(piece_of(this->inner().capabilities())),
         clock_(clock),
         incoming_(piece_bytes_) {}
 
@@ -118,11 +119,12 @@ class FragmentedLink final : public LinkLayer {
 }  // namespace
 
 std::unique_ptr<Medium> make_fragmented(std::unique_ptr<Medium> inner, const Clock& clock) {
-  const Offer offer = fragmented_offer(*inner);
-  return make_layer(std::move(inner), offer,
-                    [&clock](std::unique_ptr<Link> link, const Offer& offered, Role) {
-                      return std::make_unique<FragmentedLink>(std::move(link), offered, clock);
-                    });
+  const Capabilities layer_capabilities = fragmented_capabilities(*inner);
+  return make_layer(
+      std::move(inner), layer_capabilities,
+      [&clock](std::unique_ptr<Connection> connection, const Capabilities& capabilities, Role) {
+        return std::make_unique<FragmentedConnection>(std::move(connection), capabilities, clock);
+      });
 }
 
 }  // namespace gecos::media

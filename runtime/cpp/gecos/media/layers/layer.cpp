@@ -7,16 +7,16 @@ namespace {
 
 class AcceptorLayer final : public Acceptor {
  public:
-  AcceptorLayer(std::unique_ptr<Acceptor> inner, const Offer& offer,
+  AcceptorLayer(std::unique_ptr<Acceptor> inner, const Capabilities& capabilities,
                 std::shared_ptr<const PutLayer> put)
-      : inner_(std::move(inner)), offer_(offer), put_(std::move(put)) {}
+      : inner_(std::move(inner)), capabilities_(capabilities), put_(std::move(put)) {}
 
-  const Offer& offer() const override { return offer_; }
+  const Capabilities& capabilities() const override { return capabilities_; }
   const std::string& address() const override { return inner_->address(); }
-  std::unique_ptr<Link> accept() override {
-    auto link = inner_->accept();
-    if (link == nullptr) return nullptr;
-    return (*put_)(std::move(link), offer_, Role::Server);
+  std::unique_ptr<Connection> accept() override {
+    auto connection = inner_->accept();
+    if (connection == nullptr) return nullptr;
+    return (*put_)(std::move(connection), capabilities_, Role::Server);
   }
   bool short_of_descriptors() const override { return inner_->short_of_descriptors(); }
   std::span<const int> descriptors() const override { return inner_->descriptors(); }
@@ -26,28 +26,29 @@ class AcceptorLayer final : public Acceptor {
 
  private:
   const std::unique_ptr<Acceptor> inner_;
-  const Offer offer_;
+  const Capabilities capabilities_;
   const std::shared_ptr<const PutLayer> put_;  ///< an acceptor may outlive the medium
 };
 
 class MediumLayer final : public Medium {
  public:
-  MediumLayer(std::unique_ptr<Medium> inner, const Offer& offer, PutLayer put)
+  MediumLayer(std::unique_ptr<Medium> inner, const Capabilities& capabilities, PutLayer put)
       : inner_(std::move(inner)),
-        offer_(offer),
+        capabilities_(capabilities),
         put_(std::make_shared<const PutLayer>(std::move(put))) {}
 
-  const Offer& offer() const override { return offer_; }
+  const Capabilities& capabilities() const override { return capabilities_; }
   tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
                                                               bool well_known) override {
     auto acceptor = inner_->listen(name, well_known);
     if (!acceptor) return acceptor;
-    return std::make_unique<AcceptorLayer>(std::move(*acceptor), offer_, put_);
+    return std::make_unique<AcceptorLayer>(std::move(*acceptor), capabilities_, put_);
   }
-  tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) override {
-    auto link = inner_->connect(address);
-    if (!link) return link;
-    return (*put_)(std::move(*link), offer_, Role::Client);
+  tl::expected<std::unique_ptr<Connection>, MediumError> connect(
+      std::string_view address) override {
+    auto connection = inner_->connect(address);
+    if (!connection) return connection;
+    return (*put_)(std::move(*connection), capabilities_, Role::Client);
   }
   std::string well_known_address(std::string_view name) const override {
     return inner_->well_known_address(name);
@@ -55,15 +56,15 @@ class MediumLayer final : public Medium {
 
  private:
   const std::unique_ptr<Medium> inner_;
-  const Offer offer_;
+  const Capabilities capabilities_;
   const std::shared_ptr<const PutLayer> put_;
 };
 
 }  // namespace
 
-std::unique_ptr<Medium> make_layer(std::unique_ptr<Medium> inner, const Offer& offer,
+std::unique_ptr<Medium> make_layer(std::unique_ptr<Medium> inner, const Capabilities& capabilities,
                                    PutLayer put) {
-  return std::make_unique<MediumLayer>(std::move(inner), offer, std::move(put));
+  return std::make_unique<MediumLayer>(std::move(inner), capabilities, std::move(put));
 }
 
 }  // namespace gecos::media

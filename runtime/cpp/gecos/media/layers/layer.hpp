@@ -7,13 +7,13 @@
 
 namespace gecos::media {
 
-/// A link on top of another: calls that a layer does not override go to the link below.
-class LinkLayer : public Link {
+/// A connection on top of another: calls that a layer does not override go to the connection below.
+class ConnectionLayer : public Connection {
  public:
-  LinkLayer(std::unique_ptr<Link> inner, const Offer& offer)
-      : inner_(std::move(inner)), offer_(offer) {}
+  ConnectionLayer(std::unique_ptr<Connection> inner, const Capabilities& capabilities)
+      : inner_(std::move(inner)), capabilities_(capabilities) {}
 
-  const Offer& offer() const override { return offer_; }
+  const Capabilities& capabilities() const override { return capabilities_; }
   const Peer& peer() const override { return inner_->peer(); }
   tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override {
     return inner_->send(head, body);
@@ -48,21 +48,23 @@ class LinkLayer : public Link {
   std::string why_no_stream(std::uint32_t id) override { return inner_->why_no_stream(id); }
 
  protected:
-  Link& inner() const { return *inner_; }
+  Connection& inner() const { return *inner_; }
 
  private:
-  const std::unique_ptr<Link> inner_;
-  const Offer offer_;
+  const std::unique_ptr<Connection> inner_;
+  const Capabilities capabilities_;
 };
 
 enum class Role : std::uint8_t { Client, Server };
 
-/// Wraps a link of the given role in a layer; the resulting link has the given Offer. Any thread
-/// may call the function.
-using PutLayer = std::function<std::unique_ptr<Link>(std::unique_ptr<Link>, const Offer&, Role)>;
+/// Wraps a connection of the given role in a layer; the resulting connection has the given
+/// Capabilities. Any thread may call the function.
+using PutLayer = std::function<std::unique_ptr<Connection>(std::unique_ptr<Connection>,
+                                                           const Capabilities&, Role)>;
 
-/// Makes a medium that wraps every link of `inner` by `put`. Acceptors return streams of `inner`
-/// unwrapped.
-std::unique_ptr<Medium> make_layer(std::unique_ptr<Medium> inner, const Offer& offer, PutLayer put);
+/// Makes a medium that wraps every connection of `inner` by `put`. Acceptors return streams of
+/// `inner` unwrapped.
+std::unique_ptr<Medium> make_layer(std::unique_ptr<Medium> inner, const Capabilities& capabilities,
+                                   PutLayer put);
 
 }  // namespace gecos::media

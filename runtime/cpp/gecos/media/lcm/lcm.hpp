@@ -27,7 +27,8 @@ struct LcmOptions {
   /// Directory of the keys; empty: crypto::KeyDirectory::default_path(). Opened on first use.
   std::string key_directory;
   crypto::RekeyRule rekey;
-  /// The clock for retries and rekeying; null: the system's. Must outlive the medium and its links.
+  /// The clock for retries and rekeying; null: the system's. Must outlive the medium and its
+  /// connections.
   const Clock* clock = nullptr;
 };
 
@@ -39,17 +40,17 @@ inline constexpr std::size_t largest_lcm_packet = 60 * 1024;
 /// Larger packets are sent in pieces of this many bytes; only lost pieces are sent again.
 inline constexpr std::size_t largest_lcm_piece = 8 * 1024;
 
-inline constexpr Offer lcm_offer{.name = "lcm",
-                                 .reach = Reach::Network,
-                                 .ordered = false,
-                                 .reliable = false,
-                                 .real_time = false,
-                                 .reports_death = false,
-                                 .authenticated = true,
-                                 .overheard = true,
-                                 .connectionless = true,
-                                 .largest_packet = largest_lcm_packet,
-                                 .piece = largest_lcm_piece};
+inline constexpr Capabilities lcm_capabilities{.name = "lcm",
+                                               .reach = Reach::Network,
+                                               .ordered = false,
+                                               .reliable = false,
+                                               .real_time = false,
+                                               .reports_death = false,
+                                               .authenticated = true,
+                                               .overheard = true,
+                                               .connectionless = true,
+                                               .largest_packet = largest_lcm_packet,
+                                               .piece = largest_lcm_piece};
 
 std::unique_ptr<Medium> make_lcm(LcmOptions options = {});
 

@@ -18,7 +18,7 @@ class LcmNetwork final : public DatagramNetwork {
  public:
   explicit LcmNetwork(LcmOptions options) : options_(std::move(options)) {}
 
-  const Offer& offer() const override { return lcm_offer; }
+  const Capabilities& capabilities() const override { return lcm_capabilities; }
   const std::string& name() const override { return options_.group; }
   std::size_t largest_datagram() const override { return largest_lcm_packet + sample_overhead; }
 
@@ -70,6 +70,6 @@ std::unique_ptr<Medium> make_lcm(LcmOptions options) {
   return make_sealed(std::move(sealed));
 }
 
-const Registration lcm_registration{lcm_offer, open_lcm};
+const Registration lcm_registration{lcm_capabilities, open_lcm};
 
 }  // namespace gecos::media

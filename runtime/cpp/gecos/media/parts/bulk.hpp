@@ -15,11 +15,11 @@
 
 /// Packets that are too large for a ring.
 ///
-/// When an end of a link sends its first large packet, it makes an *area* outside its ring: memory
-/// that only this end may write. A large packet is written into the area, and a slot of the ring
-/// says where. So large and small packets stay in order and are counted together. When the reader
-/// has taken the slot, the memory in the area is free too: the reader sends nothing back, and a
-/// dead reader holds no memory.
+/// When an end of a connection sends its first large packet, it makes an *area* outside its ring:
+/// memory that only this end may write. A large packet is written into the area, and a slot of the
+/// ring says where. So large and small packets stay in order and are counted together. When the
+/// reader has taken the slot, the memory in the area is free too: the reader sends nothing back,
+/// and a dead reader holds no memory.
 ///
 /// Each packet is placed at the lowest free offset. If packets come one at a time, they all use the
 /// same memory, which stays in the caches; pages above the highest use so far are never touched and

@@ -18,7 +18,7 @@ struct ForkList {
   }
 
   static ForkList& instance() {
-    static ForkList* const list = new ForkList;  // never destroyed: outlives all static links
+    static ForkList* const list = new ForkList;  // never destroyed: outlives all static connections
     return *list;
   }
 

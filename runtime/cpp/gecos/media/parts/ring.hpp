@@ -35,7 +35,7 @@ struct RingControl {
   std::atomic<std::int64_t> rang_at{0};
   /// Number of heartbeats: tells the other side's maintenance thread that this side is alive.
   alignas(64) std::atomic<std::uint64_t> beats{0};
-  /// Words that the session publishes without sending a packet (Link::write_word).
+  /// Words that the session publishes without sending a packet (Connection::write_word).
   alignas(64) std::array<std::atomic<std::uint64_t>, shared_word_count> words{};
 };
 

@@ -76,7 +76,7 @@ class StreamRingWriter : public StreamWriter {
   std::size_t lent_ = 0;  ///< bytes
 };
 
-/// The state of a stream that is read through a link.
+/// The state of a stream that is read through a connection.
 struct StreamWatch {
   StreamMemory memory;
   std::shared_ptr<void> owner;
@@ -101,7 +101,7 @@ class StreamRingReader : public StreamReader {
   const std::shared_ptr<StreamWatch> watch_;
 };
 
-/// The streams read through one link. Thread-safe.
+/// The streams read through one connection. Thread-safe.
 class StreamWatches {
  public:
   std::unique_ptr<StreamReader> open(StreamMemory memory, std::shared_ptr<void> owner);
@@ -112,7 +112,7 @@ class StreamWatches {
  private:
   std::mutex mutex_;
   std::vector<std::weak_ptr<StreamWatch>> watches_;
-  std::atomic<bool> any_{false};  // lets a link without streams skip the mutex
+  std::atomic<bool> any_{false};  // lets a connection without streams skip the mutex
 };
 
 }  // namespace gecos::media

@@ -46,10 +46,10 @@ struct SpinOptions {
 /// Decides after each fruitless poll whether to poll again or to sleep.
 ///
 ///     for (;;) {
-///       if (auto packet = link.receive()) return packet;
-///       if (spin.again([&] { return place_of(link.peer_whereabouts()); })) continue;
+///       if (auto packet = connection.receive()) return packet;
+///       if (spin.again([&] { return place_of(connection.peer_whereabouts()); })) continue;
 ///       … prepare_to_sleep, sleep_on, woke …
-///       spin.woke(link.peer_whereabouts().rang_at, Woken::ByAnswer);
+///       spin.woke(connection.peer_whereabouts().rang_at, Woken::ByAnswer);
 ///       spin.begin();
 ///     }
 ///

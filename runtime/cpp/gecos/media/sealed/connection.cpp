@@ -11,7 +11,8 @@
 namespace gecos::media {
 namespace {
 
-constexpr std::size_t most_streams = 1024;  // streams per link; a peer that shares more is hostile
+/// Streams per connection; a peer that shares more is hostile.
+constexpr std::size_t most_streams = 1024;
 
 /// Describes a peer: "key 3fa9c1d2, 239.255.76.67:20017".
 std::string peer_text(const std::optional<crypto::PublicKey>& key, const DatagramNetwork& network,
@@ -40,7 +41,7 @@ void SealedConnection::say(InnerKind kind, std::uint64_t number, ByteView body) 
 }
 
 tl::expected<std::uint64_t, SendProblem> SealedConnection::send(ByteView head, ByteView body) {
-  if (head.size() + body.size() > offer().largest_packet) {
+  if (head.size() + body.size() > capabilities().largest_packet) {
     return tl::unexpected(SendProblem::TooLarge);
   }
   if (inherited() || queue_->closed()) return tl::unexpected(SendProblem::Lost);
@@ -85,7 +86,7 @@ std::string SealedConnection::loss_text() const {
   return queue_->closed() ? "the other end closed the connection" : "";
 }
 
-tl::expected<std::unique_ptr<Link>, MediumError> SealedClient::connect(
+tl::expected<std::unique_ptr<Connection>, MediumError> SealedClient::connect(
     const SealedOptions& options, std::shared_ptr<const SealedKeys> keys,
     const SealedAddress& address) {
   if (address.key) {
@@ -116,10 +117,10 @@ tl::expected<std::unique_ptr<Link>, MediumError> SealedClient::connect(
         queue->take(datagram.first(DatagramHeader::bytes), frame, here.now());
       });
   if (!subscribed) return tl::unexpected(subscribed.error());
-  auto link = std::make_unique<SealedClient>(here, std::move(queue), std::move(sender),
-                                             std::move(*in), std::move(initiator), address);
-  link->initiator_->advance();
-  return link;
+  auto connection = std::make_unique<SealedClient>(here, std::move(queue), std::move(sender),
+                                                   std::move(*in), std::move(initiator), address);
+  connection->initiator_->advance();
+  return connection;
 }
 
 SealedClient::SealedClient(const SealedOptions& options, std::shared_ptr<ReceiveQueue> queue,
@@ -290,7 +291,7 @@ std::unique_ptr<StreamReader> SealedClient::open_stream(std::uint32_t id) {
     return nullptr;
   }
   if (::epoll_ctl(streams_.get(), EPOLL_CTL_ADD, port->descriptor(), &event) != 0) {
-    problem = std::string(offer().name) + ": " + system_text(errno);
+    problem = std::string(capabilities().name) + ": " + system_text(errno);
     return nullptr;
   }
   problem.clear();
@@ -317,16 +318,17 @@ SealedServer::SealedServer(std::shared_ptr<HandshakeResponder> responder,
       client_(pending.client),
       descriptors_{queue_->event().descriptor()} {}
 
-tl::expected<std::unique_ptr<Link>, MediumError> SealedServer::welcome(
+tl::expected<std::unique_ptr<Connection>, MediumError> SealedServer::welcome(
     std::shared_ptr<HandshakeResponder> responder, HandshakeResponder::PendingPeer pending) {
   auto out = responder->options().network->open(pending.reply_port);
   if (!out) return tl::unexpected(std::move(out.error()));
   auto sender = std::make_shared<SealedSender>(std::move(*out), channel_name("GC", pending.client),
                                                pending.client, std::uint16_t{0});
   sender->open(std::move(pending.sealer));
-  auto link = std::make_unique<SealedServer>(std::move(responder), pending, std::move(sender));
-  link->say(InnerKind::Beat);  // the client waits for the server's first packet
-  return link;
+  auto connection =
+      std::make_unique<SealedServer>(std::move(responder), pending, std::move(sender));
+  connection->say(InnerKind::Beat);  // the client waits for the server's first packet
+  return connection;
 }
 
 SealedServer::~SealedServer() {

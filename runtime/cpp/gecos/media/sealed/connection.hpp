@@ -20,11 +20,11 @@
 
 namespace gecos::media {
 
-/// The common part of a client's and a server's link: sends packets, and takes received packets
-/// from the queue.
-class SealedConnection : public Link {
+/// The common part of a client's and a server's connection: sends packets, and takes received
+/// packets from the queue.
+class SealedConnection : public Connection {
  public:
-  const Offer& offer() const override { return options_.network->offer(); }
+  const Capabilities& capabilities() const override { return options_.network->capabilities(); }
   const Peer& peer() const override { return peer_; }
   tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override;
   std::optional<ByteView> receive() override;
@@ -62,7 +62,7 @@ class SealedConnection : public Link {
 
 class SealedClient final : public SealedConnection {
  public:
-  static tl::expected<std::unique_ptr<Link>, MediumError> connect(
+  static tl::expected<std::unique_ptr<Connection>, MediumError> connect(
       const SealedOptions& options, std::shared_ptr<const SealedKeys> keys,
       const SealedAddress& address);
   ~SealedClient() override;
@@ -108,14 +108,14 @@ class SealedClient final : public SealedConnection {
   std::mutex mutex_;  // guards the members below
   std::map<std::uint32_t, Arrived> arrived_;
   std::vector<std::weak_ptr<SampleQueue>> reading_;
-  /// Streams made by this link; they end with the link.
+  /// Streams made by this connection; they end with the connection.
   std::vector<std::weak_ptr<InwardStream>> made_;
   std::map<std::uint32_t, Inward> inward_;
 };
 
 class SealedServer final : public SealedConnection {
  public:
-  static tl::expected<std::unique_ptr<Link>, MediumError> welcome(
+  static tl::expected<std::unique_ptr<Connection>, MediumError> welcome(
       std::shared_ptr<HandshakeResponder> responder, HandshakeResponder::PendingPeer pending);
   ~SealedServer() override;
 

@@ -37,7 +37,7 @@ struct DatagramHeader {
   static std::optional<DatagramHeader> read(ByteView from);
 };
 
-/// The kinds of sealed messages on the channel of a link.
+/// The kinds of sealed messages on the channel of a connection.
 enum class InnerKind : std::uint8_t {
   Packet = 1,
   Beat,
@@ -85,7 +85,7 @@ inline constexpr std::size_t sample_overhead =
     DatagramHeader::bytes + crypto::StreamSealer::overhead + stamp_bytes;
 
 /// The announcement of a stream from a client to its server. The samples are sent on the sealed
-/// channel of the link.
+/// channel of the connection.
 struct InwardShare {
   static constexpr std::size_t bytes = 10;
   std::uint32_t id = 0;

@@ -16,7 +16,8 @@ namespace gecos::media {
 
 /// Opens a client's channel: asks for the server's key if the address has none, repeats the first
 /// handshake message until the server answers, then repeats a beat until the first sealed packet of
-/// the server arrives. Never waits: the owner of the link must call advance() often. Any thread.
+/// the server arrives. Never waits: the owner of the connection must call advance() often. Any
+/// thread.
 class HandshakeInitiator {
  public:
   /// Time without an answer after which the handshake starts again, because by then the server has

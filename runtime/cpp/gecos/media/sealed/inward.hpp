@@ -9,7 +9,8 @@
 #include "gecos/media/sealed/datagram.hpp"
 #include "gecos/media/sealed/sender.hpp"
 
-/// Streams from a client to its server. Their samples are sent on the sealed channel of the link.
+/// Streams from a client to its server. Their samples are sent on the sealed channel of the
+/// connection.
 namespace gecos::media {
 
 /// Sends the samples of one stream. Thread-safe.
@@ -60,7 +61,7 @@ class InwardWriter final : public CopyingWriter {
   const std::shared_ptr<InwardStream> stream_;
 };
 
-/// Reads the samples that the server's link has received.
+/// Reads the samples that the server's connection has received.
 class InwardReader final : public CopyingReader {
  public:
   explicit InwardReader(std::shared_ptr<SampleBuffer> samples) : samples_(std::move(samples)) {}

@@ -9,8 +9,8 @@
 
 namespace gecos::media {
 
-/// The key of this program, and the keys that it admits. Links share the keys, which may outlive
-/// the medium that opened them. Any thread.
+/// The key of this program, and the keys that it admits. Connections share the keys, which may
+/// outlive the medium that opened them. Any thread.
 struct SealedKeys {
   crypto::KeyDirectory directory;
   crypto::Identity own;

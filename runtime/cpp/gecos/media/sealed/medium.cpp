@@ -69,17 +69,20 @@ class SealedAcceptor final : public Acceptor {
         descriptors_{responder_->descriptor(), responder_->event().descriptor()} {}
   ~SealedAcceptor() override { responder_->close(); }
 
-  const Offer& offer() const override { return responder_->options().network->offer(); }
+  const Capabilities& capabilities() const override {
+    return responder_->options().network->capabilities();
+  }
   const std::string& address() const override { return address_; }
 
-  std::unique_ptr<Link> accept() override {
+  std::unique_ptr<Connection> accept() override {
     responder_->event().drain();
     if (responder_->pump()) responder_->event().notify();  // announces the unread datagrams
     while (auto pending = responder_->next_pending()) {
       const std::uint64_t client = pending->client;
-      auto link = SealedServer::welcome(responder_, std::move(*pending));
-      if (link) return std::move(*link);
-      log_warning(responder_->address().medium, "cannot answer a client: " + link.error().text);
+      auto connection = SealedServer::welcome(responder_, std::move(*pending));
+      if (connection) return std::move(*connection);
+      log_warning(responder_->address().medium,
+                  "cannot answer a client: " + connection.error().text);
       responder_->forget(client);
     }
     return nullptr;
@@ -101,7 +104,7 @@ class Sealed final : public Medium {
  public:
   explicit Sealed(SealedOptions options) : options_(std::move(options)) {}
 
-  const Offer& offer() const override { return options_.network->offer(); }
+  const Capabilities& capabilities() const override { return options_.network->capabilities(); }
 
   tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
                                                               bool well_known) override {
@@ -125,9 +128,10 @@ class Sealed final : public Medium {
     return std::make_unique<SealedAcceptor>(std::move(responder), std::move(claim));
   }
 
-  tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) override {
+  tl::expected<std::unique_ptr<Connection>, MediumError> connect(
+      std::string_view address) override {
     const auto parsed = SealedAddress::parse(address);
-    if (const std::string name(offer().name); !parsed || parsed->medium != name) {
+    if (const std::string name(capabilities().name); !parsed || parsed->medium != name) {
       return tl::unexpected(MediumError{std::string(address) + ": not an address of " + name +
                                         ", which has the form " + name +
                                         ":<group>:<port>/<channel>#<key>"});
@@ -143,7 +147,7 @@ class Sealed final : public Medium {
 
  private:
   SealedAddress well_known_place(std::string_view name) const {
-    return {std::string(offer().name), options_.network->name(), options_.well_known_port,
+    return {std::string(capabilities().name), options_.network->name(), options_.well_known_port,
             channel_of_name(name), std::nullopt};
   }
 
@@ -154,7 +158,7 @@ class Sealed final : public Medium {
       auto opened = SealedKeys::open(options_.key_directory);
       if (!opened) {
         return tl::unexpected(
-            MediumError{std::string(offer().name) + " needs a key: " + opened.error().text});
+            MediumError{std::string(capabilities().name) + " needs a key: " + opened.error().text});
       }
       keys_ = std::move(*opened);
     }

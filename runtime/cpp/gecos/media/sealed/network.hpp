@@ -42,11 +42,11 @@ class DatagramNetwork {
  public:
   virtual ~DatagramNetwork() = default;
   /// The guarantees of a sealed connection over this network.
-  virtual const Offer& offer() const = 0;
+  virtual const Capabilities& capabilities() const = 0;
   /// The name of this network in addresses, such as "239.255.76.67": letters, digits, '.' and '-'.
   virtual const std::string& name() const = 0;
-  /// Bytes of the largest datagram; must be at least offer().largest_packet + packet_overhead
-  /// (datagram.hpp).
+  /// Bytes of the largest datagram; must be at least capabilities().largest_packet +
+  /// packet_overhead (datagram.hpp).
   virtual std::size_t largest_datagram() const = 0;
   virtual tl::expected<std::unique_ptr<DatagramPort>, MediumError> open(
       std::uint16_t port) const = 0;
@@ -62,7 +62,8 @@ struct SealedOptions {
   /// Directory of the keys; empty: crypto::KeyDirectory::default_path(). Opened on first use.
   std::string key_directory{};
   crypto::RekeyRule rekey{};
-  /// The clock for retries and rekeying; null: the system's. Must outlive the medium and its links.
+  /// The clock for retries and rekeying; null: the system's. Must outlive the medium and its
+  /// connections.
   const Clock* clock = nullptr;
 
   /// The time by CLOCK_BOOTTIME, so that the age of a packet in a socket includes the time in which

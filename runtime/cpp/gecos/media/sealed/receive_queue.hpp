@@ -18,8 +18,8 @@
 
 namespace gecos::media {
 
-/// The packets that have arrived for one end of a link, stored by the thread that reads the port.
-/// Packets are decrypted before they are stored, so that only those of the peer take room.
+/// The packets that have arrived for one end of a connection, stored by the thread that reads the
+/// port. Packets are decrypted before they are stored, so that only those of the peer take room.
 /// Thread-safe.
 class ReceiveQueue final : public Sleeper {
  public:
@@ -68,7 +68,7 @@ class ReceiveQueue final : public Sleeper {
   /// Whether a packet was decrypted, which proves that the peer has the keys of the channel.
   bool heard() const { return beats() != 0; }
   std::uint64_t beats() const { return beats_.load(std::memory_order_relaxed); }
-  /// As Link::beats_read. The reader has handled a packet when it calls `pop` again.
+  /// As Connection::beats_read. The reader has handled a packet when it calls `pop` again.
   std::uint64_t beats_read() const { return beats_read_.load(std::memory_order_relaxed); }
   bool closed() const { return closed_.load(std::memory_order_acquire); }
   std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }

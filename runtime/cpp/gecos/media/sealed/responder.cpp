@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t most_unconfirmed = 256;
 constexpr Duration unconfirmed_kept = std::chrono::seconds{5};
-constexpr std::size_t most_links = 4096;
+constexpr std::size_t most_connections = 4096;
 
 }  // namespace
 
@@ -80,7 +80,7 @@ void HandshakeResponder::take_first(const DatagramHeader& header, ByteView datag
       unconfirmed_.pop_front();
     }
     if (answered->channel) {
-      if (queues_.size() >= most_links || queues_.contains(header.client)) return;
+      if (queues_.size() >= most_connections || queues_.contains(header.client)) return;
       unconfirmed_.push_back(
           {header.client, header.reply_port, now, std::move(*answered->channel)});
     }

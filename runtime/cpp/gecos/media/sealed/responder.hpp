@@ -17,10 +17,10 @@
 
 namespace gecos::media {
 
-/// What the acceptor of an object and its links share: the port that receives the datagrams of all
-/// clients, and the handshake. A client counts as connected once one of its sealed packets was
-/// decrypted. A replayed handshake never leads to a decrypted packet, so it displaces no client and
-/// holds no descriptor.
+/// What the acceptor of an object and its connections share: the port that receives the datagrams
+/// of all clients, and the handshake. A client counts as connected once one of its sealed packets
+/// was decrypted. A replayed handshake never leads to a decrypted packet, so it displaces no client
+/// and holds no descriptor.
 class HandshakeResponder {
  public:
   /// A client that has connected and was not yet accepted.
@@ -35,8 +35,8 @@ class HandshakeResponder {
                      std::unique_ptr<DatagramPort> in, SealedAddress address);
 
   tl::expected<void, MediumError> open();
-  /// Puts arrived datagrams into the queues of links and pending peers. Returns true when there may
-  /// be more.
+  /// Puts arrived datagrams into the queues of connections and pending peers. Returns true when
+  /// there may be more.
   bool pump() { return in_->pump(); }
   std::optional<PendingPeer> next_pending();
   void forget(std::uint64_t client);

@@ -13,7 +13,7 @@
 
 namespace gecos::media {
 
-/// The sending side of one end of a link: seals and publishes. Any thread.
+/// The sending side of one end of a connection: seals and publishes. Any thread.
 class SealedSender {
  public:
   /// Packets sent before the channel is open are held up to these bounds; further packets are lost,

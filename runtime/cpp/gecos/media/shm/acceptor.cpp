@@ -19,7 +19,7 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/base/system_error.hpp"
-#include "gecos/media/shm/link.hpp"
+#include "gecos/media/shm/connection.hpp"
 #include "gecos/media/shm/memory.hpp"
 #include "gecos/media/shm/stream.hpp"
 
@@ -229,9 +229,9 @@ ShmAcceptor::~ShmAcceptor() {
     say_goodbye(pending.socket.get(), "the server closed");
 }
 
-const Offer& ShmAcceptor::offer() const { return shm_offer; }
+const Capabilities& ShmAcceptor::capabilities() const { return shm_capabilities; }
 
-std::unique_ptr<Link> ShmAcceptor::accept() {
+std::unique_ptr<Connection> ShmAcceptor::accept() {
   if (inherited_) return nullptr;
   short_of_descriptors_ = false;
   std::array<epoll_event, 16> events;
@@ -239,13 +239,13 @@ std::unique_ptr<Link> ShmAcceptor::accept() {
   if (count <= 0) return nullptr;
   more_.drain();
   for (std::size_t pending = pending_.size(); pending-- > 0;) {
-    if (auto link = hear(pending)) return link;
+    if (auto connection = hear(pending)) return connection;
   }
   // A client sends Hello right after it connects, so most Hellos can be read right after accept4().
   for (int i = 0; i < most_at_once; ++i) {
     if (!let_in()) return nullptr;
     if (pending_.empty()) continue;
-    if (auto link = hear(pending_.size() - 1)) return link;
+    if (auto connection = hear(pending_.size() - 1)) return connection;
   }
   more_.notify();  // an edge-triggered watcher would get no further event
   return nullptr;
@@ -293,7 +293,7 @@ void ShmAcceptor::log_turned_away() const {
   log_warning("shm", path_ + " refused a client: no file descriptors left, raise `ulimit -n`");
 }
 
-std::unique_ptr<Link> ShmAcceptor::hear(std::size_t index) {
+std::unique_ptr<Connection> ShmAcceptor::hear(std::size_t index) {
   PendingPeer& pending = pending_[index];
   ReceivedControl hello;
   const ControlRead read = receive_control(pending.socket.get(), hello);
@@ -311,11 +311,11 @@ std::unique_ptr<Link> ShmAcceptor::hear(std::size_t index) {
   }
   ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, pending.socket.get(), nullptr);
   const std::string who = pending.peer.description;
-  auto link = ShmLink::welcome(std::move(pending.socket), std::move(pending.peer),
-                               std::move(pending.death), hello);
+  auto connection = ShmConnection::welcome(std::move(pending.socket), std::move(pending.peer),
+                                           std::move(pending.death), hello);
   pending_.erase(pending_.begin() + static_cast<std::ptrdiff_t>(index));
-  if (link) return std::move(*link);
-  log_warning("shm", path_ + " refused " + who + ": " + link.error());
+  if (connection) return std::move(*connection);
+  log_warning("shm", path_ + " refused " + who + ": " + connection.error());
   return nullptr;
 }
 

@@ -20,9 +20,9 @@ class ShmAcceptor final : public Acceptor {
                                                                    bool well_known);
   ~ShmAcceptor() override;
 
-  const Offer& offer() const override;
+  const Capabilities& capabilities() const override;
   const std::string& address() const override { return address_; }
-  std::unique_ptr<Link> accept() override;
+  std::unique_ptr<Connection> accept() override;
   bool short_of_descriptors() const override { return short_of_descriptors_; }
   std::span<const int> descriptors() const override { return descriptors_; }
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override;
@@ -39,7 +39,7 @@ class ShmAcceptor final : public Acceptor {
   bool let_in();
   bool turn_away();
   void log_turned_away() const;
-  std::unique_ptr<Link> hear(std::size_t pending);
+  std::unique_ptr<Connection> hear(std::size_t pending);
   void drop(std::size_t pending);
   void abandon() noexcept;
 

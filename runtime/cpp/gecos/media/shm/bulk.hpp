@@ -9,8 +9,8 @@
 
 namespace gecos::media::shm {
 
-/// The areas for large packets of one link. Each area is a sealed memfd, whose descriptor is sent
-/// over the socket before the first packet in the area is announced.
+/// The areas for large packets of one connection. Each area is a sealed memfd, whose descriptor is
+/// sent over the socket before the first packet in the area is announced.
 class ShmBulk final : private AreaMaker {
  public:
   /// `look` reads the socket, and waits until another thread that reads it has finished.

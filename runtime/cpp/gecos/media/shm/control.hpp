@@ -9,8 +9,8 @@
 #include "gecos/base/descriptor.hpp"
 #include "gecos/media/medium.hpp"
 
-/// The messages on the Unix socket of a link: file descriptors and rare events. Packets go through
-/// the rings.
+/// The messages on the Unix socket of a connection: file descriptors and rare events. Packets go
+/// through the rings.
 namespace gecos::media::shm {
 
 enum class ControlType : std::uint32_t {
@@ -19,7 +19,7 @@ enum class ControlType : std::uint32_t {
   Notify,     ///< wakes the peer while its eventfd is unknown or not trusted
   Share,      ///< memory of the stream `id`: `depth` samples of at most `largest` bytes
   Unshare,    ///< the stream `id` is no longer shared
-  Bye,        ///< the link is closed in order; `text` says why when the peer was refused
+  Bye,        ///< the connection is closed in order; `text` says why when the peer was refused
   Area,       ///< memory for large packets, area number `largest`; the previous area is freed
   AreaEnd,    ///< the area number `largest` is freed
 };

@@ -8,7 +8,7 @@
 #include "gecos/base/system_error.hpp"
 #include "gecos/media/registration.hpp"
 #include "gecos/media/shm/acceptor.hpp"
-#include "gecos/media/shm/link.hpp"
+#include "gecos/media/shm/connection.hpp"
 
 namespace gecos::media {
 namespace {
@@ -19,14 +19,15 @@ class Shm final : public Medium {
  public:
   explicit Shm(ShmOptions options) : options_(std::move(options)) {}
 
-  const Offer& offer() const override { return shm_offer; }
+  const Capabilities& capabilities() const override { return shm_capabilities; }
 
   tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
                                                               bool well_known) override {
     return shm::ShmAcceptor::open(options_, name, well_known);
   }
 
-  tl::expected<std::unique_ptr<Link>, MediumError> connect(std::string_view address) override {
+  tl::expected<std::unique_ptr<Connection>, MediumError> connect(
+      std::string_view address) override {
     const auto error = [&](const std::string& text) {
       return tl::unexpected(MediumError{std::string(address) + ": " + text});
     };
@@ -47,7 +48,7 @@ class Shm final : public Medium {
     }
     auto death = shm::death_of_peer(socket.get(), *server->pid);
     if (!death) return error(no_server(address) + ": " + death.error());
-    return shm::ShmLink::greet(std::move(socket), std::move(*server), std::move(*death));
+    return shm::ShmConnection::greet(std::move(socket), std::move(*server), std::move(*death));
   }
 
   std::string well_known_address(std::string_view name) const override {
@@ -72,7 +73,7 @@ std::unique_ptr<Medium> make_shm(ShmOptions options) {
 }
 
 const Registration shm_registration{
-    shm_offer, []() -> tl::expected<std::unique_ptr<Medium>, MediumError> {
+    shm_capabilities, []() -> tl::expected<std::unique_ptr<Medium>, MediumError> {
       const ShmOptions options;
       return shm::prepare_directory(options.directory).map([&] { return make_shm(options); });
     }};

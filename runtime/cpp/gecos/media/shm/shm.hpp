@@ -27,15 +27,15 @@ struct ShmOptions {
   bool other_users = false;
 };
 
-inline constexpr Offer shm_offer{.name = "shm",
-                                 .reach = Reach::Host,
-                                 .ordered = true,
-                                 .reliable = true,
-                                 .real_time = true,
-                                 .reports_death = true,
-                                 .authenticated = true,
-                                 .shared_words = true,
-                                 .largest_packet = largest_bulk_packet};
+inline constexpr Capabilities shm_capabilities{.name = "shm",
+                                               .reach = Reach::Host,
+                                               .ordered = true,
+                                               .reliable = true,
+                                               .real_time = true,
+                                               .reports_death = true,
+                                               .authenticated = true,
+                                               .shared_words = true,
+                                               .largest_packet = largest_bulk_packet};
 
 std::unique_ptr<Medium> make_shm(ShmOptions options = {});
 

@@ -7,8 +7,8 @@
 
 namespace gecos::media::shm {
 
-/// A stream in its own sealed memory. Every link that shares the stream sends the descriptor of the
-/// memory to its peer.
+/// A stream in its own sealed memory. Every connection that shares the stream sends the descriptor
+/// of the memory to its peer.
 class SharedStreamWriter final : public StreamRingWriter {
  public:
   SharedStreamWriter(StreamMemory memory, std::shared_ptr<SealedMemory> sealed)

@@ -16,28 +16,31 @@
 namespace gecos::media {
 namespace {
 
-Offer offer_of(const Medium& inner, const Faults& faults) {
-  Offer offer = inner.offer();
+Capabilities capabilities_of(const Medium& inner, const Faults& faults) {
+  Capabilities capabilities = inner.capabilities();
   const bool whole = faults.loss == 0 && faults.duplication == 0 && faults.corruption == 0;
-  offer.reliable = offer.reliable && whole && faults.cut == nullptr;
-  offer.shared_words = offer.shared_words && offer.reliable;  // a cut link cannot stop shared words
-  offer.ordered = offer.ordered && faults.reordering == 0;
-  offer.intact = offer.intact && faults.corruption == 0;
-  offer.real_time = offer.real_time && offer.reliable && faults.delay == Duration::zero();
-  return offer;
+  capabilities.reliable = capabilities.reliable && whole && faults.cut == nullptr;
+  // A cut connection cannot stop shared words.
+  capabilities.shared_words = capabilities.shared_words && capabilities.reliable;
+  capabilities.ordered = capabilities.ordered && faults.reordering == 0;
+  capabilities.intact = capabilities.intact && faults.corruption == 0;
+  capabilities.real_time =
+      capabilities.real_time && capabilities.reliable && faults.delay == Duration::zero();
+  return capabilities;
 }
 
-class FaultyLink final : public LinkLayer {
+class FaultyConnection final : public ConnectionLayer {
  public:
-  FaultyLink(std::unique_ptr<Link> inner, const Offer& offer, const Faults& faults,
-             std::uint64_t number, const Clock& clock)
-      : LinkLayer(std::move(inner), offer),
+  FaultyConnection(std::unique_ptr<Connection> inner, const Capabilities& capabilities,
+                   const Faults& faults, std::uint64_t number, const Clock& clock)
+      : ConnectionLayer(std::move(inner), capabilities),
         faults_(faults),
         clock_(clock),
         random_(faults.seed * 0x9e3779b97f4a7c15u + number),
         timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
     if (!timer_) throw_system_error("timerfd", errno);
-    descriptors_.assign(LinkLayer::descriptors().begin(), LinkLayer::descriptors().end());
+    descriptors_.assign(ConnectionLayer::descriptors().begin(),
+                        ConnectionLayer::descriptors().end());
     descriptors_.push_back(timer_.get());
   }
 
@@ -55,7 +58,7 @@ class FaultyLink final : public LinkLayer {
 
   /// The faults may drop packets that the medium below counts as taken: then the count is unknown.
   std::optional<std::uint64_t> taken_by_peer() override {
-    return offer().reliable ? inner().taken_by_peer() : std::nullopt;
+    return capabilities().reliable ? inner().taken_by_peer() : std::nullopt;
   }
 
   bool prepare_to_sleep() override {
@@ -66,7 +69,7 @@ class FaultyLink final : public LinkLayer {
     set_timer(next == held_.end() ? Duration::zero() : wait);
     if (inner().prepare_to_sleep()) return true;
     if (is_cut() && inner().loss() == Loss::None) {
-      take_in();  // packets that a cut link drops must not keep the thread awake
+      take_in();  // packets that a cut connection drops must not keep the thread awake
       return inner().prepare_to_sleep();
     }
     return false;
@@ -136,17 +139,19 @@ class FaultyLink final : public LinkLayer {
 
 std::unique_ptr<Medium> make_faulty(std::unique_ptr<Medium> inner, Faults faults,
                                     const Clock& clock) {
-  const Offer offer = offer_of(*inner, faults);
-  // Clients get even numbers, servers odd ones, so that no two links have the same faults.
+  const Capabilities layer_capabilities = capabilities_of(*inner, faults);
+  // Clients get even numbers, servers odd ones, so that no two connections have the same faults.
   auto clients = std::make_shared<std::atomic<std::uint64_t>>(0);
   auto servers = std::make_shared<std::atomic<std::uint64_t>>(0);
-  return make_layer(
-      std::move(inner), offer,
-      [=, &clock](std::unique_ptr<Link> link, const Offer& offered, Role role) {
-        const std::uint64_t number =
-            role == Role::Client ? 2 * clients->fetch_add(1) : 2 * servers->fetch_add(1) + 1;
-        return std::make_unique<FaultyLink>(std::move(link), offered, faults, number, clock);
-      });
+  return make_layer(std::move(inner), layer_capabilities,
+                    [=, &clock](std::unique_ptr<Connection> connection,
+                                const Capabilities& capabilities, Role role) {
+                      const std::uint64_t number = role == Role::Client
+                                                       ? 2 * clients->fetch_add(1)
+                                                       : 2 * servers->fetch_add(1) + 1;
+                      return std::make_unique<FaultyConnection>(std::move(connection), capabilities,
+                                                                faults, number, clock);
+                    });
 }
 
 }  // namespace gecos::media

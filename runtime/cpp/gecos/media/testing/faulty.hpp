@@ -9,7 +9,7 @@
 
 namespace gecos::media {
 
-/// The faults of a link. Rates are from 0 to 1 and apply to each packet independently.
+/// The faults of a connection. Rates are from 0 to 1 and apply to each packet independently.
 struct Faults {
   std::uint64_t seed = 1;  ///< the same seed and the same packets give the same faults
   double loss = 0;
@@ -22,11 +22,12 @@ struct Faults {
   const std::atomic<bool>* cut = nullptr;
 };
 
-/// A test double. Wraps a medium so that its links apply `faults` to the packets that they receive;
-/// if both sides are wrapped, packets of both directions have faults. Streams are not affected.
+/// A test double. Wraps a medium so that its connections apply `faults` to the packets that they
+/// receive; if both sides are wrapped, packets of both directions have faults. Streams are not
+/// affected.
 ///
-/// Delays are measured by `clock`. A thread that sleeps on a link is woken for a delayed packet in
-/// real time; with a fake clock, poll again after every step.
+/// Delays are measured by `clock`. A thread that sleeps on a connection is woken for a delayed
+/// packet in real time; with a fake clock, poll again after every step.
 std::unique_ptr<Medium> make_faulty(std::unique_ptr<Medium> inner, Faults faults,
                                     const Clock& clock);
 

@@ -26,14 +26,14 @@ PeerLiveness::Bounds bounds_of_server(const LabOptions& options) {
 }  // namespace
 
 ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
-                                   std::unique_ptr<media::Link> link, SessionId id, Welcome welcome,
-                                   std::vector<FunctionCode> differing)
+                                   std::unique_ptr<media::Connection> connection, SessionId id,
+                                   Welcome welcome, std::vector<FunctionCode> differing)
     : runtime_(std::move(runtime)),
-      link_(std::move(link)),
+      connection_(std::move(connection)),
       id_(id),
       welcome_(std::move(welcome)),
       differing_(std::move(differing)),
-      repeats_(!link_->offer().reliable),
+      repeats_(!connection_->capabilities().reliable),
       spin_(system_clock()),
       // This clock may advance by `lease_ttl` in one step, because all packets that have arrived
       // are read before the server is judged. Smaller steps would delay the verdict on a busy
@@ -46,13 +46,13 @@ ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
   liveness_.heard(liveness_clock_.now());
   if (!log_enabled(LogLevel::Info)) return;
   log_info("client", "connected to " + welcome_.object + " (" + welcome_.interface_name +
-                         ") over " + std::string(link_->offer().name) + ": " +
-                         link_->peer().description);
+                         ") over " + std::string(connection_->capabilities().name) + ": " +
+                         connection_->peer().description);
 }
 
 ObjectRef ClientConnection::reference() const {
   return {welcome_.object, welcome_.interface_hash, welcome_.incarnation,
-          std::string(link_->offer().name) + ": " + link_->peer().description};
+          std::string(connection_->capabilities().name) + ": " + connection_->peer().description};
 }
 
 ClientConnection::~ClientConnection() {
@@ -103,7 +103,7 @@ tl::expected<void, media::SendProblem> ClientConnection::send_call(
   const MutexLock lock(mutex_);
   if (lost_.load(std::memory_order_relaxed)) return tl::unexpected(media::SendProblem::Lost);
   if (calls_.size() >= most) return tl::unexpected(media::SendProblem::Full);
-  if (wire::packet_size(size) > link_->offer().largest_packet) {
+  if (wire::packet_size(size) > connection_->capabilities().largest_packet) {
     return tl::unexpected(media::SendProblem::TooLarge);
   }
   header.counter = next_counter_;
@@ -143,7 +143,7 @@ tl::expected<void, media::SendProblem> ClientConnection::send_call(
 /// unreachable: the server would read the call only after the client has given it up.
 tl::expected<std::uint64_t, media::SendProblem> ClientConnection::send_first(ByteView packet) {
   if (repeats_ && unreachable()) return tl::unexpected(media::SendProblem::Full);
-  return link_->send(packet, {});
+  return connection_->send(packet, {});
 }
 
 /// Returns a failure when client and server define the operation differently. Such a call is not
@@ -167,7 +167,7 @@ Failure ClientConnection::not_sent(std::string_view name, std::size_t size,
       const MutexLock lock(mutex_);
       if (calls_.size() < welcome_.credits) {
         return {Detail::QueueFull,
-                what + " was not sent: " + std::string(link_->offer().name) +
+                what + " was not sent: " + std::string(connection_->capabilities().name) +
                     " is full of packets that the server has not read yet; wait "
                     "for an earlier call to end",
                 {},
@@ -182,8 +182,8 @@ Failure ClientConnection::not_sent(std::string_view name, std::size_t size,
     case media::SendProblem::TooLarge:
       return {Detail::BadParameter,
               what + " was not sent: its arguments take " + std::to_string(size) + " bytes and " +
-                  std::string(link_->offer().name) + " carries " +
-                  std::to_string(link_->offer().largest_packet),
+                  std::string(connection_->capabilities().name) + " carries " +
+                  std::to_string(connection_->capabilities().largest_packet),
               {},
               {}};
     case media::SendProblem::Lost:
@@ -218,11 +218,11 @@ tl::expected<std::uint64_t, media::SendProblem> ClientConnection::send(wire::Pac
   header.session = id_;
   header.acknowledged = repeats_ ? finished_up_to() : 0;
   write_packet(packet_, header, body);
-  return link_->send(packet_, {});
+  return connection_->send(packet_, {});
 }
 
 TimePoint ClientConnection::by_our_clock(TimePoint theirs) {
-  const auto difference = link_->clock_difference();
+  const auto difference = connection_->clock_difference();
   if (!difference) return theirs;
   const MutexLock lock(mutex_);
   return theirs + std::clamp(*difference, -longest_age, longest_age) - quickest_answer_;
@@ -271,8 +271,8 @@ void ClientConnection::lose(Ending how, const std::string& text) {
     const bool drains =
         how == Ending::ByUs && (goodbye_heard_.load(std::memory_order_relaxed) || !awaits_goodbye_);
     goes_on = drains;
-    if (link_->offer().shared_words && !drains) {
-      link_->write_word(withdrawn_word, next_counter_ - 1);
+    if (connection_->capabilities().shared_words && !drains) {
+      connection_->write_word(withdrawn_word, next_counter_ - 1);
       withdrawn_ = true;  // set before any call is reported: no call can start any more
     } else if (!drains) {
       withdraw_by_packet();
@@ -331,13 +331,13 @@ bool ClientConnection::may_have_started(const PendingCommand& command, Ending ho
   if (withdrawn_ && command.marked_words != 0) {
     for (std::size_t word = 0; word < media::shared_word_count; ++word) {
       const bool may_stand_here = (command.marked_words >> word & 1U) != 0;
-      if (may_stand_here && link_->peer_word(word) >= command.counter) return true;
+      if (may_stand_here && connection_->peer_word(word) >= command.counter) return true;
     }
     return false;
   }
   // A server that is gone reads no more packets. A server that is only silent may still read them.
   if (how != Ending::Died && how != Ending::Closed) return true;
-  const auto taken = link_->taken_by_peer();
+  const auto taken = connection_->taken_by_peer();
   return !taken || command.sent_as <= *taken;
 }
 

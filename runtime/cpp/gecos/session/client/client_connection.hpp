@@ -25,7 +25,7 @@ namespace gecos::session {
 
 class ClientStream;
 
-/// Client side of a session over one link.
+/// Client side of a session over one connection of a medium.
 ///
 /// Sending takes the mutex; only the leader (LeaderLock) receives. A lost session stays lost: every
 /// later call ends as CONNECTION_FAILED, and the program must create a new session with
@@ -42,11 +42,11 @@ class ClientConnection final : public ClientSession,
   };
   /// Sends a Hello to the server and waits for its answer until `deadline`.
   static tl::expected<std::shared_ptr<ClientConnection>, NotOpened> open(
-      std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link,
+      std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Connection> connection,
       const InterfaceDescription& wanted, TimePoint deadline);
 
   /// `differing`: operations that server and client define differently, sorted.
-  ClientConnection(std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link,
+  ClientConnection(std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Connection> connection,
                    SessionId id, Welcome welcome, std::vector<FunctionCode> differing);
   ~ClientConnection() override;  ///< says goodbye: issued commands still run
 
@@ -57,7 +57,7 @@ class ClientConnection final : public ClientSession,
       const StreamDescription& stream) override;
   const std::string& interface_name() const override { return welcome_.interface_name; }
   const std::string& object_name() const override { return welcome_.object; }
-  const media::Offer& offer() const override { return link_->offer(); }
+  const media::Capabilities& capabilities() const override { return connection_->capabilities(); }
   ObjectRef reference() const override;
   std::uint64_t lease_acquired(std::uint64_t epoch) override;
   void lease_released(std::uint64_t held) override;
@@ -120,7 +120,7 @@ class ClientConnection final : public ClientSession,
  private:
   friend class ClientStream;
 
-  // Called only by the thread that reads the link.
+  // Called only by the thread that reads the medium's connection.
   bool lead(FunctionRef<bool()> done, TimePoint deadline);
   std::size_t read_all();
   bool rest(FunctionRef<bool()> done, TimePoint deadline);
@@ -180,7 +180,7 @@ class ClientConnection final : public ClientSession,
   bool everything_arrived();
 
   const std::shared_ptr<Runtime> runtime_;
-  const std::unique_ptr<media::Link> link_;
+  const std::unique_ptr<media::Connection> connection_;
   const SessionId id_;
   const Welcome welcome_;
   std::string place_;

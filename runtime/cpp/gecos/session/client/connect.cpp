@@ -21,10 +21,13 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> connect(
   using Session = tl::expected<std::shared_ptr<ClientConnection>, ClientConnection::NotOpened>;
   const auto open = [&]() -> Session {
     try {
-      auto link = (*opened)->connect(address);
-      if (!link)
-        return tl::unexpected(ClientConnection::NotOpened{Detail::NoServer, link.error().text});
-      return ClientConnection::open(runtime.shared_from_this(), std::move(*link), wanted, deadline)
+      auto connection = (*opened)->connect(address);
+      if (!connection) {
+        return tl::unexpected(
+            ClientConnection::NotOpened{Detail::NoServer, connection.error().text});
+      }
+      return ClientConnection::open(runtime.shared_from_this(), std::move(*connection), wanted,
+                                    deadline)
           .map_error([&](ClientConnection::NotOpened failed) {
             failed.reason = address + ": " + failed.reason;
             return failed;

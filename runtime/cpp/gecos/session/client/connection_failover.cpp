@@ -121,7 +121,7 @@ std::vector<PendingFailover> ClientConnection::detach_repeatable() {
   {
     const MutexLock lock(mutex_);
     pending = detach(Ending::Silent, "the server of " + welcome_.object + " (" +
-                                         link_->peer().description + ") fell silent");
+                                         connection_->peer().description + ") fell silent");
   }
   if (pending.empty()) return pending;
   leader_lock_.notify_all();

@@ -14,10 +14,10 @@ using NotOpened = ClientConnection::NotOpened;
 
 /// Why no Welcome arrived: the loss that the peer or the medium reported, or else that the server
 /// did not answer.
-NotOpened unanswered(media::Link& link) {
-  const std::string& who = link.peer().description;
-  const bool lost = link.loss() != media::Loss::None;
-  const std::string why = link.loss_text();
+NotOpened unanswered(media::Connection& connection) {
+  const std::string& who = connection.peer().description;
+  const bool lost = connection.loss() != media::Loss::None;
+  const std::string why = connection.loss_text();
   if (lost) return {Detail::NoServer, who + " did not accept the connection: " + why};
   return {Detail::NoServer, who + " did not answer" + (why.empty() ? "" : ": " + why)};
 }
@@ -42,24 +42,24 @@ std::vector<FunctionCode> differing_operations(const InterfaceDescription& wante
   return differing;
 }
 
-/// The next packet before `deadline`; nullopt when no packet arrived or the link is lost.
-std::optional<wire::PacketView> next_packet(media::Link& link, TimePoint deadline) {
+/// The next packet before `deadline`; nullopt when no packet arrived or the connection is lost.
+std::optional<wire::PacketView> next_packet(media::Connection& connection, TimePoint deadline) {
   for (;;) {
-    while (const auto bytes = link.receive()) {
+    while (const auto bytes = connection.receive()) {
       if (const auto packet = wire::decode_packet(*bytes)) return *packet;
     }
-    if (link.loss() != media::Loss::None || std::chrono::steady_clock::now() >= deadline) {
+    if (connection.loss() != media::Loss::None || std::chrono::steady_clock::now() >= deadline) {
       return std::nullopt;
     }
-    if (link.prepare_to_sleep()) media::sleep_on(link.descriptors(), deadline);
-    link.woke();
+    if (connection.prepare_to_sleep()) media::sleep_on(connection.descriptors(), deadline);
+    connection.woke();
   }
 }
 
 }  // namespace
 
 tl::expected<std::shared_ptr<ClientConnection>, NotOpened> ClientConnection::open(
-    std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Link> link,
+    std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Connection> connection,
     const InterfaceDescription& wanted, TimePoint deadline) {
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Hello;
@@ -67,12 +67,13 @@ tl::expected<std::shared_ptr<ClientConnection>, NotOpened> ClientConnection::ope
   write_packet(greeting, header, wire::to_bytes(runtime->introduce(wanted)));
 
   for (int sent = 1;; ++sent) {
-    if (const auto left = link->send(greeting, {}); !left) {
-      if (left.error() != media::SendProblem::Full) return tl::unexpected(unanswered(*link));
+    if (const auto left = connection->send(greeting, {}); !left) {
+      if (left.error() != media::SendProblem::Full) return tl::unexpected(unanswered(*connection));
     }
-    const TimePoint again =
-        link->offer().reliable ? deadline : std::min(deadline, deadline_after(retry_after(sent)));
-    while (const auto packet = next_packet(*link, again)) {
+    const TimePoint again = connection->capabilities().reliable
+                                ? deadline
+                                : std::min(deadline, deadline_after(retry_after(sent)));
+    while (const auto packet = next_packet(*connection, again)) {
       if (packet->header.kind == wire::PacketKind::Refused) {
         const auto detail = detail_from(static_cast<std::uint8_t>(packet->header.flags));
         return tl::unexpected(NotOpened{Detail::Refused, failure_from(detail, packet->body).text});
@@ -86,13 +87,13 @@ tl::expected<std::shared_ptr<ClientConnection>, NotOpened> ClientConnection::ope
         return tl::unexpected(NotOpened{Detail::Refused, "the server's welcome does not decode"});
       }
       auto differing = differing_operations(wanted, *welcome);
-      return std::make_shared<ClientConnection>(std::move(runtime), std::move(link),
+      return std::make_shared<ClientConnection>(std::move(runtime), std::move(connection),
                                                 packet->header.session, std::move(*welcome),
                                                 std::move(differing));
     }
-    const bool lost = link->loss() != media::Loss::None;
+    const bool lost = connection->loss() != media::Loss::None;
     if (lost || std::chrono::steady_clock::now() >= deadline) {
-      return tl::unexpected(unanswered(*link));
+      return tl::unexpected(unanswered(*connection));
     }
   }
 }

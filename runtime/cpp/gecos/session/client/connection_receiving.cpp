@@ -68,7 +68,7 @@ bool ClientConnection::lead(FunctionRef<bool()> done, TimePoint deadline) {
     if (slept && taken == 0) look_for_loss();
     const bool finished = done();
     if (std::exchange(slept, false)) {
-      spin_.woke(link_->peer_whereabouts().rang_at,
+      spin_.woke(connection_->peer_whereabouts().rang_at,
                  finished ? media::Woken::ByAnswer : media::Woken::Early);
       spin_.begin();
     }
@@ -81,7 +81,7 @@ bool ClientConnection::lead(FunctionRef<bool()> done, TimePoint deadline) {
         return false;
       rested = false;
       spin_.begin();
-    } else if (!spin_.again([this] { return media::place_of(link_->peer_whereabouts()); })) {
+    } else if (!spin_.again([this] { return media::place_of(connection_->peer_whereabouts()); })) {
       if (std::chrono::steady_clock::now() >= deadline) return false;
       rested = !rested && rest(done, deadline);
       if (rested) {
@@ -113,14 +113,14 @@ bool ClientConnection::rest(FunctionRef<bool()> done, TimePoint deadline) {
 
 void ClientConnection::sleep(FunctionRef<bool()> done, TimePoint deadline) {
   quiet_leader();
-  if (link_->prepare_to_sleep() && !done()) {
-    descriptors_.assign(link_->descriptors().begin(), link_->descriptors().end());
+  if (connection_->prepare_to_sleep() && !done()) {
+    descriptors_.assign(connection_->descriptors().begin(), connection_->descriptors().end());
     descriptors_.push_back(leader_event_.descriptor());
     leader_lock_.rest();
     media::sleep_on(descriptors_, deadline);
     leader_lock_.resume();
   }
-  link_->woke();
+  connection_->woke();
 }
 
 void ClientConnection::wake_leader() {
@@ -134,7 +134,7 @@ void ClientConnection::quiet_leader() {
 
 std::size_t ClientConnection::read_all() {
   std::size_t taken = 0;
-  while (const auto packet = link_->receive()) {
+  while (const auto packet = connection_->receive()) {
     take_packet(*packet);
     ++taken;
   }
@@ -142,16 +142,16 @@ std::size_t ClientConnection::read_all() {
 }
 
 void ClientConnection::look_for_loss() {
-  const media::Loss loss = link_->loss();
+  const media::Loss loss = connection_->loss();
   if (loss == media::Loss::None || lost()) return;
   read_all();  // reads the replies that the server sent before the loss
-  const std::string who = welcome_.object + " (" + link_->peer().description + ")";
+  const std::string who = welcome_.object + " (" + connection_->peer().description + ")";
   switch (loss) {
     case media::Loss::Died:
       return lose(Ending::Died, "the server of " + who + " died");
     case media::Loss::Broken:
-      return lose(Ending::Broken,
-                  "the server of " + who + " broke the rules of its medium: " + link_->loss_text());
+      return lose(Ending::Broken, "the server of " + who + " broke the rules of its medium: " +
+                                      connection_->loss_text());
     default:
       return lose(Ending::Closed, "the server closed the session with " + who);
   }

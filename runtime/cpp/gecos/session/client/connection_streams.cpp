@@ -39,7 +39,7 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::open_subscr
       nullptr,
       [&] {
         if (!reader) reader = open_stream(id);
-        if (!reader) impossible = link_->why_no_stream(id);
+        if (!reader) impossible = connection_->why_no_stream(id);
         return reader != nullptr || !impossible.empty() || lost();
       },
       deadline_after(runtime_->options().grace));
@@ -49,16 +49,17 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::open_subscr
         Detail::Refused, what + " cannot be opened in this process: " + impossible, {}, {}});
   }
   if (!reader) {
-    return tl::unexpected(Failure{Detail::OutcomeUnknown,
-                                  what + " did not arrive over " + std::string(link_->offer().name),
-                                  {},
-                                  {}});
+    return tl::unexpected(
+        Failure{Detail::OutcomeUnknown,
+                what + " did not arrive over " + std::string(connection_->capabilities().name),
+                {},
+                {}});
   }
   return std::make_shared<ClientStream>(shared_from_this(), stream.code, std::move(reader));
 }
 
 std::unique_ptr<media::StreamReader> ClientConnection::open_stream(std::uint32_t id) {
-  return link_->open_stream(id);
+  return connection_->open_stream(id);
 }
 
 void ClientConnection::unsubscribe(FunctionCode stream) {

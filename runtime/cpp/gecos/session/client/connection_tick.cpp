@@ -25,7 +25,7 @@ TimePoint ClientConnection::on_tick(TimePoint now) {
   const Duration early = repeats_ ? Duration{} : Maintenance::calm_tick;
   const bool beat = now + early >= next_beat_;
   if (beat) {
-    link_->beat();
+    connection_->beat();
     next_beat_ = now + runtime_->options().heartbeat;
     loss_look_due_.store(true, std::memory_order_relaxed);
   }
@@ -37,7 +37,7 @@ TimePoint ClientConnection::on_tick(TimePoint now) {
 
 void ClientConnection::check_liveness(TimePoint now) {
   now = liveness_clock_.advance(now);
-  const auto verdict = liveness_.check(link_->beats_seen(), now);
+  const auto verdict = liveness_.check(connection_->beats_seen(), now);
   if (verdict == PeerLiveness::Verdict::Quiet) return;
   const bool silent = verdict != PeerLiveness::Verdict::Alive;
   if (silent && !unreachable()) {
@@ -50,18 +50,18 @@ void ClientConnection::check_liveness(TimePoint now) {
   if (verdict != PeerLiveness::Verdict::Dead) return;
   const Duration length = liveness_.silent_for(now);
   const auto milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(length).count();
-  lose(Ending::Silent, "the server of " + welcome_.object + " (" + link_->peer().description +
+  lose(Ending::Silent, "the server of " + welcome_.object + " (" + connection_->peer().description +
                            ") has been silent for " + std::to_string(milliseconds) + " ms");
 }
 
 /// Ends the session when the server sends heartbeats but no answers for longer than AnswerWatch
 /// allows.
 void ClientConnection::judge_answers(TimePoint now) {
-  const std::string who = welcome_.object + " (" + link_->peer().description + ")";
+  const std::string who = welcome_.object + " (" + connection_->peer().description + ")";
   if (answer_lost_.load()) {
     return lose(Ending::Broken, "an answer of the server of " + who +
                                     " was lost on its way, over " +
-                                    std::string(link_->offer().name) +
+                                    std::string(connection_->capabilities().name) +
                                     ", which loses nothing unless its memory is damaged");
   }
   bool open = false;
@@ -128,7 +128,7 @@ TimePoint ClientConnection::repeat(TimePoint now) {
         const Duration left = retry.deadline - runtime_->clock().since_boot();
         wire::write_deadline(retry.packet, std::max(left, Duration{1}));
       }
-      if (link_->send(retry.packet, {})) retry.on_its_way = true;
+      if (connection_->send(retry.packet, {})) retry.on_its_way = true;
     }
     retry.next = now + retry_after(++retry.sent);
     if (!repeats_) retry.cancel = cancels_waiting_;
@@ -139,8 +139,8 @@ TimePoint ClientConnection::repeat(TimePoint now) {
 void ClientConnection::watch(std::vector<pollfd>& into) {
   if (lost() || !has_watchers() || !leader_lock_.try_take()) return;
   watching_ = true;
-  if (link_->prepare_to_sleep()) {
-    for (const int descriptor : link_->descriptors()) into.push_back({descriptor, POLLIN, 0});
+  if (connection_->prepare_to_sleep()) {
+    for (const int descriptor : connection_->descriptors()) into.push_back({descriptor, POLLIN, 0});
   } else {
     wake_maintenance();
   }
@@ -151,7 +151,7 @@ void ClientConnection::unwatch() {
   if (!watching_) return;
   watching_ = false;
   leader_lock_.resume();
-  link_->woke();
+  connection_->woke();
   read_all();
   look_for_loss();
   leader_lock_.drop();

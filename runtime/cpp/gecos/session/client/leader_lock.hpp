@@ -10,10 +10,10 @@
 
 namespace gecos::session {
 
-/// Decides which thread reads a link. One thread at a time is the leader: it reads the packets and
-/// completes the commands of all threads. The other threads are followers: they sleep until the
-/// leader notifies them or gives up the lead. While the leader sleeps until a packet wakes it,
-/// another thread may read packets that were sent without a wake-up (media/quiet.hpp).
+/// Decides which thread reads a connection. One thread at a time is the leader: it reads the
+/// packets and completes the commands of all threads. The other threads are followers: they sleep
+/// until the leader notifies them or gives up the lead. While the leader sleeps until a packet
+/// wakes it, another thread may read packets that were sent without a wake-up (media/quiet.hpp).
 class LeaderLock {
  public:
   LeaderLock() { followers_.reserve(usual_followers); }
@@ -59,7 +59,7 @@ class LeaderLock {
   bool free() const { return state_.load(std::memory_order_seq_cst) == State::Free; }
   void notify_one();
 
-  // passes the receiving side of the link to the next reader
+  // passes the receiving side of the connection to the next reader
   std::atomic<State> state_{State::Free};
   std::atomic<int> follower_count_{0};  // 0: mutex_ need not be locked
   Mutex mutex_;

@@ -11,7 +11,7 @@ class NilSession final : public ClientSession {
       : reason_(std::move(reason)),
         interface_name_(was.interface_name()),
         object_name_(was.object_name()),
-        offer_(was.offer()),
+        capabilities_(was.capabilities()),
         reference_(was.reference()) {}
 
   std::shared_ptr<CommandCore> call(const OperationDescription& operation, std::size_t /*size*/,
@@ -26,7 +26,7 @@ class NilSession final : public ClientSession {
   }
   const std::string& interface_name() const override { return interface_name_; }
   const std::string& object_name() const override { return object_name_; }
-  const media::Offer& offer() const override { return offer_; }
+  const media::Capabilities& capabilities() const override { return capabilities_; }
   ObjectRef reference() const override { return reference_; }
   std::uint64_t lease_acquired(std::uint64_t /*epoch*/) override { return 0; }
   void lease_released(std::uint64_t /*held*/) override {}
@@ -41,7 +41,7 @@ class NilSession final : public ClientSession {
   const std::string reason_;
   const std::string interface_name_;
   const std::string object_name_;
-  const media::Offer offer_;
+  const media::Capabilities capabilities_;
   const ObjectRef reference_;
 };
 

@@ -57,7 +57,7 @@ class PendingCommand final : public CommandCore {
       0;  ///< this and the next two are written before the command is shared, or by attach()
   std::uint64_t session_id = 0;
   std::uint64_t incarnation = 0;
-  std::uint64_t sent_as = 0;  ///< packet number on the link; written before sharing
+  std::uint64_t sent_as = 0;  ///< packet number on the medium's connection; written before sharing
   /// shared words that may contain the mark of this call; written before sharing
   std::uint8_t marked_words = 0;
   /// Notes that the command was sent in `session`, its first or another one. Requires the mutex of

@@ -8,14 +8,14 @@
 namespace gecos::session {
 namespace {
 
-qos::LineOffer line_of(const media::Offer& offer) {
-  qos::LineOffer line;
-  line.name = offer.name;
-  line.between_hosts = offer.reach == media::Reach::Network;
+qos::LineCapabilities line_of(const media::Capabilities& capabilities) {
+  qos::LineCapabilities line;
+  line.name = capabilities.name;
+  line.between_hosts = capabilities.reach == media::Reach::Network;
   line.reliable = true;  // when the medium loses packets, the session sends them again
-  line.real_time = offer.real_time;
+  line.real_time = capabilities.real_time;
   // Within one process, client and server die together, so no medium needs to report a death.
-  line.reports_death = offer.reports_death || offer.reach == media::Reach::Process;
+  line.reports_death = capabilities.reports_death || capabilities.reach == media::Reach::Process;
   return line;
 }
 
@@ -49,7 +49,7 @@ tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, con
                                                            const qos::Quality& asked,
                                                            std::optional<media::Kind> only) {
   std::vector<std::string> addresses;
-  std::vector<qos::LineOffer> lines;
+  std::vector<qos::LineCapabilities> lines;
   std::string reasons;
   const auto pass_over = [&](std::string_view medium, const std::string& why) {
     reasons += (reasons.empty() ? "" : "; ") + std::string(medium) + ": " + why;
@@ -68,7 +68,7 @@ tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, con
       pass_over(medium, opened.error().text);
     } else {
       addresses.push_back(address);
-      lines.push_back(line_of((*opened)->offer()));
+      lines.push_back(line_of((*opened)->capabilities()));
     }
   }
   if (addresses.empty()) {

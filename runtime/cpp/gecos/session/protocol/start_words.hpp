@@ -14,7 +14,7 @@ enum class CallLane : std::uint8_t { None, Safety, Sensor, Actor };
 }  // namespace gecos::session
 
 /// Client and server exchange starts and withdrawals of calls through words in shared memory
-/// (media::Link::write_word), without packets. So neither process needs the other one to run.
+/// (media::Connection::write_word), without packets. So neither process needs the other one to run.
 ///
 /// Before the server starts a call, it writes the counter of the call: the *mark*. Before the
 /// client reports how its calls ended, it writes the counter of its last call: the *withdrawal*.

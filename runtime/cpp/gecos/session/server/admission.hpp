@@ -39,7 +39,7 @@ std::optional<Failure> refusal_to_queue(const CallRequest& call, const Admitting
 
 /// The state of the session of a queued call.
 struct CallerState {
-  bool gone = false;       ///< the link of the session was lost
+  bool gone = false;       ///< the connection of the session was lost
   bool withdrawn = false;  ///< the client withdrew all calls that have not started
   /// no heartbeat came since this process was suspended, or the client is silent for too long
   bool unheard = false;

@@ -105,10 +105,11 @@ void ObjectHost::describe(ServerSession& session, std::uint64_t counter) {
   about.interface_hash = interface_.hash;
   about.simulated = options_.simulated;
   about.presence = options_.simulated ? "not required (simulated)" : "not checked yet";
-  about.authentication = session.link().peer().uid ? "user and process, named by the kernel"
-                         : session.link().offer().reach != media::Reach::Network
-                             ? "this process"
-                             : "key, proved by a handshake: " + session.link().peer().description;
+  about.authentication =
+      session.connection().peer().uid ? "user and process, named by the kernel"
+      : session.connection().capabilities().reach != media::Reach::Network
+          ? "this process"
+          : "key, proved by a handshake: " + session.connection().peer().description;
   about.epoch = number(leases_.epoch());
   about.queued = static_cast<std::uint32_t>(queue_.waiting().size());
   if (!queue_.running().empty()) about.executing = queue_.running().front()->operation.name;

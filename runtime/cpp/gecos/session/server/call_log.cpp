@@ -43,7 +43,7 @@ void log_refused(std::string_view object, const OperationDescription& operation,
 
 void log_arrival(std::string_view object, ServerSession& session) {
   log_info("server", std::string(object) + ": " + who(session.caller()) + " comes over " +
-                         std::string(session.link().offer().name));
+                         std::string(session.connection().capabilities().name));
 }
 
 void log_departure(std::string_view object, const ServerSession& session) {

@@ -136,10 +136,10 @@ void ObjectHost::greet(const std::shared_ptr<ServerSession>& session,
   }
   if (!session->greeted()) {
     Caller caller;
-    caller.user = user_of(session->link().peer(), hello->user);
+    caller.user = user_of(session->connection().peer(), hello->user);
     caller.host = hello->host;
     caller.program = hello->program;
-    caller.pid = session->link().peer().pid.value_or(hello->pid);
+    caller.pid = session->connection().peer().pid.value_or(hello->pid);
     caller.incarnation = hello->incarnation;
     const SessionId id = new_session_id();
     caller.session = number(id);
@@ -203,7 +203,7 @@ void ObjectHost::arrive(const std::shared_ptr<ServerSession>& session,
   const bool unheard = session->awaited;
   const bool judged = session->intake.judges_age(unheard);
   switch (session->intake.arrived({.counter = counter,
-                                   .age = judged ? session->link().age() : Duration{},
+                                   .age = judged ? session->connection().age() : Duration{},
                                    .unheard = unheard,
                                    .needs_all = release})) {
     case Intake::Verdict::Take:
@@ -217,7 +217,7 @@ void ObjectHost::arrive(const std::shared_ptr<ServerSession>& session,
   }
   wire::PacketView aged = packet;
   if (Duration& left = aged.header.deadline; left > Duration{}) {
-    left = std::max(left - session->link().age(), Duration{1});
+    left = std::max(left - session->connection().age(), Duration{1});
   }
   take_call(session, aged);
   take_early(session);

@@ -151,7 +151,7 @@ media::Peers IoLoop::peers() const {
   bool elsewhere = false;
   bool unknown = false;
   for (const auto& session : active_) {
-    const media::Whereabouts client = session->link().peer_whereabouts();
+    const media::Whereabouts client = session->connection().peer_whereabouts();
     if (client.core == unknown_core) {
       unknown = true;
     } else if (client.core == mine) {
@@ -172,7 +172,7 @@ bool IoLoop::poll_active() {
   for (std::size_t at = 0; at < active_.size(); ++at) {
     ServerSession& session = *active_[at];
     std::shared_ptr<ServerCall> started;
-    if (const auto packet = session.link().receive()) {
+    if (const auto packet = session.connection().receive()) {
       something = true;
       session.quiet_looks = 0;
       started = session.object()->take_and_start(active_[at], *packet, starter);
@@ -196,8 +196,8 @@ void IoLoop::retire_idle(TimePoint now) {
     session->quiet_looks = 1;
     if (session->gone.load()) return true;
     if (now - session->last_heard < stays_active) return false;
-    if (!session->link().prepare_to_sleep()) {
-      session->link().woke();
+    if (!session->connection().prepare_to_sleep()) {
+      session->connection().woke();
       return false;
     }
     session->active = false;
@@ -206,13 +206,13 @@ void IoLoop::retire_idle(TimePoint now) {
   active_.erase(std::remove_if(active_.begin(), active_.end(), idle), active_.end());
 }
 
-/// Prepares the link of each active session for sleep. Returns false when a session must stay
+/// Prepares the connection of each active session for sleep. Returns false when a session must stay
 /// active, because a packet has arrived.
 bool IoLoop::prepare_all_to_sleep() {
   for (const auto& session : active_) {
     session->active = false;
-    if (session->gone.load() || session->link().prepare_to_sleep()) continue;
-    session->link().woke();
+    if (session->gone.load() || session->connection().prepare_to_sleep()) continue;
+    session->connection().woke();
     part_if_lost(session);
     if (session->gone.load()) continue;
     session->active = true;
@@ -226,12 +226,13 @@ bool IoLoop::prepare_all_to_sleep() {
 void IoLoop::activate(const std::shared_ptr<ServerSession>& session) {
   if (session->gone.load()) return;
   if (session->active) {
-    session->link().loss();  // epoll reports a loss only once, so loss() must ask the kernel now
+    // epoll reports a loss only once, so loss() must ask the kernel now
+    session->connection().loss();
     return;
   }
-  session->link().woke();
+  session->connection().woke();
   woken_ = media::Woken::ByAnswer;
-  rang_at_ = std::max(rang_at_, session->link().peer_whereabouts().rang_at);
+  rang_at_ = std::max(rang_at_, session->connection().peer_whereabouts().rang_at);
   session->active = true;
   session->quiet_looks = 0;
   active_.push_back(session);
@@ -267,10 +268,10 @@ std::shared_ptr<ServerSession> IoLoop::session_of(std::uint64_t key) {
 }
 
 void IoLoop::accept(Endpoint& endpoint) {
-  while (auto link = endpoint.acceptor->accept()) {
+  while (auto connection = endpoint.acceptor->accept()) {
     try {
-      watch(std::make_shared<ServerSession>(std::move(link), endpoint.object));
-    } catch (const std::system_error& failed) {  // the client sees its link closed
+      watch(std::make_shared<ServerSession>(std::move(connection), endpoint.object));
+    } catch (const std::system_error& failed) {  // the client sees its connection closed
       log_warning("session", endpoint.object->name() + " turned a client away: " + failed.what());
     }
   }
@@ -291,36 +292,38 @@ void IoLoop::accept_all() {
 
 void IoLoop::watch(const std::shared_ptr<ServerSession>& session) {
   const std::uint64_t key = next_key_++;
-  for (const int descriptor : session->link().descriptors()) add_descriptor(descriptor, key);
+  for (const int descriptor : session->connection().descriptors()) add_descriptor(descriptor, key);
   session->last_heard = runtime_->clock().now();
   {
     const MutexLock list(list_mutex_);
     sessions_.emplace(key, session);
   }
   active_.push_back(session);
-  log_debug("media", session->object()->name() + ": a link over " +
-                         std::string(session->link().offer().name) +
-                         " is open: " + session->link().peer().description);
+  log_debug("media", session->object()->name() + ": a connection over " +
+                         std::string(session->connection().capabilities().name) +
+                         " is open: " + session->connection().peer().description);
 }
 
-// Lost links
+// Lost connections
 
 void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
   if (session->gone.load()) return;
-  if (session->link().loss() == media::Loss::None) return;
-  while (const auto packet = session->link().receive()) session->object()->take(session, *packet);
+  if (session->connection().loss() == media::Loss::None) return;
+  while (const auto packet = session->connection().receive()) {
+    session->object()->take(session, *packet);
+  }
   session->gone = true;
-  log_debug("media",
-            session->object()->name() + ": a link is lost: " + session->link().loss_text());
-  // `depart` treats a client that said goodbye as departed in order. A client that closes its link
-  // without a goodbye has given up its calls.
+  log_debug("media", session->object()->name() +
+                         ": a connection is lost: " + session->connection().loss_text());
+  // `depart` treats a client that said goodbye as departed in order. A client that closes its
+  // connection without a goodbye has given up its calls.
   session->object()->depart(session, ObjectHost::Departure::Lost);
   if (session->object()->ready())
     session->object()->run_ready(Starter::Other);  // starts the calls that the last packets queued
 }
 
-/// Disconnects the sessions whose links the maintenance thread found lost, after reading their last
-/// packets.
+/// Disconnects the sessions whose connections the maintenance thread found lost, after reading
+/// their last packets.
 void IoLoop::part_from_suspects() {
   if (!suspects_.exchange(false)) return;
   drop_closed_endpoints();
@@ -368,13 +371,13 @@ TimePoint IoLoop::on_tick(TimePoint now) {
   bool suspects = false;
   for (const auto& session : sessions) {
     session->flush();
-    if (beat) session->link().beat();
+    if (beat) session->connection().beat();
     if (session->object()->check_liveness(session)) {
       session->gone = true;
       session->object()->depart(session, ObjectHost::Departure::Lost);
     }
-    suspects =
-        suspects || session->gone.load() || (beat && session->link().loss() != media::Loss::None);
+    suspects = suspects || session->gone.load() ||
+               (beat && session->connection().loss() != media::Loss::None);
   }
   if (suspects) suspects_.store(true);
   if (suspects || (beat && somebody_waits_.load())) event_.notify();
@@ -403,7 +406,7 @@ void IoLoop::end() {
   standby_.join();
   const MutexLock polling(polling_);
   for (const auto& endpoint : endpoints_) {
-    while (endpoint && endpoint->acceptor->accept()) {  // new clients see their link close
+    while (endpoint && endpoint->acceptor->accept()) {  // new clients see their connection close
     }
   }
   decltype(sessions_) sessions;
@@ -416,7 +419,7 @@ void IoLoop::end() {
     // Over a medium that cannot tell which packets were read, only an answer tells the client that
     // a call did not start.
     while (session->repeats() && !session->gone.load()) {
-      const auto packet = session->link().receive();
+      const auto packet = session->connection().receive();
       if (!packet) break;
       session->object()->take(session, *packet);
     }

@@ -14,7 +14,7 @@
 
 namespace gecos::session {
 
-/// The I/O loop of a server: accepts clients, polls their links for packets, and runs short
+/// The I/O loop of a server: accepts clients, polls their connections for packets, and runs short
 /// handlers between two polls.
 ///
 /// Only active connections are polled. A connection that was silent for 10 ms is put to sleep and
@@ -33,8 +33,8 @@ class IoLoop {
   /// Must be called on the maintenance thread after a pause of this process. No call of a session
   /// then starts before the next heartbeat of its client.
   void await_signs_of_life();
-  /// Sends heartbeats, detects silent clients and lost links, and wakes the standby thread. Runs on
-  /// the maintenance thread. Returns when the next tick is due.
+  /// Sends heartbeats, detects silent clients and lost connections, and wakes the standby thread.
+  /// Runs on the maintenance thread. Returns when the next tick is due.
   TimePoint on_tick(TimePoint now);
   /// Ends both threads, after waiting for a running handler; then disconnects the clients.
   void end();
@@ -100,7 +100,7 @@ class IoLoop {
       GECOS_GUARDED_BY(list_mutex_);  ///< by the key of their epoll events
   std::vector<std::unique_ptr<Endpoint>> new_endpoints_ GECOS_GUARDED_BY(list_mutex_);
   std::atomic<bool> somebody_waits_{false};  // a client could not be accepted: no descriptor left
-  std::atomic<bool> suspects_{false};        // tells the polling thread that some links may be lost
+  std::atomic<bool> suspects_{false};  // tells the polling thread that some connections may be lost
 
   Mutex standby_mutex_;
   ConditionVariable standby_called_;

@@ -205,12 +205,12 @@ bool ObjectHost::marked(ServerCall& call, TimePoint now) {
 /// written before the withdrawal is read.
 bool ObjectHost::withdrawn(const ServerCall& call) {
   ServerSession& session = call.listener();
-  if (!session.link().offer().shared_words) return false;
+  if (!session.connection().capabilities().shared_words) return false;
   const std::uint64_t counter = call.counter_in(session);
   const std::size_t word = marked_word(call.lane);
   session.marked.at(word) = std::max(session.marked.at(word), counter);
-  session.link().write_word(word, session.marked.at(word));
-  return session.link().peer_word(withdrawn_word) >= counter;
+  session.connection().write_word(word, session.marked.at(word));
+  return session.connection().peer_word(withdrawn_word) >= counter;
 }
 
 // Answers and outcomes
@@ -371,7 +371,7 @@ void ObjectHost::tell_positions() {
   }
 }
 
-// Deadlines, silent clients and lost links
+// Deadlines, silent clients and lost connections
 
 TimePoint ObjectHost::on_tick(TimePoint now) {
   look_at_time(now);
@@ -422,13 +422,13 @@ void ObjectHost::look_at_time(TimePoint now) {
 
 void ObjectHost::await_sign_of_life(ServerSession& session) {
   const MutexLock lock(mutex_);
-  session.liveness.await_heartbeat_after(session.link().beats_seen());
+  session.liveness.await_heartbeat_after(session.connection().beats_seen());
   await_heartbeat(session);
 }
 
 void ObjectHost::await_heartbeat(ServerSession& session) {
   if (session.closed) return;  // no heartbeat can arrive any more to end the wait
-  session.heartbeats_before = session.link().beats_seen();
+  session.heartbeats_before = session.connection().beats_seen();
   if (!std::exchange(session.awaited, true)) ++awaited_;
 }
 
@@ -454,10 +454,10 @@ bool ObjectHost::check_liveness(const std::shared_ptr<ServerSession>& session) {
   const MutexLock lock(mutex_);
   if (session->overrun()) return true;
   const TimePoint now = lease_clock_.now();
-  const auto verdict = session->liveness.check(session->link().beats_seen(), now);
-  // The link may hold an unread Goodbye that was sent before the heartbeat and withdraws calls. It
-  // must be read first.
-  const bool heard = session->link().beats_read() > session->heartbeats_before;
+  const auto verdict = session->liveness.check(session->connection().beats_seen(), now);
+  // The connection may hold an unread Goodbye that was sent before the heartbeat and withdraws
+  // calls. It must be read first.
+  const bool heard = session->connection().beats_read() > session->heartbeats_before;
   if (heard && verdict <= PeerLiveness::Verdict::Quiet) no_more_awaited(*session);
   if (verdict == PeerLiveness::Verdict::Quiet) return false;
   if (verdict == PeerLiveness::Verdict::Alive) {

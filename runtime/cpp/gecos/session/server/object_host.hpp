@@ -60,8 +60,8 @@ class ObjectHost final : public Publisher, public std::enable_shared_from_this<O
   bool ready() const { return ready_.load(std::memory_order_acquire); }
 
   // Any thread may call the functions below.
-  /// How the link of a session ended. After InOrder the commands of the session continue, and its
-  /// status ends with the last of them.
+  /// How the connection of a session ended. After InOrder the commands of the session continue, and
+  /// its status ends with the last of them.
   enum class Departure : std::uint8_t { InOrder, Lost };
   void depart(const std::shared_ptr<ServerSession>& session, Departure how);
   /// Must be called after this process was suspended: no call of `session` then starts before the

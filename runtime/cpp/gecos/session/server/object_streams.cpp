@@ -13,7 +13,7 @@ ObjectStreams::ObjectStreams(std::string object, const InterfaceDescription& int
 
 void ObjectStreams::offer(std::shared_ptr<media::Acceptor> acceptor) {
   const MutexLock lock(mutex_);
-  const std::string_view name = acceptor->offer().name;
+  const std::string_view name = acceptor->capabilities().name;
   acceptors_[name] = std::move(acceptor);
 }
 
@@ -31,17 +31,17 @@ std::size_t ObjectStreams::index_of(const StreamDescription& stream) const {
 }
 
 tl::expected<std::uint32_t, std::string> ObjectStreams::share(const StreamDescription& stream,
-                                                              media::Link& link) {
+                                                              media::Connection& connection) {
   std::shared_ptr<media::Acceptor> acceptor;
   {
     const MutexLock lock(mutex_);
-    const auto found = acceptors_.find(link.offer().name);
+    const auto found = acceptors_.find(connection.capabilities().name);
     if (found == acceptors_.end()) return tl::unexpected(object_ + " is no longer served");
     acceptor = found->second;
   }
   const std::size_t index = index_of(stream);
   const auto id = static_cast<std::uint32_t>(index + 1);
-  return ports_.at(index)->share(id, link, *acceptor).map([&] { return id; });
+  return ports_.at(index)->share(id, connection, *acceptor).map([&] { return id; });
 }
 
 void ObjectStreams::publish(const StreamDescription& stream, ByteView sample,

@@ -20,9 +20,10 @@ class ObjectStreams {
   void offer(std::shared_ptr<media::Acceptor> acceptor);
   /// Samples published from now on reach no client.
   void close();
-  /// Shares the stream with the client of `link`. Returns the id of the stream on that link.
+  /// Shares the stream with the client of `connection`. Returns the id of the stream on that
+  /// connection.
   tl::expected<std::uint32_t, std::string> share(const StreamDescription& stream,
-                                                 media::Link& link);
+                                                 media::Connection& connection);
   /// Publishes `sample`; does nothing when the interface has no such stream.
   void publish(const StreamDescription& stream, ByteView sample, const SampleTime& time);
 

@@ -28,7 +28,7 @@ namespace {
 constexpr std::size_t descriptors_of_a_client = 16;
 
 bool within_process(const std::shared_ptr<media::Acceptor>& acceptor) {
-  return acceptor->offer().reach == media::Reach::Process;
+  return acceptor->capabilities().reach == media::Reach::Process;
 }
 
 }  // namespace
@@ -138,7 +138,8 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
       if (!medium) return tl::unexpected(medium.error());
       // The well-known address of a medium exists only once. Within a host it must be served. Over
       // a network it may fail: another host may have the address, or there is no network.
-      needed = needed || (options.well_known && (*medium)->offer().reach != media::Reach::Network);
+      needed = needed ||
+               (options.well_known && (*medium)->capabilities().reach != media::Reach::Network);
       try {
         return (*medium)->listen(name, options.well_known);
       } catch (const std::system_error& error) {  // no descriptors are left

@@ -46,12 +46,13 @@ Failure shortened(const Failure& failure, std::size_t takes, std::size_t carried
 
 }  // namespace
 
-ServerSession::ServerSession(std::unique_ptr<media::Link> link, std::shared_ptr<ObjectHost> object)
-    : intake(!link->offer().reliable),
+ServerSession::ServerSession(std::unique_ptr<media::Connection> connection,
+                             std::shared_ptr<ObjectHost> object)
+    : intake(!connection->capabilities().reliable),
       liveness(object->bounds_of_clients()),
-      link_(std::move(link)),
+      connection_(std::move(connection)),
       object_(std::move(object)),
-      repeats_(!link_->offer().reliable) {}
+      repeats_(!connection_->capabilities().reliable) {}
 
 ServerSession::~ServerSession() {
   if (greeted()) forget_session(id_);
@@ -69,7 +70,7 @@ void ServerSession::reply_as(std::uint64_t counter, const wire::PacketView& befo
   auto header = before.header;
   header.session = id_;
   header.counter = counter;
-  if (const std::size_t carried = link_->offer().largest_packet;
+  if (const std::size_t carried = connection_->capabilities().largest_packet;
       wire::packet_size(before.body.size()) > carried) {
     write_failure(packet_, header,
                   {Detail::Fault,
@@ -89,12 +90,12 @@ void ServerSession::reply(std::uint64_t counter, ByteView result, Epoch epoch) {
   auto header = reply_to(counter);
   header.session = id_;
   header.epoch = epoch;
-  if (wire::packet_size(result.size()) > link_->offer().largest_packet) {
+  if (wire::packet_size(result.size()) > connection_->capabilities().largest_packet) {
     write_failure(
         packet_, header,
         {Detail::Fault,
          "the result takes " + std::to_string(result.size()) + " bytes and the medium carries " +
-             std::to_string(link_->offer().largest_packet),
+             std::to_string(connection_->capabilities().largest_packet),
          {},
          {}});
   } else if (backlog_bytes_ + result.size() > most_backlog_bytes) {
@@ -117,7 +118,8 @@ void ServerSession::reply(std::uint64_t counter, const Failure& failure) {
   auto header = reply_to(counter);
   header.session = id_;
   write_failure(packet_, header, failure);
-  if (const std::size_t carried = link_->offer().largest_packet; packet_.size() > carried) {
+  if (const std::size_t carried = connection_->capabilities().largest_packet;
+      packet_.size() > carried) {
     const std::size_t takes = packet_.size();
     write_failure(packet_, header, shortened(failure, takes, carried));
   }
@@ -137,7 +139,7 @@ bool ServerSession::report(const ServerCall& call, Detail detail, std::size_t po
   if (!backlog_.empty()) return false;
   write_packet(packet_, header, body.encoded_size(), [&](wire::Encoder& to) { body.encode(to); });
   // Sent without a wake-up: a caller that sleeps until its call ends must not be woken by progress.
-  return media::send_quietly(*link_, packet_, {}).has_value();
+  return media::send_quietly(*connection_, packet_, {}).has_value();
 }
 
 void ServerSession::send_again(const Bytes& packet) {
@@ -149,7 +151,7 @@ void ServerSession::send_again(const Bytes& packet) {
 
 void ServerSession::deliver(ByteView packet) {
   if (backlog_.empty()) {
-    const auto sent = link_->send(packet, {});
+    const auto sent = connection_->send(packet, {});
     if (sent || sent.error() != media::SendProblem::Full) return;
   }
   if (backlog_.size() == most_backlog) {
@@ -163,7 +165,7 @@ void ServerSession::deliver(ByteView packet) {
 void ServerSession::flush() {
   const MutexLock lock(send_mutex_);
   while (!backlog_.empty()) {
-    const auto sent = link_->send(backlog_.front(), {});
+    const auto sent = connection_->send(backlog_.front(), {});
     if (!sent && sent.error() == media::SendProblem::Full) return;
     backlog_bytes_ -= backlog_.front().size();
     backlog_.pop_front();
@@ -172,12 +174,12 @@ void ServerSession::flush() {
 
 tl::expected<std::uint32_t, std::string> ServerSession::share(const StreamDescription& stream) {
   const MutexLock lock(send_mutex_);
-  return object_->streams().share(stream, *link_);
+  return object_->streams().share(stream, *connection_);
 }
 
 void ServerSession::unshare(std::uint32_t id) {
   const MutexLock lock(send_mutex_);
-  link_->unshare(id);
+  connection_->unshare(id);
 }
 
 }  // namespace gecos::session

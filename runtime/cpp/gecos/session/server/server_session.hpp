@@ -22,16 +22,16 @@ namespace gecos::session {
 
 /// Server side of one client's session with one object.
 ///
-/// Only the thread that polls the server's links may receive packets. Any thread may send: sending
-/// has its own mutex. Comments below say what guards each member.
+/// Only the thread that polls the server's connections may receive packets. Any thread may send:
+/// sending has its own mutex. Comments below say what guards each member.
 class ServerSession {
  public:
-  ServerSession(std::unique_ptr<media::Link> link, std::shared_ptr<ObjectHost> object);
+  ServerSession(std::unique_ptr<media::Connection> connection, std::shared_ptr<ObjectHost> object);
   ~ServerSession();
   ServerSession(const ServerSession&) = delete;
   ServerSession& operator=(const ServerSession&) = delete;
 
-  media::Link& link() { return *link_; }
+  media::Connection& connection() { return *connection_; }
   const std::shared_ptr<ObjectHost>& object() const { return object_; }
   bool repeats() const { return repeats_; }
 
@@ -49,13 +49,13 @@ class ServerSession {
   void reply(std::uint64_t counter, ByteView result, Epoch epoch = {});
   /// Replies to the call `counter` with `before`, the reply that this call got in another session.
   void reply_as(std::uint64_t counter, const wire::PacketView& before);
-  /// Sends the latest progress of `call`, or drops it when the link has no room. Returns true when
-  /// the progress was sent.
+  /// Sends the latest progress of `call`, or drops it when the connection has no room. Returns true
+  /// when the progress was sent.
   bool report(const ServerCall& call, Detail detail, std::size_t position);
 
   // Any thread may call the functions below.
-  /// Sends a packet now, or as soon as the link has room. Packets, replies included, are sent in
-  /// order.
+  /// Sends a packet now, or as soon as the connection has room. Packets, replies included, are sent
+  /// in order.
   void send(wire::PacketHeader header, ByteView body);
   void send_again(const Bytes& packet);
   void flush();
@@ -77,7 +77,7 @@ class ServerSession {
   CallTable<ServerCall> calls;
   Intake intake;
   /// Replies that the client may request again: all replies over a medium that loses packets, and
-  /// replies made after the link was lost, which the client requests in another session.
+  /// replies made after the connection was lost, which the client requests in another session.
   const std::shared_ptr<ReplyCache> replies = std::make_shared<ReplyCache>();
   std::map<FunctionCode, std::uint32_t> subscriptions;  ///< by stream code: id of the shared stream
   /// The epoch in which this session acquired its status; its own `stop` calls renew the status
@@ -88,8 +88,8 @@ class ServerSession {
   std::size_t commands = 0;      ///< actor commands that have not ended
   std::size_t unreturned = 0;    ///< calls that are not Finished (CallState::Phase)
   bool left = false;             ///< the client said goodbye
-  bool closed = false;           ///< the link is lost or closed
-  bool parted_in_order = false;  ///< the link ended in order, and the calls still run
+  bool closed = false;           ///< the connection is lost or closed
+  bool parted_in_order = false;  ///< the connection ended in order, and the calls still run
   PeerLiveness liveness;
   /// True after this process was suspended or while the client is silent: no call of the session
   /// may start before the client's next heartbeat.
@@ -100,7 +100,7 @@ class ServerSession {
  private:
   void deliver(ByteView packet) GECOS_REQUIRES(send_mutex_);
 
-  const std::unique_ptr<media::Link> link_;
+  const std::unique_ptr<media::Connection> connection_;
   const std::shared_ptr<ObjectHost> object_;
   const bool repeats_;
   SessionId id_{};

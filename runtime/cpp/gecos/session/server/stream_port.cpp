@@ -16,20 +16,21 @@ std::string StreamPort::named() const {
   return "stream '" + std::string(stream_.name) + "' of " + object_;
 }
 
-tl::expected<void, std::string> StreamPort::share(std::uint32_t id, media::Link& link,
+tl::expected<void, std::string> StreamPort::share(std::uint32_t id, media::Connection& connection,
                                                   media::Acceptor& acceptor) {
   const MutexLock lock(mutex_);
   const auto writer = writer_for(acceptor);
   if (!writer) return tl::unexpected(writer.error());
-  if (!link.share(id, **writer)) {
-    return tl::unexpected(named() + " cannot be shared over " + std::string(link.offer().name) +
-                          ": the link is lost or has no room for another stream");
+  if (!connection.share(id, **writer)) {
+    return tl::unexpected(named() + " cannot be shared over " +
+                          std::string(connection.capabilities().name) +
+                          ": the connection is lost or has no room for another stream");
   }
   return {};
 }
 
 tl::expected<media::StreamWriter*, std::string> StreamPort::writer_for(media::Acceptor& acceptor) {
-  const std::string_view medium = acceptor.offer().name;
+  const std::string_view medium = acceptor.capabilities().name;
   if (const auto found = writers_.find(medium); found != writers_.end()) return found->second.get();
   const std::size_t largest = stream_.largest != 0 ? stream_.largest : unbounded_sample;
   const std::size_t depth = stream_.quality.depth != 0 ? stream_.quality.depth : usual_depth;

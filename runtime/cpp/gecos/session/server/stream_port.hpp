@@ -26,9 +26,9 @@ class StreamPort {
 
   const StreamDescription& stream() const { return stream_; }
   void publish(ByteView sample, const SampleTime& time);
-  /// Lets the client of `link` read the stream under `id`. `acceptor`: the acceptor of `link`.
-  /// Fails with the reason.
-  tl::expected<void, std::string> share(std::uint32_t id, media::Link& link,
+  /// Lets the client of `connection` read the stream under `id`. `acceptor`: the acceptor of
+  /// `connection`. Fails with the reason.
+  tl::expected<void, std::string> share(std::uint32_t id, media::Connection& connection,
                                         media::Acceptor& acceptor);
   /// Samples published from now on reach no client.
   void close();

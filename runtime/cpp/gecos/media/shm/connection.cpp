@@ -1,4 +1,4 @@
-#include "gecos/media/shm/link.hpp"
+#include "gecos/media/shm/connection.hpp"
 
 #include <poll.h>
 #include <sys/socket.h>
@@ -15,22 +15,22 @@ namespace gecos::media::shm {
 namespace {
 
 constexpr std::size_t ring_bytes = RingMemory::bytes(usual_slot_count);
-/// Maximum number of streams that an end may share on one link; a peer that shares more is hostile.
-/// Each stream takes a mapping in the process that reads it, and a server has many clients.
-constexpr std::size_t most_streams_of(ShmLink::Role sharing) {
-  return sharing == ShmLink::Role::Server ? 1024 : 64;
+/// Maximum number of streams that an end may share on one connection; a peer that shares more is
+/// hostile. Each stream takes a mapping in the process that reads it, and a server has many
+/// clients.
+constexpr std::size_t most_streams_of(ShmConnection::Role sharing) {
+  return sharing == ShmConnection::Role::Server ? 1024 : 64;
 }
 constexpr std::size_t most_unsent = 256;
 constexpr int most_messages_at_once = 64;  // so that a flood of messages cannot block the reader
 
-/// Fails with the system's error text when no descriptor is left for the link's eventfd.
-tl::expected<std::unique_ptr<ShmLink>, std::string> make_link(ShmLink::Role role,
-                                                              std::shared_ptr<PeerEnd> other,
-                                                              Peer peer, Descriptor death,
-                                                              SealedMemory own) {
+/// Fails with the system's error text when no descriptor is left for the connection's eventfd.
+tl::expected<std::unique_ptr<ShmConnection>, std::string> make_connection(
+    ShmConnection::Role role, std::shared_ptr<PeerEnd> other, Peer peer, Descriptor death,
+    SealedMemory own) {
   try {
-    return std::make_unique<ShmLink>(role, std::move(other), std::move(peer), std::move(death),
-                                     std::move(own));
+    return std::make_unique<ShmConnection>(role, std::move(other), std::move(peer),
+                                           std::move(death), std::move(own));
   } catch (const std::system_error& failed) {
     return tl::unexpected<std::string>(failed.what());
   }
@@ -68,8 +68,8 @@ void PeerEnd::forget() {
   mapping_.forget();
 }
 
-ShmLink::ShmLink(Role role, std::shared_ptr<PeerEnd> other, Peer peer, Descriptor death,
-                 SealedMemory own)
+ShmConnection::ShmConnection(Role role, std::shared_ptr<PeerEnd> other, Peer peer, Descriptor death,
+                             SealedMemory own)
     : role_(role),
       peer_(std::move(peer)),
       own_memory_(std::move(own)),
@@ -79,27 +79,28 @@ ShmLink::ShmLink(Role role, std::shared_ptr<PeerEnd> other, Peer peer, Descripto
       writer_(own_),
       bulk_(other_->socket(), writer_, [this] { read_control_to_the_end(); }),
       descriptors_{event_.descriptor(), other_->socket(), death_.get()},
-      fork_watch_(this, [](void* owner) noexcept { static_cast<ShmLink*>(owner)->abandon(); }) {}
+      fork_watch_(this,
+                  [](void* owner) noexcept { static_cast<ShmConnection*>(owner)->abandon(); }) {}
 
-tl::expected<std::unique_ptr<Link>, MediumError> ShmLink::greet(Descriptor socket, Peer peer,
-                                                                Descriptor death) {
+tl::expected<std::unique_ptr<Connection>, MediumError> ShmConnection::greet(Descriptor socket,
+                                                                            Peer peer,
+                                                                            Descriptor death) {
   auto own = make_sealed("gecos client", ring_bytes);
   if (!own) return tl::unexpected(std::move(own.error()));
-  auto made = make_link(Role::Client, std::make_shared<PeerEnd>(std::move(socket)), std::move(peer),
-                        std::move(death), std::move(*own));
+  auto made = make_connection(Role::Client, std::make_shared<PeerEnd>(std::move(socket)),
+                              std::move(peer), std::move(death), std::move(*own));
   if (!made) return tl::unexpected(MediumError{"shm: " + made.error()});
-  auto link = std::move(*made);
-  const std::array given{link->own_memory_.memfd.get(), link->event_.descriptor()};
-  if (!send_control(link->other_->socket(), {.type = ControlType::Hello}, given)) {
+  auto connection = std::move(*made);
+  const std::array given{connection->own_memory_.memfd.get(), connection->event_.descriptor()};
+  if (!send_control(connection->other_->socket(), {.type = ControlType::Hello}, given)) {
     return tl::unexpected(MediumError{"shm: the server closed the connection at once"});
   }
-  link->own_memory_.memfd.reset();
-  return link;
+  connection->own_memory_.memfd.reset();
+  return connection;
 }
 
-tl::expected<std::unique_ptr<Link>, std::string> ShmLink::welcome(Descriptor socket, Peer peer,
-                                                                  Descriptor death,
-                                                                  ReceivedControl& hello) {
+tl::expected<std::unique_ptr<Connection>, std::string> ShmConnection::welcome(
+    Descriptor socket, Peer peer, Descriptor death, ReceivedControl& hello) {
   const auto refuse = [](int to, std::string why) {
     ControlMessage bye{.type = ControlType::Bye};
     bye.set_text("the server has no room for another client: " + why);
@@ -109,20 +110,21 @@ tl::expected<std::unique_ptr<Link>, std::string> ShmLink::welcome(Descriptor soc
   auto own = make_sealed("gecos server", ring_bytes);
   if (!own) return refuse(socket.get(), std::move(own.error().text));
   auto end = std::make_shared<PeerEnd>(std::move(socket));
-  auto made = make_link(Role::Server, end, std::move(peer), std::move(death), std::move(*own));
+  auto made =
+      make_connection(Role::Server, end, std::move(peer), std::move(death), std::move(*own));
   if (!made) return refuse(end->socket(), std::move(made.error()));
-  auto link = std::move(*made);
+  auto connection = std::move(*made);
   std::string problem;
-  if (!link->know_peer(hello, problem)) return tl::unexpected(std::move(problem));
-  const std::array given{link->own_memory_.memfd.get(), link->event_.descriptor()};
-  if (!send_control(link->other_->socket(), {.type = ControlType::Welcome}, given)) {
+  if (!connection->know_peer(hello, problem)) return tl::unexpected(std::move(problem));
+  const std::array given{connection->own_memory_.memfd.get(), connection->event_.descriptor()};
+  if (!send_control(connection->other_->socket(), {.type = ControlType::Welcome}, given)) {
     return tl::unexpected<std::string>("the client closed the connection at once");
   }
-  link->own_memory_.memfd.reset();
-  return link;
+  connection->own_memory_.memfd.reset();
+  return connection;
 }
 
-ShmLink::~ShmLink() {
+ShmConnection::~ShmConnection() {
   for (const auto& [id, sleepers] : shared_) {
     if (const auto list = sleepers.lock()) list->remove(other_.get());
   }
@@ -132,7 +134,7 @@ ShmLink::~ShmLink() {
   other_->hang_up();
 }
 
-tl::expected<std::uint64_t, SendProblem> ShmLink::send(ByteView head, ByteView body) {
+tl::expected<std::uint64_t, SendProblem> ShmConnection::send(ByteView head, ByteView body) {
   if (loss_.load(std::memory_order_relaxed) != Loss::None) {
     return tl::unexpected(SendProblem::Lost);
   }
@@ -142,7 +144,7 @@ tl::expected<std::uint64_t, SendProblem> ShmLink::send(ByteView head, ByteView b
   return number;
 }
 
-tl::expected<std::uint64_t, SendProblem> ShmLink::send_quietly(ByteView head, ByteView body) {
+tl::expected<std::uint64_t, SendProblem> ShmConnection::send_quietly(ByteView head, ByteView body) {
   if (head.size() + body.size() > largest_ring_packet) return send(head, body);
   if (loss_.load(std::memory_order_relaxed) != Loss::None) {
     return tl::unexpected(SendProblem::Lost);
@@ -152,14 +154,14 @@ tl::expected<std::uint64_t, SendProblem> ShmLink::send_quietly(ByteView head, By
   return number;
 }
 
-void ShmLink::wake_reader() {
+void ShmConnection::wake_reader() {
   // Before its Welcome, a server may sleep, but cannot publish that it sleeps: so always wake it.
   if (other_->known() && !writer_.reader_sleeps()) return;
   note_ring(*own_.control);
   other_->wake();
 }
 
-std::optional<ByteView> ShmLink::receive() {
+std::optional<ByteView> ShmConnection::receive() {
   note_core(*own_.control);
   if (!other_->known()) {
     read_control();
@@ -173,14 +175,14 @@ std::optional<ByteView> ShmLink::receive() {
   return packet;
 }
 
-std::optional<std::uint64_t> ShmLink::taken_by_peer() {
+std::optional<std::uint64_t> ShmConnection::taken_by_peer() {
   // A server reads no packet before it has answered, so a server that died without an answer has
   // read no packet.
   if (!other_->known()) read_control();
   return writer_.taken();
 }
 
-bool ShmLink::prepare_to_sleep() {
+bool ShmConnection::prepare_to_sleep() {
   bulk_.in.rest();
   own_.control->asleep.store(1, std::memory_order_seq_cst);
   const bool packet = other_->known() && reader_->ready();
@@ -191,54 +193,54 @@ bool ShmLink::prepare_to_sleep() {
   return false;
 }
 
-void ShmLink::woke() {
+void ShmConnection::woke() {
   own_.control->asleep.store(0, std::memory_order_relaxed);
   // If the eventfd did not end the sleep, a message on the socket or the peer's death may have.
   if (!event_.drain()) read_control();
 }
 
-void ShmLink::write_word(std::size_t index, std::uint64_t value) {
+void ShmConnection::write_word(std::size_t index, std::uint64_t value) {
   own_.control->words.at(index).store(value, std::memory_order_seq_cst);
 }
 
-std::uint64_t ShmLink::peer_word(std::size_t index) {
+std::uint64_t ShmConnection::peer_word(std::size_t index) {
   if (!other_->known()) return 0;  // a peer that has not answered has written no word
   return other_->ring().control->words.at(index).load(std::memory_order_seq_cst);
 }
 
-Whereabouts ShmLink::peer_whereabouts() {
+Whereabouts ShmConnection::peer_whereabouts() {
   if (!other_->known()) return {};
   return whereabouts(*other_->ring().control);
 }
 
-void ShmLink::beat() {
+void ShmConnection::beat() {
   own_.control->beats.fetch_add(1, std::memory_order_relaxed);
   if (loss_.load(std::memory_order_relaxed) == Loss::None) bulk_.out.beat();
   const std::lock_guard lock(control_mutex_);
   send_unsent();
 }
 
-std::uint64_t ShmLink::beats_seen() {
+std::uint64_t ShmConnection::beats_seen() {
   if (!other_->known()) return 0;
   return other_->ring().control->beats.load(std::memory_order_relaxed);
 }
 
-Loss ShmLink::loss() {
+Loss ShmConnection::loss() {
   read_control();
   return loss_.load(std::memory_order_relaxed);
 }
 
-std::string ShmLink::loss_text() const {
+std::string ShmConnection::loss_text() const {
   if (loss_.load(std::memory_order_relaxed) == Loss::None) return {};
   const std::lock_guard lock(control_mutex_);
   return loss_text_.empty() ? inherited_text : loss_text_;
 }
 
-std::unique_ptr<StreamWriter> ShmLink::make_stream(std::size_t largest, std::size_t depth) {
+std::unique_ptr<StreamWriter> ShmConnection::make_stream(std::size_t largest, std::size_t depth) {
   return make_shared_stream(largest, depth);
 }
 
-tl::expected<void, SendProblem> ShmLink::share(std::uint32_t id, StreamWriter& stream) {
+tl::expected<void, SendProblem> ShmConnection::share(std::uint32_t id, StreamWriter& stream) {
   if (loss_.load(std::memory_order_relaxed) != Loss::None) {
     return tl::unexpected(SendProblem::Lost);
   }
@@ -258,7 +260,7 @@ tl::expected<void, SendProblem> ShmLink::share(std::uint32_t id, StreamWriter& s
   return {};
 }
 
-void ShmLink::unshare(std::uint32_t id) {
+void ShmConnection::unshare(std::uint32_t id) {
   if (loss_.load(std::memory_order_relaxed) != Loss::None) return;
   const std::lock_guard lock(control_mutex_);
   const auto held = shared_.extract(id);
@@ -267,7 +269,7 @@ void ShmLink::unshare(std::uint32_t id) {
   send_or_keep({{.type = ControlType::Unshare, .id = id}, nullptr});
 }
 
-std::unique_ptr<StreamReader> ShmLink::open_stream(std::uint32_t id) {
+std::unique_ptr<StreamReader> ShmConnection::open_stream(std::uint32_t id) {
   read_control();
   if (loss_.load(std::memory_order_relaxed) != Loss::None) return nullptr;
   const std::lock_guard lock(control_mutex_);
@@ -276,13 +278,13 @@ std::unique_ptr<StreamReader> ShmLink::open_stream(std::uint32_t id) {
   return watches_.open(found->second.memory, found->second.mapping);
 }
 
-std::string ShmLink::why_no_stream(std::uint32_t id) {
+std::string ShmConnection::why_no_stream(std::uint32_t id) {
   const std::lock_guard lock(control_mutex_);
   const auto found = not_opened_.find(id);
   return found == not_opened_.end() ? std::string() : found->second;
 }
 
-bool ShmLink::know_peer(ReceivedControl& from, std::string& problem) {
+bool ShmConnection::know_peer(ReceivedControl& from, std::string& problem) {
   auto& [memfd, event] = from.descriptors;
   if (!memfd || !event) {
     problem = "the peer did not send its memory and its eventfd";
@@ -301,7 +303,7 @@ bool ShmLink::know_peer(ReceivedControl& from, std::string& problem) {
   return true;
 }
 
-void ShmLink::read_control() {
+void ShmConnection::read_control() {
   if (loss_.load(std::memory_order_acquire) != Loss::None) return;
   std::array<pollfd, 2> watched{pollfd{other_->socket(), POLLIN, 0},
                                 pollfd{death_.get(), POLLIN, 0}};
@@ -332,18 +334,18 @@ void ShmLink::read_control() {
     }
   }
   // Check this only when no message is left: a peer that sent Bye before it ended has closed the
-  // link, and has not died.
+  // connection, and has not died.
   if (watched[1].revents != 0 && read == ControlRead::Nothing) {
     note_loss(Loss::Died, peer_.description + " has ended");
   }
 }
 
-void ShmLink::read_control_to_the_end() {
+void ShmConnection::read_control_to_the_end() {
   read_control();
   const std::lock_guard another_thread_has_taken_up_what_it_read(control_mutex_);
 }
 
-void ShmLink::take_control(ReceivedControl& control) {
+void ShmConnection::take_control(ReceivedControl& control) {
   const ControlMessage& message = control.message;
   std::string problem;
   switch (message.type) {
@@ -384,7 +386,7 @@ void ShmLink::take_control(ReceivedControl& control) {
   note_loss(Loss::Broken, "the peer sent a message that is not allowed in this state");
 }
 
-void ShmLink::take_stream(ReceivedControl& control) {
+void ShmConnection::take_stream(ReceivedControl& control) {
   const ControlMessage& message = control.message;
   constexpr std::size_t most = StreamMemory::most_bytes;
   if (arrived_.size() >= most_streams_of(peer_role()) || message.depth == 0 ||
@@ -405,14 +407,14 @@ void ShmLink::take_stream(ReceivedControl& control) {
   event_.notify();  // a thread that waits for this stream may be asleep
 }
 
-void ShmLink::note_loss(Loss loss, std::string text) {
+void ShmConnection::note_loss(Loss loss, std::string text) {
   if (loss_.load(std::memory_order_relaxed) != Loss::None) return;
   loss_text_ = std::move(text);
   loss_.store(loss, std::memory_order_seq_cst);
   event_.notify();  // for another thread: the message that was read here wakes it no longer
 }
 
-bool ShmLink::send_or_keep(Unsent unsent) {
+bool ShmConnection::send_or_keep(Unsent unsent) {
   send_unsent();
   if (unsent_.size() >= most_unsent) return false;
   unsent_.push_back(std::move(unsent));
@@ -420,7 +422,7 @@ bool ShmLink::send_or_keep(Unsent unsent) {
   return true;
 }
 
-void ShmLink::send_unsent() {
+void ShmConnection::send_unsent() {
   while (!unsent_.empty()) {
     const Unsent& first = unsent_.front();
     const int memfd = first.memory == nullptr ? -1 : first.memory->memfd.get();
@@ -430,7 +432,7 @@ void ShmLink::send_unsent() {
   }
 }
 
-void ShmLink::abandon() noexcept {
+void ShmConnection::abandon() noexcept {
   loss_.store(Loss::Broken);
   event_.close();
   death_.reset();

@@ -10,7 +10,7 @@
 #include "gecos/wire/encodable.hpp"
 #include "packet_target.hpp"
 #include "probe.hpp"
-#include "scripted_link.hpp"
+#include "scripted_connection.hpp"
 
 namespace gecos::fuzz {
 namespace {
@@ -24,10 +24,11 @@ constexpr SessionId the_session{0x5e5510};
 /// line is.
 class Server {
  public:
-  Server(Script& script, ScriptedLink& link) : script_(script), link_(link) {
-    link_.next = [this] { return say(); };
-    link_.heard = [this](const wire::PacketView& packet) { hear(packet); };
-    link_.stream = [this](std::uint32_t) { return watches_.open(stream_, {}); };
+  Server(Script& script, ScriptedConnection& connection)
+      : script_(script), connection_(connection) {
+    connection_.next = [this] { return say(); };
+    connection_.heard = [this](const wire::PacketView& packet) { hear(packet); };
+    connection_.stream = [this](std::uint32_t) { return watches_.open(stream_, {}); };
   }
   void publish(Script& script) {
     const Bytes sample = script.bytes(16);
@@ -37,7 +38,7 @@ class Server {
  private:
   std::optional<Bytes> say() {
     if (script_.over()) {
-      link_.lost = media::Loss::Closed;
+      connection_.lost = media::Loss::Closed;
       return std::nullopt;
     }
     if (script_.one_in(8)) return std::nullopt;
@@ -126,7 +127,7 @@ class Server {
   static constexpr std::size_t largest = 16;
   static constexpr std::size_t depth = 3;
   Script& script_;
-  ScriptedLink& link_;
+  ScriptedConnection& connection_;
   bool welcomed_ = false;
   SessionId opened_{};  // as the first call says
   std::uint64_t newest_ = 0;
@@ -152,11 +153,11 @@ struct Issued {
 class Program {
  public:
   Program(Script& script, std::shared_ptr<ClientConnection> session, Server& server,
-          ScriptedLink& link)
+          ScriptedConnection& connection)
       : script_(script),
         session_(std::move(session)),
         server_(server),
-        link_(link),
+        connection_(connection),
         probe_(session_) {}
 
   void run() {
@@ -166,7 +167,7 @@ class Program {
     }
     static constexpr std::array ends = {media::Loss::Closed, media::Loss::Died,
                                         media::Loss::Broken};
-    link_.lost = ends[script_.below(ends.size())];
+    connection_.lost = ends[script_.below(ends.size())];
     tick(std::chrono::seconds(1));
     expect(session_->lost(), "a loss is seen");
     for (Issued& one : issued_) {
@@ -236,10 +237,10 @@ class Program {
       case 15:
         return server_.publish(script_);
       case 16:
-        link_.full = !link_.full;
+        connection_.full = !connection_.full;
         return;
       case 17:
-        ++link_.beats;
+        ++connection_.beats;
         return;
       case 18:
         return session_->poll_once();
@@ -251,7 +252,7 @@ class Program {
   Script& script_;
   const std::shared_ptr<ClientConnection> session_;
   Server& server_;
-  ScriptedLink& link_;
+  ScriptedConnection& connection_;
   const probe::Probe probe_;
   std::vector<Issued> issued_;
   std::vector<Lease> leases_;
@@ -260,14 +261,14 @@ class Program {
 
 }  // namespace
 
-void try_linked(Script script) {
-  auto made = std::make_unique<ScriptedLink>(script.one_in(2));
-  ScriptedLink& link = *made;
-  Server server(script, link);
+void try_connected(Script script) {
+  auto made = std::make_unique<ScriptedConnection>(script.one_in(2));
+  ScriptedConnection& connection = *made;
+  Server server(script, connection);
   auto opened = ClientConnection::open(the_runtime(), std::move(made), probe::description(),
                                        deadline_after(std::chrono::seconds(5)));
   if (!opened) return expect(!opened.error().reason.empty(), "who is not let in is told why");
-  Program(script, std::move(*opened), server, link).run();
+  Program(script, std::move(*opened), server, connection).run();
 }
 
 }  // namespace gecos::fuzz

@@ -21,8 +21,8 @@
 
 namespace gecos::media::shm {
 
-/// Wakes the other end of a link. Outlives the link while a stream still uses this object to wake
-/// its reader.
+/// Wakes the other end of a connection. Outlives the connection while a stream still uses this
+/// object to wake its reader.
 class PeerEnd final : public Sleeper {
  public:
   explicit PeerEnd(Descriptor socket) : socket_(std::move(socket)) {}
@@ -49,21 +49,21 @@ class PeerEnd final : public Sleeper {
 
 /// One end of a connection; both ends are the same except that the client sends Hello and the
 /// server sends Welcome.
-class ShmLink final : public Link, public QuietSender {
+class ShmConnection final : public Connection, public QuietSender {
  public:
   enum class Role : std::uint8_t { Client, Server };
 
-  /// Makes a client's link over a connected socket and sends Hello. The server may answer at any
-  /// later time.
-  static tl::expected<std::unique_ptr<Link>, MediumError> greet(Descriptor socket, Peer peer,
-                                                                Descriptor death);
-  /// Makes a server's link and answers `hello`. Fails with the reason.
-  static tl::expected<std::unique_ptr<Link>, std::string> welcome(Descriptor socket, Peer peer,
-                                                                  Descriptor death,
-                                                                  ReceivedControl& hello);
-  ~ShmLink() override;
+  /// Makes a client's connection over a connected socket and sends Hello. The server may answer at
+  /// any later time.
+  static tl::expected<std::unique_ptr<Connection>, MediumError> greet(Descriptor socket, Peer peer,
+                                                                      Descriptor death);
+  /// Makes a server's connection and answers `hello`. Fails with the reason.
+  static tl::expected<std::unique_ptr<Connection>, std::string> welcome(Descriptor socket,
+                                                                        Peer peer, Descriptor death,
+                                                                        ReceivedControl& hello);
+  ~ShmConnection() override;
 
-  const Offer& offer() const override { return shm_offer; }
+  const Capabilities& capabilities() const override { return shm_capabilities; }
   const Peer& peer() const override { return peer_; }
   tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override;
   tl::expected<std::uint64_t, SendProblem> send_quietly(ByteView head, ByteView body) override;
@@ -86,7 +86,8 @@ class ShmLink final : public Link, public QuietSender {
   std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
   std::string why_no_stream(std::uint32_t id) override;
 
-  ShmLink(Role role, std::shared_ptr<PeerEnd> other, Peer peer, Descriptor death, SealedMemory own);
+  ShmConnection(Role role, std::shared_ptr<PeerEnd> other, Peer peer, Descriptor death,
+                SealedMemory own);
 
  private:
   struct Arrived {

@@ -11,18 +11,18 @@
 namespace gecos::fuzz {
 
 /// One end of a line whose other end is a script.
-class ScriptedLink final : public media::Link {
+class ScriptedConnection final : public media::Connection {
  public:
-  explicit ScriptedLink(bool reliable, std::size_t largest = 2048) {
-    offer_.reliable = reliable, offer_.largest_packet = largest;
+  explicit ScriptedConnection(bool reliable, std::size_t largest = 2048) {
+    capabilities_.reliable = reliable, capabilities_.largest_packet = largest;
   }
 
-  const media::Offer& offer() const override { return offer_; }
+  const media::Capabilities& capabilities() const override { return capabilities_; }
   const media::Peer& peer() const override { return peer_; }
   tl::expected<std::uint64_t, media::SendProblem> send(ByteView head, ByteView body) override {
     if (lost != media::Loss::None) return tl::unexpected(media::SendProblem::Lost);
     if (full) return tl::unexpected(media::SendProblem::Full);
-    expect(head.size() + body.size() <= offer_.largest_packet,
+    expect(head.size() + body.size() <= capabilities_.largest_packet,
            "a packet is as large as the medium carries");
     if (heard) {
       const auto packet = wire::decode_packet(head);
@@ -72,7 +72,7 @@ class ScriptedLink final : public media::Link {
   media::Loss lost = media::Loss::None;
 
  private:
-  media::Offer offer_;
+  media::Capabilities capabilities_;
   const media::Peer peer_;
   Bytes current_;
 };
