@@ -367,6 +367,14 @@ class ClientEnds : public ::testing::TestWithParam<Kind> {
     }
   }
 
+  void end_in_order() {
+    child_.line().say("exit");
+    EXPECT_EQ(child_.wait(), 0);
+    servant_.open_gate();
+    servant_.await_event("set 2");
+    EXPECT_EQ(servant_.events(), (std::vector<std::string>{"start 1", "end 1", "set 2"}));
+  }
+
   Place place_;
   Child child_{[](Child::Line& line) { command_probe(line, GetParam()); }};
   probe::ProbeServant servant_;
@@ -389,13 +397,21 @@ TEST_P(ClientEnds, ByKillAndItsStatusIsFreeAndTheArmStands) {
 
 TEST_P(ClientEnds, InOrderWithoutWaitingAndItsCommandsStillRun) {
   begin();
-  child_.line().say("exit");
-  EXPECT_EQ(child_.wait(), 0);
-  servant_.open_gate();
-  servant_.await_event("set 2");
-  EXPECT_EQ(servant_.events(), (std::vector<std::string>{"start 1", "end 1", "set 2"}));
+  end_in_order();
   const auto lease = take_over();
   EXPECT_TRUE(lease) << lease.error();
+}
+
+struct LabBeforeTheFork {
+  LabBeforeTheFork() { const gecos::Lab used; }
+};
+class ClientForkedByAProcessWithALab : LabBeforeTheFork, public ClientEnds {};
+INSTANTIATE_TEST_SUITE_P(Over, ClientForkedByAProcessWithALab,
+                         ::testing::Values(Kind::Shm, Kind::Lcm), gecos::media::name_of);
+
+TEST_P(ClientForkedByAProcessWithALab, EndsInOrderToo) {
+  begin();
+  end_in_order();
 }
 
 TEST_P(ClientEnds, ByStandingStillAndLosesItsStatusAfterTheTimeToLive) {

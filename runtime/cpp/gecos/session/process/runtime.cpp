@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <memory>
 #include <system_error>
 
 #include "gecos/base/log.hpp"
@@ -35,23 +36,32 @@ std::string host_name() {
 /// Every runtime of this process, so that its sessions close in order when the process exits.
 class OpenRuntimes {
  public:
+  /// A forked child gets one of its own: the runtimes of its parent have no threads in the child,
+  /// and the parent's mutex may be locked for ever.
   static OpenRuntimes& instance() {
-    static OpenRuntimes runtimes;
-    return runtimes;
-  }
-  ~OpenRuntimes() {
-    if (getpid() != owner_) return;  // the threads do not exist in a forked child
-    for (const auto& runtime : alive()) runtime->close_sessions(std::chrono::seconds(1));
+    static const CloseAtExit at_exit;
+    OpenRuntimes* known = of_this_process_.load();
+    while (known == nullptr || known->owner_ != getpid()) {
+      auto made = std::make_unique<OpenRuntimes>();
+      if (of_this_process_.compare_exchange_strong(known, made.get())) known = made.release();
+    }
+    return *known;
   }
   void add(const std::shared_ptr<Runtime>& runtime) {
     const MutexLock lock(mutex_);
-    runtimes_.erase(std::remove_if(runtimes_.begin(), runtimes_.end(),
-                                   [](const auto& known) { return known.expired(); }),
-                    runtimes_.end());
+    std::erase_if(runtimes_, [](const auto& known) { return known.expired(); });
     runtimes_.push_back(runtime);
   }
 
  private:
+  struct CloseAtExit {
+    ~CloseAtExit() {
+      OpenRuntimes* const known = of_this_process_.load();
+      if (known == nullptr || known->owner_ != getpid()) return;
+      for (const auto& runtime : known->alive()) runtime->close_sessions(std::chrono::seconds(1));
+    }
+  };
+
   std::vector<std::shared_ptr<Runtime>> alive() {
     const MutexLock lock(mutex_);
     std::vector<std::shared_ptr<Runtime>> found;
@@ -60,6 +70,9 @@ class OpenRuntimes {
     }
     return found;
   }
+
+  /// Never destroyed: runtimes are added until the process ends.
+  static inline std::atomic<OpenRuntimes*> of_this_process_{nullptr};
 
   const pid_t owner_ = getpid();
   Mutex mutex_;
@@ -101,7 +114,7 @@ Runtime::~Runtime() = default;
 
 tl::expected<std::shared_ptr<Runtime>, NoLab> Runtime::make(LabOptions options, const Clock& clock,
                                                             media::WrapMedium wrap) {
-  // obtained first, so that it is destroyed after the runtimes that use it
+  // obtained first, so that sessions are closed after the destruction of a static Lab
   OpenRuntimes& open = OpenRuntimes::instance();
   try {
     auto runtime = std::make_shared<Runtime>(std::move(options), clock, std::move(wrap));
