@@ -6,6 +6,7 @@
 #include "gecos/binding.hpp"
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/client/context.hpp"
+#include "gecos/session/client/failover.hpp"
 #include "over_media.hpp"
 
 namespace {
@@ -134,6 +135,15 @@ TEST_P(ClosedLab, EndsReadingsThatLookForAnotherServer) {
   const auto seen = look.get();
   ASSERT_FALSE(seen);
   EXPECT_NE(seen.error().text.find("its Lab is closed"), std::string::npos) << seen.error();
+}
+
+TEST(EndedLab, IsNotTouchedByATickOfItsFailoverThatComesLate) {
+  std::shared_ptr<gecos::session::Failover> failover;  // as the maintenance thread holds it
+  {
+    const gecos::Lab lab;
+    failover = LabAccess::context(lab).value()->failover();
+  }
+  EXPECT_EQ(failover->on_tick(std::chrono::steady_clock::now()), gecos::TimePoint::max());
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ void append(std::vector<T>& to, std::vector<T> from) {
 
 }  // namespace
 
-Failover::Failover(Context& lab) : lab_(lab), owner_(getpid()) {}
+Failover::Failover(Context& lab) : lab_(lab), clock_(lab.runtime()->clock()), owner_(getpid()) {}
 
 Failover::~Failover() { end(); }
 
@@ -108,7 +108,6 @@ Failover::Search& Failover::search_of(const std::shared_ptr<ClientConnection>& f
 }
 
 TimePoint Failover::on_tick(TimePoint now) {
-  const Clock& clock = lab_.runtime()->clock();
   std::vector<std::pair<PendingFailover, std::string>> over;
   bool idle = false;
   {
@@ -117,14 +116,14 @@ TimePoint Failover::on_tick(TimePoint now) {
     for (Search& search : searches_) {
       std::erase_if(search.commands, [&](PendingFailover& pending) {
         if (pending.command->terminal()) return true;
-        if (now < pending.give_up && !late(pending, clock)) return false;
+        if (now < pending.give_up && !late(pending, clock_)) return false;
         over.emplace_back(std::move(pending), search.why);
         return true;
       });
     }
   }
   for (auto& [pending, why] : over) {
-    if (late(pending, clock)) {
+    if (late(pending, clock_)) {
       end_late(pending);
     } else {
       end_as(pending, "no server was found in time: " + why);
@@ -211,7 +210,7 @@ std::vector<PendingFailover> Failover::send_to(ClientConnection& found,
     if (again.sessions >= most_sessions) {
       end_as(pending, "the command is not sent again: it was already sent in " +
                           std::to_string(again.sessions) + " sessions that were lost");
-    } else if (late(pending, lab_.runtime()->clock())) {
+    } else if (late(pending, clock_)) {
       end_late(pending);
     } else if (const auto sent = found.send_again(pending.command); !sent) {
       pending.command->fail(sent.error());

@@ -79,7 +79,10 @@ class Failover final : public TickTarget, public std::enable_shared_from_this<Fa
   std::vector<PendingFailover> send_to(ClientConnection& found,
                                        std::vector<PendingFailover> commands);
 
+  /// Valid until `end` returns. A tick may come later, because the maintenance thread shares this
+  /// object: it uses `clock_` alone.
   Context& lab_;
+  const Clock& clock_;
   /// id of the creating process: a forked child has no thread to end waiting commands
   const pid_t owner_;
   Mutex mutex_;
