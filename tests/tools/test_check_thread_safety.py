@@ -56,5 +56,5 @@ def test_names_what_is_touched_without_it(tmp_path: Path, instead: str, says: st
 
 def test_follows_a_header_that_has_a_mutex_to_the_sources_that_include_it() -> None:
     found = check_thread_safety.headers_with_mutexes()
-    assert "gecos/session/server/object_host.hpp" in found
+    assert "gecos/session/server/host_state.hpp" in found
     assert "gecos/wire/packet.hpp" not in found

@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "gecos/base/log.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/session/process/runtime.hpp"
 #include "gecos/session/server/object_host.hpp"
@@ -26,10 +27,10 @@ using Calls = std::vector<std::shared_ptr<ServerCall>>;
 
 /// The calls that must end before `call` can end.
 Calls awaited_by(ServerCall& call) {
-  const auto awaited = call.object().awaited_by(call);
-  if (!awaited) return call.object().held_up_by(call);
+  const auto awaited = call.object().waits().awaited_by(call);
+  if (!awaited) return call.object().waits().held_up_by(call);
   const auto object = object_in(*awaited);
-  auto found = object == nullptr ? nullptr : object->find(*awaited);
+  auto found = object == nullptr ? nullptr : object->waits().find(*awaited);
   return found == nullptr ? Calls{} : Calls{std::move(found)};
 }
 
@@ -68,7 +69,7 @@ std::shared_ptr<ObjectHost> object_in(const CommandId& call) {
 std::string waits_for_itself(const std::shared_ptr<ServerCall>& handler) {
   Calls way{handler};
   if (!leads_back(way)) return {};
-  std::erase_if(way, [](const auto& call) { return !call->object().awaited_by(*call); });
+  std::erase_if(way, [](const auto& call) { return !call->object().waits().awaited_by(*call); });
   std::string text =
       "the handler of " + handler->title() + " waits for it, and it cannot start before ";
   if (way.size() == 1) return text + "that handler returns";
@@ -77,6 +78,65 @@ std::string waits_for_itself(const std::shared_ptr<ServerCall>& handler) {
             " returns, which waits for a call that cannot end before ";
   }
   return text + "the first handler returns";
+}
+
+void HandlerWaits::waits(ServerCall& call, const CommandId& awaited, std::string name) {
+  const MutexLock lock(object_.mutex);
+  object_.calls.handlers().waits(call, awaited, std::move(name), object_.setup.clock().now());
+}
+
+void HandlerWaits::goes_on(ServerCall& call) {
+  const MutexLock lock(object_.mutex);
+  object_.calls.handlers().goes_on(call);
+}
+
+std::optional<CommandId> HandlerWaits::awaited_by(const ServerCall& call) {
+  const MutexLock lock(object_.mutex);
+  return call.waits_for ? std::optional(call.waits_for->command) : std::nullopt;
+}
+
+std::shared_ptr<ServerCall> HandlerWaits::find(const CommandId& call) {
+  const MutexLock lock(object_.mutex);
+  const auto session = object_.calls.outcomes().open(SessionId{call.session});
+  const auto* const found = session == nullptr ? nullptr : session->calls.find(call.counter);
+  return found == nullptr ? nullptr : *found;
+}
+
+std::vector<std::shared_ptr<ServerCall>> HandlerWaits::held_up_by(const ServerCall& call) {
+  const MutexLock lock(object_.mutex);
+  return object_.calls.held_up_by(call);
+}
+
+/// Handlers that wait for each other in a cycle without a time-out never return. Waits younger than
+/// `certain_after` are not checked: the awaited call may be ending at this moment.
+void HandlerWaits::end_endless(TimePoint now) {
+  constexpr Duration certain_after = std::chrono::milliseconds(200);
+  Calls waiting;
+  {
+    const MutexLock lock(object_.mutex);
+    waiting = object_.calls.handlers().waiting_since(now - certain_after);
+  }
+  for (const auto& handler : waiting) {
+    const auto awaited = awaited_by(*handler);
+    const auto object = awaited ? object_in(*awaited) : nullptr;
+    if (object == nullptr) continue;
+    if (const auto why = waits_for_itself(handler); !why.empty()) {
+      object->waits().refuse(*awaited, why);
+    }
+  }
+}
+
+void HandlerWaits::refuse(const CommandId& id, const std::string& why) {
+  const auto call = find(id);
+  if (call == nullptr) return;
+  const MutexLock lock(object_.mutex);
+  if (call->state.ended() || call->state.begun_at()) return;
+  const std::string text = call->title() + " was not started: " + why +
+                           "; call the method itself, or let another thread wait";
+  log_warning("server", text);
+  // a servant that queued the call drops it
+  object_.calls.end(*call, Failure{Detail::Rejected, text, {}, {}});
+  object_.calls.note_ready();
 }
 
 }  // namespace gecos::session

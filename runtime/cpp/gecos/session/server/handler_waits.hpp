@@ -1,9 +1,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "gecos/base/clock.hpp"
 #include "gecos/base/ids.hpp"
 #include "gecos/command.hpp"
 
@@ -11,8 +13,34 @@
 /// cycle never return, so one of the awaited calls fails with the reason instead.
 namespace gecos::session {
 
+struct HostState;
 class ObjectHost;
 class ServerCall;
+
+/// What the handlers of one object wait for. Thread-safe.
+class HandlerWaits {
+ public:
+  explicit HandlerWaits(HostState& object) : object_(object) {}
+
+  /// Notes that the handler of `call` waits without a time-out for the call `awaited`. `name`
+  /// describes `awaited`.
+  void waits(ServerCall& call, const CommandId& awaited, std::string name);
+  void goes_on(ServerCall& call);
+  std::optional<CommandId> awaited_by(const ServerCall& call);
+  /// The call with the id `call`; null when that call has not arrived or has ended.
+  std::shared_ptr<ServerCall> find(const CommandId& call);
+  /// The calls whose handlers must return before `call` can start; empty when `call` has started,
+  /// has ended or has a deadline.
+  std::vector<std::shared_ptr<ServerCall>> held_up_by(const ServerCall& call);
+
+  /// Ends an awaited call of each cycle of waits in which a handler of this object takes part.
+  void end_endless(TimePoint now);
+
+ private:
+  void refuse(const CommandId& call, const std::string& why);
+
+  HostState& object_;
+};
 
 /// note_session registers a client's session with an object of this process; forget_session removes
 /// it. The client may be in any process.

@@ -17,6 +17,29 @@ bool beside_each_other(const QueueEntry& one, const QueueEntry& other) {
 
 }  // namespace
 
+std::string text_of(ObjectQueue::Full full, std::size_t bytes) {
+  const auto calls = [](std::size_t most, const char* whose) {
+    return std::to_string(most) + " calls of " + whose +
+           " are queued already; wait until one of them has ended";
+  };
+  const auto room = [&](std::size_t most, const char* whose) {
+    return "its arguments take " + std::to_string(bytes) + " bytes; with the arguments of " +
+           whose + " open calls, this exceeds the limit of " + std::to_string(most) +
+           " bytes; wait until one of these calls has ended";
+  };
+  switch (full) {
+    case ObjectQueue::Full::Object:
+      return calls(ObjectQueue::most_of_object, "all clients");
+    case ObjectQueue::Full::Client:
+      return calls(ObjectQueue::most_of_client, "this client");
+    case ObjectQueue::Full::BytesOfObject:
+      return room(ObjectQueue::most_bytes_of_object, "all clients'");
+    case ObjectQueue::Full::BytesOfClient:
+      return room(ObjectQueue::most_bytes_of_client, "this client's");
+  }
+  return {};
+}
+
 tl::expected<void, ObjectQueue::Full> ObjectQueue::push(std::shared_ptr<QueueEntry> entry) {
   const std::size_t commands = replaces(*entry) ? 0 : actor_.size();
   const std::size_t waiting = safety_.size() + sensor_.size() + commands;

@@ -5,6 +5,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "gecos/base/function_ref.hpp"
@@ -95,5 +96,9 @@ class ObjectQueue {
   std::size_t inside_ = 0;                ///< number of handlers whose thread has not returned
   std::vector<const QueueEntry*> large_;  ///< calls of at least `small` bytes that have not ended
 };
+
+/// A text for the caller: which limit is reached, and when to try again. `bytes`: size of the
+/// arguments of the call that was not queued.
+std::string text_of(ObjectQueue::Full full, std::size_t bytes);
 
 }  // namespace gecos::session

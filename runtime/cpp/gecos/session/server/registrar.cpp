@@ -118,13 +118,13 @@ tl::expected<Duration, std::string> Registrar::register_first(Registration& regi
       return tl::unexpected(broker.error());
     }
     ObjectHost& object = *registration.object;
-    if (others_find(registration.entry, **broker)) object.claim_name();
-    const auto question = object.name_question();
+    if (others_find(registration.entry, **broker)) object.name_confirmation().ask();
+    const auto question = object.name_confirmation().question();
     registration.since = lab_->runtime()->clock().since_boot();
     const auto asked = register_object(**broker, registration.entry, Duration::zero());
     const auto enlisted = await_registered(*asked, deadline);
     if (enlisted) {
-      if (*enlisted == Duration::zero()) object.name_held(question);
+      if (*enlisted == Duration::zero()) object.name_confirmation().held(question);
       return *enlisted;
     }
     const bool later =
@@ -181,7 +181,8 @@ void Registrar::run() {
 
 Duration Registrar::ask(const std::vector<Registration>& registrations) {
   std::vector<std::uint64_t> questions;  // read before the broker is asked
-  for (const auto& one : registrations) questions.push_back(one.object->name_question());
+  for (const auto& one : registrations)
+    questions.push_back(one.object->name_confirmation().question());
   const TimePoint deadline = deadline_after(answer_patience);
   auto answers = ask_broker(registrations, deadline);
   // The broker may have ended the session of this server, for example while this process was
@@ -197,16 +198,16 @@ Duration Registrar::ask(const std::vector<Registration>& registrations) {
     ObjectHost& object = *registrations[i].object;
     const auto& enlisted = answers.of_each[i];
     if (enlisted && *enlisted == Duration::zero()) {
-      object.name_held(questions[i]);
+      object.name_confirmation().held(questions[i]);
       continue;
     }
     rest = std::min(rest, enlisted ? std::min(between_tries, *enlisted) : between_tries);
     if (enlisted) {
-      object.name_provisional();
+      object.name_confirmation().provisional();
     } else if (enlisted.error().taken) {
-      object.name_taken(enlisted.error().by);
+      object.name_confirmation().taken(enlisted.error().by);
     } else {
-      object.name_unanswered(questions[i], enlisted.error().text);
+      object.name_confirmation().unanswered(questions[i], enlisted.error().text);
       unreported += (unreported.empty() ? "" : "; ") + object.name() +
                     " continues to run, but clients cannot find it: " + enlisted.error().text;
     }

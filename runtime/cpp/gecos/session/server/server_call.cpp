@@ -23,10 +23,10 @@ std::string ServerCall::title() const {
 const Caller& ServerCall::caller() const { return session->caller(); }
 
 bool ServerCall::wait_interrupted_until(TimePoint until) {
-  return object().wait_interrupted(*this, until);
+  return object().runner().wait_interrupted(*this, until);
 }
 
-bool ServerCall::begin() { return object().begin(*this); }
+bool ServerCall::begin() { return object().runner().begin(*this); }
 
 std::optional<TimePoint> ServerCall::marked_at() const {
   const TimePoint at = marked_at_.load(std::memory_order_relaxed);
@@ -34,17 +34,17 @@ std::optional<TimePoint> ServerCall::marked_at() const {
 }
 
 void ServerCall::waits(const CommandCore& command) {
-  object().waits(*this, command.id(), command.about());
+  object().waits().waits(*this, command.id(), command.about());
 }
 
-void ServerCall::goes_on() { object().goes_on(*this); }
+void ServerCall::goes_on() { object().waits().goes_on(*this); }
 
 void ServerCall::progress(double its_fraction, ByteView its_feedback) {
-  object().progressed(*this, its_fraction, its_feedback);
+  object().runner().progressed(*this, its_fraction, its_feedback);
 }
 
-void ServerCall::finish(ByteView result) { object().answered(*this, result); }
+void ServerCall::finish(ByteView result) { object().runner().answered(*this, result); }
 
-void ServerCall::fail(Failure failure) { object().answered(*this, std::move(failure)); }
+void ServerCall::fail(Failure failure) { object().runner().answered(*this, std::move(failure)); }
 
 }  // namespace gecos::session

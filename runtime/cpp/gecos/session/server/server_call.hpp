@@ -60,7 +60,7 @@ class ServerCall final : public CallCore,
   ObjectHost& object() const;
   /// Names the operation and the object: "'move' of RX90".
   std::string title() const;
-  /// Sets the interrupt flag only; ObjectHost::interrupt also wakes the waiting threads.
+  /// Sets the interrupt flag only; ObjectCalls::interrupt also wakes the waiting threads.
   void interrupt() { interrupted_.store(true, std::memory_order_release); }
 
   const std::shared_ptr<ServerSession> session;
@@ -76,7 +76,7 @@ class ServerCall final : public CallCore,
   std::size_t position_sent = 0;
   TimePoint arrived{};  ///< set only when the call is logged
   std::optional<HandlerWait> waits_for;
-  bool listed = false;  ///< the call is listed in ObjectHost::open_
+  bool listed = false;  ///< the call is listed in ObjectCalls::list
 
  private:
   const ShortBytes arguments_;

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "gecos/session/server/name_claim.hpp"
+#include "gecos/session/server/object_calls.hpp"
+#include "gecos/session/server/object_setup.hpp"
+#include "gecos/session/server/server_session.hpp"
+#include "gecos/session/server/status_grants.hpp"
+#include "gecos/session/server/user_callbacks.hpp"
+#include "gecos/wire/packet.hpp"
+
+namespace gecos::session {
+
+/// The built-in operations of one object, which it has whatever its interface: gecos::GecosObject.
+/// Not thread-safe: the object's mutex guards it.
+class BuiltinOperations {
+ public:
+  BuiltinOperations(const ObjectSetup& setup, const NameClaim& claim, ObjectCalls& calls,
+                    StatusGrants& statuses, UserCallbacks& user_callbacks)
+      : setup_(setup),
+        claim_(claim),
+        calls_(calls),
+        statuses_(statuses),
+        user_callbacks_(user_callbacks) {}
+
+  /// Carries out the call in `packet` and replies to it. Does not serve GecosObject::outcome, which
+  /// changes what the sessions accept: SessionPackets does.
+  void answer(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
+
+ private:
+  void holders(ServerSession& session, std::uint64_t counter);
+  void describe(ServerSession& session, std::uint64_t counter);
+  void acquire(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
+               ByteView arguments);
+  void release(ServerSession& session, std::uint64_t counter, ByteView arguments);
+  void subscribe(ServerSession& session, std::uint64_t counter, ByteView arguments);
+  void unsubscribe(ServerSession& session, std::uint64_t counter, ByteView arguments);
+  void stop(ServerSession& by, std::uint64_t counter);
+
+  const ObjectSetup& setup_;
+  const NameClaim& claim_;
+  ObjectCalls& calls_;
+  StatusGrants& statuses_;
+  UserCallbacks& user_callbacks_;
+};
+
+}  // namespace gecos::session

@@ -1,0 +1,105 @@
+#include "gecos/session/server/greeting.hpp"
+
+#include <pwd.h>
+#include <sys/random.h>
+
+#include <utility>
+
+#include "gecos/session/protocol/handshake.hpp"
+#include "gecos/session/server/call_log.hpp"
+#include "gecos/session/server/handler_waits.hpp"
+
+namespace gecos::session {
+namespace {
+
+SessionId new_session_id() {
+  std::uint64_t id = 0;
+  while (id == 0) {
+    if (getrandom(&id, sizeof id, 0) != sizeof id) id = 0;
+  }
+  return SessionId{id};
+}
+
+/// The user according to the kernel if it is known, else the user that the client claims.
+std::string user_of(const media::Peer& peer, const std::string& claimed) {
+  if (!peer.uid) return claimed;
+  passwd entry{};
+  passwd* found = nullptr;
+  char text[4096];
+  if (getpwuid_r(*peer.uid, &entry, text, sizeof text, &found) != 0 || found == nullptr) {
+    return "uid " + std::to_string(*peer.uid);
+  }
+  return entry.pw_name;
+}
+
+void open(const std::shared_ptr<ServerSession>& session, const Hello& hello,
+          const ObjectSetup& setup, OutcomeLog& outcomes, TimePoint now) {
+  const media::Peer& peer = session->connection().peer();
+  const SessionId id = new_session_id();
+  Caller caller;
+  caller.user = user_of(peer, hello.user);
+  caller.host = hello.host;
+  caller.program = hello.program;
+  caller.pid = peer.pid.value_or(hello.pid);
+  caller.incarnation = hello.incarnation;
+  caller.session = number(id);
+  session->greet(id, std::move(caller));
+  session->intake.accept_within(hello.accept_within);
+  session->liveness.heard(now);
+  outcomes.opened(id, session);
+  note_session(id, session->object());
+  if (log_enabled(LogLevel::Info)) log_arrival(setup.name, *session);
+}
+
+/// `operations`: the hashes of all operations are included.
+Welcome welcome_to(const ObjectSetup& setup, bool operations) {
+  const InterfaceDescription& interface = setup.interface;
+  Welcome welcome{setup.name,
+                  std::string(interface.name),
+                  {},
+                  interface.hash,
+                  number(process_incarnation()),
+                  static_cast<std::uint32_t>(ObjectQueue::most_of_object),
+                  {}};
+  welcome.bases.assign(interface.bases.begin(), interface.bases.end());
+  if (!operations) return welcome;
+  for (const OperationDescription* operation : interface.all_operations()) {
+    welcome.operations.push_back({operation->code, operation->hash});
+  }
+  return welcome;
+}
+
+}  // namespace
+
+void refuse_greeting(ServerSession& session, const std::string& why) {
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Refused;
+  header.flags = static_cast<std::int8_t>(Detail::Refused);
+  const FailureBody body{why, {}, {}};
+  session.send(header, wire::to_bytes(body));
+}
+
+void greet(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet,
+           const ObjectSetup& setup, OutcomeLog& outcomes, TimePoint now) {
+  if (packet.header.version != wire::packet_version) {
+    return refuse_greeting(*session,
+                           "this server speaks version " + std::to_string(wire::packet_version) +
+                               " of the session protocol and the client " +
+                               std::to_string(packet.header.version) + "; update the older one");
+  }
+  const auto hello = wire::from_bytes<Hello>(packet.body);
+  if (!hello) {
+    return refuse_greeting(*session, "the greeting does not decode: " + hello.error().message());
+  }
+  if (!setup.interface.is_a(hello->interface_name)) {
+    return refuse_greeting(*session, setup.name + " is a " + std::string(setup.interface.name) +
+                                         ", not a " + hello->interface_name);
+  }
+  if (!session->greeted()) open(session, *hello, setup, outcomes, now);
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Welcome;
+  session->send(header,
+                wire::to_bytes(welcome_to(setup, hello->interface_hash != setup.interface.hash)));
+}
+
+}  // namespace gecos::session

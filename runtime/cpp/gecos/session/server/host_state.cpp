@@ -1,0 +1,31 @@
+#include "gecos/session/server/host_state.hpp"
+
+#include <utility>
+
+#include "gecos/session/server/server_session.hpp"
+
+namespace gecos::session {
+
+HostState::HostState(ObjectSetup its_setup)
+    : setup(std::move(its_setup)),
+      user_callbacks(setup.runtime->maintenance(), setup.name),
+      calls(setup, ready, *this),
+      statuses(setup, claim, calls),
+      starts(setup, ready, claim, statuses, calls),
+      packets(setup, claim, calls, statuses, user_callbacks) {}
+
+void HostState::commands_ended(SessionId client) {
+  mutex.assert_held();
+  statuses.commands_ended(client);
+}
+
+void HostState::finished(ServerCall& call) {
+  mutex.assert_held();
+  statuses.reply_to_waiting();
+  ServerSession& session = *call.session;
+  if (--session.unreturned != 0 || !session.closed) return;
+  user_callbacks.post(
+      [&servant = setup.servant, id = number(session.id())] { servant.gecos_session_ended(id); });
+}
+
+}  // namespace gecos::session

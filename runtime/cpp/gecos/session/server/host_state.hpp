@@ -1,0 +1,38 @@
+#pragma once
+
+#include <atomic>
+
+#include "gecos/base/mutex.hpp"
+#include "gecos/session/server/name_claim.hpp"
+#include "gecos/session/server/object_calls.hpp"
+#include "gecos/session/server/object_setup.hpp"
+#include "gecos/session/server/session_packets.hpp"
+#include "gecos/session/server/start_gate.hpp"
+#include "gecos/session/server/status_grants.hpp"
+#include "gecos/session/server/user_callbacks.hpp"
+
+namespace gecos::session {
+
+/// The parts of one object of a server, and the mutex that guards them. Classes that threads enter
+/// (ObjectHost, CallRunner, HandlerWaits, NameConfirmation) lock the mutex; the parts do not.
+struct HostState final : private ObjectCalls::Observer {
+  explicit HostState(ObjectSetup its_setup);
+
+  const ObjectSetup setup;
+  UserCallbacks user_callbacks;
+  /// A hint: a call was queued or ended since the last check whether a call may start.
+  std::atomic<bool> ready{false};
+
+  FutexMutex mutex;
+  NameClaim claim GECOS_GUARDED_BY(mutex);
+  ObjectCalls calls GECOS_GUARDED_BY(mutex);
+  StatusGrants statuses GECOS_GUARDED_BY(mutex);
+  StartGate starts GECOS_GUARDED_BY(mutex);
+  SessionPackets packets GECOS_GUARDED_BY(mutex);
+
+ private:
+  void commands_ended(SessionId client) override;
+  void finished(ServerCall& call) override;
+};
+
+}  // namespace gecos::session

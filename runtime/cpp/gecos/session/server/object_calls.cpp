@@ -1,0 +1,250 @@
+#include "gecos/session/server/object_calls.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "gecos/base/log.hpp"
+#include "gecos/session/protocol/start_words.hpp"
+#include "gecos/session/server/call_log.hpp"
+#include "gecos/session/server/server_session.hpp"
+
+namespace gecos::session {
+namespace {
+
+/// Whether the client has withdrawn `call`. When client and server share memory, the mark must be
+/// written before the withdrawal is read.
+bool withdrawn(const ServerCall& call) {
+  ServerSession& session = call.listener();
+  if (!session.connection().capabilities().shared_words) return false;
+  const std::uint64_t counter = call.counter_in(session);
+  const std::size_t word = marked_word(call.lane);
+  session.marked.at(word) = std::max(session.marked.at(word), counter);
+  session.connection().write_word(word, session.marked.at(word));
+  return session.connection().peer_word(withdrawn_word) >= counter;
+}
+
+/// The running and queued actor commands, in the order in which they start.
+std::vector<std::shared_ptr<ServerCall>> commands_of(const ObjectQueue& queue) {
+  std::vector<std::shared_ptr<ServerCall>> commands;
+  for (QueueEntry* entry : queue.running()) {
+    commands.push_back(static_cast<ServerCall*>(entry)->shared_from_this());
+  }
+  for (const auto& entry : queue.waiting()) {
+    commands.push_back(std::static_pointer_cast<ServerCall>(entry));
+  }
+  return commands;
+}
+
+void tell_progress(ServerCall& call, TimePoint now) {
+  if (call.state.ended() || !call.reported.due(now)) return;
+  const Detail detail = call.state.canceling() ? Detail::Canceling : Detail::Executing;
+  if (call.listener().report(call, detail, 0)) call.reported.sent(now);
+}
+
+void tell_positions(const ObjectQueue& queue) {
+  std::size_t position = queue.running().size();
+  for (const auto& entry : queue.waiting()) {
+    auto& call = static_cast<ServerCall&>(*entry);
+    if (call.position_sent != position && call.listener().report(call, Detail::Queued, position)) {
+      call.position_sent = position;
+    }
+    ++position;
+  }
+}
+
+}  // namespace
+
+// From the queue to the end of the handler
+
+tl::expected<void, ObjectQueue::Full> ObjectCalls::add(const std::shared_ptr<ServerCall>& call) {
+  if (auto queued = queue_.push(call); !queued) return queued;
+  ServerSession& session = *call->session;
+  session.calls.insert(call->counter, call);
+  ++session.unreturned;
+  if (call->lane == CallLane::Actor) ++session.commands;
+  if (call->state.has_deadline()) list(*call);
+  note_ready();
+  return {};
+}
+
+std::shared_ptr<ServerCall> ObjectCalls::take() {
+  auto call = std::static_pointer_cast<ServerCall>(queue_.next());
+  if (call) call->state.on(CallState::Event::Take);
+  return call;
+}
+
+std::shared_ptr<ServerCall> ObjectCalls::take(FunctionRef<bool(const ServerCall&)> wanted) {
+  auto call = std::static_pointer_cast<ServerCall>(queue_.next(
+      [&](const QueueEntry& entry) { return wanted(static_cast<const ServerCall&>(entry)); }));
+  if (call) call->state.on(CallState::Event::Take);
+  return call;
+}
+
+bool ObjectCalls::mark(ServerCall& call, TimePoint since_boot) {
+  call.note_mark(since_boot);
+  if (!withdrawn(call)) {
+    call.state.on(CallState::Event::Begin, since_boot);
+    handlers_.add(call);
+    if (log_enabled(LogLevel::Debug)) log_begin(call);
+    return true;
+  }
+  end(call, Failure{Detail::NotStarted,
+                    "'" + std::string(call.operation().name) + "' of " + setup_.name +
+                        " was not started: its caller had given it up",
+                    {},
+                    {}});
+  return false;
+}
+
+void ObjectCalls::drop(ServerCall& call) {
+  call.state.on(CallState::Event::Drop);
+  queue_.returned(call);
+  finished(call);
+}
+
+void ObjectCalls::returned(const std::shared_ptr<ServerCall>& call) {
+  const auto change = call->state.on(CallState::Event::Return);
+  queue_.returned(*call);
+  if (change.finished) {
+    finished(*call);
+  } else if (!call->state.ended()) {
+    list(*call);  // the handler answers later
+    call->listener().report(*call, Detail::Executing, 0);
+  }
+}
+
+/// Must be called when the handler of `call` has answered and returned: frees the lane of the call.
+void ObjectCalls::finished(ServerCall& call) {
+  queue_.ended(call);
+  handlers_.remove(call);
+  if (std::exchange(call.listed, false)) {
+    open_.erase(std::find_if(open_.begin(), open_.end(),
+                             [&](const auto& other) { return other.get() == &call; }));
+  }
+  observer_.finished(call);
+}
+
+// Outcomes
+
+void ObjectCalls::tell_outcome(ServerCall& call, ByteView result) {
+  settle(call, Detail::Done, {});
+  call.listener().reply(call.counter_in(call.listener()), result);
+}
+
+void ObjectCalls::tell_outcome(ServerCall& call, const Failure& failure) {
+  settle(call, failure.detail, failure.text);
+  call.listener().reply(call.counter_in(call.listener()), failure);
+}
+
+/// Records the end of `call`. Must be called before the reply is sent, so that the status can be
+/// acquired as soon as a client sees its last command end. Commands of the next holder still wait
+/// for the handler to return.
+void ObjectCalls::settle(ServerCall& call, Detail detail, const std::string& text) {
+  if (log_enabled(level_of(call.operation()))) log_end(call, detail, text, setup_.clock().now());
+  call.session->calls.take(call.counter);
+  if (call.resumed_in) call.resumed_in->calls.take(call.resumed_counter);
+  if (call.lane != CallLane::Actor) return;
+  outcomes_.ended({call.client, call.counter, detail, text});
+  if (--call.session->commands == 0) observer_.commands_ended(call.client);
+}
+
+void ObjectCalls::end(ServerCall& call, const Failure& failure) {
+  if (call.state.queued()) queue_.remove(call);
+  const auto change = call.state.on(CallState::Event::End);
+  tell_outcome(call, failure);
+  if (change.finished) finished(call);
+}
+
+void ObjectCalls::end_commands(FunctionRef<bool(const ServerCall&)> which, const Failure& failure) {
+  for (const auto& call : commands_of(queue_)) {
+    if (!which(*call)) continue;
+    if (!call->state.queued()) interrupt(*call);
+    if (!call->state.ended()) end(*call, failure);
+  }
+  note_ready();
+}
+
+void ObjectCalls::end_all(const Failure& failure) {
+  end_commands([](const ServerCall&) { return true; }, failure);
+  for (const auto& entry : queue_.drop()) end(static_cast<ServerCall&>(*entry), failure);
+  const auto open = open_;  // the remaining calls are sensor operations that are answered later
+  for (const auto& call : open) {
+    interrupt(*call);
+    if (!call->state.ended()) end(*call, failure);
+  }
+}
+
+void ObjectCalls::interrupt(ServerCall& call) {
+  call.interrupt();
+  interrupted_.notify_all();
+}
+
+void ObjectCalls::wait_interrupted(MutexLock<FutexMutex>& lock, const ServerCall& call,
+                                   TimePoint deadline) {
+  const auto wanted = [&] { return call.interrupted(); };
+  if (deadline != TimePoint::max()) {
+    interrupted_.wait_until(lock, deadline, wanted);
+  } else {
+    interrupted_.wait(lock, wanted);
+  }
+}
+
+// Deadlines and progress
+
+void ObjectCalls::list(ServerCall& call) {
+  if (!std::exchange(call.listed, true)) open_.push_back(call.shared_from_this());
+}
+
+void ObjectCalls::on_tick(TimePoint now) {
+  const auto open = open_;
+  const TimePoint by_deadlines = open.empty() ? now : setup_.clock().since_boot();
+  for (const auto& call : open) {
+    if (!call->state.ended() && call->state.overdue(by_deadlines)) end_overdue(*call);
+    tell_progress(*call, now);
+  }
+  tell_positions(queue_);
+}
+
+void ObjectCalls::end_overdue(ServerCall& call) {
+  const std::string passed = "the deadline of '" + std::string(call.operation().name) + "' passed ";
+  if (call.state.queued()) {
+    end(call,
+        Failure{Detail::Expired, passed + "before it started; it was not carried out", {}, {}});
+  } else {
+    interrupt(call);
+    end(call,
+        Failure{Detail::TimedOut, passed + "while it was executing; it was told to stop", {}, {}});
+  }
+  note_ready();
+}
+
+void ObjectCalls::progressed(ServerCall& call, double fraction, ByteView feedback) {
+  if (call.state.ended()) return;
+  call.reported.note(fraction, feedback);
+  tell_progress(call, setup_.clock().now());
+}
+
+std::vector<std::shared_ptr<ServerCall>> ObjectCalls::held_up_by(const ServerCall& call) const {
+  std::vector<std::shared_ptr<ServerCall>> holding;
+  if (call.state.begun_at() || call.state.ended() || call.state.has_deadline()) return {};
+  if (!call.state.queued()) {  // the servant begins its calls itself and has queued this call
+    for (ServerCall* const handler : handlers_.calls()) {
+      if (!setup_.servant.gecos_share_thread(handler->operation(), call.operation())) continue;
+      holding.push_back(handler->shared_from_this());
+    }
+    return holding;
+  }
+  if (!setup_.options.thread_safe) {
+    for (ServerCall* const handler : handlers_.calls()) {
+      if (!handler->state.returned()) holding.push_back(handler->shared_from_this());
+    }
+  }
+  if (call.lane == CallLane::Actor) {
+    for (QueueEntry* const running : queue_.holding_up()) {
+      holding.push_back(static_cast<ServerCall*>(running)->shared_from_this());
+    }
+  }
+  return holding;
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gecos/base/function_ref.hpp"
+#include "gecos/base/mutex.hpp"
+#include "gecos/session/server/object_queue.hpp"
+#include "gecos/session/server/object_setup.hpp"
+#include "gecos/session/server/outcome_log.hpp"
+#include "gecos/session/server/running_handlers.hpp"
+#include "gecos/session/server/server_call.hpp"
+
+namespace gecos::session {
+
+/// The calls of one object, from the queue until they have ended and their handlers have returned.
+/// Sends each caller the outcome of its call exactly once, and keeps the outcomes of commands. Not
+/// thread-safe: the object's mutex guards it.
+class ObjectCalls {
+ public:
+  /// Is notified of ends. The object's mutex is held.
+  class Observer {
+   public:
+    virtual ~Observer() = default;
+    /// No actor command of the session `client` is open any more.
+    virtual void commands_ended(SessionId client) = 0;
+    /// `call` has ended and its handler has returned.
+    virtual void finished(ServerCall& call) = 0;
+  };
+
+  /// `ready`: set when calls may start that could not start before.
+  ObjectCalls(const ObjectSetup& setup, std::atomic<bool>& ready, Observer& observer)
+      : setup_(setup),
+        ready_(ready),
+        observer_(observer),
+        queue_(setup.options.thread_safe ? LaneThreads::Many : LaneThreads::One) {}
+
+  const ObjectQueue& queue() const { return queue_; }
+  OutcomeLog& outcomes() { return outcomes_; }
+  RunningHandlers& handlers() { return handlers_; }
+  /// True when no call is open and no handler runs.
+  bool idle() const { return queue_.idle() && open_.empty(); }
+  void note_ready() { ready_.store(true, std::memory_order_release); }
+
+  // From the queue to the end of the handler.
+  /// Queues `call`; fails with the limit of the queue that is reached.
+  tl::expected<void, ObjectQueue::Full> add(const std::shared_ptr<ServerCall>& call);
+  /// Removes the next call that may start from the queue; null when no call may start.
+  std::shared_ptr<ServerCall> take();
+  /// As take(), but only among the calls that `wanted` selects.
+  std::shared_ptr<ServerCall> take(FunctionRef<bool(const ServerCall&)> wanted);
+  /// Marks `call` as started; must be called directly before its handler begins. Returns false when
+  /// the client has withdrawn the call and therefore reports it as not started: then the call ends.
+  bool mark(ServerCall& call, TimePoint since_boot);
+  /// Must be called when the handler of a call that was taken will not begin. @pre the call has
+  /// ended
+  void drop(ServerCall& call);
+  /// The handler of `call` answers with `outcome`, a result or a failure. Returns true when the
+  /// handler has returned, so that the next call may start.
+  template <class Outcome>
+  bool answer(ServerCall& call, const Outcome& outcome) {
+    const auto change = call.state.on(CallState::Event::Answer);
+    if (change.report) tell_outcome(call, outcome);
+    if (change.finished) finished(call);
+    return change.finished;
+  }
+  /// Must be called when the thread of the handler has returned.
+  void returned(const std::shared_ptr<ServerCall>& call);
+
+  // Ends that do not come from the handler.
+  /// Ends `call` with `failure`, notifies its caller, and removes it from the queue if it has not
+  /// started. @pre the call has not ended
+  void end(ServerCall& call, const Failure& failure);
+  /// Ends the actor commands that `which` selects: drops waiting ones, interrupts running ones.
+  void end_commands(FunctionRef<bool(const ServerCall&)> which, const Failure& failure);
+  /// Ends all calls.
+  void end_all(const Failure& failure);
+  /// Sets the interrupt flag of `call` and wakes the threads that wait for it.
+  void interrupt(ServerCall& call);
+  /// Sleeps until `call` is interrupted or until `deadline`. `lock` holds the object's mutex.
+  void wait_interrupted(MutexLock<FutexMutex>& lock, const ServerCall& call, TimePoint deadline);
+
+  /// Notes a call that has a deadline or may take long: on_tick() looks after it.
+  void list(ServerCall& call);
+  /// Ends calls whose deadline has passed, and sends progress and positions in the queue that could
+  /// not be sent before.
+  void on_tick(TimePoint now);
+  void progressed(ServerCall& call, double fraction, ByteView feedback);
+
+  /// The calls whose handlers must return before `call` can start; empty when `call` has started,
+  /// has ended or has a deadline.
+  std::vector<std::shared_ptr<ServerCall>> held_up_by(const ServerCall& call) const;
+
+ private:
+  void tell_outcome(ServerCall& call, const Failure& failure);
+  void tell_outcome(ServerCall& call, ByteView result);
+  void settle(ServerCall& call, Detail detail, const std::string& text);
+  void finished(ServerCall& call);
+  void end_overdue(ServerCall& call);
+
+  const ObjectSetup& setup_;
+  std::atomic<bool>& ready_;
+  Observer& observer_;
+  ObjectQueue queue_;
+  OutcomeLog outcomes_;
+  RunningHandlers handlers_;
+  std::vector<std::shared_ptr<ServerCall>> open_;  ///< see list()
+  std::condition_variable_any interrupted_;
+};
+
+}  // namespace gecos::session

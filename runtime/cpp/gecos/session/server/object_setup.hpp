@@ -1,0 +1,28 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "gecos/servant.hpp"
+#include "gecos/server.hpp"
+#include "gecos/session/process/runtime.hpp"
+
+namespace gecos::session {
+
+/// What is fixed about one object of a server while it is served.
+struct ObjectSetup {
+  std::shared_ptr<Runtime> runtime;
+  std::string name;
+  Servant& servant;
+  const InterfaceDescription& interface;
+  ObjectOptions options;
+
+  const Clock& clock() const { return runtime->clock(); }
+  PauseWatch& pauses() const { return runtime->maintenance().pauses(); }
+  /// True when handlers of `operation` may take long: they run on a thread of their own.
+  bool runs_long(const OperationDescription& operation) const {
+    return operation.cancelable || options.blocking;
+  }
+};
+
+}  // namespace gecos::session

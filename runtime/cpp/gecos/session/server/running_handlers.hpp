@@ -1,0 +1,41 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gecos/command.hpp"
+#include "gecos/object_types.hpp"  // generated from idl/gecos/object.gidl
+
+namespace gecos::session {
+
+class ServerCall;
+
+/// The handlers of one object that run, and the calls that they wait for. Not thread-safe: the
+/// object's mutex guards it.
+class RunningHandlers {
+ public:
+  /// Must be called when the handler of `call` begins; `remove` when it has answered and returned,
+  /// or will not begin.
+  void add(ServerCall& call);
+  void remove(ServerCall& call);
+  /// The calls whose handlers run.
+  const std::vector<ServerCall*>& calls() const { return calls_; }
+
+  /// Notes that the handler of `call` waits without a time-out for the call `awaited`. `name`
+  /// describes `awaited`.
+  void waits(ServerCall& call, const CommandId& awaited, std::string name, TimePoint now);
+  void goes_on(ServerCall& call);
+  /// The calls whose handlers wait without a time-out since `before` or longer.
+  std::vector<std::shared_ptr<ServerCall>> waiting_since(TimePoint before) const;
+  /// The running handlers as `describe` shows them. `since_boot`: the current time of
+  /// Clock::since_boot.
+  std::vector<RunningHandler> shown(TimePoint since_boot) const;
+
+ private:
+  std::vector<ServerCall*> calls_;
+  std::size_t waiting_ = 0;  ///< how many of the handlers wait without a time-out
+};
+
+}  // namespace gecos::session

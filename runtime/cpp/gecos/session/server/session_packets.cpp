@@ -1,0 +1,420 @@
+#include "gecos/session/server/session_packets.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "gecos/base/log.hpp"
+#include "gecos/base/recycling_allocator.hpp"
+#include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
+#include "gecos/session/protocol/builtin.hpp"
+#include "gecos/session/protocol/packets.hpp"
+#include "gecos/session/server/admission.hpp"
+#include "gecos/session/server/call_log.hpp"
+#include "gecos/session/server/greeting.hpp"
+#include "gecos/wire/encodable.hpp"
+
+namespace gecos::session {
+namespace {
+
+constexpr const char* not_started = "the call was not started: its caller had given it up";
+
+std::uint8_t number_of(Detail detail) { return static_cast<std::uint8_t>(detail); }
+
+}  // namespace
+
+void SessionPackets::take(const Session& session, ByteView bytes) {
+  const auto packet = wire::decode_packet(bytes);
+  if (!packet) return;
+  const auto& header = packet->header;
+  if (header.kind == wire::PacketKind::Hello) {
+    if (closed_) return refuse_greeting(*session, "the server is about to end");
+    return greet(session, *packet, setup_, calls_.outcomes(), statuses_.now());
+  }
+  // this server has only sessions of its own protocol version
+  if (header.version != wire::packet_version) return;
+  const bool theirs = session->greeted() && header.session == session->id();
+  if (header.kind == wire::PacketKind::Goodbye) {
+    if (theirs) {
+      session->left = true;
+      // A client that sent its Goodbye while this process was suspended may be dead by now.
+      if (header.flags == withdraws || unheard_since_a_pause(*session)) withdraw(*session);
+      statuses_.release_all(*session);
+    }
+    return say_goodbye(*session, header.session, "the client asked for it");
+  }
+  if (!theirs || session->closed)
+    return say_goodbye(*session, header.session, "the server does not know the session");
+
+  if (session->repeats()) acknowledge(session, header.acknowledged);
+  if (header.counter == 0) return;  // no call has counter 0: the packet is damaged or malicious
+  switch (header.kind) {
+    case wire::PacketKind::Call:
+      return arrive(session, *packet);
+    case wire::PacketKind::Cancel:
+      return cancel(*session, header.counter);
+    case wire::PacketKind::Query:
+      return answer_again(*session, header.counter);
+    default:
+      return;  // a packet kind of a newer client
+  }
+}
+
+void SessionPackets::depart(ServerSession& session) {
+  // Calls that were issued before these deferred calls are missing and will not arrive any more.
+  while (const auto counter = session.intake.first_aside()) {
+    end_early(
+        session, *counter, Detail::Rejected,
+        "the call was not started: the session ended before the calls issued earlier arrived");
+  }
+}
+
+void SessionPackets::acknowledge(const Session& session, std::uint64_t counter) {
+  session->replies->acknowledged(counter);
+  if (session->intake.abandon_up_to(counter)) take_early(session);
+}
+
+void SessionPackets::say_goodbye(ServerSession& session, SessionId to, const std::string& why) {
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Goodbye;
+  header.session = to;
+  session.send(header, goodbye_body(why));
+}
+
+/// True when packets read from the session may be older than a pause of this process.
+bool SessionPackets::unheard_since_a_pause(const ServerSession& session) const {
+  return session.awaited || setup_.pauses().suspected(setup_.clock().since_boot());
+}
+
+/// Ends the calls of `session` that have not started, because its client has given them up.
+void SessionPackets::withdraw(ServerSession& session) {
+  session.intake.withdraw();  // also stops calls that wait for a thread
+  while (const auto counter = session.intake.first_aside()) {
+    end_early(session, *counter, Detail::NotStarted, not_started);
+  }
+  std::vector<std::shared_ptr<ServerCall>> calls;
+  for (const auto& [counter, call] : session.calls.all()) calls.push_back(call);
+  for (const auto& call : calls) {
+    if (call->state.queued()) calls_.end(*call, Failure{Detail::NotStarted, not_started, {}, {}});
+  }
+  calls_.note_ready();
+}
+
+void SessionPackets::cancel(ServerSession& session, std::uint64_t counter) {
+  if (session.intake.is_aside(counter)) {
+    return end_early(session, counter, Detail::Canceled, "canceled before it started");
+  }
+  const auto* found = session.calls.find(counter);
+  if (found == nullptr) return;
+  const std::shared_ptr<ServerCall> call = *found;
+  if (call->state.queued()) {
+    calls_.end(*call, Failure{Detail::Canceled, "canceled before it started", {}, {}});
+    calls_.note_ready();
+  } else if (call->operation().cancelable && !call->state.canceling()) {
+    call->state.on(CallState::Event::Cancel);
+    calls_.interrupt(*call);
+    session.report(*call, Detail::Canceling, 0);
+    calls_.end_commands(
+        [&](const ServerCall& other) {
+          return other.client == call->client && other.state.queued() &&
+                 other.counter > call->counter;
+        },
+        Failure{Detail::Canceled,
+                "canceled, because an earlier command of the same client was canceled",
+                {},
+                {}});
+    while (const auto later = session.intake.first_aside(counter)) {
+      end_early(session, *later, Detail::Canceled,
+                "canceled, because an earlier command of the same client was canceled");
+    }
+  }
+}
+
+void SessionPackets::answer_again(ServerSession& session, std::uint64_t counter) {
+  if (const Bytes* kept = session.replies->find(counter)) return session.send_again(*kept);
+  const auto* found = session.calls.find(counter);
+  if (found == nullptr) {
+    // Some queries are not answered. The call never arrived: the client sends it again. Its reply
+    // was acknowledged: the query is late. The call is deferred or waits for a status: to its
+    // caller it must appear as not arrived.
+    if (session.intake.is_aside(counter) || statuses_.is_waiting(session, counter)) return;
+    if (!session.intake.seen(counter) || !session.replies->awaited(counter)) return;
+    return session.reply(counter,
+                         Failure{Detail::OutcomeUnknown,
+                                 "the call ended, but its reply was lost and is not kept any more:"
+                                 " too many later replies were unacknowledged",
+                                 {},
+                                 {}});
+  }
+  const ServerCall& call = **found;
+  session.report(call, call.state.detail(), calls_.queue().position(call).value_or(0));
+}
+
+// From the arrival of a call to the queue
+
+void SessionPackets::arrive(const Session& session, const wire::PacketView& packet) {
+  const std::uint64_t counter = packet.header.counter;
+  // Commands issued before a `release` still run, so the `release` counts as arrived only after all
+  // of them.
+  const bool release = packet.header.code == GecosObjectInterface::release.code;
+  const bool unheard = session->awaited;
+  const bool judged = session->intake.judges_age(unheard);
+  switch (session->intake.arrived({.counter = counter,
+                                   .age = judged ? session->connection().age() : Duration{},
+                                   .unheard = unheard,
+                                   .needs_all = release})) {
+    case Intake::Verdict::Take:
+      break;
+    case Intake::Verdict::Seen:
+      return answer_again(*session, counter);
+    case Intake::Verdict::Ignore:
+      return;
+    case Intake::Verdict::TooLate:
+      return refuse_late(*session, counter);
+  }
+  wire::PacketView aged = packet;
+  if (Duration& left = aged.header.deadline; left > Duration{}) {
+    left = std::max(left - session->connection().age(), Duration{1});
+  }
+  take_call(session, aged);
+  take_early(session);
+}
+
+/// Refuses a call that was unread for too long, for example while this process was suspended. Its
+/// client has reported OUTCOME_UNKNOWN, or queries the outcome again.
+void SessionPackets::refuse_late(ServerSession& session, std::uint64_t counter) {
+  const std::string why =
+      "the call was not started: it was unread for more than " +
+      std::to_string(session.intake.accepts_within() / std::chrono::milliseconds(1)) +
+      " ms, because the server process or its machine did not run";
+  calls_.outcomes().ended({session.id(), counter, Detail::NotStarted, why});
+  session.reply(counter, Failure{Detail::NotStarted, why, {}, {}});
+}
+
+void SessionPackets::take_call(const Session& session, const wire::PacketView& packet) {
+  const std::uint64_t counter = packet.header.counter;
+  const FunctionCode code = packet.header.code;
+  if (packet.header.flags == sent_again) return take_again(session, packet);
+  if (is_builtin(code)) {
+    if (log_enabled(LogLevel::Debug)) {
+      log_debug("server", setup_.name + ": " + who(session->caller()) +
+                              " calls the built-in operation with code " +
+                              std::to_string(number(code)));
+    }
+    if (code == GecosObjectInterface::outcome.code) return answer_outcome(*session, packet);
+    return builtin_.answer(session, packet);
+  }
+  const OperationDescription* operation = setup_.interface.find(code);
+  if (operation == nullptr) {
+    return session->reply(
+        counter, Failure{Detail::UnknownOperation,
+                         setup_.name + " (" + std::string(setup_.interface.name) + ", version " +
+                             std::string(setup_.interface.version) +
+                             ") has no operation with code " + std::to_string(number(code)) +
+                             "; its server is older than this client's interface",
+                         {},
+                         {}});
+  }
+  const std::size_t most =
+      ObjectQueue::most_of_object + (operation->safety ? ObjectQueue::most_of_object / 4 : 0);
+  // no correct client has so many calls in flight
+  if (session->calls.size() + session->intake.aside() >= most) {
+    return session->reply(counter,
+                          Failure{Detail::QueueFull,
+                                  "the client has more unanswered calls than the server granted",
+                                  {},
+                                  {}});
+  }
+  if (!too_early(*session, packet, *operation)) admit(session, packet, *operation);
+}
+
+void SessionPackets::admit(const Session& session, const wire::PacketView& packet,
+                           const OperationDescription& operation) {
+  const auto refuse = [&](const Failure& failure) {
+    if (operation.status != access::Status::Sensor) {
+      calls_.outcomes().ended({session->id(), packet.header.counter, failure.detail, failure.text});
+    }
+    session->reply(packet.header.counter, failure);
+    if (log_enabled(level_of(operation)))
+      log_refused(setup_.name, operation, session->caller(), failure);
+  };
+  if (const auto refusal =
+          refusal_to_queue({operation, session->id(), packet.header.epoch}, statuses_.admitting(),
+                           claim_, calls_.queue(), closed_)) {
+    return refuse(*refusal);
+  }
+  auto call = make_recycled<ServerCall>(session, operation, packet.header.counter,
+                                        packet.header.epoch, packet.body);
+  if (log_enabled(level_of(operation))) call->arrived = setup_.clock().now();
+  if (packet.header.deadline > Duration{}) {
+    call->state.set_deadline(expiry(packet.header.deadline, setup_.clock().since_boot()));
+  }
+  if (const auto queued = calls_.add(call); !queued) {
+    return refuse({Detail::QueueFull,
+                   "'" + std::string(operation.name) + "' of " + setup_.name +
+                       " was not queued: " + text_of(queued.error(), packet.body.size()),
+                   {},
+                   {}});
+  }
+  if (call->lane != CallLane::Actor) return;
+  if (operation.on_new == OnNew::Preempt) preempt(*call);
+  const auto position = calls_.queue().position(*call).value_or(0);
+  if (position != 0 || session->repeats() || setup_.runs_long(operation)) {
+    call->position_sent = position;
+    if (position != 0) session->report(*call, Detail::Queued, position);
+  }
+}
+
+void SessionPackets::preempt(const ServerCall& by) {
+  const Failure failure{Detail::Preempted,
+                        "replaced by '" + std::string(by.operation().name) + "' of " +
+                            by.caller().program + " (pid " + std::to_string(by.caller().pid) + ")",
+                        {},
+                        {}};
+  calls_.end_commands([&](const ServerCall& other) { return &other != &by; }, failure);
+}
+
+// Calls that arrive before calls that were issued earlier
+
+/// A medium that loses packets may reorder commands. Defers a command that arrives before an
+/// earlier command; otherwise an arm would move to its second goal first. Returns true when the
+/// command was deferred, or refused for lack of room.
+bool SessionPackets::too_early(ServerSession& session, const wire::PacketView& packet,
+                               const OperationDescription& operation) {
+  const bool keeps_place = operation.status != access::Status::Sensor || operation.ordered;
+  if (operation.safety || !keeps_place || !session.intake.too_early(packet.header.counter)) {
+    return false;
+  }
+  if (!session.intake.put_aside(packet, setup_.clock().since_boot())) {
+    const auto why = text_of(ObjectQueue::Full::BytesOfClient, packet.body.size());
+    end_early(session, packet.header.counter, Detail::QueueFull,
+              "the command was not queued: " + why);
+  }
+  return true;
+}
+
+/// Processes the deferred calls for which no earlier call is missing any more.
+void SessionPackets::take_early(const Session& session) {
+  if (session->intake.aside() == 0) return;
+  const TimePoint now = setup_.clock().since_boot();
+  while (const auto call = session->intake.next(now)) {
+    take_call(session, {call->header, call->body, {}});
+  }
+}
+
+void SessionPackets::end_early(ServerSession& session, std::uint64_t counter, Detail how,
+                               const std::string& why) {
+  session.intake.drop(counter);
+  calls_.outcomes().ended({session.id(), counter, how, why});
+  session.reply(counter, Failure{how, why, {}, {}});
+}
+
+// Calls of a session that the client has lost
+
+/// Processes a call that was first sent in a lost session. While the lost session is known, a
+/// running call is reported in `session` and an ended call is answered again. A call that has not
+/// arrived is barred in the lost session and starts as a new call in `session`.
+void SessionPackets::take_again(const Session& session, const wire::PacketView& packet) {
+  wire::Decoder from(packet.body);
+  SentBefore sent;
+  if (!sent.decode(from)) {
+    return session->reply(packet.header.counter,
+                          Failure{Detail::BadParameter, from.error().message(), {}, {}});
+  }
+  const SessionId lost{sent.session};
+  wire::PacketView call = packet;
+  call.header.flags = 0;
+  call.body = packet.body.subspan(packet.body.size() - from.remaining());
+  const OperationDescription* const operation = setup_.interface.find(packet.header.code);
+  if (operation == nullptr || !operation->idempotent || lost == session->id()) {
+    return take_call(session, call);
+  }
+  if (const Bytes* const kept = calls_.outcomes().reply(lost, sent.counter)) {
+    if (const auto reply = wire::decode_packet(*kept)) {
+      return session->reply_as(packet.header.counter, *reply);
+    }
+  }
+  if (const auto before = calls_.outcomes().session(lost)) {
+    if (const auto* found = before->calls.find(sent.counter))
+      return resume(session, packet, *found);
+    reject_late(before, sent.counter);
+  }
+  take_call(session, call);
+}
+
+/// Makes `session` the session in which progress and outcome of `call` are reported.
+void SessionPackets::resume(const Session& session, const wire::PacketView& packet,
+                            std::shared_ptr<ServerCall> call) {
+  if (call->operation().code != packet.header.code) {
+    return session->reply(
+        packet.header.counter,
+        Failure{Detail::BadParameter, "the call was sent before, with another operation", {}, {}});
+  }
+  if (call->resumed_in) call->resumed_in->calls.take(call->resumed_counter);
+  call->resumed_in = session;
+  call->resumed_counter = packet.header.counter;
+  session->calls.insert(call->resumed_counter, call);
+  session->report(*call, call->state.detail(), calls_.queue().position(*call).value_or(0));
+}
+
+/// Keeps the call `counter` from starting if it still arrives in `before`, its first session.
+void SessionPackets::reject_late(const Session& before, std::uint64_t counter) {
+  if (before->closed || !before->repeats()) return;
+  if (before->intake.is_aside(counter)) {
+    end_early(*before, counter, Detail::NotStarted, "the call was sent again in another session");
+  } else if (before->intake.reject_late(counter) == ReceiveWindow::Verdict::New) {
+    take_early(before);
+  }
+}
+
+void SessionPackets::answer_outcome(ServerSession& session, const wire::PacketView& packet) {
+  const std::uint64_t counter = packet.header.counter;
+  const auto asked = wire::decoded<GecosObject_outcome_arguments>(packet.body);
+  if (!asked) {
+    return session.reply(counter, Failure{Detail::BadParameter, asked.error().message(), {}, {}});
+  }
+  OutcomeRecord record;
+  if (asked->boot != number(process_incarnation())) {
+    record = {number_of(Detail::OutcomeUnknown),
+              "the server of " + setup_.name +
+                  " was restarted after the call; it does not know the outcomes of earlier calls"};
+  } else {
+    record = outcome_of(SessionId{asked->session}, asked->counter);
+  }
+  session.reply(counter, wire::encoded(GecosObject_outcome_result{std::move(record)}));
+}
+
+OutcomeRecord SessionPackets::outcome_of(SessionId asked, std::uint64_t counter) {
+  if (const auto* entry = calls_.outcomes().find(asked, counter)) {
+    return {number_of(entry->detail), entry->text};
+  }
+  const OutcomeRecord never{number_of(Detail::NotStarted),
+                            "the call has not arrived, and does not start if it still arrives"};
+  if (const auto session = calls_.outcomes().open(asked)) {
+    if (const auto* call = session->calls.find(counter)) {
+      return {number_of((*call)->state.detail()), {}};
+    }
+    if (session->intake.is_aside(counter)) {
+      return {number_of(Detail::Queued), "the call waits for calls that were issued earlier"};
+    }
+    if (!session->intake.seen(counter)) {
+      if (!session->repeats()) return {number_of(Detail::Sent), "the call has not arrived yet"};
+      if (session->intake.reject_late(counter) == ReceiveWindow::Verdict::Beyond) {
+        return {number_of(Detail::Sent),
+                "the call has not arrived, but may still start: it is too far ahead of a missing "
+                "call; ask again"};
+      }
+      session->reply(counter, Failure{Detail::NotStarted, never.text, {}, {}});
+      take_early(session);
+      return never;
+    }
+  } else if (calls_.outcomes().had_arrived(asked, counter) == std::optional(false)) {
+    return never;
+  }
+  return {
+      number_of(Detail::OutcomeUnknown),
+      "the outcome is not known: the server keeps only the last outcomes of actor commands, and "
+      "none of sensor operations"};
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,62 @@
+#include "gecos/session/server/start_gate.hpp"
+
+#include <utility>
+
+#include "gecos/session/server/admission.hpp"
+#include "gecos/session/server/server_session.hpp"
+
+namespace gecos::session {
+
+std::shared_ptr<ServerCall> StartGate::next(Starter starter) {
+  ready_.store(false, std::memory_order_relaxed);
+  if (setup_.pauses().suspected(setup_.clock(), pause_)) {
+    calls_.note_ready();  // the maintenance thread starts these calls once it has judged the pause
+    return nullptr;
+  }
+  while (auto call = take()) {
+    const bool here = starter != Starter::Other && !setup_.runs_long(call->operation());
+    if (may_start(*call) &&
+        (!here || setup_.servant.gecos_begins_calls() || calls_.mark(*call, pause_.at))) {
+      if (!here) calls_.list(*call);
+      return call;
+    }
+    calls_.drop(*call);
+  }
+  return nullptr;
+}
+
+std::shared_ptr<ServerCall> StartGate::take() {
+  if (awaited_ == 0 && !claim_.waits()) return calls_.take();
+  const bool unconfirmed = claim_.waits() || claim_.refuses();
+  return calls_.take([&](const ServerCall& call) {
+    return !call.listener().awaited && !(unconfirmed && commands_the_object(call.operation()));
+  });
+}
+
+bool StartGate::may_start(ServerCall& call) {
+  if (call.state.ended()) return false;
+  const ServerSession& caller = call.listener();
+  const bool expired = call.state.has_deadline() && call.state.overdue(setup_.clock().since_boot());
+  const auto refusal =
+      refusal_to_start({call.operation(), call.client, call.epoch}, statuses_.admitting(),
+                       {.gone = caller.closed && !caller.parted_in_order,
+                        .withdrawn = caller.intake.withdrawn(),
+                        .unheard = caller.awaited},
+                       expired);
+  if (refusal) calls_.end(call, *refusal);
+  return !refusal;
+}
+
+void StartGate::await_heartbeat(ServerSession& session) {
+  if (session.closed) return;  // no heartbeat can arrive any more to end the wait
+  session.heartbeats_before = session.connection().beats_seen();
+  if (!std::exchange(session.awaited, true)) ++awaited_;
+}
+
+void StartGate::await_no_more(ServerSession& session) {
+  if (!std::exchange(session.awaited, false)) return;
+  --awaited_;
+  calls_.note_ready();
+}
+
+}  // namespace gecos::session

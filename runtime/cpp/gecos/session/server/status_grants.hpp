@@ -1,0 +1,82 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gecos/access/lease_table.hpp"
+#include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
+#include "gecos/session/protocol/suspend_aware_clock.hpp"
+#include "gecos/session/server/admission.hpp"
+#include "gecos/session/server/name_claim.hpp"
+#include "gecos/session/server/object_calls.hpp"
+#include "gecos/session/server/object_setup.hpp"
+
+namespace gecos::session {
+
+/// The actor and master status of one object: grants it on request, and ends it when its holder
+/// releases it, falls silent or is lost. The commands issued under a status that is lost end with
+/// it. Not thread-safe: the object's mutex guards it.
+class StatusGrants {
+ public:
+  StatusGrants(const ObjectSetup& setup, const NameClaim& claim, ObjectCalls& calls);
+
+  const access::LeaseTable& leases() const { return leases_; }
+  /// The current time by the clock of the leases, which does not advance while this process is
+  /// suspended.
+  TimePoint now() const { return clock_.now(); }
+  /// The object as a call sees it that asks for admission now.
+  AdmittingObject admitting() const { return {setup_.name, leases_, clock_.now()}; }
+  /// The holders as clients see them.
+  std::vector<Holder> holders() const;
+
+  /// Replies to a request for a status. A request waits for a short time while a handler still runs
+  /// whose command lost its status: no client may command the object beside it.
+  void request(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
+               GecosObject_acquire_arguments asked);
+  /// True when the request `counter` of `session` is not yet replied to.
+  bool is_waiting(const ServerSession& session, std::uint64_t counter) const;
+  /// Must be called when a handler has returned: replies to the requests that wait for it.
+  void reply_to_waiting();
+  /// Refuses the requests that wait: the server is about to end.
+  void close();
+
+  void renew(const ServerSession& session, TimePoint now) { leases_.renew(session.id(), now); }
+  void release(ServerSession& session, const GecosObject_release_arguments& asked);
+  /// Must be called when no command of `session` is open any more: a status that it has released
+  /// ends.
+  void commands_ended(SessionId session) { leases_.drained(session); }
+  /// Releases the status of `session` however often it was acquired; it ends with the last command.
+  void release_all(ServerSession& session);
+  /// The connection of `session` has ended. After `in_order` its status ends with its last command.
+  void depart(ServerSession& session, bool in_order);
+  /// Ends every status except that of `by`, which gets a new epoch.
+  void stop(SessionId by, const std::string& why) { leases_.stop(by, why); }
+  /// Ends the status of holders that were silent for too long, and refuses requests that have
+  /// waited for too long.
+  void on_tick(TimePoint now);
+
+ private:
+  struct Waiting {
+    std::shared_ptr<ServerSession> session;
+    std::uint64_t counter = 0;
+    GecosObject_acquire_arguments asked;
+    TimePoint give_up{};
+  };
+
+  void grant(ServerSession& session, std::uint64_t counter,
+             const GecosObject_acquire_arguments& asked);
+  const ServerCall* outlives_its_status() const;
+  void refuse_late(TimePoint now);
+  void lose(SessionId session, const std::string& why);
+
+  const ObjectSetup& setup_;
+  const NameClaim& claim_;
+  ObjectCalls& calls_;
+  access::LeaseTable leases_;
+  SuspendAwareClock clock_;       ///< for leases and peer time-outs
+  std::vector<Waiting> waiting_;  ///< in order of request
+};
+
+}  // namespace gecos::session
