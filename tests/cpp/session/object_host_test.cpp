@@ -170,7 +170,7 @@ TEST_F(ServedObjects, PartsFromAClientThatAsksAndNeverListens) {
   bool parted = false;
   for (std::uint64_t counter = 1; counter < 100'000 && !parted; ++counter) {
     call(counter, GecosObjectInterface::ping.code);
-    parted = session_->overrun();
+    parted = session_->sender().overrun();
   }
   EXPECT_TRUE(parted);
   EXPECT_TRUE(object_->check_liveness(session_)) << "though it gives signs of life";
@@ -181,9 +181,9 @@ TEST_F(ServedObjects, GivesUpLargeResultsOfAClientThatTakesNone) {
   connection_->full = true;
   servant_.result.resize(30 * 1024 * 1024);
   for (std::uint64_t counter = 1; counter <= 6; ++counter) call(counter, probe::read_code);
-  EXPECT_FALSE(session_->overrun());
+  EXPECT_FALSE(session_->sender().overrun());
   connection_->full = false;
-  session_->flush();
+  session_->sender().flush();
   for (std::uint64_t counter = 1; counter <= 4; ++counter)
     EXPECT_EQ(reply_to(counter), Detail::Done);
   EXPECT_EQ(reply_to(5), Detail::Fault);
@@ -301,7 +301,7 @@ TEST_F(OverALossyLine, AnAnswerThatHasNotGoneYetIsNotPutBehindItselfWhenItIsAske
   for (int times = 0; times < 3; ++times) packet(wire::PacketKind::Query, 1);
   connection_->full = false;
   connection_->sent.clear();
-  session_->flush();
+  session_->sender().flush();
   EXPECT_EQ(connection_->sent.size(), 1u);
 }
 

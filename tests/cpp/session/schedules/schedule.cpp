@@ -136,7 +136,7 @@ Schedule::Schedule(std::shared_ptr<Runtime> runtime, ScheduleClock& clock, std::
   };
   line_.touched = [this](Side side) { touched(side); };
   line_.parting = [this] {
-    if (served_ && !served_->awaited && !pauses_.suspected(clock_.seen_by_server())) {
+    if (served_ && !served_->heartbeats.awaited && !pauses_.suspected(clock_.seen_by_server())) {
       judge_.parted();
     }
   };
@@ -331,7 +331,7 @@ void Schedule::server_maintains() {
   }
   const TimePoint now = clock_.now();
   if (served_) {
-    served_->flush();
+    served_->sender().flush();
     if (now >= server_beat_due_) {
       served_->connection().beat();
       server_beat_due_ = now + runtime_->options().heartbeat;

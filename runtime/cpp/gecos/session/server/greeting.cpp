@@ -45,7 +45,7 @@ void open(const std::shared_ptr<ServerSession>& session, const Hello& hello,
   caller.session = number(id);
   session->greet(id, std::move(caller));
   session->intake.accept_within(hello.accept_within);
-  session->liveness.heard(now);
+  session->heartbeats.liveness.heard(now);
   outcomes.opened(id, session);
   note_session(id, session->object());
   if (log_enabled(LogLevel::Info)) log_arrival(setup.name, *session);

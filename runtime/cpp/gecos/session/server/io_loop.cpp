@@ -1,15 +1,11 @@
 #include "gecos/session/server/io_loop.hpp"
 
-#include <sys/epoll.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
+#include <span>
 #include <system_error>
 
 #include "gecos/base/log.hpp"
-#include "gecos/base/system_error.hpp"
 #include "gecos/base/thread.hpp"
 #include "gecos/session/protocol/packets.hpp"
 
@@ -18,7 +14,6 @@ namespace {
 
 constexpr std::uint64_t event_key = 0;
 constexpr std::uint64_t endpoint_bit = std::uint64_t{1} << 63;
-constexpr Duration stays_active = std::chrono::milliseconds(10);
 /// Number of turns between two checks for epoll events. A turn that found a packet takes longer and
 /// counts as `busy_turn` turns, so that a client that was silent never waits long.
 constexpr unsigned turns_between_events = 8192;
@@ -26,14 +21,9 @@ constexpr unsigned busy_turn = 128;
 
 }  // namespace
 
-IoLoop::Epoll::Epoll() : descriptor(epoll_create1(EPOLL_CLOEXEC)) {
-  if (descriptor < 0) throw_system_error("epoll_create1", errno);
-}
-IoLoop::Epoll::~Epoll() { close(descriptor); }
-
 IoLoop::IoLoop(std::shared_ptr<Runtime> runtime)
     : runtime_(std::move(runtime)), spin_(system_clock()) {
-  add_descriptor(event_.descriptor(), event_key);
+  epoll_.add(event_.descriptor(), event_key);
   main_ = start_thread("gecos-io", [this] { run(); });
   try {
     standby_ = start_thread("gecos-standby", [this] { run_standby(); });
@@ -50,7 +40,7 @@ IoLoop::~IoLoop() { end(); }
 void IoLoop::serve(std::shared_ptr<ObjectHost> object, std::shared_ptr<media::Acceptor> acceptor) {
   object->streams().offer(acceptor);
   {
-    const MutexLock list(list_mutex_);
+    const MutexLock lock(new_endpoints_mutex_);
     new_endpoints_.push_back(
         std::make_unique<Endpoint>(Endpoint{std::move(object), std::move(acceptor)}));
   }
@@ -60,23 +50,14 @@ void IoLoop::serve(std::shared_ptr<ObjectHost> object, std::shared_ptr<media::Ac
 void IoLoop::add_endpoints() {
   std::vector<std::unique_ptr<Endpoint>> opened;
   {
-    const MutexLock list(list_mutex_);
+    const MutexLock lock(new_endpoints_mutex_);
     opened.swap(new_endpoints_);
   }
   for (auto& endpoint : opened) {
     const auto key = endpoint_bit | endpoints_.size();
-    for (const int descriptor : endpoint->acceptor->descriptors()) add_descriptor(descriptor, key);
+    for (const int descriptor : endpoint->acceptor->descriptors()) epoll_.add(descriptor, key);
     endpoints_.push_back(std::move(endpoint));
     accept(*endpoints_.back());
-  }
-}
-
-void IoLoop::add_descriptor(int descriptor, std::uint64_t key) {
-  epoll_event event{};
-  event.events = EPOLLIN | EPOLLET;
-  event.data.u64 = key;
-  if (epoll_ctl(epoll_.descriptor, EPOLL_CTL_ADD, descriptor, &event) != 0 && errno != EEXIST) {
-    throw_system_error("epoll_ctl", errno);
   }
 }
 
@@ -91,13 +72,7 @@ void IoLoop::run() {
 }
 
 void IoLoop::run_standby() {
-  for (;;) {
-    {
-      MutexLock called(standby_mutex_);
-      while (!standby_wanted_ && !ended_.load()) standby_called_.wait(called);
-      standby_wanted_ = false;
-    }
-    if (ended_.load()) return;
+  while (standby_call_.wait()) {
     const MutexLock polling(polling_);
     while (!ended_.load() && main_is_inside()) turn();
     event_.notify();  // the standby may have drained events for which the main thread waits
@@ -122,47 +97,28 @@ void IoLoop::turn() {
   turns_ += busy ? busy_turn : 1;
   if (turns_ >= turns_between_events) {
     turns_ = 0;
-    retire_idle(runtime_->clock().now());
+    active_.retire_idle(runtime_->clock().now());
     take_events(0);
   }
   if (busy) spin_.begin();
   if (busy || (!active_.empty() && spin_.again([this] {
         polling_.assert_held();
-        return peers();
+        return active_.peers();
       }))) {
     return;
   }
+  const bool all_sleep = active_.put_to_sleep([this](const auto& session) {
+    polling_.assert_held();
+    part_if_lost(session);
+  });
   // The call of take_events() above may have drained the event that announces `ended_`, so check
   // `ended_` again.
-  if (prepare_all_to_sleep() && !ended_.load()) {
-    woken_ = media::Woken::Early;
-    rang_at_ = TimePoint{};
+  if (all_sleep && !ended_.load()) {
+    wake_ = {};
     take_events(-1);
-    spin_.woke(rang_at_, woken_);
+    spin_.woke(wake_.rang_at, wake_.by);
   }
   spin_.begin();
-}
-
-/// A sleeping client on another core does not count: it sends nothing soon. A sleeping client on
-/// this core counts: a reply of this server may just have woken it, and it waits for the core.
-media::Peers IoLoop::peers() const {
-  const std::int32_t mine = running_core();
-  bool here = false;
-  bool elsewhere = false;
-  bool unknown = false;
-  for (const auto& session : active_) {
-    const media::Whereabouts client = session->connection().peer_whereabouts();
-    if (client.core == unknown_core) {
-      unknown = true;
-    } else if (client.core == mine) {
-      here = true;
-    } else if (!client.asleep) {
-      elsewhere = true;
-    }
-  }
-  if (elsewhere) return here || unknown ? media::Peers::Both : media::Peers::Elsewhere;
-  if (here) return media::Peers::Here;
-  return unknown ? media::Peers::Unknown : media::Peers::Elsewhere;
 }
 
 bool IoLoop::poll_active() {
@@ -174,7 +130,7 @@ bool IoLoop::poll_active() {
     std::shared_ptr<ServerCall> started;
     if (const auto packet = session.connection().receive()) {
       something = true;
-      session.quiet_looks = 0;
+      session.polled.quiet_looks = 0;
       started = session.object()->take_and_start(active_[at], *packet, starter);
     }
     // A standby may disconnect the session while the handlers run: then `started` keeps the session
@@ -190,64 +146,26 @@ bool IoLoop::poll_active() {
   return something;
 }
 
-void IoLoop::retire_idle(TimePoint now) {
-  const auto idle = [&](const std::shared_ptr<ServerSession>& session) {
-    if (session->quiet_looks == 0) session->last_heard = now;
-    session->quiet_looks = 1;
-    if (session->gone.load()) return true;
-    if (now - session->last_heard < stays_active) return false;
-    if (!session->connection().prepare_to_sleep()) {
-      session->connection().woke();
-      return false;
-    }
-    session->active = false;
-    return true;
-  };
-  active_.erase(std::remove_if(active_.begin(), active_.end(), idle), active_.end());
-}
-
-/// Prepares the connection of each active session for sleep. Returns false when a session must stay
-/// active, because a packet has arrived.
-bool IoLoop::prepare_all_to_sleep() {
-  for (const auto& session : active_) {
-    session->active = false;
-    if (session->gone.load() || session->connection().prepare_to_sleep()) continue;
-    session->connection().woke();
-    part_if_lost(session);
-    if (session->gone.load()) continue;
-    session->active = true;
-    still_active_.push_back(session);
-  }
-  active_.swap(still_active_);
-  still_active_.clear();
-  return active_.empty();
-}
-
 void IoLoop::activate(const std::shared_ptr<ServerSession>& session) {
   if (session->gone.load()) return;
-  if (session->active) {
+  if (!active_.wake(session)) {
     // epoll reports a loss only once, so loss() must ask the kernel now
     session->connection().loss();
     return;
   }
-  session->connection().woke();
-  woken_ = media::Woken::ByAnswer;
-  rang_at_ = std::max(rang_at_, session->connection().peer_whereabouts().rang_at);
-  session->active = true;
-  session->quiet_looks = 0;
-  active_.push_back(session);
+  wake_.by = media::Woken::ByAnswer;
+  wake_.rang_at = std::max(wake_.rang_at, session->connection().peer_whereabouts().rang_at);
 }
 
 void IoLoop::take_events(int milliseconds) {
-  std::array<epoll_event, 64> events{};
-  int count = 0;
+  std::array<epoll_event, 64> room{};
+  std::span<const epoll_event> events;
   {
     const MutexUnlock polled_by_others(polling_);
-    count =
-        epoll_wait(epoll_.descriptor, events.data(), static_cast<int>(events.size()), milliseconds);
+    events = epoll_.wait(room, milliseconds);
   }
-  for (int at = 0; at < count; ++at) {
-    const std::uint64_t key = events[static_cast<std::size_t>(at)].data.u64;
+  for (const auto& event : events) {
+    const std::uint64_t key = event.data.u64;
     if (key == event_key) {
       event_.drain();
       add_endpoints();
@@ -255,16 +173,10 @@ void IoLoop::take_events(int milliseconds) {
       part_from_suspects();
     } else if ((key & endpoint_bit) != 0) {
       if (const auto& endpoint = endpoints_[key & ~endpoint_bit]) accept(*endpoint);
-    } else if (const auto session = session_of(key)) {
+    } else if (const auto session = sessions_.find(key)) {
       activate(session);
     }
   }
-}
-
-std::shared_ptr<ServerSession> IoLoop::session_of(std::uint64_t key) {
-  const MutexLock list(list_mutex_);
-  const auto found = sessions_.find(key);
-  return found == sessions_.end() ? nullptr : found->second;
 }
 
 void IoLoop::accept(Endpoint& endpoint) {
@@ -278,10 +190,10 @@ void IoLoop::accept(Endpoint& endpoint) {
   if (endpoint.acceptor->short_of_descriptors()) somebody_waits_.store(true);
   // Over a medium that loses packets, the packets of all clients arrive through this endpoint. So
   // each of their sessions may have one.
-  const MutexLock list(list_mutex_);
-  for (const auto& [key, session] : sessions_) {
+  sessions_.for_each([&](const auto& session) {
+    polling_.assert_held();
     if (session->repeats() && session->object() == endpoint.object) activate(session);
-  }
+  });
 }
 
 void IoLoop::accept_all() {
@@ -291,14 +203,11 @@ void IoLoop::accept_all() {
 }
 
 void IoLoop::watch(const std::shared_ptr<ServerSession>& session) {
-  const std::uint64_t key = next_key_++;
-  for (const int descriptor : session->connection().descriptors()) add_descriptor(descriptor, key);
-  session->last_heard = runtime_->clock().now();
-  {
-    const MutexLock list(list_mutex_);
-    sessions_.emplace(key, session);
-  }
-  active_.push_back(session);
+  const std::uint64_t key = sessions_.new_key();
+  for (const int descriptor : session->connection().descriptors()) epoll_.add(descriptor, key);
+  session->polled.last_heard = runtime_->clock().now();
+  sessions_.add(key, session);
+  active_.add(session);
   log_debug("media", session->object()->name() + ": a connection over " +
                          std::string(session->connection().capabilities().name) +
                          " is open: " + session->connection().peer().description);
@@ -327,17 +236,11 @@ void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
 void IoLoop::part_from_suspects() {
   if (!suspects_.exchange(false)) return;
   drop_closed_endpoints();
-  std::vector<std::shared_ptr<ServerSession>> gone;
-  const MutexLock list(list_mutex_);
-  for (auto at = sessions_.begin(); at != sessions_.end();) {
-    part_if_lost(at->second);
-    if (!at->second->gone.load()) {
-      ++at;
-      continue;
-    }
-    gone.push_back(at->second);
-    at = sessions_.erase(at);
-  }
+  sessions_.remove_if([this](const auto& session) {
+    polling_.assert_held();
+    part_if_lost(session);
+    return session->gone.load();
+  });
 }
 
 void IoLoop::drop_closed_endpoints() {
@@ -347,30 +250,22 @@ void IoLoop::drop_closed_endpoints() {
 }
 
 void IoLoop::await_signs_of_life() {
-  const MutexLock list(list_mutex_);
-  for (const auto& [key, session] : sessions_) session->object()->await_sign_of_life(*session);
+  sessions_.for_each([](const auto& session) { session->object()->await_sign_of_life(*session); });
 }
 
 TimePoint IoLoop::on_tick(TimePoint now) {
   const std::uint64_t handler = handler_turn_.load();
   if (handler % 2 == 1 && handler == handler_seen_) {
-    const MutexLock called(standby_mutex_);
-    standby_wanted_ = true;
-    standby_called_.notify_one();
+    standby_call_.call();
     event_.notify();  // the standby may still sleep in epoll_wait since its last turn
   }
   handler_seen_ = handler;
 
-  std::vector<std::shared_ptr<ServerSession>> sessions;
-  {
-    const MutexLock list(list_mutex_);
-    for (const auto& [key, session] : sessions_) sessions.push_back(session);
-  }
   const bool beat = now >= next_beat_;
   if (beat) next_beat_ = now + runtime_->options().heartbeat;
   bool suspects = false;
-  for (const auto& session : sessions) {
-    session->flush();
+  for (const auto& session : sessions_.all()) {
+    session->sender().flush();
     if (beat) session->connection().beat();
     if (session->object()->check_liveness(session)) {
       session->gone = true;
@@ -385,12 +280,9 @@ TimePoint IoLoop::on_tick(TimePoint now) {
 }
 
 void IoLoop::withdraw(const ObjectHost& object) {
-  {
-    const MutexLock list(list_mutex_);
-    for (const auto& [key, session] : sessions_) {
-      if (session->object().get() == &object) session->gone = true;
-    }
-  }
+  sessions_.for_each([&](const auto& session) {
+    if (session->object().get() == &object) session->gone = true;
+  });
   suspects_.store(true);
   event_.notify();
 }
@@ -398,10 +290,7 @@ void IoLoop::withdraw(const ObjectHost& object) {
 void IoLoop::end() {
   if (ended_.exchange(true)) return;
   event_.notify();
-  {
-    const MutexLock called(standby_mutex_);
-    standby_called_.notify_one();
-  }
+  standby_call_.end();
   main_.join();
   standby_.join();
   const MutexLock polling(polling_);
@@ -409,13 +298,11 @@ void IoLoop::end() {
     while (endpoint && endpoint->acceptor->accept()) {  // new clients see their connection close
     }
   }
-  decltype(sessions_) sessions;
   {
-    const MutexLock list(list_mutex_);
-    sessions.swap(sessions_);
+    const MutexLock lock(new_endpoints_mutex_);
     new_endpoints_.clear();
   }
-  for (const auto& [key, session] : sessions) {
+  for (const auto& session : sessions_.remove_if([](const auto&) { return true; })) {
     // Over a medium that cannot tell which packets were read, only an answer tells the client that
     // a call did not start.
     while (session->repeats() && !session->gone.load()) {
@@ -424,7 +311,7 @@ void IoLoop::end() {
       session->object()->take(session, *packet);
     }
     session->object()->depart(session, ObjectHost::Departure::InOrder);
-    session->flush();
+    session->sender().flush();
     wire::PacketHeader header;
     header.kind = wire::PacketKind::Goodbye;
     session->send(header, {});

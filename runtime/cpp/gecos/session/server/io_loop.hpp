@@ -3,14 +3,17 @@
 #include <atomic>
 #include <memory>
 #include <thread>
-#include <unordered_map>
 #include <vector>
 
 #include "gecos/base/event_fd.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/media/parts/waiting.hpp"
 #include "gecos/session/process/runtime.hpp"
+#include "gecos/session/server/active_sessions.hpp"
+#include "gecos/session/server/epoll.hpp"
 #include "gecos/session/server/object_host.hpp"
+#include "gecos/session/server/session_list.hpp"
+#include "gecos/session/server/standby_call.hpp"
 
 namespace gecos::session {
 
@@ -20,7 +23,9 @@ namespace gecos::session {
 /// Only active connections are polled. A connection that was silent for 10 ms is put to sleep and
 /// costs nothing until its descriptor reports a packet. One thread polls at a time. It releases
 /// `polling_` while it runs a handler. When the handler takes longer than a maintenance tick, a
-/// standby thread polls instead, so only the callers of a slow handler wait for it.
+/// standby thread polls instead, so only the callers of a slow handler wait for it. Has more
+/// members than other classes: they belong to three threads, and comments say which of them uses a
+/// member.
 class IoLoop {
  public:
   explicit IoLoop(std::shared_ptr<Runtime> runtime);
@@ -44,10 +49,10 @@ class IoLoop {
     std::shared_ptr<ObjectHost> object;
     std::shared_ptr<media::Acceptor> acceptor;
   };
-  struct Epoll {
-    Epoll();
-    ~Epoll();
-    const int descriptor;
+  /// What ended the last sleep, and when the client that ended it sent the wake-up.
+  struct Wake {
+    media::Woken by = media::Woken::Early;
+    TimePoint rang_at{};
   };
 
   void run();
@@ -59,10 +64,6 @@ class IoLoop {
   /// Polls every active session once; sleeps when no session is active any more.
   void turn() GECOS_REQUIRES(polling_);
   bool poll_active() GECOS_REQUIRES(polling_);
-  /// Returns whether the clients that may send next run on this core, on other cores, or on both.
-  media::Peers peers() const GECOS_REQUIRES(polling_);
-  bool prepare_all_to_sleep() GECOS_REQUIRES(polling_);
-  void retire_idle(TimePoint now) GECOS_REQUIRES(polling_);
   void activate(const std::shared_ptr<ServerSession>& session) GECOS_REQUIRES(polling_);
   void take_events(int milliseconds) GECOS_REQUIRES(polling_);
   void add_endpoints() GECOS_REQUIRES(polling_);
@@ -71,12 +72,10 @@ class IoLoop {
   void watch(const std::shared_ptr<ServerSession>& session) GECOS_REQUIRES(polling_);
   void part_from_suspects() GECOS_REQUIRES(polling_);
   void drop_closed_endpoints() GECOS_REQUIRES(polling_);
-  std::shared_ptr<ServerSession> session_of(std::uint64_t key);
   void part_if_lost(const std::shared_ptr<ServerSession>& session);
-  void add_descriptor(int descriptor, std::uint64_t key);
 
   const std::shared_ptr<Runtime> runtime_;
-  const Epoll epoll_;
+  Epoll epoll_;
   EventFd event_;
   std::atomic<bool> ended_{false};              // orders no other memory
   std::atomic<std::uint64_t> handler_turn_{0};  // odd while main_ runs a handler; written by main_
@@ -85,26 +84,18 @@ class IoLoop {
   media::SpinPolicy spin_ GECOS_GUARDED_BY(polling_);
   /// An element is null after its object was withdrawn.
   std::vector<std::unique_ptr<Endpoint>> endpoints_ GECOS_GUARDED_BY(polling_);
-  std::vector<std::shared_ptr<ServerSession>> active_ GECOS_GUARDED_BY(polling_);
-  /// Scratch list of prepare_all_to_sleep, kept so that it does not allocate.
-  std::vector<std::shared_ptr<ServerSession>> still_active_ GECOS_GUARDED_BY(polling_);
-  /// What ended the last sleep, and when the client that ended it sent the wake-up.
-  media::Woken woken_ GECOS_GUARDED_BY(polling_) = media::Woken::Early;
-  TimePoint rang_at_ GECOS_GUARDED_BY(polling_){};
-  std::uint64_t next_key_ GECOS_GUARDED_BY(polling_) = 1;
+  ActiveSessions active_ GECOS_GUARDED_BY(polling_);
+  Wake wake_ GECOS_GUARDED_BY(polling_);
   unsigned turns_ GECOS_GUARDED_BY(polling_) = 0;
   std::thread::id main_id_ GECOS_GUARDED_BY(polling_);
 
-  Mutex list_mutex_;  ///< locked only briefly, also by the polling thread
-  std::unordered_map<std::uint64_t, std::shared_ptr<ServerSession>> sessions_
-      GECOS_GUARDED_BY(list_mutex_);  ///< by the key of their epoll events
-  std::vector<std::unique_ptr<Endpoint>> new_endpoints_ GECOS_GUARDED_BY(list_mutex_);
+  SessionList sessions_;
+  Mutex new_endpoints_mutex_;
+  std::vector<std::unique_ptr<Endpoint>> new_endpoints_ GECOS_GUARDED_BY(new_endpoints_mutex_);
   std::atomic<bool> somebody_waits_{false};  // a client could not be accepted: no descriptor left
   std::atomic<bool> suspects_{false};  // tells the polling thread that some connections may be lost
 
-  Mutex standby_mutex_;
-  ConditionVariable standby_called_;
-  bool standby_wanted_ GECOS_GUARDED_BY(standby_mutex_) = false;
+  StandbyCall standby_call_;
   /// `handler_turn_` at the last tick; used by the maintenance thread only
   std::uint64_t handler_seen_ = 0;
   TimePoint next_beat_{};

@@ -40,18 +40,18 @@ std::shared_ptr<ServerCall> ObjectHost::take_and_start(
 
 void ObjectHost::await_sign_of_life(ServerSession& session) {
   const MutexLock lock(state_.mutex);
-  session.liveness.await_heartbeat_after(session.connection().beats_seen());
+  session.heartbeats.liveness.await_heartbeat_after(session.connection().beats_seen());
   state_.starts.await_heartbeat(session);
 }
 
 bool ObjectHost::check_liveness(const std::shared_ptr<ServerSession>& session) {
   const MutexLock lock(state_.mutex);
-  if (session->overrun()) return true;
+  if (session->sender().overrun()) return true;
   const TimePoint now = state_.statuses.now();
-  const auto verdict = session->liveness.check(session->connection().beats_seen(), now);
+  const auto verdict = session->heartbeats.liveness.check(session->connection().beats_seen(), now);
   // The connection may hold an unread Goodbye that was sent before the heartbeat and withdraws
   // calls. It must be read first.
-  const bool heard = session->connection().beats_read() > session->heartbeats_before;
+  const bool heard = session->connection().beats_read() > session->heartbeats.before;
   if (heard && verdict <= PeerLiveness::Verdict::Quiet) state_.starts.await_no_more(*session);
   if (verdict == PeerLiveness::Verdict::Quiet) return false;
   if (verdict == PeerLiveness::Verdict::Alive) {

@@ -2,19 +2,17 @@
 
 #include <array>
 #include <atomic>
-#include <deque>
 #include <limits>
 #include <map>
 #include <memory>
-#include <optional>
 
 #include "gecos/access/lease_table.hpp"
-#include "gecos/base/mutex.hpp"
 #include "gecos/media/medium.hpp"
 #include "gecos/session/protocol/call_table.hpp"
 #include "gecos/session/protocol/peer_liveness.hpp"
 #include "gecos/session/protocol/receive_window.hpp"
 #include "gecos/session/server/intake.hpp"
+#include "gecos/session/server/packet_sender.hpp"
 #include "gecos/session/server/server_call.hpp"
 #include "gecos/wire/packet.hpp"
 
@@ -22,8 +20,9 @@ namespace gecos::session {
 
 /// Server side of one client's session with one object.
 ///
-/// Only the thread that polls the server's connections may receive packets. Any thread may send:
-/// sending has its own mutex. Comments below say what guards each member.
+/// Only the thread that polls the server's connections may receive packets. Any thread may send.
+/// Has more members than other classes: the classes of the server keep here what they know about
+/// one session, so that they need no tables of their own. Comments say what guards each member.
 class ServerSession {
  public:
   ServerSession(std::unique_ptr<media::Connection> connection, std::shared_ptr<ObjectHost> object);
@@ -57,18 +56,17 @@ class ServerSession {
   /// Sends a packet now, or as soon as the connection has room. Packets, replies included, are sent
   /// in order.
   void send(wire::PacketHeader header, ByteView body);
-  void send_again(const Bytes& packet);
-  void flush();
-  /// True when the client does not read its replies: more replies wait than a correct client can
-  /// have requested.
-  bool overrun() const { return overrun_.load(std::memory_order_relaxed); }
+  PacketSender& sender() { return sender_; }
   tl::expected<std::uint32_t, std::string> share(const StreamDescription& stream);
   void unshare(std::uint32_t id);
 
-  // Used only by the thread that polls.
-  bool active = true;
-  unsigned quiet_looks = 0;  ///< 0: a packet came since the last `retire_idle`
-  TimePoint last_heard{};
+  /// Used only by the thread that polls.
+  struct Polled {
+    bool active = true;        ///< the connection is polled
+    unsigned quiet_looks = 0;  ///< 0: a packet came since the last ActiveSessions::retire_idle
+    TimePoint last_heard{};
+  };
+  Polled polled;
 
   // true: the polling thread drops the session; orders no other memory
   std::atomic<bool> gone{false};
@@ -90,27 +88,27 @@ class ServerSession {
   bool left = false;             ///< the client said goodbye
   bool closed = false;           ///< the connection is lost or closed
   bool parted_in_order = false;  ///< the connection ended in order, and the calls still run
-  PeerLiveness liveness;
-  /// True after this process was suspended or while the client is silent: no call of the session
-  /// may start before the client's next heartbeat.
-  bool awaited = false;
-  /// Number of heartbeats received when `awaited` was set; only a later heartbeat clears `awaited`.
-  std::uint64_t heartbeats_before = 0;
+  /// What the heartbeats of the client say.
+  struct Heartbeats {
+    PeerLiveness liveness;
+    /// True after this process was suspended or while the client is silent: no call of the session
+    /// may start before the client's next heartbeat.
+    bool awaited = false;
+    /// Number of heartbeats received when `awaited` was set; only a later heartbeat clears
+    /// `awaited`.
+    std::uint64_t before = 0;
+  };
+  Heartbeats heartbeats;
 
  private:
-  void deliver(ByteView packet) GECOS_REQUIRES(send_mutex_);
+  ReplyCache* kept() const;
 
   const std::unique_ptr<media::Connection> connection_;
   const std::shared_ptr<ObjectHost> object_;
   const bool repeats_;
   SessionId id_{};
   Caller caller_;
-
-  FutexMutex send_mutex_;
-  Bytes packet_ GECOS_GUARDED_BY(send_mutex_);               ///< encoding buffer, reused
-  std::deque<Bytes> backlog_ GECOS_GUARDED_BY(send_mutex_);  ///< packets that wait for room
-  std::size_t backlog_bytes_ GECOS_GUARDED_BY(send_mutex_) = 0;
-  std::atomic<bool> overrun_{false};  // orders no other memory
+  PacketSender sender_;
 };
 
 }  // namespace gecos::session

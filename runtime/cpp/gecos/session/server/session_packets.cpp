@@ -83,7 +83,7 @@ void SessionPackets::say_goodbye(ServerSession& session, SessionId to, const std
 
 /// True when packets read from the session may be older than a pause of this process.
 bool SessionPackets::unheard_since_a_pause(const ServerSession& session) const {
-  return session.awaited || setup_.pauses().suspected(setup_.clock().since_boot());
+  return session.heartbeats.awaited || setup_.pauses().suspected(setup_.clock().since_boot());
 }
 
 /// Ends the calls of `session` that have not started, because its client has given them up.
@@ -131,7 +131,7 @@ void SessionPackets::cancel(ServerSession& session, std::uint64_t counter) {
 }
 
 void SessionPackets::answer_again(ServerSession& session, std::uint64_t counter) {
-  if (const Bytes* kept = session.replies->find(counter)) return session.send_again(*kept);
+  if (const Bytes* kept = session.replies->find(counter)) return session.sender().send_again(*kept);
   const auto* found = session.calls.find(counter);
   if (found == nullptr) {
     // Some queries are not answered. The call never arrived: the client sends it again. Its reply
@@ -157,7 +157,7 @@ void SessionPackets::arrive(const Session& session, const wire::PacketView& pack
   // Commands issued before a `release` still run, so the `release` counts as arrived only after all
   // of them.
   const bool release = packet.header.code == GecosObjectInterface::release.code;
-  const bool unheard = session->awaited;
+  const bool unheard = session->heartbeats.awaited;
   const bool judged = session->intake.judges_age(unheard);
   switch (session->intake.arrived({.counter = counter,
                                    .age = judged ? session->connection().age() : Duration{},

@@ -29,7 +29,8 @@ std::shared_ptr<ServerCall> StartGate::take() {
   if (awaited_ == 0 && !claim_.waits()) return calls_.take();
   const bool unconfirmed = claim_.waits() || claim_.refuses();
   return calls_.take([&](const ServerCall& call) {
-    return !call.listener().awaited && !(unconfirmed && commands_the_object(call.operation()));
+    return !call.listener().heartbeats.awaited &&
+           !(unconfirmed && commands_the_object(call.operation()));
   });
 }
 
@@ -41,7 +42,7 @@ bool StartGate::may_start(ServerCall& call) {
       refusal_to_start({call.operation(), call.client, call.epoch}, statuses_.admitting(),
                        {.gone = caller.closed && !caller.parted_in_order,
                         .withdrawn = caller.intake.withdrawn(),
-                        .unheard = caller.awaited},
+                        .unheard = caller.heartbeats.awaited},
                        expired);
   if (refusal) calls_.end(call, *refusal);
   return !refusal;
@@ -49,12 +50,12 @@ bool StartGate::may_start(ServerCall& call) {
 
 void StartGate::await_heartbeat(ServerSession& session) {
   if (session.closed) return;  // no heartbeat can arrive any more to end the wait
-  session.heartbeats_before = session.connection().beats_seen();
-  if (!std::exchange(session.awaited, true)) ++awaited_;
+  session.heartbeats.before = session.connection().beats_seen();
+  if (!std::exchange(session.heartbeats.awaited, true)) ++awaited_;
 }
 
 void StartGate::await_no_more(ServerSession& session) {
-  if (!std::exchange(session.awaited, false)) return;
+  if (!std::exchange(session.heartbeats.awaited, false)) return;
   --awaited_;
   calls_.note_ready();
 }

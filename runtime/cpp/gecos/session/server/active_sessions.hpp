@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "gecos/base/function_ref.hpp"
+#include "gecos/media/parts/waiting.hpp"
+#include "gecos/session/server/server_session.hpp"
+
+namespace gecos::session {
+
+/// The sessions of a server whose connections are polled. The connections of all others sleep: a
+/// packet wakes the server through their descriptors. Not thread-safe: used by the thread that
+/// polls.
+class ActiveSessions {
+ public:
+  using Session = std::shared_ptr<ServerSession>;
+
+  bool empty() const { return sessions_.empty(); }
+  std::size_t size() const { return sessions_.size(); }
+  const Session& operator[](std::size_t at) const { return sessions_[at]; }
+
+  /// Polls the connection of a new session.
+  void add(Session session) { sessions_.push_back(std::move(session)); }
+  /// Polls the connection of `session` again, because its descriptor reported a packet. Returns
+  /// false when it is polled already.
+  bool wake(const Session& session);
+  /// Puts connections to sleep that were silent for a while.
+  void retire_idle(TimePoint now);
+  /// Puts all connections to sleep. Calls `part_if_lost` for a connection that must stay active,
+  /// because a packet has arrived or the connection is lost. Returns true when all sleep.
+  bool put_to_sleep(FunctionRef<void(const Session&)> part_if_lost);
+  void clear() { sessions_.clear(); }
+
+  /// Returns whether the clients that may send next run on this core, on other cores, or on both.
+  media::Peers peers() const;
+
+ private:
+  std::vector<Session> sessions_;
+  std::vector<Session> still_active_;  ///< scratch list of put_to_sleep, which does not allocate
+};
+
+}  // namespace gecos::session

@@ -1,0 +1,122 @@
+#include "gecos/session/server/packet_sender.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "gecos/media/quiet.hpp"
+#include "gecos/session/protocol/packets.hpp"
+#include "gecos/session/server/object_queue.hpp"
+
+namespace gecos::session {
+namespace {
+
+/// Maximum number of waiting packets: a reply and a Goodbye for each granted call, and as many
+/// again for repeated replies.
+constexpr std::size_t most_backlog = 4 * ObjectQueue::most_of_object;
+/// Maximum size of the backlog in bytes. A result that would exceed this limit is dropped, and its
+/// call fails.
+constexpr std::size_t most_backlog_bytes = 128 * 1024 * 1024;
+
+/// Shortens a failure so that it fits into a packet: keeps its detail and the beginning of its
+/// text.
+Failure shortened(const Failure& failure, std::size_t takes, std::size_t carried) {
+  constexpr std::size_t longest_text = 1024;
+  std::size_t cut = std::min(failure.text.size(), longest_text);
+  const auto inside_character = [&] {
+    return cut < failure.text.size() &&
+           (static_cast<unsigned char>(failure.text[cut]) & 0xC0) == 0x80;
+  };
+  while (cut > 0 && inside_character()) --cut;
+  return {failure.detail,
+          failure.text.substr(0, cut) + (cut < failure.text.size() ? "…" : "") +
+              " (cut: the whole failure takes " + std::to_string(takes) +
+              " bytes and the medium carries " + std::to_string(carried) + ")",
+          {},
+          {}};
+}
+
+}  // namespace
+
+void PacketSender::send(const wire::PacketHeader& header, ByteView body) {
+  const MutexLock lock(mutex_);
+  write_packet(packet_, header, body);
+  deliver(packet_);
+}
+
+void PacketSender::send_again(const Bytes& packet) {
+  const MutexLock lock(mutex_);
+  if (std::ranges::find(backlog_, packet) == backlog_.end()) deliver(packet);
+}
+
+void PacketSender::reply(const wire::PacketHeader& header, ByteView result, ReplyCache* kept) {
+  const MutexLock lock(mutex_);
+  if (wire::packet_size(result.size()) > carried()) {
+    write_failure(packet_, header,
+                  {Detail::Fault,
+                   "the result takes " + std::to_string(result.size()) +
+                       " bytes and the medium carries " + std::to_string(carried()),
+                   {},
+                   {}});
+  } else if (backlog_bytes_ + result.size() > most_backlog_bytes) {
+    write_failure(packet_, header,
+                  {Detail::Fault,
+                   "the result of " + std::to_string(result.size()) +
+                       " bytes was dropped: " + std::to_string(backlog_bytes_) +
+                       " bytes of replies already wait for this client to read them",
+                   {},
+                   {}});
+  } else {
+    write_packet(packet_, header, result);
+  }
+  if (kept != nullptr) kept->keep(header.counter, packet_);
+  deliver(packet_);
+}
+
+void PacketSender::reply(const wire::PacketHeader& header, const Failure& failure,
+                         ReplyCache* kept) {
+  const MutexLock lock(mutex_);
+  write_failure(packet_, header, failure);
+  if (const std::size_t takes = packet_.size(); takes > carried()) {
+    write_failure(packet_, header, shortened(failure, takes, carried()));
+  }
+  if (kept != nullptr) kept->keep(header.counter, packet_);
+  deliver(packet_);
+}
+
+bool PacketSender::send_quietly(const wire::PacketHeader& header, std::size_t size,
+                                FunctionRef<void(wire::Encoder&)> encode) {
+  const MutexLock lock(mutex_);
+  if (!backlog_.empty()) return false;
+  write_packet(packet_, header, size, encode);
+  return media::send_quietly(connection_, packet_, {}).has_value();
+}
+
+void PacketSender::deliver(ByteView packet) {
+  if (backlog_.empty()) {
+    const auto sent = connection_.send(packet, {});
+    if (sent || sent.error() != media::SendProblem::Full) return;
+  }
+  if (backlog_.size() == most_backlog) {
+    overrun_.store(true, std::memory_order_relaxed);
+    return;
+  }
+  backlog_.emplace_back(packet.begin(), packet.end());
+  backlog_bytes_ += packet.size();
+}
+
+void PacketSender::flush() {
+  const MutexLock lock(mutex_);
+  while (!backlog_.empty()) {
+    const auto sent = connection_.send(backlog_.front(), {});
+    if (!sent && sent.error() == media::SendProblem::Full) return;
+    backlog_bytes_ -= backlog_.front().size();
+    backlog_.pop_front();
+  }
+}
+
+void PacketSender::with_connection(FunctionRef<void(media::Connection&)> use) {
+  const MutexLock lock(mutex_);
+  use(connection_);
+}
+
+}  // namespace gecos::session

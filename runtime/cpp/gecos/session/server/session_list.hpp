@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "gecos/base/function_ref.hpp"
+#include "gecos/base/mutex.hpp"
+#include "gecos/session/server/server_session.hpp"
+
+namespace gecos::session {
+
+/// The sessions of a server, by the key of their epoll events. Thread-safe; the mutex is held only
+/// briefly, but also while the functions passed here run.
+class SessionList {
+ public:
+  using Session = std::shared_ptr<ServerSession>;
+
+  /// A key that no session had before; never 0.
+  std::uint64_t new_key();
+  void add(std::uint64_t key, Session session);
+  /// Null when no session has this key.
+  Session find(std::uint64_t key);
+  std::vector<Session> all();
+  void for_each(FunctionRef<void(const Session&)> use);
+  /// Removes and returns the sessions that `which` selects.
+  std::vector<Session> remove_if(FunctionRef<bool(const Session&)> which);
+
+ private:
+  Mutex mutex_;
+  std::uint64_t next_key_ GECOS_GUARDED_BY(mutex_) = 1;
+  std::unordered_map<std::uint64_t, Session> sessions_ GECOS_GUARDED_BY(mutex_);
+};
+
+}  // namespace gecos::session
