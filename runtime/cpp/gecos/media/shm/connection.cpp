@@ -1,7 +1,6 @@
 #include "gecos/media/shm/connection.hpp"
 
 #include <poll.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -9,19 +8,18 @@
 #include <utility>
 
 #include "gecos/base/system_error.hpp"
-#include "gecos/media/shm/stream.hpp"
 
 namespace gecos::media::shm {
 namespace {
 
 constexpr std::size_t ring_bytes = RingMemory::bytes(usual_slot_count);
-/// Maximum number of streams that an end may share on one connection; a peer that shares more is
-/// hostile. Each stream takes a mapping in the process that reads it, and a server has many
-/// clients.
-constexpr std::size_t most_streams_of(ShmConnection::Role sharing) {
-  return sharing == ShmConnection::Role::Server ? 1024 : 64;
+/// A server has many clients, and each stream takes a mapping in the process that reads it.
+constexpr SharedStreams::Limits limits_of(ShmConnection::Role role) {
+  constexpr std::size_t of_server = 1024;
+  constexpr std::size_t of_client = 64;
+  if (role == ShmConnection::Role::Server) return {.shared = of_server, .received = of_client};
+  return {.shared = of_client, .received = of_server};
 }
-constexpr std::size_t most_unsent = 256;
 constexpr int most_messages_at_once = 64;  // so that a flood of messages cannot block the reader
 
 /// Fails with the system's error text when no descriptor is left for the connection's eventfd.
@@ -41,33 +39,6 @@ constexpr const char* inherited_text =
 
 }  // namespace
 
-void PeerEnd::know(Mapping mapping, Descriptor event) {
-  mapping_ = std::move(mapping);
-  event_ = std::move(event);
-  known_.store(true, std::memory_order_release);
-}
-
-void PeerEnd::wake() {
-  if (known() && event_) {
-    notify_event_fd(event_.get());
-  } else {
-    // This may fail when the socket is full: then the messages in the socket wake the peer.
-    send_control(socket_.get(), ControlMessage{.type = ControlType::Notify});
-  }
-}
-
-void PeerEnd::wake_if_asleep() {
-  if (known() && ring().control->asleep.load(std::memory_order_seq_cst) != 0) wake();
-}
-
-void PeerEnd::hang_up() { ::shutdown(socket_.get(), SHUT_RDWR); }
-
-void PeerEnd::forget() {
-  socket_.reset();
-  event_.reset();
-  mapping_.forget();
-}
-
 ShmConnection::ShmConnection(Role role, std::shared_ptr<PeerEnd> other, Peer peer, Descriptor death,
                              SealedMemory own)
     : role_(role),
@@ -79,6 +50,8 @@ ShmConnection::ShmConnection(Role role, std::shared_ptr<PeerEnd> other, Peer pee
       writer_(own_),
       bulk_(other_->socket(), writer_, [this] { read_control_to_the_end(); }),
       descriptors_{event_.descriptor(), other_->socket(), death_.get()},
+      streams_(limits_of(role)),
+      unsent_(other_->socket()),
       fork_watch_(this,
                   [](void* owner) noexcept { static_cast<ShmConnection*>(owner)->abandon(); }) {}
 
@@ -114,8 +87,7 @@ tl::expected<std::unique_ptr<Connection>, std::string> ShmConnection::welcome(
       make_connection(Role::Server, end, std::move(peer), std::move(death), std::move(*own));
   if (!made) return refuse(end->socket(), std::move(made.error()));
   auto connection = std::move(*made);
-  std::string problem;
-  if (!connection->know_peer(hello, problem)) return tl::unexpected(std::move(problem));
+  if (auto problem = connection->know_peer(hello)) return tl::unexpected(std::move(*problem));
   const std::array given{connection->own_memory_.memfd.get(), connection->event_.descriptor()};
   if (!send_control(connection->other_->socket(), {.type = ControlType::Welcome}, given)) {
     return tl::unexpected<std::string>("the client closed the connection at once");
@@ -125,9 +97,10 @@ tl::expected<std::unique_ptr<Connection>, std::string> ShmConnection::welcome(
 }
 
 ShmConnection::~ShmConnection() {
-  for (const auto& [id, sleepers] : shared_) {
-    if (const auto list = sleepers.lock()) list->remove(other_.get());
-  }
+  // Not locked: no other thread uses a connection that is destroyed, and in a forked child the
+  // mutex may stay locked for ever.
+  control_mutex_.assert_held();
+  streams_.forget(*other_);
   if (loss_.load() == Loss::None) {
     send_control(other_->socket(), ControlMessage{.type = ControlType::Bye});
   }
@@ -169,7 +142,7 @@ std::optional<ByteView> ShmConnection::receive() {
   }
   auto packet = reader_->read();
   if (!packet && reader_->broken()) {
-    const std::lock_guard lock(control_mutex_);
+    const MutexLock lock(control_mutex_);
     note_loss(Loss::Broken, "the peer wrote invalid data into its ring");
   }
   return packet;
@@ -216,8 +189,8 @@ Whereabouts ShmConnection::peer_whereabouts() {
 void ShmConnection::beat() {
   own_.control->beats.fetch_add(1, std::memory_order_relaxed);
   if (loss_.load(std::memory_order_relaxed) == Loss::None) bulk_.out.beat();
-  const std::lock_guard lock(control_mutex_);
-  send_unsent();
+  const MutexLock lock(control_mutex_);
+  unsent_.flush();
 }
 
 std::uint64_t ShmConnection::beats_seen() {
@@ -232,7 +205,7 @@ Loss ShmConnection::loss() {
 
 std::string ShmConnection::loss_text() const {
   if (loss_.load(std::memory_order_relaxed) == Loss::None) return {};
-  const std::lock_guard lock(control_mutex_);
+  const MutexLock lock(control_mutex_);
   return loss_text_.empty() ? inherited_text : loss_text_;
 }
 
@@ -245,62 +218,40 @@ tl::expected<void, SendProblem> ShmConnection::share(std::uint32_t id, StreamWri
     return tl::unexpected(SendProblem::Lost);
   }
   auto& writer = dynamic_cast<SharedStreamWriter&>(stream);
-  const std::lock_guard lock(control_mutex_);
-  if (!shared_.contains(id) && shared_.size() >= most_streams_of(role_)) {
-    return tl::unexpected(SendProblem::Full);
-  }
-  ControlMessage message{.type = ControlType::Share, .id = id};
-  message.largest = writer.memory().largest;
-  message.depth = writer.memory().depth;
-  if (!send_or_keep({message, writer.sealed()})) return tl::unexpected(SendProblem::Full);
-  if (const auto before = std::exchange(shared_[id], writer.sleepers()).lock()) {
-    before->remove(other_.get());
-  }
-  writer.sleepers()->add(other_);
-  return {};
+  const MutexLock lock(control_mutex_);
+  return streams_.share(id, writer, other_, unsent_);
 }
 
 void ShmConnection::unshare(std::uint32_t id) {
   if (loss_.load(std::memory_order_relaxed) != Loss::None) return;
-  const std::lock_guard lock(control_mutex_);
-  const auto held = shared_.extract(id);
-  if (held.empty()) return;
-  if (const auto list = held.mapped().lock()) list->remove(other_.get());
-  send_or_keep({{.type = ControlType::Unshare, .id = id}, nullptr});
+  const MutexLock lock(control_mutex_);
+  streams_.unshare(id, *other_, unsent_);
 }
 
 std::unique_ptr<StreamReader> ShmConnection::open_stream(std::uint32_t id) {
   read_control();
   if (loss_.load(std::memory_order_relaxed) != Loss::None) return nullptr;
-  const std::lock_guard lock(control_mutex_);
-  const auto found = arrived_.find(id);
-  if (found == arrived_.end()) return nullptr;
-  return watches_.open(found->second.memory, found->second.mapping);
+  const MutexLock lock(control_mutex_);
+  return streams_.open(id, watches_);
 }
 
 std::string ShmConnection::why_no_stream(std::uint32_t id) {
-  const std::lock_guard lock(control_mutex_);
-  const auto found = not_opened_.find(id);
-  return found == not_opened_.end() ? std::string() : found->second;
+  const MutexLock lock(control_mutex_);
+  return streams_.why_not_open(id);
 }
 
-bool ShmConnection::know_peer(ReceivedControl& from, std::string& problem) {
+/// Takes the memory and the eventfd of the peer. Returns what is wrong with them; nullopt: nothing.
+std::optional<std::string> ShmConnection::know_peer(ReceivedControl& from) {
   auto& [memfd, event] = from.descriptors;
-  if (!memfd || !event) {
-    problem = "the peer did not send its memory and its eventfd";
-    return false;
-  }
+  if (!memfd || !event) return "the peer did not send its memory and its eventfd";
   auto mapping = map_received(memfd.get(), ring_bytes);
-  if (!mapping) {
-    problem = std::move(mapping.error());
-    return false;
-  }
+  if (!mapping) return std::move(mapping.error());
   const bool trusted = peer_.uid == ::geteuid() && is_event_fd(event.get());
   const RingMemory ring = RingMemory::at(mapping->data(), usual_slot_count);
   reader_.emplace(*own_.control, ring, &bulk_.in);
   writer_.set_reader(ring.control);
   other_->know(std::move(*mapping), trusted ? std::move(event) : Descriptor());
-  return true;
+  return std::nullopt;
 }
 
 void ShmConnection::read_control() {
@@ -308,7 +259,7 @@ void ShmConnection::read_control() {
   std::array<pollfd, 2> watched{pollfd{other_->socket(), POLLIN, 0},
                                 pollfd{death_.get(), POLLIN, 0}};
   if (::poll(watched.data(), watched.size(), 0) <= 0) return;
-  const std::lock_guard lock(control_mutex_);
+  const MutexLock lock(control_mutex_);
   ReceivedControl control;
   ControlRead read = ControlRead::Message;
   for (int i = 0; i < most_messages_at_once && loss_.load() == Loss::None; ++i) {
@@ -323,8 +274,7 @@ void ShmConnection::read_control() {
           "no file descriptor is left to receive the descriptors of the peer: " +
           system_text(EMFILE);
       if (control.message.type == ControlType::Share &&
-          not_opened_.size() < most_streams_of(peer_role())) {
-        not_opened_[control.message.id] = why;
+          streams_.not_received(control.message.id, why)) {
         event_.notify();  // a thread that waits for this stream may be asleep
       } else {
         note_loss(Loss::Broken, why);
@@ -342,12 +292,11 @@ void ShmConnection::read_control() {
 
 void ShmConnection::read_control_to_the_end() {
   read_control();
-  const std::lock_guard another_thread_has_taken_up_what_it_read(control_mutex_);
+  const MutexLock another_thread_has_taken_up_what_it_read(control_mutex_);
 }
 
 void ShmConnection::take_control(ReceivedControl& control) {
   const ControlMessage& message = control.message;
-  std::string problem;
   switch (message.type) {
     case ControlType::Notify:
       // If loss() reads this message, the thread that sleeps on the socket does not see it: wake
@@ -361,18 +310,21 @@ void ShmConnection::take_control(ReceivedControl& control) {
     }
     case ControlType::Welcome:
       if (role_ != Role::Client || other_->known()) break;
-      if (!know_peer(control, problem)) {
-        note_loss(Loss::Broken, std::move(problem));
-        return;
+      if (auto problem = know_peer(control)) {
+        note_loss(Loss::Broken, std::move(*problem));
+      } else {
+        event_.notify();  // wakes a thread that fell asleep before it could read the ring
       }
-      event_.notify();  // wakes a thread that fell asleep before it could read the ring
       return;
     case ControlType::Share:
-      take_stream(control);
+      if (auto problem = streams_.received(control)) {
+        note_loss(Loss::Broken, std::move(*problem));
+      } else {
+        event_.notify();  // a thread that waits for this stream may be asleep
+      }
       return;
     case ControlType::Unshare:
-      arrived_.erase(message.id);
-      not_opened_.erase(message.id);
+      streams_.withdrawn(message.id);
       return;
     case ControlType::Area:
     case ControlType::AreaEnd: {
@@ -386,50 +338,11 @@ void ShmConnection::take_control(ReceivedControl& control) {
   note_loss(Loss::Broken, "the peer sent a message that is not allowed in this state");
 }
 
-void ShmConnection::take_stream(ReceivedControl& control) {
-  const ControlMessage& message = control.message;
-  constexpr std::size_t most = StreamMemory::most_bytes;
-  if (arrived_.size() >= most_streams_of(peer_role()) || message.depth == 0 ||
-      message.depth > most || message.largest > most ||
-      message.depth + 1 > most / StreamMemory::slot_bytes(message.largest)) {
-    note_loss(Loss::Broken, "the peer shared too many streams, or a stream of an invalid size");
-    return;
-  }
-  auto mapping = map_received(control.descriptors[0].get(),
-                              StreamMemory::bytes(message.largest, message.depth));
-  if (!mapping) {
-    note_loss(Loss::Broken, std::move(mapping.error()));
-    return;
-  }
-  auto held = std::make_shared<Mapping>(std::move(*mapping));
-  not_opened_.erase(message.id);
-  arrived_[message.id] = {{held->data(), message.largest, message.depth}, held};
-  event_.notify();  // a thread that waits for this stream may be asleep
-}
-
 void ShmConnection::note_loss(Loss loss, std::string text) {
   if (loss_.load(std::memory_order_relaxed) != Loss::None) return;
   loss_text_ = std::move(text);
   loss_.store(loss, std::memory_order_seq_cst);
   event_.notify();  // for another thread: the message that was read here wakes it no longer
-}
-
-bool ShmConnection::send_or_keep(Unsent unsent) {
-  send_unsent();
-  if (unsent_.size() >= most_unsent) return false;
-  unsent_.push_back(std::move(unsent));
-  send_unsent();
-  return true;
-}
-
-void ShmConnection::send_unsent() {
-  while (!unsent_.empty()) {
-    const Unsent& first = unsent_.front();
-    const int memfd = first.memory == nullptr ? -1 : first.memory->memfd.get();
-    const std::span<const int> given(&memfd, memfd >= 0 ? 1 : 0);
-    if (!send_control(other_->socket(), first.message, given)) return;  // beat() tries again
-    unsent_.pop_front();
-  }
 }
 
 void ShmConnection::abandon() noexcept {

@@ -2,53 +2,29 @@
 
 #include <array>
 #include <atomic>
-#include <deque>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
 #include "gecos/base/event_fd.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/media/parts/fork_watch.hpp"
 #include "gecos/media/parts/ring.hpp"
 #include "gecos/media/parts/stream_ring.hpp"
 #include "gecos/media/quiet.hpp"
 #include "gecos/media/shm/bulk.hpp"
 #include "gecos/media/shm/control.hpp"
+#include "gecos/media/shm/control_queue.hpp"
 #include "gecos/media/shm/memory.hpp"
+#include "gecos/media/shm/peer_end.hpp"
+#include "gecos/media/shm/shared_streams.hpp"
 #include "gecos/media/shm/shm.hpp"
 
 namespace gecos::media::shm {
 
-/// Wakes the other end of a connection. Outlives the connection while a stream still uses this
-/// object to wake its reader.
-class PeerEnd final : public Sleeper {
- public:
-  explicit PeerEnd(Descriptor socket) : socket_(std::move(socket)) {}
-
-  int socket() const { return socket_.get(); }
-  /// Sets the memory of the peer. Without an eventfd the socket is used to wake the peer.
-  void know(Mapping mapping, Descriptor event);
-  bool known() const { return known_.load(std::memory_order_acquire); }
-  /// @pre known()
-  RingMemory ring() const { return RingMemory::at(mapping_.data(), usual_slot_count); }
-  void wake();
-  void wake_if_asleep() override;
-  /// Shuts the socket down, so that the peer sees the end although this object may still be
-  /// referenced.
-  void hang_up();
-  void forget();
-
- private:
-  Descriptor socket_;
-  Descriptor event_;
-  Mapping mapping_;
-  std::atomic<bool> known_{false};  // publishes mapping_ and event_
-};
-
 /// One end of a connection; both ends are the same except that the client sends Hello and the
-/// server sends Welcome.
+/// server sends Welcome. Has more methods than other classes, because it implements the whole of
+/// Connection; the ring, large packets and streams are parts of their own.
 class ShmConnection final : public Connection, public QuietSender {
  public:
   enum class Role : std::uint8_t { Client, Server };
@@ -90,25 +66,12 @@ class ShmConnection final : public Connection, public QuietSender {
                 SealedMemory own);
 
  private:
-  struct Arrived {
-    StreamMemory memory;
-    std::shared_ptr<Mapping> mapping;
-  };
-  struct Unsent {
-    ControlMessage message;
-    std::shared_ptr<SealedMemory> memory;  // owns the descriptor until it is sent
-  };
-
-  Role peer_role() const { return role_ == Role::Client ? Role::Server : Role::Client; }
   void wake_reader();
-  bool know_peer(ReceivedControl& from, std::string& problem);
+  std::optional<std::string> know_peer(ReceivedControl& from);
   void read_control();
   void read_control_to_the_end();
-  void take_control(ReceivedControl& control);
-  void take_stream(ReceivedControl& control);
-  void note_loss(Loss loss, std::string text);  // @pre control_mutex_ is held
-  bool send_or_keep(Unsent unsent);             // @pre control_mutex_ is held
-  void send_unsent();                           // @pre control_mutex_ is held
+  void take_control(ReceivedControl& control) GECOS_REQUIRES(control_mutex_);
+  void note_loss(Loss loss, std::string text) GECOS_REQUIRES(control_mutex_);
   void abandon() noexcept;
 
   const Role role_;
@@ -125,12 +88,10 @@ class ShmConnection final : public Connection, public QuietSender {
   const std::array<int, 3> descriptors_;
   std::atomic<Loss> loss_{Loss::None};  // read by any thread; loss_text_ needs the mutex
 
-  mutable std::mutex control_mutex_;  // guards reading the socket and the members below
-  std::string loss_text_;
-  std::map<std::uint32_t, Arrived> arrived_;
-  std::map<std::uint32_t, std::string> not_opened_;  ///< why a shared stream cannot be opened
-  std::map<std::uint32_t, std::weak_ptr<SleeperList>> shared_;
-  std::deque<Unsent> unsent_;
+  mutable Mutex control_mutex_;  ///< held also while messages are read from the socket
+  std::string loss_text_ GECOS_GUARDED_BY(control_mutex_);
+  SharedStreams streams_ GECOS_GUARDED_BY(control_mutex_);
+  ControlQueue unsent_ GECOS_GUARDED_BY(control_mutex_);
   const ForkWatch fork_watch_;
 };
 

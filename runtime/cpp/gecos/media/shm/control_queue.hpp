@@ -1,0 +1,34 @@
+#pragma once
+
+#include <deque>
+#include <memory>
+
+#include "gecos/media/shm/control.hpp"
+#include "gecos/media/shm/memory.hpp"
+
+namespace gecos::media::shm {
+
+/// Sends control messages in order over a socket; messages for which the socket has no room wait
+/// here. Not thread-safe.
+class ControlQueue {
+ public:
+  struct Unsent {
+    ControlMessage message;
+    std::shared_ptr<SealedMemory> memory;  ///< owns the descriptor until it is sent; may be null
+  };
+  /// The caller keeps `socket` open while this object lives.
+  explicit ControlQueue(int socket) : socket_(socket) {}
+
+  /// Sends a message now, or in a later `flush`. Returns false when too many messages wait.
+  bool send(Unsent unsent);
+  /// Sends the messages that wait, as far as the socket has room.
+  void flush();
+
+ private:
+  static constexpr std::size_t most_unsent = 256;
+
+  const int socket_;
+  std::deque<Unsent> unsent_;
+};
+
+}  // namespace gecos::media::shm

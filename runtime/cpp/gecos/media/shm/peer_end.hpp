@@ -1,0 +1,39 @@
+#pragma once
+
+#include <atomic>
+
+#include "gecos/base/descriptor.hpp"
+#include "gecos/media/parts/ring.hpp"
+#include "gecos/media/parts/stream_ring.hpp"
+#include "gecos/media/shm/memory.hpp"
+#include "gecos/media/shm/shm.hpp"
+
+namespace gecos::media::shm {
+
+/// Wakes the other end of a connection. Outlives the connection while a stream still uses this
+/// object to wake its reader.
+class PeerEnd final : public Sleeper {
+ public:
+  explicit PeerEnd(Descriptor socket) : socket_(std::move(socket)) {}
+
+  int socket() const { return socket_.get(); }
+  /// Sets the memory of the peer. Without an eventfd the socket is used to wake the peer.
+  void know(Mapping mapping, Descriptor event);
+  bool known() const { return known_.load(std::memory_order_acquire); }
+  /// @pre known()
+  RingMemory ring() const { return RingMemory::at(mapping_.data(), usual_slot_count); }
+  void wake();
+  void wake_if_asleep() override;
+  /// Shuts the socket down, so that the peer sees the end although this object may still be
+  /// referenced.
+  void hang_up();
+  void forget();
+
+ private:
+  Descriptor socket_;
+  Descriptor event_;
+  Mapping mapping_;
+  std::atomic<bool> known_{false};  // publishes mapping_ and event_
+};
+
+}  // namespace gecos::media::shm

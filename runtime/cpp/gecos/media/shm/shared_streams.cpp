@@ -1,0 +1,76 @@
+#include "gecos/media/shm/shared_streams.hpp"
+
+#include <utility>
+
+namespace gecos::media::shm {
+
+tl::expected<void, SendProblem> SharedStreams::share(std::uint32_t id, SharedStreamWriter& writer,
+                                                     const std::shared_ptr<PeerEnd>& reader,
+                                                     ControlQueue& to) {
+  if (!shared_.contains(id) && shared_.size() >= limits_.shared) {
+    return tl::unexpected(SendProblem::Full);
+  }
+  ControlMessage message{.type = ControlType::Share, .id = id};
+  message.largest = writer.memory().largest;
+  message.depth = writer.memory().depth;
+  if (!to.send({message, writer.sealed()})) return tl::unexpected(SendProblem::Full);
+  if (const auto before = std::exchange(shared_[id], writer.sleepers()).lock()) {
+    before->remove(reader.get());
+  }
+  writer.sleepers()->add(reader);
+  return {};
+}
+
+void SharedStreams::unshare(std::uint32_t id, PeerEnd& reader, ControlQueue& to) {
+  const auto held = shared_.extract(id);
+  if (held.empty()) return;
+  if (const auto list = held.mapped().lock()) list->remove(&reader);
+  to.send({{.type = ControlType::Unshare, .id = id}, nullptr});
+}
+
+void SharedStreams::forget(PeerEnd& reader) {
+  for (const auto& [id, sleepers] : shared_) {
+    if (const auto list = sleepers.lock()) list->remove(&reader);
+  }
+}
+
+std::optional<std::string> SharedStreams::received(ReceivedControl& control) {
+  const ControlMessage& message = control.message;
+  constexpr std::size_t most = StreamMemory::most_bytes;
+  if (received_.size() >= limits_.received || message.depth == 0 || message.depth > most ||
+      message.largest > most ||
+      message.depth + 1 > most / StreamMemory::slot_bytes(message.largest)) {
+    return "the peer shared too many streams, or a stream of an invalid size";
+  }
+  auto mapping = map_received(control.descriptors[0].get(),
+                              StreamMemory::bytes(message.largest, message.depth));
+  if (!mapping) return std::move(mapping.error());
+  auto held = std::make_shared<Mapping>(std::move(*mapping));
+  not_received_.erase(message.id);
+  received_[message.id] = {{held->data(), message.largest, message.depth}, held};
+  return std::nullopt;
+}
+
+bool SharedStreams::not_received(std::uint32_t id, std::string why) {
+  if (not_received_.size() >= limits_.received) return false;
+  not_received_[id] = std::move(why);
+  return true;
+}
+
+void SharedStreams::withdrawn(std::uint32_t id) {
+  received_.erase(id);
+  not_received_.erase(id);
+}
+
+std::unique_ptr<StreamReader> SharedStreams::open(std::uint32_t id, StreamWatches& watches) const {
+  const auto found = received_.find(id);
+  if (found == received_.end()) return nullptr;
+  return watches.open(found->second.memory, found->second.mapping);
+}
+
+std::string SharedStreams::why_not_open(std::uint32_t id) const {
+  const auto found = not_received_.find(id);
+  return found == not_received_.end() ? std::string() : found->second;
+}
+
+}  // namespace gecos::media::shm
