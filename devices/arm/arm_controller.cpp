@@ -57,12 +57,11 @@ ArmController::ArmController(const robcl::arm::ArmModel& model, const Settings& 
       can_(driver_.capabilities()),
       mode_(mode_of(can_, model)),
       forward_(model),
-      state_(first_state(driver_)),
-      command_(state_.position),
+      loop_{.state = first_state(driver_)},
       reading_(Reading{}) {
   enable();
-  if (auto state = driver_.read()) state_ = std::move(*state);
-  command_ = state_.position;
+  if (auto state = driver_.read()) loop_.state = std::move(*state);
+  loop_.command = loop_.state.position;
   publish();
 }
 
@@ -90,15 +89,15 @@ std::optional<ArmController::Outcome> ArmController::wait(gecos::Duration patien
 void ArmController::step(double seconds) {
   beats_.fetch_add(1);
   look_after_drives();
-  if (phase_ == Phase::Standing && started_.load()) begin_motion();
-  const JointValues before = command_;
-  if (phase_ == Phase::Moving) move(seconds);
+  if (loop_.phase == Phase::Standing && started_.load()) begin_motion();
+  const JointValues before = loop_.command;
+  if (loop_.phase == Phase::Moving) move(seconds);
   auto answer = driver_.exchange(command_for(before, seconds), seconds);
   std::optional<Outcome> end;
-  if (phase_ != Phase::Standing) {
+  if (loop_.phase != Phase::Standing) {
     if (auto fault = fault_of(answer, seconds)) {
       end = Outcome{End::Fault, 0, 0, std::move(*fault)};
-    } else if (phase_ == Phase::Settling) {
+    } else if (loop_.phase == Phase::Settling) {
       end = settle(answer->position, seconds);
     }
   }
@@ -111,47 +110,47 @@ void ArmController::step(double seconds) {
 void ArmController::take(tl::expected<JointState, DriverFault> answer, bool motion_failed) {
   if (answer) {
     const bool stays =
-        std::exchange(silent_, false) || motion_failed || answer->power != DrivePower::On;
-    state_ = std::move(*answer);
-    if (stays) command_ = state_.position;
+        std::exchange(loop_.silent, false) || motion_failed || answer->power != DrivePower::On;
+    loop_.state = std::move(*answer);
+    if (stays) loop_.command = loop_.state.position;
     publish();
     return;
   }
   // The driver's last answer remains published; the time stamp in the answer tells its age.
-  silent_ = true;
-  command_ = state_.position;
-  last_.commanded = last_.joints;
-  reading_.write(last_);
+  loop_.silent = true;
+  loop_.command = loop_.state.position;
+  loop_.last.commanded = loop_.last.joints;
+  reading_.write(loop_.last);
 }
 
 void ArmController::enable() {
   const auto enabled = driver_.enable(mode_);
-  refusal_ = enabled ? std::string() : enabled.error().text;
+  loop_.refusal = enabled ? std::string() : enabled.error().text;
 }
 
 void ArmController::look_after_drives() {
   if (!reset_.load() || !reset_.exchange(false)) return;
   if (const auto reset = driver_.reset(); !reset) {
-    refusal_ = reset.error().text;
+    loop_.refusal = reset.error().text;
     return;
   }
   enable();
 }
 
 void ArmController::begin_motion() {
-  auto why = not_ready(state_, mode_, refusal_);
-  if (!why && silent_) why = DriverFault{"the driver does not answer"};
-  if (!why && (playback_->plan().start() - command_).cwiseAbs().maxCoeff() > moved_away) {
+  auto why = not_ready(loop_.state, mode_, loop_.refusal);
+  if (!why && loop_.silent) why = DriverFault{"the driver does not answer"};
+  if (!why && (playback_->plan().start() - loop_.command).cwiseAbs().maxCoeff() > moved_away) {
     why = DriverFault{"the joints were moved after the motion was planned"};
   }
   if (why) return end_motion(Outcome{End::Fault, 0, 0, std::move(*why)});
-  phase_ = Phase::Moving;
+  loop_.phase = Phase::Moving;
 }
 
 JointCommand ArmController::command_for(const JointValues& before, double seconds) const {
-  JointCommand command{command_, (command_ - before) / seconds, {}};
+  JointCommand command{loop_.command, (loop_.command - before) / seconds, {}};
   if (mode_ == ControlMode::Velocity) {
-    command.velocity += settings_.position_gain * (before - state_.position);
+    command.velocity += settings_.position_gain * (before - loop_.state.position);
   }
   return command;
 }
@@ -163,13 +162,13 @@ std::optional<DriverFault> ArmController::fault_of(
     return DriverFault{"the control loop stalled for " + std::to_string(seconds) +
                        " s; the drives stop after " + std::to_string(can_.longest_gap) + " s"};
   }
-  return not_ready(*answer, mode_, refusal_);
+  return not_ready(*answer, mode_, loop_.refusal);
 }
 
 void ArmController::end_motion(Outcome outcome) {
-  phase_ = Phase::Standing;
-  last_.moving = false;
-  reading_.write(last_);
+  loop_.phase = Phase::Standing;
+  loop_.last.moving = false;
+  reading_.write(loop_.last);
   outcome_ = std::move(outcome);
   started_.store(false);
   ended_.release();
@@ -177,41 +176,41 @@ void ArmController::end_motion(Outcome outcome) {
 
 void ArmController::move(double seconds) {
   if (stop_.load()) playback_->stop();
-  command_ = playback_->advance(seconds);
-  last_.fraction = playback_->fraction();
-  last_.remaining = playback_->remaining();
+  loop_.command = playback_->advance(seconds);
+  loop_.last.fraction = playback_->fraction();
+  loop_.last.remaining = playback_->remaining();
   if (!playback_->standing()) return;
-  phase_ = Phase::Settling;
-  settling_ = 0;
-  arrived_ = 0;
+  loop_.phase = Phase::Settling;
+  loop_.settling = 0;
+  loop_.arrived = 0;
 }
 
 std::optional<ArmController::Outcome> ArmController::settle(const JointValues& measured,
                                                             double seconds) {
-  settling_ += seconds;
+  loop_.settling += seconds;
   Eigen::Index axis = 0;
-  const double away = (measured - command_).cwiseAbs().maxCoeff(&axis);
-  arrived_ = away <= settings_.settled ? arrived_ + 1 : 0;
-  if (arrived_ >= cycles_at_goal) {
+  const double away = (measured - loop_.command).cwiseAbs().maxCoeff(&axis);
+  loop_.arrived = away <= settings_.settled ? loop_.arrived + 1 : 0;
+  if (loop_.arrived >= cycles_at_goal) {
     return Outcome{playback_->stopping() ? End::Stopped : End::Arrived, axis, away, {}};
   }
-  if (settling_ > settings_.settle_time) return Outcome{End::NotSettled, axis, away, {}};
+  if (loop_.settling > settings_.settle_time) return Outcome{End::NotSettled, axis, away, {}};
   return std::nullopt;
 }
 
 void ArmController::publish() {
   for (Eigen::Index i = 0; i < axes_; ++i) {
-    last_.joints[at(i)] = state_.position[i];
-    last_.commanded[at(i)] = command_[i];
+    loop_.last.joints[at(i)] = loop_.state.position[i];
+    loop_.last.commanded[at(i)] = loop_.command[i];
   }
-  last_.measured_at_ns = state_.measured_at_ns;
-  const robcl::Frame flange = forward_.base_from_flange(state_.position);
+  loop_.last.measured_at_ns = loop_.state.measured_at_ns;
+  const robcl::Frame flange = forward_.base_from_flange(loop_.state.position);
   const auto [w, x, y, z] = flange.quaternion();
-  last_.base_from_flange = {flange.x(), flange.y(), flange.z(), w, x, y, z};
-  last_.moving = phase_ != Phase::Standing;
-  last_.power = state_.power;
-  ++last_.cycle;
-  reading_.write(last_);
+  loop_.last.base_from_flange = {flange.x(), flange.y(), flange.z(), w, x, y, z};
+  loop_.last.moving = loop_.phase != Phase::Standing;
+  loop_.last.power = loop_.state.power;
+  ++loop_.last.cycle;
+  reading_.write(loop_.last);
 }
 
 }  // namespace devices

@@ -117,15 +117,18 @@ class ArmController {
   std::atomic<std::uint64_t> beats_{0};  // orders no other memory
   std::counting_semaphore<> ended_{0};   // publishes outcome_ to the waiting thread
 
-  // Used by the control loop only.
-  Phase phase_ = Phase::Standing;
-  JointState state_;  // the driver's last answer
-  JointValues command_;
-  bool silent_ = false;  // the driver returned no plausible answer in the last cycle
-  std::string refusal_;  // why the drives could not be enabled; empty if they could
-  double settling_ = 0;
-  int arrived_ = 0;
-  Reading last_;
+  /// Used by the control loop only.
+  struct Loop {
+    Phase phase = Phase::Standing;
+    JointState state;  ///< the driver's last answer
+    JointValues command{};
+    bool silent = false;    ///< the driver returned no plausible answer in the last cycle
+    std::string refusal{};  ///< why the drives could not be enabled; empty if they could
+    double settling = 0;    ///< s since the end of the plan
+    int arrived = 0;        ///< consecutive cycles in which all joints were at their goal
+    Reading last{};
+  };
+  Loop loop_;
   Latest<Reading> reading_;
 };
 

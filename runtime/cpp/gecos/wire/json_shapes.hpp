@@ -94,7 +94,8 @@ class JsonWriter {
 
 /// Reads a JSON value, and knows its path. When a function returns false, the error is set and the
 /// caller must stop. Keeps pointers to the JSON value, to the error, and to the readers of the
-/// enclosing values.
+/// enclosing values. Has more methods than other classes: one for each kind of value that generated
+/// code reads.
 class JsonReader {
  public:
   JsonReader(const nlohmann::json& data, JsonError& error) : data_(&data), error_(&error) {}

@@ -20,20 +20,18 @@ SpinPolicy::SpinPolicy(const Clock& clock, SpinOptions options, const Core& core
       options_(options),
       core_(core),
       budget_(std::min(options.shortest, options.longest)),
-      next_crowded_(options.crowded_first) {}
+      crowded_{.next = options.crowded_first} {}
 
 bool SpinPolicy::go_on(Peers peers) {
   if (state_ == State::Fresh) {
-    looked_ = Duration::zero();
-    limit_ = budget_;
-    late_ = gave_way_ = false;
-    began_ = TimePoint{};
+    wait_ = {.limit = budget_};
+    gave_way_ = false;
   }
   if (budget_ <= Duration::zero()) return over();
   if (peers == Peers::Elsewhere) return look(State::Looking);
   if (crowded()) {
     gave_way_ = peers == Peers::Here;
-    const bool vain = peers == Peers::Unknown && vain_ >= options_.vain_in_row;
+    const bool vain = peers == Peers::Unknown && crowded_.vain >= options_.vain_in_row;
     return gave_way_ || vain ? over() : look(State::Crowded);
   }
   if (peers == Peers::Both && clock_.now() - last_yield_ < options_.between_yields) {
@@ -43,19 +41,19 @@ bool SpinPolicy::go_on(Peers peers) {
 }
 
 bool SpinPolicy::crowded() const {
-  return crowded_until_ != TimePoint{} && core_.number() == crowded_core_ &&
-         clock_.now() < crowded_until_;
+  return crowded_.until != TimePoint{} && core_.number() == crowded_.number &&
+         clock_.now() < crowded_.until;
 }
 
 /// Allows some polls before it reads the clock, so that a quick answer costs no clock reading.
 bool SpinPolicy::look(State as) {
   if (std::exchange(state_, as) == as) {
     const TimePoint now = clock_.now();
-    if (began_ == TimePoint{}) began_ = last_ = now;
-    looked_ += std::min(now - last_, options_.lost_core);
+    if (wait_.began == TimePoint{}) wait_.began = last_ = now;
+    wait_.looked += std::min(now - last_, options_.lost_core);
     last_ = now;
     if (spent()) {
-      if (as == State::Crowded) ++vain_;
+      if (as == State::Crowded) ++crowded_.vain;
       return over();
     }
   }
@@ -70,7 +68,7 @@ bool SpinPolicy::look(State as) {
 bool SpinPolicy::yield() {
   const bool next_in_row = std::exchange(state_, State::Yielding) == State::Yielding;
   if (next_in_row && spent()) {
-    next_crowded_ = options_.crowded_first;  // no time slice was lost during this whole spin
+    crowded_.next = options_.crowded_first;  // no time slice was lost during this whole spin
     return over();
   }
   const bool exact = next_in_row || doubtful_ > 0;
@@ -79,10 +77,10 @@ bool SpinPolicy::yield() {
   const TimePoint now = clock_.now();
   const Duration took = now - std::exchange(last_, now);
   last_yield_ = now;
-  if (began_ == TimePoint{}) began_ = exact ? now - took : now;
+  if (wait_.began == TimePoint{}) wait_.began = exact ? now - took : now;
   if (exact) {
     if (took >= options_.lost_core) return lost_slice();
-    looked_ += took;
+    wait_.looked += took;
     if (doubtful_ > 0) --doubtful_;
   } else if (took >= options_.lost_core) {
     doubtful_ = options_.exact_yields;
@@ -93,23 +91,23 @@ bool SpinPolicy::yield() {
 /// A wait that polls for longer than `shortest` may never sleep. So one of `waits_between_probes`
 /// such waits sleeps early, to notice when wake-ups have become cheaper.
 bool SpinPolicy::spent() {
-  if (looked_ >= options_.shortest && !std::exchange(late_, true) &&
+  if (wait_.looked >= options_.shortest && !std::exchange(wait_.late, true) &&
       ++late_waits_ % options_.waits_between_probes == 0) {
-    limit_ = std::min(limit_, options_.shortest);
+    wait_.limit = std::min(wait_.limit, options_.shortest);
   }
-  return looked_ >= limit_;
+  return wait_.looked >= wait_.limit;
 }
 
 bool SpinPolicy::lost_slice() {
-  crowded_core_ = core_.number();
-  crowded_until_ = last_ + next_crowded_;
-  next_crowded_ = std::min(2 * next_crowded_, options_.crowded_longest);
-  vain_ = 0;
+  crowded_.number = core_.number();
+  crowded_.until = last_ + crowded_.next;
+  crowded_.next = std::min(2 * crowded_.next, options_.crowded_longest);
+  crowded_.vain = 0;
   return over();
 }
 
 bool SpinPolicy::over() {
-  if (began_ == TimePoint{}) began_ = clock_.now();
+  if (wait_.began == TimePoint{}) wait_.began = clock_.now();
   state_ = State::Over;
   return false;
 }
@@ -117,8 +115,8 @@ bool SpinPolicy::over() {
 void SpinPolicy::woke(TimePoint rang_at, Woken woken) {
   if (state_ != State::Over || budget_ <= Duration::zero()) return;
   const TimePoint now = clock_.now();
-  const bool told = rang_at >= began_ && rang_at <= now;
-  if ((told ? rang_at : now) - began_ > options_.long_wait) {
+  const bool told = rang_at >= wait_.began && rang_at <= now;
+  if ((told ? rang_at : now) - wait_.began > options_.long_wait) {
     budget_ = std::max(budget_ / 2, options_.least);
     return;
   }

@@ -77,7 +77,7 @@ class SpinPolicy {
 
   /// Begins a new wait. Costs nothing until the first poll has found nothing.
   void begin() {
-    if (state_ == State::Crowded) vain_ = 0;
+    if (state_ == State::Crowded) crowded_.vain = 0;
     state_ = State::Fresh;
     looks_ = 0;
   }
@@ -102,7 +102,7 @@ class SpinPolicy {
   bool gave_way() const { return gave_way_; }
   /// The moment until which waits do not yield the core that lost a time slice. It is in the past
   /// when yields are allowed.
-  TimePoint crowded_until() const { return crowded_until_; }
+  TimePoint crowded_until() const { return crowded_.until; }
 
  private:
   enum class State : std::uint8_t { Fresh, Looking, Crowded, Yielding, Over };
@@ -123,21 +123,27 @@ class SpinPolicy {
   bool gave_way_ = false;
 
   Duration budget_;
-  // State of the current wait.
-  Duration limit_{};   ///< how long this wait may poll
-  Duration looked_{};  ///< time spent polling while the thread had its core
-  bool late_ = false;  ///< this wait has polled for longer than `shortest`
-  TimePoint began_{};  ///< approximate start; unset before the clock is read
+  struct CurrentWait {
+    Duration limit{};   ///< how long this wait may poll
+    Duration looked{};  ///< time spent polling while the thread had its core
+    bool late = false;  ///< this wait has polled for longer than `shortest`
+    TimePoint began{};  ///< approximate start; unset before the clock is read
+  };
+  CurrentWait wait_;
   unsigned late_waits_ = 0;
 
   TimePoint last_{};  ///< when the clock was read last
   TimePoint last_yield_{};
   unsigned doubtful_ = 0;  ///< number of yields still to be timed one by one
 
-  std::int32_t crowded_core_ = unknown_core;
-  TimePoint crowded_until_{};
-  Duration next_crowded_;
-  unsigned vain_ = 0;  ///< consecutive spins on a crowded core that ended with sleep
+  /// The core on which a yield lost a time slice.
+  struct CrowdedCore {
+    std::int32_t number = unknown_core;
+    TimePoint until{};  ///< waits do not yield this core before
+    Duration next{};    ///< for how long they do not yield it when it loses the next time slice
+    unsigned vain = 0;  ///< consecutive spins on it that ended with sleep
+  };
+  CrowdedCore crowded_;
 };
 
 enum class Wake : std::uint8_t {
