@@ -127,7 +127,7 @@ class Client {
         connection_->full = !connection_->full;
         return;
       case 3:
-        session_->flush();
+        session_->sender().flush();
         return;
       case 4:
         ++connection_->beats;
