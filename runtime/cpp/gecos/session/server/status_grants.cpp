@@ -6,7 +6,6 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/session/server/call_log.hpp"
-#include "gecos/session/server/server_session.hpp"
 #include "gecos/wire/encodable.hpp"
 
 namespace gecos::session {

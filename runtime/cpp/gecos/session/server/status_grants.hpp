@@ -12,6 +12,7 @@
 #include "gecos/session/server/name_claim.hpp"
 #include "gecos/session/server/object_calls.hpp"
 #include "gecos/session/server/object_setup.hpp"
+#include "gecos/session/server/server_session.hpp"
 
 namespace gecos::session {
 
