@@ -53,14 +53,15 @@ class Verdict:
 
 def all_lanes(build: str, jobs: int) -> list[Lane]:
     python = sys.executable
-    alone = ("tests/gidl", "tests/generated", "tests/fuzz", "tests/docs", "tests/tools")
+    compiling = ("tests/gidl", "tests/generated", "tests/fuzz", "tests/docs", "tests/tools")
     sdk, peers = "tests/system/test_sdk.py", "tests/system/test_bench_peers.py"
-    of_compiler = (*alone, sdk)
-    of_python = (*alone, "tests/system", "tests/stress")
+    of_compiler = (*compiling, sdk)
+    of_python = (*compiling, "tests/system", "tests/stress")
     pytest_sum = r"^=+ .*(passed|failed|error|no tests).* =+$"
     return [
         Lane("host", (python, "tools/check_host.py"), r"^check_host: "),
         Lane("layers", (python, "tools/check_layers.py"), r"^check_layers: "),
+        Lane("class-sizes", (python, "tools/check_class_sizes.py"), r"^check_class_sizes: "),
         Lane("generated", (python, "-m", "gidl", "gen", "--check"), r"\S"),
         Lane("gidl-fmt", (python, "-m", "gidl", "fmt", "--check"), r"^gidl: "),
         Lane("gidl-lint", (python, "-m", "gidl", "lint"), r"^gidl: "),

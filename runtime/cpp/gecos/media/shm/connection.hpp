@@ -23,8 +23,8 @@
 namespace gecos::media::shm {
 
 /// One end of a connection; both ends are the same except that the client sends Hello and the
-/// server sends Welcome. Has more methods than other classes, because it implements the whole of
-/// Connection; the ring, large packets and streams are parts of their own.
+/// server sends Welcome. Has more methods and members than other classes, because it implements the
+/// whole of Connection; the ring, large packets and streams are parts of their own.
 class ShmConnection final : public Connection, public QuietSender {
  public:
   enum class Role : std::uint8_t { Client, Server };
