@@ -9,16 +9,16 @@
 #include "gecos/base/mutex.hpp"
 #include "gecos/media/parts/waiting.hpp"
 #include "gecos/object.hpp"
-#include "gecos/session/client/answer_watch.hpp"
+#include "gecos/session/client/call_sender.hpp"
+#include "gecos/session/client/ending.hpp"
 #include "gecos/session/client/failover.hpp"
 #include "gecos/session/client/leader_lock.hpp"
+#include "gecos/session/client/lease_state.hpp"
 #include "gecos/session/client/pending_command.hpp"
+#include "gecos/session/client/server_watch.hpp"
 #include "gecos/session/process/maintenance.hpp"
 #include "gecos/session/process/runtime.hpp"
-#include "gecos/session/protocol/call_table.hpp"
 #include "gecos/session/protocol/handshake.hpp"
-#include "gecos/session/protocol/peer_liveness.hpp"
-#include "gecos/session/protocol/suspend_aware_clock.hpp"
 #include "gecos/wire/packet.hpp"
 
 namespace gecos::session {
@@ -59,19 +59,20 @@ class ClientConnection final : public ClientSession,
   const std::string& object_name() const override { return welcome_.object; }
   const media::Capabilities& capabilities() const override { return connection_->capabilities(); }
   ObjectRef reference() const override;
-  std::uint64_t lease_acquired(std::uint64_t epoch) override;
-  void lease_released(std::uint64_t held) override;
-  std::uint64_t issued() override;
+  std::uint64_t lease_acquired(std::uint64_t epoch) override { return leases_.acquired(epoch); }
+  void lease_released(std::uint64_t held) override { leases_.released(held); }
+  std::uint64_t issued() override { return calls_.issued(); }
 
   Runtime& runtime() { return *runtime_; }
   /// Sets the address at which the session was opened; must be called before the session is shared.
   void found_at(std::string address) { place_ = std::move(address); }
   const std::string& place() const { return place_; }
   const Welcome& welcome() const { return welcome_; }
-  bool lost() const { return lost_.load(std::memory_order_acquire); }
+  bool lost() const { return calls_.lost(); }
   /// True when this program has closed the session or is closing it.
   bool closed() const { return closed_.load(std::memory_order_relaxed); }
-  bool unreachable() const { return unreachable_.load(std::memory_order_relaxed); }
+  bool unreachable() const { return server_.unreachable(); }
+  CallSender& calls() { return calls_; }
 
   // Failover: how calls are sent again in another session.
   /// Sets how another session with the object can be opened. Must be called before this session is
@@ -93,17 +94,11 @@ class ClientConnection final : public ClientSession,
   void close(Duration patience) override;
 
   // For commands and streams.
-  /// Converts a time of the server's CLOCK_BOOTTIME to this host's CLOCK_BOOTTIME. Between hosts
-  /// the result is at most one round trip too early, never too late.
-  TimePoint by_our_clock(TimePoint theirs);
   /// Reads the packets that have arrived, unless another thread is reading. Never waits.
   void poll_once();
   /// Reads packets, or waits for the thread that reads them, until `done()` or `deadline`. Returns
   /// `done()`.
   bool wait(const void* subject, FunctionRef<bool()> done, TimePoint deadline);
-  /// Cancels `command`. Returns false when this session has no open command `command` with this
-  /// counter.
-  bool cancel(PendingCommand& command, std::uint64_t counter);
   /// Must be called when the end of a command is awaited on its descriptor or by a callback. Until
   /// `remove_watcher`, the maintenance thread reads packets even when no thread waits in this
   /// session.
@@ -140,44 +135,17 @@ class ClientConnection final : public ClientSession,
                                                const CallOptions& options);
   tl::expected<void, media::SendProblem> send_repeatable(
       const std::shared_ptr<PendingCommand>& command);
-  /// Maximum number of open calls. It is a quarter higher for urgent calls, so that a client
-  /// without credits can still stop what it started and release its status.
-  std::size_t most_open(bool urgent) const {
-    return welcome_.credits + (urgent ? welcome_.credits / 4 : 0);
-  }
-  tl::expected<void, media::SendProblem> send_call(wire::PacketHeader& header, std::size_t most,
-                                                   std::size_t size,
-                                                   FunctionRef<void(wire::Encoder&)> encode,
-                                                   const std::shared_ptr<PendingCommand>& command);
-  tl::expected<std::uint64_t, media::SendProblem> send_first(ByteView packet)
-      GECOS_REQUIRES(mutex_);
   std::optional<Failure> differs(FunctionCode code, std::string_view name) const;
-  Failure not_sent(std::string_view name, std::size_t size, media::SendProblem problem);
   std::unique_ptr<media::StreamReader> open_stream(std::uint32_t id);
   tl::expected<std::shared_ptr<StreamCore>, Failure> open_subscribed(
       const StreamDescription& stream, CommandCore& subscribed);
   void unsubscribe(FunctionCode stream);
 
-  tl::expected<std::uint64_t, media::SendProblem> send(wire::PacketHeader header, ByteView body)
-      GECOS_REQUIRES(mutex_);
-  std::uint64_t finished_up_to() const GECOS_REQUIRES(mutex_);
-
-  enum class Ending : std::uint8_t { Died, Closed, Silent, Broken, ByUs };
   static constexpr const char* closed_by_us = "this program closed the session";
   void lose(Ending how, const std::string& text);
-  void withdraw_by_packet() GECOS_REQUIRES(mutex_);
-  bool may_have_started(const PendingCommand& command, Ending how) const GECOS_REQUIRES(mutex_);
-  Failure failure_of(const PendingCommand& command, Ending how, const std::string& text) const
-      GECOS_REQUIRES(mutex_);
-  std::vector<PendingFailover> detach(Ending how, const std::string& text) GECOS_REQUIRES(mutex_);
-  bool has_repeatable();
   void check_liveness(TimePoint now);
-  void judge_answers(TimePoint now);
-  void ask_after_calls();
-  /// Sends unanswered calls again. Returns when the next tick is due.
-  TimePoint repeat(TimePoint now);
+  void judge_answers();
   void wake_maintenance();
-  bool everything_arrived();
 
   const std::shared_ptr<Runtime> runtime_;
   const std::unique_ptr<media::Connection> connection_;
@@ -189,21 +157,24 @@ class ClientConnection final : public ClientSession,
   std::shared_ptr<Failover> failover_;                   ///< null: no call is sent again
   std::unique_ptr<const ConnectTarget> connect_target_;  ///< set together with failover_
 
+  ServerWatch server_;
+  LeaseState leases_;
+  CallSender calls_;
+
   LeaderLock leader_lock_;
   media::SpinPolicy spin_;        ///< used by the leader only
   std::vector<int> descriptors_;  ///< used by the leader only, reused
   EventFd leader_event_;
   std::atomic<bool> leader_called_{false};  // leader_event_ may be notified; orders no other memory
-  std::atomic<bool> lost_{false};           // publishes loss_text_
   std::atomic<bool> closed_{false};         // orders no other memory
-  std::atomic<bool> unreachable_{false};    // orders no other memory
-  std::atomic<TimePoint> silent_since_{};   // valid while unreachable_; orders no other memory
   std::atomic<int> watchers_{0};            // orders no other memory
   std::atomic<bool> loss_look_due_{false};  // next leader checks for loss; orders no other memory
   std::atomic<bool> goodbye_heard_{false};  // orders no other memory
-  std::atomic<bool> answer_lost_{false};    // orders no other memory
-  std::atomic<std::uint64_t> heard_{0};     // packets received; orders no other memory
-  std::atomic<std::uint64_t> epoch_{0};     // orders no other memory
+  /// This program is closing the session and waits for the server's goodbye. Orders no other
+  /// memory.
+  std::atomic<bool> awaits_goodbye_{false};
+  std::atomic<bool> answer_lost_{false};  // orders no other memory
+  std::atomic<std::uint64_t> heard_{0};   // packets received; orders no other memory
 
   /// Held while a subscription is requested or ended, so that the end of one subscription does not
   /// end another one to the same stream. Must be locked before mutex_.
@@ -212,30 +183,11 @@ class ClientConnection final : public ClientSession,
   std::map<FunctionCode, std::size_t> subscriptions_ GECOS_GUARDED_BY(subscribing_);
 
   FutexMutex mutex_;
-  std::uint64_t next_counter_ GECOS_GUARDED_BY(mutex_) = 1;
-  CallTable<PendingCommand> calls_ GECOS_GUARDED_BY(mutex_);
-  Bytes packet_ GECOS_GUARDED_BY(mutex_);  ///< encoding buffer, reused
-  std::string loss_text_ GECOS_GUARDED_BY(mutex_);
-  /// This program is closing the session and waits for the server's goodbye.
-  bool awaits_goodbye_ GECOS_GUARDED_BY(mutex_) = false;
-  /// The withdrawal is written: the server starts no more calls of this session.
-  bool withdrawn_ GECOS_GUARDED_BY(mutex_) = false;
   std::shared_ptr<ClientConnection> successor_ GECOS_GUARDED_BY(mutex_);
-  bool cancels_waiting_ GECOS_GUARDED_BY(mutex_) = false;  ///< a Cancel packet found no room
-  /// The shortest time to a reply so far, over a medium that loses packets.
-  Duration quickest_answer_ GECOS_GUARDED_BY(mutex_) = std::chrono::seconds(1);
-  /// The number of statuses acquired so far; `leases_` counts the leases of the newest status.
-  std::uint64_t statuses_ GECOS_GUARDED_BY(mutex_) = 0;
-  /// leases of the newest status that are not released
-  std::uint64_t leases_ GECOS_GUARDED_BY(mutex_) = 0;
 
   // Used by the maintenance thread only.
   bool watching_ = false;
-  SuspendAwareClock liveness_clock_;  ///< measures how long the server is silent
-  PeerLiveness liveness_;
   TimePoint next_beat_{};
-  AnswerWatch answers_;
-  std::uint64_t open_when_asked_ = 0;  ///< the highest call counter when calls were last queried
 };
 
 }  // namespace gecos::session

@@ -35,7 +35,7 @@ void ClientStream::finish(RawSample& sample) const {
   sample.stamp_ns = std::clamp(sample.stamp_ns, -farthest, farthest);
   const auto measured = take_measured(sample.bytes);
   if (!measured) sample.bytes.clear();
-  sample.measured = session_->by_our_clock(measured.value_or(TimePoint(-longest_age)));
+  sample.measured = session_->calls().by_our_clock(measured.value_or(TimePoint(-longest_age)));
 }
 
 bool ClientStream::latest(RawSample& into) {

@@ -65,7 +65,7 @@ std::shared_ptr<CommandCore> ClientConnection::call_repeatable(
     sent = send_repeatable(command);
   }
   if (sent) return command;
-  Failure failure = not_sent(operation.name, size, sent.error());
+  Failure failure = calls_.not_sent(operation.name, size, sent.error());
   if (sent.error() != media::SendProblem::Lost) {
     command->fail(std::move(failure));
     return command;
@@ -82,7 +82,6 @@ tl::expected<void, media::SendProblem> ClientConnection::send_repeatable(
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Call;
   header.code = again.code;
-  header.session = id_;
   if (again.deadline != TimePoint::max()) {
     header.deadline = std::max(again.deadline - runtime_->clock().since_boot(), Duration{1});
   }
@@ -90,14 +89,14 @@ tl::expected<void, media::SendProblem> ClientConnection::send_repeatable(
   // the call.
   const bool known = again.sessions != 0 && command->incarnation == welcome_.incarnation;
   if (known) header.flags = sent_again;
-  return send_call(
-      header, most_open(is_builtin(again.code)),
+  return calls_.send(
+      header, calls_.most_open(is_builtin(again.code)),
       again.arguments.size() + (known ? sent_before_size : 0),
       [&](wire::Encoder& to) {
         if (known) SentBefore{command->session_id, command->counter}.encode(to);
         to.put_bytes(again.arguments);
       },
-      command);
+      command, shared_from_this());
 }
 
 tl::expected<bool, Failure> ClientConnection::send_again(
@@ -107,42 +106,16 @@ tl::expected<bool, Failure> ClientConnection::send_again(
   const auto sent = send_repeatable(command);
   if (sent) return true;
   if (sent.error() != media::SendProblem::TooLarge) return false;
-  return tl::unexpected(not_sent(again.name, again.arguments.size(), sent.error()));
-}
-
-bool ClientConnection::has_repeatable() {
-  const MutexLock lock(mutex_);
-  return std::ranges::any_of(calls_.all(),
-                             [](const auto& call) { return call.second->again != nullptr; });
+  return tl::unexpected(calls_.not_sent(again.name, again.arguments.size(), sent.error()));
 }
 
 std::vector<PendingFailover> ClientConnection::detach_repeatable() {
-  std::vector<PendingFailover> pending;
-  {
-    const MutexLock lock(mutex_);
-    pending = detach(Ending::Silent, "the server of " + welcome_.object + " (" +
-                                         connection_->peer().description + ") fell silent");
-  }
+  auto pending = calls_.detach_repeatable(
+      Ending::Silent, "the server of " + welcome_.object + " (" + connection_->peer().description +
+                          ") fell silent");
   if (pending.empty()) return pending;
   leader_lock_.notify_all();
   wake_leader();
-  return pending;
-}
-
-/// Detaches the commands that may be sent again, except canceled ones.
-std::vector<PendingFailover> ClientConnection::detach(Ending how, const std::string& text) {
-  std::vector<PendingFailover> pending;
-  if (failover_ == nullptr) return pending;
-  const TimePoint since =
-      unreachable() ? silent_since_.load(std::memory_order_relaxed) : runtime_->clock().now();
-  for (const auto& [counter, command] : calls_.all()) {
-    if (!command->again || command->retry.cancel) continue;
-    Failure failure = failure_of(*command, how, text);
-    if (failure.state() != State::ConnectionFailed) command->again->may_have_started = true;
-    calls_.take(counter);
-    command->detach();
-    pending.push_back({command, std::move(failure), since + runtime_->options().grace});
-  }
   return pending;
 }
 
@@ -208,7 +181,7 @@ void PendingCommand::cancel_in_any_session() {
                    {},
                    {}});
     }
-    if (session->cancel(*this, here) || home_.load() == session.get()) return;
+    if (session->calls().cancel(*this, here) || home_.load() == session.get()) return;
   }
 }
 

@@ -100,10 +100,7 @@ bool ClientConnection::lead(FunctionRef<bool()> done, TimePoint deadline) {
 /// time, and all other clients would wait.
 bool ClientConnection::rest(FunctionRef<bool()> done, TimePoint deadline) {
   if (!spin_.gave_way()) return false;
-  {
-    const MutexLock lock(mutex_);
-    if (calls_.size() < calls_of_a_flood) return false;
-  }
+  if (calls_.open() < calls_of_a_flood) return false;
   quiet_leader();
   if (done()) return true;
   const std::array woken_by{leader_event_.descriptor()};
@@ -179,19 +176,10 @@ void ClientConnection::take_packet(ByteView bytes) {
 }
 
 void ClientConnection::take_reply(const wire::PacketView& packet) {
-  std::shared_ptr<PendingCommand> command;
-  {
-    const MutexLock lock(mutex_);
-    command = calls_.take(packet.header.counter);
-    if (!command) return;  // the reply arrived before; this is a copy
-    if (repeats_) {
-      quickest_answer_ = std::min(quickest_answer_, runtime_->clock().now() - command->retry.first);
-    }
-    // the call was a `stop`, which renewed the status of this client
-    if (packet.header.epoch != Epoch{} && leases_ != 0) {
-      epoch_.store(number(packet.header.epoch), std::memory_order_relaxed);
-    }
-  }
+  const auto command = calls_.take_replied(packet.header.counter);
+  if (!command) return;  // the reply arrived before; this is a copy
+  // the call was a `stop`, which renewed the status of this client
+  if (packet.header.epoch != Epoch{}) leases_.renewed(packet.header.epoch);
   const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
   // Over a medium that loses nothing, OUTCOME_UNKNOWN means that the server has answered this call
   // and the reply was lost: the medium is broken.
@@ -205,14 +193,8 @@ void ClientConnection::take_reply(const wire::PacketView& packet) {
 }
 
 void ClientConnection::take_progress(const wire::PacketView& packet) {
-  std::shared_ptr<PendingCommand> command;
-  {
-    const MutexLock lock(mutex_);
-    const auto* found = calls_.find(packet.header.counter);
-    if (found == nullptr) return;
-    command = *found;
-    command->retry.arrived = true;
-  }
+  const auto command = calls_.arrived(packet.header.counter);
+  if (!command) return;
   const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
   const auto body = wire::from_bytes<ProgressBody>(packet.body);
   if (!body || !detail || *detail < Detail::Queued || *detail > Detail::Canceling) return;

@@ -102,7 +102,7 @@ bool PendingCommand::wait_until(TimePoint deadline) {
 
 void PendingCommand::cancel() {
   if (again) return cancel_in_any_session();
-  if (const auto session = this->session()) session->cancel(*this, counter);
+  if (const auto session = this->session()) session->calls().cancel(*this, counter);
 }
 
 int PendingCommand::descriptor() {
