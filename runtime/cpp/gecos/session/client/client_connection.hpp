@@ -62,8 +62,8 @@ class ClientConnection final : public ClientSession,
   /// Sets the address at which the session was opened; must be called before the session is shared.
   void found_at(std::string address) { place_ = std::move(address); }
   const std::string& place() const { return place_; }
-  /// Returns a failure when client and server define the operation or stream `name` differently. It
-  /// must not be called: the server would decode wrong arguments.
+  /// Returns a failure when client and server define the operation or stream `name` differently. No
+  /// call of it may be sent then: the server would decode wrong arguments.
   std::optional<Failure> differs(FunctionCode code, std::string_view name) const;
 
   CallSender& calls() { return calls_; }

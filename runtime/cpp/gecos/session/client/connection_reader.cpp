@@ -25,7 +25,9 @@ ConnectionReader::ConnectionReader(Runtime& runtime, media::Connection& connecti
       receiver_(receiver),
       end_(end),
       reliable_(connection.capabilities().reliable),
-      spin_(system_clock()) {}
+      spin_(system_clock()) {
+  descriptors_.reserve(connection.descriptors().size() + 1);  // so that no sleep allocates
+}
 
 void ConnectionReader::poll_once() {
   std::size_t taken = 0;
