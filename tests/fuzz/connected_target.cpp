@@ -5,7 +5,7 @@
 
 #include "gecos/gecos.hpp"
 #include "gecos/media/parts/stream_ring.hpp"
-#include "gecos/session/client/client_connection.hpp"
+#include "gecos/session/client/open_session.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/wire/encodable.hpp"
 #include "packet_target.hpp"
@@ -182,7 +182,7 @@ class Program {
  private:
   void tick(Duration later) {
     the_clock().advance(later);
-    session_->on_tick(the_clock().now());
+    session_->tick_target().on_tick(the_clock().now());
   }
   void issue(Command<std::int32_t> command) {
     if (issued_.size() < 32) issued_.push_back({std::move(command)});
@@ -243,7 +243,7 @@ class Program {
         ++connection_.beats;
         return;
       case 18:
-        return session_->poll_once();
+        return session_->reader().poll_once();
       case 19:
         return tick(std::chrono::milliseconds(script_.byte() * 8));
     }
@@ -265,8 +265,8 @@ void try_connected(Script script) {
   auto made = std::make_unique<ScriptedConnection>(script.one_in(2));
   ScriptedConnection& connection = *made;
   Server server(script, connection);
-  auto opened = ClientConnection::open(the_runtime(), std::move(made), probe::description(),
-                                       deadline_after(std::chrono::seconds(5)));
+  auto opened = open_session(the_runtime(), std::move(made), probe::description(),
+                             deadline_after(std::chrono::seconds(5)));
   if (!opened) return expect(!opened.error().reason.empty(), "who is not let in is told why");
   Program(script, std::move(*opened), server, connection).run();
 }

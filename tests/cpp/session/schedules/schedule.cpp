@@ -267,7 +267,7 @@ void Schedule::client_step() {
       return session_->close(Duration(1));
     case 3:
     case 4:
-      return session_->poll_once();
+      return session_->reader().poll_once();
     default:
       for (auto more = dice_.below(3); more > 0; --more) issue();
   }
@@ -275,7 +275,7 @@ void Schedule::client_step() {
 
 void Schedule::client_ticks() {
   if (!session_ || !runs(Side::Client) || clock_.now() < client_due_) return;
-  static_cast<void>(session_->on_tick(clock_.now()));
+  static_cast<void>(session_->tick_target().on_tick(clock_.now()));
   client_due_ = clock_.now() + Maintenance::tick;
 }
 

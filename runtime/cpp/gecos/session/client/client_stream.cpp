@@ -26,7 +26,7 @@ ClientStream::ClientStream(std::shared_ptr<ClientConnection> session, FunctionCo
                            std::unique_ptr<media::StreamReader> reader)
     : session_(std::move(session)), code_(code), reader_(std::move(reader)) {}
 
-ClientStream::~ClientStream() { session_->unsubscribe(code_); }
+ClientStream::~ClientStream() { session_->subscriptions().unsubscribe(code_); }
 
 /// Only a malicious or broken server sends a sample without its measurement time. Such a sample is
 /// emptied, so that it does not decode.
@@ -35,7 +35,7 @@ void ClientStream::finish(RawSample& sample) const {
   sample.stamp_ns = std::clamp(sample.stamp_ns, -farthest, farthest);
   const auto measured = take_measured(sample.bytes);
   if (!measured) sample.bytes.clear();
-  sample.measured = session_->by_our_clock(measured.value_or(TimePoint(-longest_age)));
+  sample.measured = session_->calls().by_our_clock(measured.value_or(TimePoint(-longest_age)));
 }
 
 bool ClientStream::latest(RawSample& into) {
@@ -46,7 +46,7 @@ bool ClientStream::latest(RawSample& into) {
 
 tl::expected<void, StreamEnd> ClientStream::next(RawSample& into, TimePoint deadline) {
   bool got = false;
-  session_->wait(
+  session_->reader().wait(
       nullptr,
       [&] {
         if (session_->closed()) return true;

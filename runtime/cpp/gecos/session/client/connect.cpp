@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "gecos/base/log.hpp"
+#include "gecos/session/client/open_session.hpp"
 
 namespace gecos::session {
 
@@ -18,23 +19,20 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> connect(
   }
   const auto opened = runtime.medium(*kind);
   if (!opened) return tl::unexpected(opened.error().text);
-  using Session = tl::expected<std::shared_ptr<ClientConnection>, ClientConnection::NotOpened>;
+  using Session = tl::expected<std::shared_ptr<ClientConnection>, NotOpened>;
   const auto open = [&]() -> Session {
     try {
       auto connection = (*opened)->connect(address);
       if (!connection) {
-        return tl::unexpected(
-            ClientConnection::NotOpened{Detail::NoServer, connection.error().text});
+        return tl::unexpected(NotOpened{Detail::NoServer, connection.error().text});
       }
-      return ClientConnection::open(runtime.shared_from_this(), std::move(*connection), wanted,
-                                    deadline)
-          .map_error([&](ClientConnection::NotOpened failed) {
+      return open_session(runtime.shared_from_this(), std::move(*connection), wanted, deadline)
+          .map_error([&](NotOpened failed) {
             failed.reason = address + ": " + failed.reason;
             return failed;
           });
     } catch (const std::system_error& failed) {
-      return tl::unexpected(
-          ClientConnection::NotOpened{Detail::NoServer, address + ": " + failed.what()});
+      return tl::unexpected(NotOpened{Detail::NoServer, address + ": " + failed.what()});
     }
   };
   auto session = open();
@@ -45,7 +43,7 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> connect(
   }
   (*session)->found_at(address);
   prepare(**session);
-  runtime.maintenance().add(*session);
+  runtime.maintenance().add(std::shared_ptr<TickTarget>(*session, &(*session)->tick_target()));
   runtime.close_at_exit(*session);
   return *session;
 }

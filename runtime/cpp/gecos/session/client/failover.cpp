@@ -166,8 +166,8 @@ void Failover::look(std::shared_ptr<ClientConnection> from) {
     const MutexUnlock unlocked(mutex_);
     found = find(*from);
     if (found) {
-      from->set_successor(*found);
-      if (!from->lost()) commands = from->detach_repeatable();
+      from->failover().set_successor(*found);
+      if (!from->lost()) commands = from->failover().detach_repeatable();
     }
   }
   if (found) {
@@ -184,8 +184,8 @@ void Failover::look(std::shared_ptr<ClientConnection> from) {
 
 tl::expected<std::shared_ptr<ClientConnection>, std::string> Failover::find(
     ClientConnection& from) {
-  if (auto successor = from.successor()) return successor;
-  const ConnectTarget& target = from.connect_target();
+  if (auto successor = from.failover().successor()) return successor;
+  const ConnectTarget& target = from.failover().connect_target();
   if (!from.lost()) {
     const auto entry = look_up(lab_, target.name, deadline_after(longest_look));
     if (!entry) return tl::unexpected(entry.error());
@@ -212,7 +212,7 @@ std::vector<PendingFailover> Failover::send_to(ClientConnection& found,
                           std::to_string(again.sessions) + " sessions that were lost");
     } else if (late(pending, clock_)) {
       end_late(pending);
-    } else if (const auto sent = found.send_again(pending.command); !sent) {
+    } else if (const auto sent = found.failover().send_again(pending.command); !sent) {
       pending.command->fail(sent.error());
     } else if (!*sent) {
       back.push_back(std::move(pending));

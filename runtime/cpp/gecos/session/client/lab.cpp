@@ -92,7 +92,7 @@ tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_objec
     return tl::unexpected(Attempt{name, Detail::QosUnavailable, name + " " + addresses.error()});
   }
   const auto with_failover = [&](ClientConnection& session) {
-    session.set_failover(lab.failover(), {name, wanted, options});
+    session.failover().set(lab.failover(), {name, wanted, options});
   };
   Attempt failed{name, Detail::NoServer, {}};
   for (const auto& address : *addresses) {

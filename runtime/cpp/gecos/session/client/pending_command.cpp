@@ -72,7 +72,7 @@ Progress PendingCommand::progress() const {
   if (terminal()) return {detail_.load(std::memory_order_relaxed), 0, fraction_};
   bool unreachable = false;
   if (const auto session = this->session()) {
-    session->poll_once();
+    session->reader().poll_once();
     unreachable = session->unreachable();
   }
   const MutexLock lock(mutex_);
@@ -83,7 +83,7 @@ Progress PendingCommand::progress() const {
 }
 
 Bytes PendingCommand::feedback() const {
-  if (const auto session = this->session()) session->poll_once();
+  if (const auto session = this->session()) session->reader().poll_once();
   const MutexLock lock(mutex_);
   return feedback_;
 }
@@ -96,13 +96,13 @@ bool PendingCommand::wait_until(TimePoint deadline) {
   if (again) return wait_in_any_session(deadline);
   const auto session = this->session();
   if (!session) return true;
-  return session->wait(
+  return session->reader().wait(
       this, [this] { return terminal(); }, deadline);
 }
 
 void PendingCommand::cancel() {
   if (again) return cancel_in_any_session();
-  if (const auto session = this->session()) session->cancel(*this, counter);
+  if (const auto session = this->session()) session->calls().cancel(*this, counter);
 }
 
 int PendingCommand::descriptor() {
@@ -128,7 +128,7 @@ void PendingCommand::when_ended(std::function<void()> then) {
 
 void PendingCommand::watch_end() {
   if (!session_ || std::exchange(watched_, true)) return;
-  session_->add_watcher();
+  session_->reader().add_watcher();
 }
 
 void PendingCommand::report(Detail detail, const ProgressBody& body) {
@@ -162,7 +162,7 @@ void PendingCommand::end(Detail detail, Publish publish) {
   position_ = 0;
   released = std::move(session_);
   if (log_enabled(actor_ ? LogLevel::Info : LogLevel::Debug)) log_end(*released, detail);
-  if (watched_) released->remove_watcher();
+  if (watched_) released->reader().remove_watcher();
   if (exported_) exported_->notify();
   if (again) again->attached.notify_all();
   for (auto& callback : callbacks_) released->runtime().callbacks().post(std::move(callback));
@@ -191,6 +191,72 @@ void PendingCommand::fail(Failure failure) {
     }
     failure_ = std::move(failure);
   });
+}
+
+// How a command moves to another session
+
+void PendingCommand::attach(const std::shared_ptr<ClientConnection>& session, const CommandId& id,
+                            std::uint64_t as) {
+  std::shared_ptr<ClientConnection> before;
+  const MutexLock lock(mutex_);
+  incarnation = id.incarnation;
+  session_id = id.session;
+  counter = id.counter;
+  sent_as = as;
+  retry = {};
+  ++again->sessions;
+  if (terminal()) return;
+  before = std::exchange(session_, session);
+  detail_.store(Detail::Sent, std::memory_order_relaxed);
+  position_ = 0;
+  fraction_ = 0;
+  feedback_.clear();
+  home_.store(session.get(), std::memory_order_release);
+  again->attached.notify_all();
+  if (before == session || !watched_) return;
+  if (before) before->reader().remove_watcher();
+  session->reader().add_watcher();
+}
+
+bool PendingCommand::wait_in_any_session(TimePoint deadline) {
+  for (;;) {
+    std::shared_ptr<ClientConnection> session;
+    {
+      MutexLock lock(mutex_);
+      const auto settled = [this] { return terminal() || !awaits_failover(); };
+      if (deadline == TimePoint::max()) {
+        again->attached.wait(lock, settled);
+      } else if (!again->attached.wait_until(lock, deadline, settled)) {
+        return false;
+      }
+      if (terminal()) return true;
+      session = session_;
+    }
+    const auto over = [&] { return terminal() || home_.load() != session.get(); };
+    if (!session->reader().wait(this, over, deadline)) return false;
+  }
+}
+
+void PendingCommand::cancel_in_any_session() {
+  for (;;) {
+    std::shared_ptr<ClientConnection> session;
+    std::uint64_t here = 0;
+    bool at_sea = false;
+    {
+      const MutexLock lock(mutex_);
+      if (terminal()) return;
+      session = session_;
+      here = counter;
+      at_sea = awaits_failover();
+    }
+    if (at_sea) {
+      return fail({Detail::Canceled,
+                   "canceled while its server was gone; the command is not sent again",
+                   {},
+                   {}});
+    }
+    if (session->calls().cancel(*this, here) || home_.load() == session.get()) return;
+  }
 }
 
 }  // namespace gecos::session

@@ -17,7 +17,9 @@ namespace gecos::session {
 class ClientConnection;
 
 /// A call that was issued. Session and command keep each other alive until the command is terminal,
-/// so a command that its user drops still runs. After that neither keeps the other alive.
+/// so a command that its user drops still runs. After that neither keeps the other alive. Has more
+/// methods and members than other classes: it implements the whole of CommandCore, and its session
+/// keeps here what sending the call again takes.
 class PendingCommand final : public CommandCore {
  public:
   PendingCommand(std::shared_ptr<ClientConnection> session, const OperationDescription& operation)
@@ -60,15 +62,15 @@ class PendingCommand final : public CommandCore {
   std::uint64_t sent_as = 0;  ///< packet number on the medium's connection; written before sharing
   /// shared words that may contain the mark of this call; written before sharing
   std::uint8_t marked_words = 0;
-  /// Notes that the command was sent in `session`, its first or another one. Requires the mutex of
-  /// `session`.
+  /// Notes that the command was sent in `session`, its first or another one. The caller must hold
+  /// the mutex of the session's CallSender.
   void attach(const std::shared_ptr<ClientConnection>& session, const CommandId& id,
               std::uint64_t as);
-  /// Notes that the session no longer has this command. Requires the mutex of that session.
+  /// Notes that the session no longer has this command. The same mutex must be held.
   void detach() { home_.store(nullptr, std::memory_order_release); }
 
-  /// State for sending the call again over a medium that loses packets. Guarded by the session's
-  /// mutex.
+  /// State for sending the call again over a medium that loses packets. Guarded by the mutex of the
+  /// session's CallSender.
   struct Retry {
     Bytes packet;
     TimePoint first{};  ///< when the packet was first sent

@@ -1,29 +1,28 @@
-// How the client side of a session subscribes to streams.
+#include "gecos/session/client/subscriptions.hpp"
+
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/client/client_stream.hpp"
 #include "gecos/session/client/own_call.hpp"
 #include "gecos/session/process/runtime.hpp"
-#include "gecos/session/protocol/packets.hpp"
 
 namespace gecos::session {
 
-tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::subscribe(
+tl::expected<std::shared_ptr<StreamCore>, Failure> Subscriptions::subscribe(
     const StreamDescription& stream) {
   std::shared_ptr<CommandCore> command;
-  if (auto refused = differs(stream.code, stream.name)) return tl::unexpected(std::move(*refused));
   {
-    const MutexLock lock(subscribing_);
-    ++subscriptions_[stream.code];
-    command = own_call(*this, GecosObjectInterface::subscribe,
+    const MutexLock lock(mutex_);
+    ++counts_[stream.code];
+    command = own_call(session_, GecosObjectInterface::subscribe,
                        GecosObject_subscribe_arguments{number(stream.code)});
   }
-  auto opened = open_subscribed(stream, *command);
+  auto opened = open(stream, *command);
   if (!opened) unsubscribe(stream.code);
   return opened;
 }
 
-tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::open_subscribed(
+tl::expected<std::shared_ptr<StreamCore>, Failure> Subscriptions::open(
     const StreamDescription& stream, CommandCore& subscribed) {
   subscribed.wait_until(TimePoint::max());
   if (subscribed.progress().detail != Detail::Done) return tl::unexpected(subscribed.failure());
@@ -33,17 +32,18 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::open_subscr
     return tl::unexpected(
         Failure{Detail::Fault, "the reply does not decode: " + from.error().message(), {}, {}});
   }
+  media::Connection& connection = session_.connection();
   std::unique_ptr<media::StreamReader> reader;
   std::string impossible;
-  wait(
+  session_.reader().wait(
       nullptr,
       [&] {
-        if (!reader) reader = open_stream(id);
-        if (!reader) impossible = connection_->why_no_stream(id);
-        return reader != nullptr || !impossible.empty() || lost();
+        if (!reader) reader = connection.open_stream(id);
+        if (!reader) impossible = connection.why_no_stream(id);
+        return reader != nullptr || !impossible.empty() || session_.lost();
       },
-      deadline_after(runtime_->options().grace));
-  const std::string what = "stream '" + std::string(stream.name) + "' of " + welcome_.object;
+      deadline_after(session_.runtime().options().grace));
+  const std::string what = "stream '" + std::string(stream.name) + "' of " + session_.object_name();
   if (!reader && !impossible.empty()) {
     return tl::unexpected(Failure{
         Detail::Refused, what + " cannot be opened in this process: " + impossible, {}, {}});
@@ -51,24 +51,21 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::open_subscr
   if (!reader) {
     return tl::unexpected(
         Failure{Detail::OutcomeUnknown,
-                what + " did not arrive over " + std::string(connection_->capabilities().name),
+                what + " did not arrive over " + std::string(connection.capabilities().name),
                 {},
                 {}});
   }
-  return std::make_shared<ClientStream>(shared_from_this(), stream.code, std::move(reader));
+  return std::make_shared<ClientStream>(session_.shared_from_this(), stream.code,
+                                        std::move(reader));
 }
 
-std::unique_ptr<media::StreamReader> ClientConnection::open_stream(std::uint32_t id) {
-  return connection_->open_stream(id);
-}
-
-void ClientConnection::unsubscribe(FunctionCode stream) {
-  const MutexLock lock(subscribing_);
-  const auto found = subscriptions_.find(stream);
+void Subscriptions::unsubscribe(FunctionCode stream) {
+  const MutexLock lock(mutex_);
+  const auto found = counts_.find(stream);
   if (--found->second != 0) return;
-  subscriptions_.erase(found);
-  if (lost()) return;
-  own_call(*this, GecosObjectInterface::unsubscribe,
+  counts_.erase(found);
+  if (session_.lost()) return;
+  own_call(session_, GecosObjectInterface::unsubscribe,
            GecosObject_unsubscribe_arguments{number(stream)})
       ->observe();
 }

@@ -1,16 +1,14 @@
-// The greeting that opens the client side of a session.
+#include "gecos/session/client/open_session.hpp"
+
 #include <algorithm>
 
 #include "gecos/base/log.hpp"
-#include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/process/runtime.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/protocol/retry.hpp"
 
 namespace gecos::session {
 namespace {
-
-using NotOpened = ClientConnection::NotOpened;
 
 /// Why no Welcome arrived: the loss that the peer or the medium reported, or else that the server
 /// did not answer.
@@ -58,7 +56,7 @@ std::optional<wire::PacketView> next_packet(media::Connection& connection, TimeP
 
 }  // namespace
 
-tl::expected<std::shared_ptr<ClientConnection>, NotOpened> ClientConnection::open(
+tl::expected<std::shared_ptr<ClientConnection>, NotOpened> open_session(
     std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Connection> connection,
     const InterfaceDescription& wanted, TimePoint deadline) {
   wire::PacketHeader header;

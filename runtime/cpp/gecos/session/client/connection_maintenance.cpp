@@ -1,0 +1,72 @@
+#include "gecos/session/client/connection_maintenance.hpp"
+
+#include <cstdio>
+
+namespace gecos::session {
+
+// Each tick costs a wake-up. So a heartbeat that is due soon is sent in this tick already, unless
+// the medium sends heartbeats as packets.
+ConnectionMaintenance::ConnectionMaintenance(const Runtime& runtime, Parts session)
+    : heartbeat_(runtime.options().heartbeat),
+      early_(session.connection.capabilities().reliable ? Maintenance::calm_tick : Duration{}),
+      session_(session) {}
+
+TimePoint ConnectionMaintenance::on_tick(TimePoint now) {
+  const CallSender& calls = session_.calls;
+  if (calls.lost()) return TimePoint::max();
+  if (now + early_ >= next_beat_) {
+    session_.connection.beat();
+    next_beat_ = now + heartbeat_;
+    session_.reader.look_for_loss_soon();
+  }
+  session_.reader.poll_once();
+  if (!calls.lost()) judge_heartbeats(now);
+  if (!calls.lost() && !session_.server.unreachable()) judge_answers();
+  return calls.lost() ? TimePoint::max() : session_.calls.repeat(now, next_beat_);
+}
+
+void ConnectionMaintenance::judge_heartbeats(TimePoint now) {
+  switch (session_.server.judge_heartbeats(session_.connection.beats_seen(), now)) {
+    case PeerLiveness::Verdict::Alive:
+    case PeerLiveness::Verdict::Quiet:
+      return;
+    case PeerLiveness::Verdict::Suspect:
+      return session_.failover.look_for_another();
+    case PeerLiveness::Verdict::Dead:
+      const auto silent =
+          std::chrono::duration_cast<std::chrono::milliseconds>(session_.server.silent_for());
+      return session_.end.lose(Ending::Silent, "the server of " + who() + " has been silent for " +
+                                                   std::to_string(silent.count()) + " ms");
+  }
+}
+
+/// Ends the session when the server sends heartbeats but no answers for longer than AnswerWatch
+/// allows.
+void ConnectionMaintenance::judge_answers() {
+  if (session_.receiver.answer_lost()) {
+    return session_.end.lose(Ending::Broken,
+                             "an answer of the server of " + who() + " was lost on its way, over " +
+                                 std::string(session_.connection.capabilities().name) +
+                                 ", which loses nothing unless its memory is damaged");
+  }
+  switch (session_.server.judge_answers(session_.calls.open() != 0, session_.receiver.heard())) {
+    case AnswerWatch::Verdict::Fine:
+      return;
+    case AnswerWatch::Verdict::Ask:
+      return session_.calls.query_old_calls();
+    case AnswerWatch::Verdict::Mute:
+      char seconds[32];
+      std::snprintf(seconds, sizeof seconds, "%.1f s",
+                    std::chrono::duration<double>(session_.server.mute_for()).count());
+      return session_.end.lose(Ending::Silent,
+                               "the server of " + who() +
+                                   " gives signs of life but has answered nothing for " + seconds +
+                                   "; start it anew if it hangs");
+  }
+}
+
+std::string ConnectionMaintenance::who() const {
+  return session_.welcome.object + " (" + session_.connection.peer().description + ")";
+}
+
+}  // namespace gecos::session

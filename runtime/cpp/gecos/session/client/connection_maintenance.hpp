@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+
+#include "gecos/session/client/call_sender.hpp"
+#include "gecos/session/client/connection_reader.hpp"
+#include "gecos/session/client/packet_receiver.hpp"
+#include "gecos/session/client/server_watch.hpp"
+#include "gecos/session/client/session_end.hpp"
+#include "gecos/session/client/session_failover.hpp"
+#include "gecos/session/process/maintenance.hpp"
+#include "gecos/session/process/runtime.hpp"
+
+namespace gecos::session {
+
+/// The work of the maintenance thread for one session of a client: sends heartbeats, judges the
+/// server, sends calls again, and reads packets while no thread waits for them.
+class ConnectionMaintenance final : public TickTarget {
+ public:
+  /// The parts of the session that a tick uses.
+  struct Parts {
+    media::Connection& connection;
+    const Welcome& welcome;
+    ServerWatch& server;
+    CallSender& calls;
+    PacketReceiver& receiver;
+    ConnectionReader& reader;
+    SessionFailover& failover;
+    SessionEnd& end;
+  };
+  ConnectionMaintenance(const Runtime& runtime, Parts session);
+
+  TimePoint on_tick(TimePoint now) override;
+  void watch(std::vector<pollfd>& into) override { session_.reader.watch(into); }
+  void unwatch() override { session_.reader.unwatch(); }
+
+ private:
+  void judge_heartbeats(TimePoint now);
+  void judge_answers();
+  std::string who() const;
+
+  const Duration heartbeat_;  ///< time between two heartbeats
+  const Duration early_;      ///< a heartbeat may be sent this long before it is due
+  const Parts session_;
+  TimePoint next_beat_{};
+};
+
+}  // namespace gecos::session

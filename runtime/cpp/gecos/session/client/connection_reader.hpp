@@ -1,0 +1,84 @@
+#pragma once
+
+#include <poll.h>
+
+#include <atomic>
+#include <cstddef>
+#include <vector>
+
+#include "gecos/base/event_fd.hpp"
+#include "gecos/base/function_ref.hpp"
+#include "gecos/media/medium.hpp"
+#include "gecos/media/parts/waiting.hpp"
+#include "gecos/session/client/call_sender.hpp"
+#include "gecos/session/client/ending.hpp"
+#include "gecos/session/client/leader_lock.hpp"
+#include "gecos/session/client/packet_receiver.hpp"
+#include "gecos/session/process/runtime.hpp"
+
+namespace gecos::session {
+
+/// Reads the connection of one session. A session has no thread that reads: of the threads that
+/// wait in it, the leader (LeaderLock) reads for all. While there are watchers and no thread waits,
+/// the maintenance thread reads. Thread-safe.
+class ConnectionReader {
+ public:
+  /// `end` is told when the connection is lost.
+  ConnectionReader(Runtime& runtime, media::Connection& connection, CallSender& calls,
+                   PacketReceiver& receiver, EndListener& end);
+
+  /// Reads the packets that have arrived, unless another thread is reading. Never waits.
+  void poll_once();
+  /// Reads packets, or waits for the thread that reads them, until `done()` or `deadline`. Returns
+  /// `done()`. `subject`: the command that the thread waits for; null to be woken by every packet.
+  bool wait(const void* subject, FunctionRef<bool()> done, TimePoint deadline);
+  /// Makes all threads in `wait` check `done()`.
+  void wake_all();
+
+  /// Must be called when the end of a command is awaited on its descriptor or by a callback. Until
+  /// `remove_watcher`, the maintenance thread reads packets even when no thread waits in this
+  /// session.
+  void add_watcher();
+  void remove_watcher() { watchers_.fetch_sub(1, std::memory_order_relaxed); }
+
+  // Called by the maintenance thread.
+  /// Makes the next `poll_once` that takes the lead ask the medium whether the connection is lost.
+  void look_for_loss_soon() { loss_look_due_.store(true, std::memory_order_relaxed); }
+  /// Takes the lead if there are watchers, and adds the descriptors on which packets arrive to
+  /// `into`. `unwatch` must be called after the sleep, or `abandon_watch`.
+  void watch(std::vector<pollfd>& into);
+  /// Reads the packets that have arrived and gives up the lead, if `watch` took it.
+  void unwatch();
+  /// Gives up the lead, if `watch` took it, without reading. For a session that is destroyed: the
+  /// maintenance thread no longer calls `unwatch`.
+  void abandon_watch();
+
+ private:
+  bool has_watchers() const { return watchers_.load(std::memory_order_relaxed) > 0; }
+
+  // Called only by the thread that reads the connection.
+  bool lead(FunctionRef<bool()> done, TimePoint deadline);
+  std::size_t read_all();
+  bool rest(FunctionRef<bool()> done, TimePoint deadline);
+  void sleep(FunctionRef<bool()> done, TimePoint deadline);
+  void quiet_leader();
+  void look_for_loss();
+
+  Runtime& runtime_;
+  media::Connection& connection_;
+  CallSender& calls_;
+  PacketReceiver& receiver_;
+  EndListener& end_;
+  const bool reliable_;  ///< the medium loses no packets
+
+  LeaderLock leader_lock_;
+  media::SpinPolicy spin_;        ///< used by the leader only
+  std::vector<int> descriptors_;  ///< used by the leader only, reused
+  EventFd leader_event_;
+  std::atomic<bool> leader_called_{false};  // leader_event_ may be notified; orders no other memory
+  std::atomic<int> watchers_{0};            // orders no other memory
+  std::atomic<bool> loss_look_due_{false};  // orders no other memory
+  bool watching_ = false;                   ///< used by the maintenance thread only
+};
+
+}  // namespace gecos::session

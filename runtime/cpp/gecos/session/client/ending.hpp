@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+
+#include "gecos/base/bytes.hpp"
+#include "gecos/media/medium.hpp"
+
+namespace gecos::session {
+
+/// How the client side of a session ends. Decides what is proved about the calls that have no
+/// reply.
+enum class Ending : std::uint8_t {
+  Died,    ///< the medium reported that the server's process ended
+  Closed,  ///< the server closed the session or its connection
+  Silent,  ///< the server sent no heartbeats or no answers for too long; it may still run
+  Broken,  ///< the server, or the memory shared with it, violated the rules of the medium
+  ByUs,    ///< this program closed the session
+};
+
+/// Is told by the thread that reads a connection when the server or the medium ends the session.
+class EndListener {
+ public:
+  /// The server said goodbye. `body`: its reason (text_of).
+  virtual void on_goodbye(ByteView body) = 0;
+  /// The connection is lost, and all packets that were sent before are read. `loss` is not None.
+  virtual void on_loss(media::Loss loss) = 0;
+
+ protected:
+  ~EndListener() = default;
+};
+
+}  // namespace gecos::session

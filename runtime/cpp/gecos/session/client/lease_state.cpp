@@ -1,0 +1,26 @@
+#include "gecos/session/client/lease_state.hpp"
+
+namespace gecos::session {
+
+std::uint64_t LeaseState::acquired(std::uint64_t epoch) {
+  const MutexLock lock(mutex_);
+  if (epoch_.exchange(epoch, std::memory_order_relaxed) != epoch) {
+    ++statuses_;
+    leases_ = 0;
+  }
+  ++leases_;
+  return statuses_;
+}
+
+void LeaseState::released(std::uint64_t held) {
+  const MutexLock lock(mutex_);
+  if (held != statuses_ || --leases_ != 0) return;
+  epoch_.store(0, std::memory_order_relaxed);
+}
+
+void LeaseState::renewed(Epoch epoch) {
+  const MutexLock lock(mutex_);
+  if (leases_ != 0) epoch_.store(number(epoch), std::memory_order_relaxed);
+}
+
+}  // namespace gecos::session

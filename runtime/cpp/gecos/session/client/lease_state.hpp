@@ -1,0 +1,33 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "gecos/base/ids.hpp"
+#include "gecos/base/mutex.hpp"
+
+namespace gecos::session {
+
+/// The status (actor or master) under which a session issues its commands, and how many leases of
+/// that status the program holds. Thread-safe.
+class LeaseState {
+ public:
+  /// The epoch of the next command; Epoch{} without a status.
+  Epoch epoch() const { return Epoch{epoch_.load(std::memory_order_relaxed)}; }
+  /// Counts one more lease, of the status with `epoch`. Returns the argument for `released`.
+  std::uint64_t acquired(std::uint64_t epoch);
+  /// Counts one lease less. After the last lease of the newest status the session has no status.
+  void released(std::uint64_t held);
+  /// The server renewed the status: commands need the new `epoch`. Does nothing without a lease.
+  void renewed(Epoch epoch);
+
+ private:
+  std::atomic<std::uint64_t> epoch_{0};  // orders no other memory
+  FutexMutex mutex_;
+  /// The number of statuses acquired so far; `leases_` counts the leases of the newest status.
+  std::uint64_t statuses_ GECOS_GUARDED_BY(mutex_) = 0;
+  /// leases of the newest status that are not released
+  std::uint64_t leases_ GECOS_GUARDED_BY(mutex_) = 0;
+};
+
+}  // namespace gecos::session

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "gecos/session/client/pending_command.hpp"
+#include "gecos/session/protocol/call_table.hpp"
+
+namespace gecos::session {
+
+/// The calls of one session that have no reply yet, and the counters that number all its calls.
+/// Sends nothing. Not thread-safe.
+class OpenCalls {
+ public:
+  using List = std::vector<std::pair<std::uint64_t, std::shared_ptr<PendingCommand>>>;
+
+  std::size_t size() const { return table_.size(); }
+  /// Number of calls that were added so far.
+  std::uint64_t issued() const { return next_counter_ - 1; }
+  /// The counter of the next call: 1 for the first one.
+  std::uint64_t next_counter() const { return next_counter_; }
+  /// The highest counter up to which every call has its reply.
+  std::uint64_t finished_up_to() const;
+
+  /// Adds `command` under `next_counter()`.
+  void add(std::shared_ptr<PendingCommand> command) {
+    table_.insert(next_counter_++, std::move(command));
+  }
+  /// Null when no open call has this counter. The pointer is valid until the calls change.
+  const std::shared_ptr<PendingCommand>* find(std::uint64_t counter) const {
+    return table_.find(counter);
+  }
+  /// Removes and returns the call; null when no open call has this counter.
+  std::shared_ptr<PendingCommand> take(std::uint64_t counter) { return table_.take(counter); }
+
+  // In the order of the counters:
+  List all() const { return table_.all(); }
+  List take_all() { return table_.take_all(); }
+  /// Removes and returns the calls that may be sent again in another session, except canceled ones.
+  List take_repeatable();
+
+  bool has_repeatable() const;
+  /// True when the server has confirmed the arrival of every open call.
+  bool everything_arrived() const;
+
+ private:
+  CallTable<PendingCommand> table_;
+  std::uint64_t next_counter_ = 1;
+};
+
+}  // namespace gecos::session

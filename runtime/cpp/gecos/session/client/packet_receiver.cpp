@@ -1,0 +1,55 @@
+#include "gecos/session/client/packet_receiver.hpp"
+
+#include "gecos/session/protocol/packets.hpp"
+
+namespace gecos::session {
+
+std::shared_ptr<PendingCommand> PacketReceiver::take(ByteView bytes) {
+  const auto packet = wire::decode_packet(bytes);
+  if (!packet || packet->header.session != id_) return nullptr;
+  if (packet->header.version != wire::packet_version) return nullptr;
+  heard_.store(heard_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  switch (packet->header.kind) {
+    case wire::PacketKind::Reply:
+    case wire::PacketKind::Progress:
+      // damaged or malicious: no call has counter 0
+      if (packet->header.counter == 0) return nullptr;
+      if (packet->header.kind == wire::PacketKind::Reply) return take_reply(*packet);
+      take_progress(*packet);
+      return nullptr;
+    case wire::PacketKind::Goodbye:
+      goodbye_heard_.store(true, std::memory_order_release);
+      end_.on_goodbye(packet->body);
+      return nullptr;
+    default:
+      return nullptr;  // packet kinds of a newer server, and late answers to a Hello
+  }
+}
+
+std::shared_ptr<PendingCommand> PacketReceiver::take_reply(const wire::PacketView& packet) {
+  auto command = calls_.take_replied(packet.header.counter);
+  if (!command) return nullptr;  // the reply arrived before; this is a copy
+  // the call was a `stop`, which renewed the status of this client
+  if (packet.header.epoch != Epoch{}) leases_.renewed(packet.header.epoch);
+  const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
+  // Over a medium that loses nothing, OUTCOME_UNKNOWN means that the server has answered this call
+  // and the reply was lost: the medium is broken.
+  if (reliable_ && detail == Detail::OutcomeUnknown) answer_lost_.store(true);
+  if (detail == Detail::Done) {
+    command->finish(packet.body);
+  } else {
+    command->fail(failure_from(detail, packet.body));
+  }
+  return command;
+}
+
+void PacketReceiver::take_progress(const wire::PacketView& packet) {
+  const auto command = calls_.arrived(packet.header.counter);
+  if (!command) return;
+  const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
+  const auto body = wire::from_bytes<ProgressBody>(packet.body);
+  if (!body || !detail || *detail < Detail::Queued || *detail > Detail::Canceling) return;
+  command->report(*detail, *body);
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+
+#include "gecos/session/client/call_sender.hpp"
+#include "gecos/session/client/ending.hpp"
+#include "gecos/session/client/lease_state.hpp"
+#include "gecos/wire/packet.hpp"
+
+namespace gecos::session {
+
+/// Handles the packets that the server of one session sends. Only the thread that reads the
+/// connection may call `take`; any thread may call the other functions.
+class PacketReceiver {
+ public:
+  /// `end` is told when the server says goodbye.
+  PacketReceiver(SessionId id, const media::Capabilities& medium, CallSender& calls,
+                 LeaseState& leases, EndListener& end)
+      : id_(id), reliable_(medium.reliable), calls_(calls), leases_(leases), end_(end) {}
+
+  /// Handles one packet. Returns the command that the packet ended, if there is one: its followers
+  /// must be notified.
+  std::shared_ptr<PendingCommand> take(ByteView bytes);
+
+  /// Number of packets of the session received so far.
+  std::uint64_t heard() const { return heard_.load(std::memory_order_relaxed); }
+  /// True when the server answered a call whose reply a medium lost that loses nothing.
+  bool answer_lost() const { return answer_lost_.load(); }
+  /// True when the server has said goodbye, or has acknowledged the goodbye of this program.
+  bool goodbye_heard() const { return goodbye_heard_.load(); }
+
+ private:
+  std::shared_ptr<PendingCommand> take_reply(const wire::PacketView& packet);
+  void take_progress(const wire::PacketView& packet);
+
+  const SessionId id_;
+  const bool reliable_;  ///< the medium loses no packets
+  CallSender& calls_;
+  LeaseState& leases_;
+  EndListener& end_;
+  std::atomic<std::uint64_t> heard_{0};     // orders no other memory
+  std::atomic<bool> answer_lost_{false};    // orders no other memory
+  std::atomic<bool> goodbye_heard_{false};  // orders no other memory
+};
+
+}  // namespace gecos::session

@@ -1,0 +1,39 @@
+#include "gecos/session/client/server_watch.hpp"
+
+#include <algorithm>
+
+namespace gecos::session {
+namespace {
+
+/// A silent server becomes UNREACHABLE a little before it would itself end this client's status for
+/// silence. So commands end at most `grace` + `lease_ttl` after the server died, including the time
+/// until its death is detected.
+PeerLiveness::Bounds bounds_of_server(const LabOptions& options) {
+  const Duration suspect =
+      std::max(options.lease_ttl - 2 * options.heartbeat, 2 * options.heartbeat);
+  return {.suspect_after = suspect, .dead_after = suspect + options.grace};
+}
+
+}  // namespace
+
+ServerWatch::ServerWatch(const LabOptions& options, const Clock& clock)
+    : clock_(clock),
+      // This clock may advance by `lease_ttl` in one step, because all packets that have arrived
+      // are read before the server is judged. Smaller steps would delay the verdict on a busy
+      // machine.
+      liveness_clock_(clock.now(), options.lease_ttl),
+      liveness_(bounds_of_server(options)),
+      answers_(options.lease_ttl, 2 * (options.lease_ttl + options.grace), liveness_clock_.now()) {
+  liveness_.heard(liveness_clock_.now());
+}
+
+PeerLiveness::Verdict ServerWatch::judge_heartbeats(std::uint64_t heartbeats, TimePoint now) {
+  const auto verdict = liveness_.check(heartbeats, liveness_clock_.advance(now));
+  if (verdict == PeerLiveness::Verdict::Quiet) return verdict;
+  const bool silent = verdict != PeerLiveness::Verdict::Alive;
+  if (silent && !unreachable()) silent_since_.store(clock_.now(), std::memory_order_relaxed);
+  unreachable_.store(silent, std::memory_order_relaxed);
+  return verdict;
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "gecos/base/clock.hpp"
+#include "gecos/lab.hpp"
+#include "gecos/session/client/answer_watch.hpp"
+#include "gecos/session/protocol/peer_liveness.hpp"
+#include "gecos/session/protocol/suspend_aware_clock.hpp"
+
+namespace gecos::session {
+
+/// Judges the server of one session by its heartbeats and by its answers. Does no I/O: the caller
+/// passes what has arrived. Any thread may call `unreachable` and `silent_since`; only the
+/// maintenance thread may call the other functions.
+class ServerWatch {
+ public:
+  ServerWatch(const LabOptions& options, const Clock& clock);
+
+  /// True while the server is silent for so long that it may be dead.
+  bool unreachable() const { return unreachable_.load(std::memory_order_relaxed); }
+  /// When the server was found unreachable, by the clock of the runtime. @pre `unreachable()`
+  TimePoint silent_since() const { return silent_since_.load(std::memory_order_relaxed); }
+
+  /// Judges whether the server lives. `heartbeats`: number of heartbeats received so far.
+  PeerLiveness::Verdict judge_heartbeats(std::uint64_t heartbeats, TimePoint now);
+  /// Time since the last heartbeat.
+  Duration silent_for() const { return liveness_.silent_for(liveness_clock_.now()); }
+
+  /// Judges whether the server answers, at the time of the last `judge_heartbeats`. `packets`:
+  /// number of packets received so far.
+  AnswerWatch::Verdict judge_answers(bool calls_are_open, std::uint64_t packets) {
+    return answers_.judge(calls_are_open, packets, liveness_clock_.now());
+  }
+  /// Time since the last packet while calls are open.
+  Duration mute_for() const { return answers_.silent_for(liveness_clock_.now()); }
+
+ private:
+  const Clock& clock_;
+  SuspendAwareClock liveness_clock_;  ///< measures how long the server is silent
+  PeerLiveness liveness_;
+  AnswerWatch answers_;
+  std::atomic<bool> unreachable_{false};   // orders no other memory
+  std::atomic<TimePoint> silent_since_{};  // valid while unreachable_; orders no other memory
+};
+
+}  // namespace gecos::session

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+
+#include "gecos/base/mutex.hpp"
+#include "gecos/object.hpp"
+
+namespace gecos::session {
+
+class ClientConnection;
+
+/// The subscriptions of one session to streams of its object. The server sends a stream until the
+/// last subscription to it ends. Thread-safe.
+class Subscriptions {
+ public:
+  explicit Subscriptions(ClientConnection& session) : session_(session) {}
+
+  /// Subscribes to `stream` and waits until its samples can be read.
+  tl::expected<std::shared_ptr<StreamCore>, Failure> subscribe(const StreamDescription& stream);
+  /// Ends one subscription to `stream`. Never blocks.
+  void unsubscribe(FunctionCode stream);
+
+ private:
+  tl::expected<std::shared_ptr<StreamCore>, Failure> open(const StreamDescription& stream,
+                                                          CommandCore& subscribed);
+
+  ClientConnection& session_;
+  /// Held while a subscription is requested or ended, so that the end of one subscription does not
+  /// end another one to the same stream. Must be locked before the mutex of CallSender.
+  Mutex mutex_;
+  /// The number of subscriptions of each stream.
+  std::map<FunctionCode, std::size_t> counts_ GECOS_GUARDED_BY(mutex_);
+};
+
+}  // namespace gecos::session
