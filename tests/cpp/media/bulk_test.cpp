@@ -11,6 +11,8 @@
 #include <random>
 #include <thread>
 
+#include "../same_bytes.hpp"
+
 namespace gecos::media {
 namespace {
 
@@ -65,8 +67,7 @@ struct TwoSides {
   void expect_next(const Bytes& sent) {
     const auto got = reader.read();
     ASSERT_TRUE(got);
-    ASSERT_EQ(got->size(), sent.size());
-    EXPECT_EQ(std::memcmp(got->data(), sent.data(), sent.size()), 0) << sent.size();
+    EXPECT_TRUE(same_bytes(*got, sent)) << got->size() << " bytes, of " << sent.size();
   }
   void rest_for(unsigned beats) {
     for (unsigned i = 0; i < beats; ++i) writer.beat();

@@ -132,7 +132,8 @@ TEST_P(MuteServer, IsNotOneThatTakesItsTime) {
 TEST_P(MuteServer, WhoseOneAnswerIsLostKeepsNobodyWaitingForThatOne) {
   *lost_ = 1;
   const auto lost = gecos::describe(probe_);
-  while (lost_->load() != 0) lost.wait_for(1ms);
+  while (lost_->load() != 0 && lost.wait_for(1ms) == gecos::State::Running) {
+  }
   static_cast<void>(probe_.read().get());
   const auto described = lost.get();
   if (GetParam() != gecos::media::Kind::Lcm) {

@@ -147,6 +147,8 @@ Schedule::~Schedule() {
   calm_ = true;
   line_.kill(Side::Client);
   line_.kill(Side::Server);
+  // Commands of a killed client are still open: each keeps the session alive, and the session it.
+  if (session_) session_->close(Duration{});
   session_.reset();
   object_->close();
   posted.clear();
