@@ -89,7 +89,8 @@ def _formatted(shown: str, findings: Findings, sources: dict[str, Source]) -> _F
             "G0014",
             Location(shown, problem.line, 1),
             f"this file cannot be formatted: this line {problem}",
-            "each branch of a condition must close the braces that the branch opens",
+            "each branch of a condition must close the braces that the branch opens, and a "
+            "preprocessor line begins with '#'",
         )
         return None
 

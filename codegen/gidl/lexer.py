@@ -243,7 +243,26 @@ class _Lexer:
         if comment.startswith("//@"):
             self._annotation_comment(start, end, own_line)
             return
+        if comment.startswith("//") and comment.rstrip("\r").endswith("\\"):
+            self._spliced_comment(end)
         self._lexed.comments.append(Comment(comment, start, end, own_line))
+
+    def _spliced_comment(self, end: int) -> None:
+        """Reports a `//` comment up to `end` with a backslash at the end of its line: a C++
+        preprocessor reads the next line as a part of the comment."""
+        text = self._source.text
+        following = text[end + 1 :].partition("\n")[0].strip()
+        if not following or following.startswith("//"):
+            return  # both readings are the same
+        at = text.rindex("\\", 0, end)
+        self._error(
+            "G0008",
+            at,
+            at + 1,
+            "this '\\' makes the next line a part of the comment for a C++ preprocessor, but not "
+            "for gidl",
+            "remove the '\\', or begin the next line with '//'",
+        )
 
     def _foreign_comment(self, name: str, start: int, end: int) -> None:
         """Reports a comment `//@name` that is no annotation: one for another tool (`//@top-level

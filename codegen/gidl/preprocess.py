@@ -260,6 +260,51 @@ class _Preprocessor:
             return False
 
 
+def _words(text: str) -> list[str]:
+    """The tokens of a condition. Raises ValueError if it has others than those of conditions."""
+    words: list[str] = []
+    at = 0
+    stripped = text.rstrip()
+    while at < len(stripped):
+        match = _CONDITION.match(stripped, at)
+        if match is None:
+            raise ValueError(text)
+        words.append(match.group(1))
+        at = match.end()
+    return words
+
+
+def _body_text(body: tuple[Token, ...]) -> str:
+    """The text of a macro's body, with one space where it has any."""
+    text, end = "", 0
+    for token in body:
+        text += (" " if token.start > end else "") + token.text
+        end = token.end
+    return text
+
+
+def _expanded(text: str, macros: Macros) -> list[str]:
+    """The tokens of a condition with its macros expanded, but not the operands of `defined`."""
+    result: list[str] = []
+    open_names: frozenset[str] = frozenset()
+    work = [(word, open_names) for word in reversed(_words(text))]
+    while work:
+        word, open_names = work.pop()
+        if word == "defined":
+            result.append(word)
+            for _ in range(3 if work and work[-1][0] == "(" else 1):
+                if work:
+                    result.append(work.pop()[0])
+        elif word in macros and word not in open_names:
+            inner = open_names | {word}
+            work.extend((w, inner) for w in reversed(_words(_body_text(macros[word]))))
+        else:
+            result.append(word)
+        if len(result) + len(work) > _MAX_EXPANSION:
+            raise ValueError("the macros of the condition expand to too many tokens")
+    return result
+
+
 class _ConditionReader:
     """Computes `#if` conditions, in 64 bits. Raises ValueError if the text is no condition."""
 
@@ -269,18 +314,11 @@ class _ConditionReader:
     )  # fmt: skip
 
     def __init__(self, text: str, macros: Macros) -> None:
-        self._words: list[str] = []
+        self._words = _expanded(text, macros)
         self._macros = macros
-        at = 0
-        stripped = text.rstrip()
-        while at < len(stripped):
-            match = _CONDITION.match(stripped, at)
-            if match is None:
-                raise ValueError(text)
-            self._words.append(match.group(1))
-            at = match.end()
         self._at = 0
         self._depth = 0
+        self._unneeded = 0  # above 0: in an operand of && or || that does not matter
 
     def value(self) -> int:
         result = self._binary(0)
@@ -303,7 +341,11 @@ class _ConditionReader:
         left = self._binary(level + 1)
         while self._peek() in self._LEVELS[level]:
             operator = self._next()
-            left = _apply(operator, left, self._binary(level + 1))
+            decided = (operator == "&&" and not left) or (operator == "||" and bool(left))
+            self._unneeded += decided
+            right = self._binary(level + 1)
+            self._unneeded -= decided
+            left = 0 if self._unneeded else _apply(operator, left, right)
         return left
 
     def _primary(self) -> int:
@@ -328,8 +370,7 @@ class _ConditionReader:
         elif word[0].isdigit():
             result = _number(word)
         elif word[0].isalpha() or word[0] == "_":
-            body = self._macros.get(word, ())
-            result = _number(body[0].text) if len(body) == 1 and body[0].kind == "int" else 0
+            result = int(word == "true")  # any other name that is no macro is 0
         else:
             raise ValueError(word)
         self._depth -= 1
@@ -385,6 +426,12 @@ def _applied(operator: str, left: int, right: int) -> int:
         case "*":
             return left * right
         case "/":
-            return left // right
+            return _quotient(left, right)
         case _:
-            return left % right
+            return left - _quotient(left, right) * right
+
+
+def _quotient(left: int, right: int) -> int:
+    """Rounds towards zero, as C++ does."""
+    size = abs(left) // abs(right)
+    return size if (left < 0) == (right < 0) else -size

@@ -135,6 +135,12 @@ def test_conditions_around_half_a_body_are_refused_by_line() -> None:
     assert caught.value.line == 2
 
 
+def test_a_skipped_hash_inside_a_line_is_not_made_a_line_of_its_own() -> None:
+    with pytest.raises(UnreadableError, match="does not begin its line") as caught:
+        layout("#if 0\nold #else\nmodule m { const long x = 1; };\n#endif\n")
+    assert caught.value.line == 2
+
+
 def test_deep_nesting_is_laid_out() -> None:
     text = "".join(f"module m{i} {{\n" for i in range(190)) + "struct S { long x; };" + "};" * 190
     with room_for_nesting():

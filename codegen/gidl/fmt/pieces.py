@@ -59,6 +59,8 @@ def scan(text: str) -> list[Piece]:
             newlines += body.count("\n")
         else:
             if kind == "directive":
+                if newlines == 0:  # text in a part that '#if' skips: on its own line it would act
+                    raise UnreadableError(line, "has a '#' that does not begin its line")
                 found = DIRECTIVE_LINE.match(text, at)
                 body = _directive(found.group() if found else body)
             shown = re.sub(r"[ \t\r\f\v]+(?=\n|$)", "", body)
