@@ -81,6 +81,19 @@ class FragmentedConnection final : public ConnectionLayer {
     advance();
   }
 
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
+    const MutexLock lock(mutex_);
+    return inner().make_stream(largest, depth);
+  }
+  tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override {
+    const MutexLock lock(mutex_);
+    return inner().share(id, stream);
+  }
+  void unshare(std::uint32_t id) override {
+    const MutexLock lock(mutex_);
+    inner().unshare(id);
+  }
+
  private:
   static bool is_packet(ByteView known, ByteView head, ByteView body) {
     return known.size() == head.size() + body.size() &&
@@ -109,7 +122,8 @@ class FragmentedConnection final : public ConnectionLayer {
   const Clock& clock_;
   IncomingTransfers incoming_;  // used by the receiving thread only
   Bytes current_;               // used by the receiving thread only
-  /// Also held while inner() sends: the receiving thread and the maintenance thread send, too.
+  /// Also held while inner() sends, makes or shares a stream: inner() allows one thread at a time
+  /// to do so, but the receiving thread and the maintenance thread of this layer send, too.
   Mutex mutex_;
   /// The current transfer, or the last one.
   std::optional<OutgoingTransfer> transfer_ GECOS_GUARDED_BY(mutex_);
