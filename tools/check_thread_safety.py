@@ -5,6 +5,8 @@ The analysis does not follow calls, so it looks at the sources that see the memb
 include gecos/base/mutex.hpp, or a header that does. The build's compile_commands.json says how they
 are compiled. What the sources of one library include is precompiled once: their headers are most of
 the work.
+
+The analysis sees only our mutexes. So a mutex of the standard library is an error, too.
 """
 
 import argparse
@@ -22,11 +24,27 @@ from pathlib import Path
 TREE = Path(__file__).resolve().parent.parent
 ROOTS = ("runtime", "devices")
 MUTEX = "gecos/base/mutex.hpp"
+MUTEX_FILE = f"runtime/cpp/{MUTEX}"
 FLAGS = ("-Wthread-safety", "-Werror")
+PLAIN_MUTEX = re.compile(r"\bstd::(?:recursive_|shared_)?(?:timed_)?mutex\b")
 
 
 def includes(file: Path) -> set[str]:
     return set(re.findall(r'^#include "([^"]+)"', file.read_text(encoding="utf-8"), re.MULTILINE))
+
+
+def plain_mutexes(tree: Path) -> list[str]:
+    """An error for each line of our C++ that has a mutex which the analysis does not see."""
+    return [
+        f"{path}:{number}: error: {found[0]}: the thread-safety analysis does not see it\n"
+        f"    = help: use gecos::Mutex of {MUTEX}, with GECOS_GUARDED_BY on each member that it "
+        "guards"
+        for root in ROOTS
+        for file in sorted((tree / root).rglob("*.[ch]pp"))
+        if (path := file.relative_to(tree).as_posix()) != MUTEX_FILE
+        for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), start=1)
+        if (found := PLAIN_MUTEX.search(line.split("//")[0]))
+    ]
 
 
 def headers_with_mutexes() -> set[str]:
@@ -121,15 +139,19 @@ def main() -> int:
     if not checked:
         print(f"check_thread_safety: no source of {build} uses {MUTEX}")
         return 1
+    plain = plain_mutexes(TREE)
     found: list[str] = []
     for flags, files in checked.items():
         with tempfile.TemporaryDirectory() as folder:
             found += [text for text in check_alike(flags, files, Path(folder)) if text]
-    for text in found:
+    for text in (*plain, *found):
         print(text)
     count = sum(len(files) for files in checked.values())
-    print(f"check_thread_safety: {count} sources, {len(found)} of them with problems")
-    return 1 if found else 0
+    print(
+        f"check_thread_safety: {count} sources, {len(found)} of them with problems, "
+        f"{len(plain)} mutexes of the standard library"
+    )
+    return 1 if plain or found else 0
 
 
 if __name__ == "__main__":

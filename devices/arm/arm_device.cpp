@@ -55,12 +55,12 @@ ArmDevice::ArmDevice(const robcl::arm::ArmModel& model, const Settings& settings
       postures_(robcl::arm::make_inverse(model)) {}
 
 Frame ArmDevice::base() const {
-  const std::lock_guard lock(reading_);
+  const gecos::MutexLock lock(reading_);
   return world_from_base_;
 }
 
 Frame ArmDevice::tool_offset() const {
-  const std::lock_guard lock(reading_);
+  const gecos::MutexLock lock(reading_);
   return flange_from_tool_;
 }
 
@@ -69,7 +69,7 @@ ArmDevice::Sample ArmDevice::sample() const {
   Sample sample;
   const auto [x, y, z, qw, qx, qy, qz] = now.base_from_flange;
   {
-    const std::lock_guard lock(reading_);
+    const gecos::MutexLock lock(reading_);
     sample.flange = world_from_base_ * Frame::from_quaternion(x, y, z, qw, qx, qy, qz);
     sample.tool = sample.flange * flange_from_tool_;
   }
@@ -90,23 +90,24 @@ JointValues ArmDevice::joints() const { return sample().joints; }
 
 robcl::arm::Configuration ArmDevice::configuration() const {
   const JointValues now = joints();
-  const std::lock_guard lock(reading_);
+  const gecos::MutexLock lock(reading_);
   return postures_->configuration(now);
 }
 
 tl::expected<void, Refused> ArmDevice::mount(const Frame& world_from_base) {
-  const std::unique_lock standing(moving_, std::try_to_lock);
-  if (!standing) return tl::unexpected(Refused{"the arm is moving; mount it when it has stopped"});
-  const std::lock_guard lock(reading_);
+  if (!moving_.try_lock())
+    return tl::unexpected(Refused{"the arm is moving; mount it when it has stopped"});
+  const gecos::MutexLock standing(moving_, std::adopt_lock);
+  const gecos::MutexLock lock(reading_);
   world_from_base_ = world_from_base;
   return {};
 }
 
 tl::expected<void, Refused> ArmDevice::set_tool_offset(const Frame& flange_from_tool) {
-  const std::unique_lock standing(moving_, std::try_to_lock);
-  if (!standing)
+  if (!moving_.try_lock())
     return tl::unexpected(Refused{"the arm is moving; change its tool when it has stopped"});
-  const std::lock_guard lock(reading_);
+  const gecos::MutexLock standing(moving_, std::adopt_lock);
+  const gecos::MutexLock lock(reading_);
   flange_from_tool_ = flange_from_tool;
   return {};
 }
@@ -115,8 +116,8 @@ template <typename MakePlan>
 tl::expected<void, MoveFailure> ArmDevice::run(const Pace& pace, MotionWatcher& watcher,
                                                MakePlan make_plan) {
   if (auto problem = robcl::motion::problem_of(pace)) return tl::unexpected(Refused{*problem});
-  const std::unique_lock standing(moving_, std::try_to_lock);
-  if (!standing) return tl::unexpected(Refused{"the arm is moving for another caller"});
+  if (!moving_.try_lock()) return tl::unexpected(Refused{"the arm is moving for another caller"});
+  const gecos::MutexLock standing(moving_, std::adopt_lock);
   if (unfinished_ && !controller_.wait(0ms)) {
     return tl::unexpected(DriverFault{"the driver does not return: the control loop has stalled"});
   }
@@ -129,6 +130,7 @@ tl::expected<void, MoveFailure> ArmDevice::run(const Pace& pace, MotionWatcher& 
 tl::expected<void, MoveFailure> ArmDevice::move(const Frame& world_from_goal, PathKind path,
                                                 const Pace& pace, MotionWatcher& watcher) {
   return run(pace, watcher, [&](const JointValues& from) {
+    moving_.assert_held();
     const Frame base_from_goal = base().inverse() * world_from_goal;
     const Frame tool = tool_offset();
     return path == PathKind::Straight ? planner_.straight(from, base_from_goal, tool, pace)
@@ -139,6 +141,7 @@ tl::expected<void, MoveFailure> ArmDevice::move(const Frame& world_from_goal, Pa
 tl::expected<void, MoveFailure> ArmDevice::move_to(const JointValues& target, const Pace& pace,
                                                    MotionWatcher& watcher) {
   return run(pace, watcher, [&](const JointValues& from) {
+    moving_.assert_held();
     return planner_.joints(from, target, pace, tool_offset());
   });
 }

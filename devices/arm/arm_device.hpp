@@ -2,12 +2,12 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <variant>
 
 #include "arm/arm_controller.hpp"
+#include "gecos/base/mutex.hpp"
 #include "robcl/arm/failure.hpp"
 #include "robcl/frames/frame.hpp"
 #include "robcl/motion/planner.hpp"
@@ -95,20 +95,22 @@ class ArmDevice {
   template <typename MakePlan>
   tl::expected<void, MoveFailure> run(const robcl::motion::Pace& pace, MotionWatcher& watcher,
                                       MakePlan make_plan);
-  tl::expected<void, MoveFailure> follow(robcl::motion::Plan plan, MotionWatcher& watcher);
+  tl::expected<void, MoveFailure> follow(robcl::motion::Plan plan, MotionWatcher& watcher)
+      GECOS_REQUIRES(moving_);
   std::optional<ArmController::Outcome> await_end(MotionWatcher& watcher);
 
   const robcl::arm::ArmModel model_;
   ArmController controller_;
 
-  std::mutex moving_;  // held until the arm has stopped; guards planner_ and unfinished_
-  robcl::motion::Planner planner_;
-  bool unfinished_ = false;  // a motion was abandoned because the control loop stalled
+  gecos::Mutex moving_;  // held until the arm has stopped
+  robcl::motion::Planner planner_ GECOS_GUARDED_BY(moving_);
+  /// A motion was abandoned because the control loop stalled.
+  bool unfinished_ GECOS_GUARDED_BY(moving_) = false;
 
-  mutable std::mutex reading_;  // guards the members below; never held while waiting
-  Frame world_from_base_;
-  Frame flange_from_tool_;
-  std::unique_ptr<robcl::arm::InverseKinematics> postures_;
+  mutable gecos::Mutex reading_;  // never held while waiting
+  Frame world_from_base_ GECOS_GUARDED_BY(reading_);
+  Frame flange_from_tool_ GECOS_GUARDED_BY(reading_);
+  const std::unique_ptr<robcl::arm::InverseKinematics> postures_ GECOS_POINTER_GUARDED_BY(reading_);
 };
 
 /// An arm with six joints whose positions a caller may command.

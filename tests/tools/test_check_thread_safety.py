@@ -58,3 +58,25 @@ def test_follows_a_header_that_has_a_mutex_to_the_sources_that_include_it() -> N
     found = check_thread_safety.headers_with_mutexes()
     assert "gecos/session/server/host_state.hpp" in found
     assert "gecos/wire/packet.hpp" not in found
+
+
+@pytest.mark.parametrize(
+    "kind", ["std::mutex", "std::recursive_mutex", "std::shared_mutex", "std::shared_timed_mutex"]
+)
+@pytest.mark.parametrize("path", ["runtime/cpp/gecos/media/queue.hpp", "devices/arm/arm.cpp"])
+def test_names_a_mutex_that_the_analysis_does_not_see(tmp_path: Path, kind: str, path: str) -> None:
+    file = tmp_path / path
+    file.parent.mkdir(parents=True)
+    source = f"// no {kind} here\nclass Queue {{\n  mutable {kind} mutex_;\n}};\n"
+    file.write_text(source, encoding="utf-8")
+    (text,) = check_thread_safety.plain_mutexes(tmp_path)
+    assert text.startswith(f"{path}:3: error: {kind}: ")
+    assert "use gecos::Mutex of gecos/base/mutex.hpp" in text
+
+
+def test_only_our_mutex_is_made_of_one_of_the_standard_library(tmp_path: Path) -> None:
+    for path in ("runtime/cpp/gecos/base/mutex.hpp", "tests/cpp/media/pair_medium.cpp"):
+        file = tmp_path / path
+        file.parent.mkdir(parents=True)
+        file.write_text("std::mutex mutex;\n", encoding="utf-8")
+    assert check_thread_safety.plain_mutexes(tmp_path) == []

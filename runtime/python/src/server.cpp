@@ -7,7 +7,6 @@
 #include <nanobind/stl/vector.h>
 
 #include <memory>
-#include <mutex>
 #include <stdexcept>
 #include <vector>
 
@@ -15,6 +14,7 @@
 #include "bytes.hpp"
 #include "dynamic_description.hpp"
 #include "gecos/base/log.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/broker/broker.hpp"
 #include "gecos/broker/others.hpp"
 #include "handles.hpp"
@@ -120,7 +120,7 @@ class ServerHandle {
     const auto servant = prepared.servant();
     options.on_stop = [servant = servant.get()] { servant->stopped(); };
     const auto added = without_gil([&, server = std::move(server)]() mutable {
-      const std::lock_guard lock(serving_);
+      const MutexLock lock(serving_);
       auto result = server->add(name, *servant, std::move(options));
       server.reset();  // drops the last reference if `close` was called meanwhile
       return result;
@@ -153,7 +153,7 @@ class ServerHandle {
   /// the server ends, because the server's threads may use it until then.
   void forget(const ServantHandle& prepared) {
     without_gil([this, servant = prepared.servant()] {
-      const std::lock_guard lock(serving_);
+      const MutexLock lock(serving_);
       servant->close();
       servant->gecos_attach(nullptr);
     });
@@ -168,7 +168,7 @@ class ServerHandle {
     }
     without_gil([this, servants = servants_, server = std::exchange(server_, nullptr)]() mutable {
       for (const auto& servant : servants) servant->close();
-      const std::lock_guard lock(serving_);  // waits while another thread adds a servant
+      const MutexLock lock(serving_);  // waits while another thread adds a servant
       server.reset();
       // This object keeps the servants alive; servants must not keep the lab and its thread alive.
       for (const auto& servant : servants) servant->gecos_attach(nullptr);
@@ -179,7 +179,9 @@ class ServerHandle {
  private:
   const Owner owner_;
   std::shared_ptr<Lab> lab_;
-  std::mutex serving_;  // held while a servant is added or all are released; locked without the GIL
+  /// Held while a servant is added or all are released; locked without the GIL. Guards no member:
+  /// the GIL guards the members below.
+  Mutex serving_;
   std::vector<std::shared_ptr<PulledServant>> servants_;
   std::shared_ptr<Server> server_;  // last member: destroyed before the servants it serves
 };

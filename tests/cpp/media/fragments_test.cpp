@@ -4,10 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <deque>
 #include <random>
+#include <thread>
+#include <utility>
 
 #include "gecos/media/kinds.hpp"
+#include "gecos/media/layers/layer.hpp"
 #include "gecos/media/layers/transfer.hpp"
 #include "gecos/media/lcm/lcm.hpp"
 #include "gecos/media/testing/faulty.hpp"
@@ -277,6 +281,81 @@ class OverASealedPair : public WithKeys, public InSmallPieces {
   OverASealedPair() : InSmallPieces(make_sealed_pair(keys())) {}
 };
 TEST_F(OverASealedPair, LargePacketsArrive) { expect_large_packets(); }
+
+struct Counts {
+  std::atomic<int> sends{0};
+  std::atomic<int> overlaps{0};  // calls that begin before another one has returned
+};
+
+/// Counts calls of send(), share() and unshare(), which a connection allows one thread at a time.
+class OneSender final : public ConnectionLayer {
+ public:
+  OneSender(std::unique_ptr<Connection> inner, const Capabilities& capabilities, Counts& counts)
+      : ConnectionLayer(std::move(inner), capabilities), counts_(counts) {}
+
+  tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override {
+    const Turn turn(*this);
+    ++counts_.sends;
+    std::this_thread::yield();
+    return inner().send(head, body);
+  }
+  tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override {
+    const Turn turn(*this);
+    return inner().share(id, stream);
+  }
+  void unshare(std::uint32_t id) override {
+    const Turn turn(*this);
+    inner().unshare(id);
+  }
+
+ private:
+  struct Turn {
+    explicit Turn(OneSender& of) : sender(of) {
+      if (sender.running_.exchange(true)) ++sender.counts_.overlaps;
+    }
+    ~Turn() { sender.running_.store(false); }
+    OneSender& sender;
+  };
+  Counts& counts_;
+  std::atomic<bool> running_{false};
+};
+
+struct WithCounts {
+  Counts counts;
+};
+
+/// Over a pair, where the client's line counts.
+class OverOneSender : public WithCounts, public Fragmented {
+ protected:
+  OverOneSender()
+      : Fragmented(make_layer(
+            make_pair_medium(), pair_capabilities,
+            [this](std::unique_ptr<Connection> connection, const Capabilities& capabilities,
+                   Role role) -> std::unique_ptr<Connection> {
+              if (role == Role::Server) return connection;
+              return std::make_unique<OneSender>(std::move(connection), capabilities, counts);
+            })) {}
+};
+
+TEST_F(OverOneSender, AStreamIsSharedWhileNoOtherThreadSends) {
+  std::atomic<bool> done{false};
+  std::thread sharing([&] {
+    const auto stream = client_->make_stream(8, 2);
+    for (int seen = 0; !done; std::this_thread::yield()) {
+      const int sends = counts.sends;
+      if (std::exchange(seen, sends) == sends) continue;
+      EXPECT_TRUE(client_->share(1, *stream));
+      client_->unshare(1);
+    }
+  });
+  const Bytes packet = random_bytes(20'000, 1);
+  send_when_free(*server_, packet);
+  EXPECT_EQ(arrived_at(*client_), packet) << "the receiving thread has acknowledged each piece";
+  done = true;
+  sharing.join();
+  EXPECT_GT(counts.sends, 100);
+  EXPECT_EQ(counts.overlaps, 0);
+}
 
 }  // namespace
 }  // namespace gecos::media

@@ -73,6 +73,8 @@ template <class M>
 class GECOS_SCOPED_CAPABILITY MutexLock {
  public:
   explicit MutexLock(M& mutex) GECOS_ACQUIRE(mutex) : mutex_(mutex) { mutex_.lock(); }
+  /// Takes over a mutex that the caller holds, after `try_lock()`.
+  MutexLock(M& mutex, std::adopt_lock_t) GECOS_REQUIRES(mutex) : mutex_(mutex) {}
   ~MutexLock() GECOS_RELEASE() {
     if (holds_) mutex_.unlock();
   }

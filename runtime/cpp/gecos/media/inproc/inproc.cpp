@@ -6,11 +6,11 @@
 #include <atomic>
 #include <deque>
 #include <map>
-#include <mutex>
 #include <new>
 #include <utility>
 
 #include "gecos/base/event_fd.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/media/parts/bulk.hpp"
 #include "gecos/media/parts/fork_watch.hpp"
 #include "gecos/media/parts/mapping.hpp"
@@ -44,8 +44,9 @@ struct SharedStream {
 /// Both sides of a connection. The last of its two ends destroys it.
 struct SidePair {
   std::array<Side, 2> sides;
-  std::mutex mutex;
-  std::array<std::map<std::uint32_t, SharedStream>, 2> streams;  ///< streams that each side shares
+  Mutex mutex;
+  /// Streams that each side shares.
+  std::array<std::map<std::uint32_t, SharedStream>, 2> streams GECOS_GUARDED_BY(mutex);
   std::atomic<bool> inherited{false};  // true in a forked child; read by both ends
   ForkWatch watch{this, [](void* owner) noexcept {
                     auto& self = *static_cast<SidePair*>(owner);
@@ -188,7 +189,7 @@ class InprocConnection final : public Connection, public QuietSender {
     if (loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
     auto& ring = dynamic_cast<StreamRingWriter&>(stream);
     {
-      const std::lock_guard lock(pair_->mutex);
+      const MutexLock lock(pair_->mutex);
       pair_->streams[side_][id] = {ring.memory(), ring.owner()};
     }
     if (const auto list = shared_[id].lock()) list->remove(sleeper_.get());
@@ -199,7 +200,7 @@ class InprocConnection final : public Connection, public QuietSender {
   }
   void unshare(std::uint32_t id) override {
     {
-      const std::lock_guard lock(pair_->mutex);
+      const MutexLock lock(pair_->mutex);
       pair_->streams[side_].erase(id);
     }
     const auto held = shared_.extract(id);
@@ -207,7 +208,7 @@ class InprocConnection final : public Connection, public QuietSender {
     if (const auto list = held.mapped().lock()) list->remove(sleeper_.get());
   }
   std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override {
-    const std::lock_guard lock(pair_->mutex);
+    const MutexLock lock(pair_->mutex);
     const auto& streams = pair_->streams[1 - side_];
     const auto found = streams.find(id);
     if (found == streams.end()) return nullptr;
@@ -238,16 +239,16 @@ class InprocConnection final : public Connection, public QuietSender {
 
 /// The clients that wait for one acceptor.
 struct Backlog {
-  std::mutex mutex;
-  std::deque<std::shared_ptr<SidePair>> waiting;
-  EventFd event;
+  Mutex mutex;
+  std::deque<std::shared_ptr<SidePair>> waiting GECOS_GUARDED_BY(mutex);
+  EventFd event;  // drained and notified under `mutex`: readable while a client may wait
 };
 
 /// All backlogs of this process by address. shm looks addresses up in the file system instead.
 struct Backlogs {
-  std::mutex mutex;
-  std::map<std::string, std::weak_ptr<Backlog>, std::less<>> by_address;
-  std::uint64_t opened = 0;
+  Mutex mutex;
+  std::map<std::string, std::weak_ptr<Backlog>, std::less<>> by_address GECOS_GUARDED_BY(mutex);
+  std::uint64_t opened GECOS_GUARDED_BY(mutex) = 0;
 
   static Backlogs& of_this_process() {
     static Backlogs* const backlogs =
@@ -265,7 +266,7 @@ class InprocAcceptor final : public Acceptor {
   ~InprocAcceptor() override {
     Backlogs& backlogs = Backlogs::of_this_process();
     {
-      const std::lock_guard lock(backlogs.mutex);
+      const MutexLock lock(backlogs.mutex);
       backlogs.by_address.erase(address_);
     }
     while (accept() != nullptr) {  // closes the connections of clients that still wait
@@ -275,7 +276,7 @@ class InprocAcceptor final : public Acceptor {
   const Capabilities& capabilities() const override { return inproc_capabilities; }
   const std::string& address() const override { return address_; }
   std::unique_ptr<Connection> accept() override {
-    const std::lock_guard lock(backlog_->mutex);
+    const MutexLock lock(backlog_->mutex);
     if (backlog_->waiting.empty()) {
       backlog_->event.drain();
       return nullptr;
@@ -303,7 +304,7 @@ class Inproc final : public Medium {
                                                               bool well_known) override {
     Backlogs& backlogs = Backlogs::of_this_process();
     auto backlog = std::make_shared<Backlog>();
-    const std::lock_guard lock(backlogs.mutex);
+    const MutexLock lock(backlogs.mutex);
     std::string address = well_known_address(name);
     if (!well_known) address += "." + std::to_string(++backlogs.opened);
     auto& held = backlogs.by_address[address];
@@ -318,7 +319,7 @@ class Inproc final : public Medium {
       std::string_view address) override {
     Backlogs& backlogs = Backlogs::of_this_process();
     std::shared_ptr<Backlog> backlog;
-    const std::lock_guard lock(backlogs.mutex);
+    const MutexLock lock(backlogs.mutex);
     if (const auto found = backlogs.by_address.find(address); found != backlogs.by_address.end()) {
       backlog = found->second.lock();
     }
@@ -328,7 +329,7 @@ class Inproc final : public Medium {
     }
     auto pair = std::make_shared<SidePair>();
     {
-      const std::lock_guard backlog_lock(backlog->mutex);
+      const MutexLock backlog_lock(backlog->mutex);
       backlog->waiting.push_back(pair);
       backlog->event.notify();
     }

@@ -1,9 +1,9 @@
 #include "gecos/media/layers/fragments.hpp"
 
 #include <algorithm>
-#include <mutex>
 #include <utility>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/media/layers/layer.hpp"
 #include "gecos/media/layers/transfer.hpp"
 
@@ -35,7 +35,7 @@ class FragmentedConnection final : public ConnectionLayer {
   tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) override {
     const std::size_t size = head.size() + body.size();
     if (size > largest_transfer) return tl::unexpected(SendProblem::TooLarge);
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (size <= piece_bytes_) {
       const auto sent = inner().send(head, body);
       if (!sent) return sent;
@@ -64,7 +64,7 @@ class FragmentedConnection final : public ConnectionLayer {
           return ByteView(current_);
         }
       } else if (const auto received = Received::read(*packet)) {
-        const std::lock_guard lock(mutex_);
+        const MutexLock lock(mutex_);
         if (transfer_) transfer_->take(*received, clock_.now());
         advance();
       } else {
@@ -77,8 +77,21 @@ class FragmentedConnection final : public ConnectionLayer {
   std::optional<std::uint64_t> taken_by_peer() override { return std::nullopt; }
   void beat() override {
     inner().beat();
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     advance();
+  }
+
+  std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
+    const MutexLock lock(mutex_);
+    return inner().make_stream(largest, depth);
+  }
+  tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override {
+    const MutexLock lock(mutex_);
+    return inner().share(id, stream);
+  }
+  void unshare(std::uint32_t id) override {
+    const MutexLock lock(mutex_);
+    inner().unshare(id);
   }
 
  private:
@@ -91,13 +104,12 @@ class FragmentedConnection final : public ConnectionLayer {
   void take(const Piece& piece) {
     std::array<std::byte, Received::bytes> bytes;
     incoming_.take(piece).write(bytes);
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     // If this acknowledgement is lost, the peer sends the piece again.
     static_cast<void>(inner().send(bytes, {}));
   }
 
-  /// @pre mutex_ is held.
-  void advance() {
+  void advance() GECOS_REQUIRES(mutex_) {
     if (!transfer_ || transfer_->complete()) return;
     transfer_->advance(clock_.now(), [this](const Piece& piece) {
       std::array<std::byte, Piece::head_bytes> head;
@@ -108,12 +120,15 @@ class FragmentedConnection final : public ConnectionLayer {
 
   const std::size_t piece_bytes_;
   const Clock& clock_;
-  IncomingTransfers incoming_;                // used by the receiving thread only
-  Bytes current_;                             // used by the receiving thread only
-  std::mutex mutex_;                          // guards sending and the members below
-  std::optional<OutgoingTransfer> transfer_;  // the current transfer, or the last one
-  std::uint64_t transfers_ = 0;
-  std::uint64_t sent_ = 0;
+  IncomingTransfers incoming_;  // used by the receiving thread only
+  Bytes current_;               // used by the receiving thread only
+  /// Also held while inner() sends, makes or shares a stream: inner() allows one thread at a time
+  /// to do so, but the receiving thread and the maintenance thread of this layer send, too.
+  Mutex mutex_;
+  /// The current transfer, or the last one.
+  std::optional<OutgoingTransfer> transfer_ GECOS_GUARDED_BY(mutex_);
+  std::uint64_t transfers_ GECOS_GUARDED_BY(mutex_) = 0;
+  std::uint64_t sent_ GECOS_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace

@@ -69,29 +69,33 @@ LcmPort::LcmPort(_lcm_t* lcm, LcmOptions options, std::uint16_t port)
     : lcm_(lcm),
       options_(std::move(options)),
       port_(port),
-      fork_watch_(this, [](void* owner) noexcept {
-        auto& self = *static_cast<LcmPort*>(owner);
-        self.inherited_.store(true);
-        if (self.receiver_) self.receiver_->close();
-      }) {}
+      fork_watch_(this, [](void* owner) noexcept { static_cast<LcmPort*>(owner)->abandon(); }) {}
 
 LcmPort::~LcmPort() {
   if (!inherited_.load()) ::lcm_destroy(lcm_);
 }
 
+void LcmPort::abandon() noexcept {
+  inherited_.store(true);
+  if (receiver_) receiver_->close();
+}
+
 tl::expected<void, MediumError> LcmPort::subscribe(const std::string& channel, Take take) {
+  const MutexLock lock(mutex_);
   if (!receiver_) {
     auto opened = LcmReceiver::open(options_, port_);
     if (!opened) return tl::unexpected(std::move(opened.error()));
     receiver_.emplace(std::move(*opened));
+    descriptor_ = receiver_->descriptor();
   }
   subscriptions_.push_back({channel, std::move(take)});
   return {};
 }
 
 bool LcmPort::pump(int most) {
-  if (inherited_.load(std::memory_order_relaxed) || !receiver_) return false;
-  const std::lock_guard lock(mutex_);
+  if (inherited_.load(std::memory_order_relaxed)) return false;
+  const MutexLock lock(mutex_);
+  if (!receiver_) return false;
   for (int taken = 0; taken < most; ++taken) {
     const auto message = receiver_->next();
     if (!message) return false;

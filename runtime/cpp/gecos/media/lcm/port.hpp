@@ -3,11 +3,11 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/media/lcm/lcm.hpp"
 #include "gecos/media/lcm/receiver.hpp"
 #include "gecos/media/parts/fork_watch.hpp"
@@ -28,7 +28,7 @@ class LcmPort final : public DatagramPort {
   LcmPort& operator=(const LcmPort&) = delete;
 
   tl::expected<void, MediumError> subscribe(const std::string& channel, Take take) override;
-  int descriptor() const override { return receiver_ ? receiver_->descriptor() : -1; }
+  int descriptor() const override { return descriptor_; }
   bool pump(int most = 1024) override;
   bool publish(const std::string& channel, ByteView datagram) override;
 
@@ -38,13 +38,17 @@ class LcmPort final : public DatagramPort {
     Take take;
   };
   LcmPort(_lcm_t* lcm, LcmOptions options, std::uint16_t port);
+  /// Runs in a forked child and takes no lock: the child has one thread, and a thread of the parent
+  /// may have held the mutex.
+  void abandon() noexcept GECOS_NOT_ANALYSED;
 
   _lcm_t* const lcm_;
   const LcmOptions options_;
   const std::uint16_t port_;
-  std::optional<LcmReceiver> receiver_;
-  std::vector<Subscription> subscriptions_;
-  std::mutex mutex_;                    // one thread receives at a time
+  int descriptor_ = -1;  // set by the first subscribe(), before other threads use this port
+  Mutex mutex_;          // held while a Subscription is called: one thread receives at a time
+  std::optional<LcmReceiver> receiver_ GECOS_GUARDED_BY(mutex_);
+  std::vector<Subscription> subscriptions_ GECOS_GUARDED_BY(mutex_);
   std::atomic<bool> inherited_{false};  // true in a forked child
   const ForkWatch fork_watch_;
 };

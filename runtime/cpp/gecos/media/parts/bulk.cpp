@@ -40,7 +40,7 @@ tl::expected<std::uint64_t, SendProblem> BulkWriter::write(ByteView head, ByteVi
 
 std::span<std::byte> BulkWriter::place(std::size_t size) {
   if (size == 0 || size > largest_bulk_packet || !ring_.has_room()) return {};
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (placed_) held_.erase(held_.begin() + static_cast<std::ptrdiff_t>(*placed_));
   placed_.reset();
   if (!area_) {
@@ -78,7 +78,7 @@ bool BulkWriter::back(std::size_t end) {
 }
 
 std::uint64_t BulkWriter::send_placed() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   Held& held = held_[*placed_];
   placed_.reset();
   last_packet_ = ring_.announce({number_, held.offset, placed_size_});
@@ -87,7 +87,7 @@ std::uint64_t BulkWriter::send_placed() {
 }
 
 void BulkWriter::beat() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!area_ || ++quiet_beats_ <= area_kept) return;
   if (placed_ || ring_.taken() < last_packet_ || !maker_.release(number_)) return;
   area_.reset();
@@ -99,14 +99,14 @@ void BulkWriter::forget() noexcept {
 }
 
 void BulkReader::know(std::uint64_t number, std::shared_ptr<const Mapping> area) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   number_ = number;
   area_.swap(area);  // a reader that still copies from the previous area keeps it alive
 }
 
 void BulkReader::end(std::uint64_t number) {
   std::shared_ptr<const Mapping> area;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (number != number_) return;
   area.swap(area_);
   ended_.store(true, std::memory_order_relaxed);
@@ -115,7 +115,7 @@ void BulkReader::end(std::uint64_t number) {
 std::shared_ptr<const Mapping> BulkReader::find(std::uint64_t number) {
   for (int looks = 0; looks <= most_looks; ++looks) {
     if (looks != 0) look_();
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (number == number_ && area_) return area_;
   }
   return nullptr;

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/media/parts/mapping.hpp"
 #include "gecos/media/parts/ring.hpp"
 
@@ -61,8 +61,9 @@ class BulkWriter {
 
   /// Releases an unused area. Must be called every 100 ms; any thread.
   void beat();
-  /// Must be called in a forked child: detaches the child from the memory of its parent.
-  void forget() noexcept;
+  /// Must be called in a forked child: detaches the child from the memory of its parent. Takes no
+  /// lock: the child has one thread, and a thread of the parent may have held the mutex.
+  void forget() noexcept GECOS_NOT_ANALYSED;
 
  private:
   struct Held {
@@ -70,20 +71,22 @@ class BulkWriter {
     std::size_t bytes = 0;
     std::uint64_t until = 0;  // the memory is free once the reader has taken this many slots
   };
-  bool find_room(std::size_t bytes);
-  bool back(std::size_t end);
+  bool find_room(std::size_t bytes) GECOS_REQUIRES(mutex_);
+  bool back(std::size_t end) GECOS_REQUIRES(mutex_);
 
   RingWriter& ring_;
   AreaMaker& maker_;
-  std::mutex mutex_;  // guards all below against beat()
-  std::shared_ptr<Mapping> area_;
-  std::uint64_t number_ = 0;  // number of the area
-  std::size_t backed_ = 0;    // bytes from the start that the kernel has backed with memory
-  std::vector<Held> held_;    // sorted by offset
-  std::optional<std::size_t> placed_;  // index in held_ of the packet that is not sent yet
-  std::size_t placed_size_ = 0;
-  std::uint64_t last_packet_ = 0;
-  unsigned quiet_beats_ = 0;
+  Mutex mutex_;  // only beat() runs on another thread than the writing one
+  std::shared_ptr<Mapping> area_ GECOS_GUARDED_BY(mutex_);
+  std::uint64_t number_ GECOS_GUARDED_BY(mutex_) = 0;  // number of the area
+  /// Bytes from the start of the area that the kernel has backed with memory.
+  std::size_t backed_ GECOS_GUARDED_BY(mutex_) = 0;
+  std::vector<Held> held_ GECOS_GUARDED_BY(mutex_);  // sorted by offset
+  /// Index in held_ of the packet that is not sent yet.
+  std::optional<std::size_t> placed_ GECOS_GUARDED_BY(mutex_);
+  std::size_t placed_size_ GECOS_GUARDED_BY(mutex_) = 0;
+  std::uint64_t last_packet_ GECOS_GUARDED_BY(mutex_) = 0;
+  unsigned quiet_beats_ GECOS_GUARDED_BY(mutex_) = 0;
 };
 
 /// Receives large packets. Only the thread that reads the ring may call copy() and rest(); any
@@ -105,23 +108,25 @@ class BulkReader final : public BulkSource {
   void rest() {
     if (ended_.load(std::memory_order_relaxed)) free_copy();
   }
-  /// Must be called in a forked child: detaches the child from the memory of its parent.
-  void forget() noexcept;
+  /// Must be called in a forked child: detaches the child from the memory of its parent. Takes no
+  /// lock: the child has one thread, and a thread of the parent may have held the mutex.
+  void forget() noexcept GECOS_NOT_ANALYSED;
 
  private:
   std::shared_ptr<const Mapping> find(std::uint64_t number);
   void free_copy();
 
   const std::function<void()> look_;
+  // Used by the reading thread only:
   std::unique_ptr<std::byte[]> copy_;
   std::size_t copy_bytes_ = 0;
   std::uint64_t backed_area_ = 0;
   std::size_t backed_ = 0;  // bytes of backed_area_ that are mapped in: reading them cannot fail
   std::atomic<bool> ended_{false};  // tells the reader to free its copy; orders no other memory
 
-  std::mutex mutex_;  // guards the members below
-  std::shared_ptr<const Mapping> area_;
-  std::uint64_t number_ = 0;
+  Mutex mutex_;
+  std::shared_ptr<const Mapping> area_ GECOS_GUARDED_BY(mutex_);
+  std::uint64_t number_ GECOS_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace gecos::media

@@ -2,37 +2,37 @@
 
 #include <pthread.h>
 
-#include <mutex>
+#include "gecos/base/mutex.hpp"
 
 namespace gecos::media {
 
 /// All watches of this process. The handlers of pthread_atfork take no argument, so the list is
 /// global.
 struct ForkList {
-  std::mutex mutex;
-  ForkWatch* first = nullptr;
+  Mutex mutex;
+  ForkWatch* first GECOS_GUARDED_BY(mutex) = nullptr;
 
-  ForkList() {
-    ::pthread_atfork([] { instance().mutex.lock(); }, [] { instance().mutex.unlock(); },
-                     [] { instance().abandon_all(); });
-  }
+  ForkList() { ::pthread_atfork(&before_fork, &after_fork_in_parent, &after_fork_in_child); }
 
   static ForkList& instance() {
     static ForkList* const list = new ForkList;  // never destroyed: outlives all static connections
     return *list;
   }
 
-  void abandon_all() {
-    for (ForkWatch* watch = first; watch != nullptr; watch = watch->next_) {
+  // The thread that forks holds the mutex from the first of these functions to one of the others.
+  static void before_fork() GECOS_ACQUIRE(instance().mutex) { instance().mutex.lock(); }
+  static void after_fork_in_parent() GECOS_RELEASE(instance().mutex) { instance().mutex.unlock(); }
+  static void after_fork_in_child() GECOS_RELEASE(instance().mutex) {
+    for (ForkWatch* watch = instance().first; watch != nullptr; watch = watch->next_) {
       watch->abandon_(watch->owner_);
     }
-    mutex.unlock();  // locked by this thread before the fork
+    instance().mutex.unlock();
   }
 };
 
 ForkWatch::ForkWatch(void* owner, Abandon abandon) : owner_(owner), abandon_(abandon) {
   ForkList& list = ForkList::instance();
-  const std::lock_guard lock(list.mutex);
+  const MutexLock lock(list.mutex);
   next_ = list.first;
   if (next_ != nullptr) next_->previous_ = this;
   list.first = this;
@@ -40,7 +40,7 @@ ForkWatch::ForkWatch(void* owner, Abandon abandon) : owner_(owner), abandon_(aba
 
 ForkWatch::~ForkWatch() {
   ForkList& list = ForkList::instance();
-  const std::lock_guard lock(list.mutex);
+  const MutexLock lock(list.mutex);
   if (next_ != nullptr) next_->previous_ = previous_;
   (previous_ != nullptr ? previous_->next_ : list.first) = next_;
 }

@@ -22,6 +22,7 @@ class ForkWatch {
   friend struct ForkList;
   void* owner_;
   Abandon abandon_;
+  // The list of all watches, guarded by its mutex.
   ForkWatch* previous_ = nullptr;
   ForkWatch* next_ = nullptr;
 };

@@ -6,12 +6,12 @@
 namespace gecos::media {
 
 std::uint64_t SampleBuffer::newest() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return samples_.empty() ? 0 : samples_.back().sequence;
 }
 
 bool SampleBuffer::put(std::uint64_t sequence, std::int64_t stamp_ns, ByteView sample) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!samples_.empty() && sequence <= samples_.back().sequence) return false;
   StreamSample kept;
   if (samples_.size() == depth_) {
@@ -26,7 +26,7 @@ bool SampleBuffer::put(std::uint64_t sequence, std::int64_t stamp_ns, ByteView s
 }
 
 bool SampleBuffer::read(std::uint64_t after, bool newest, StreamSample& into) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (samples_.empty()) return false;
   seen_ = samples_.back().sequence;
   if (seen_ <= after) return false;
@@ -41,7 +41,7 @@ bool SampleBuffer::read(std::uint64_t after, bool newest, StreamSample& into) {
 }
 
 bool SampleBuffer::anything_new() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const std::uint64_t newest = samples_.empty() ? 0 : samples_.back().sequence;
   return std::exchange(seen_, newest) != newest;
 }

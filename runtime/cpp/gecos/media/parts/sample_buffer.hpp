@@ -2,8 +2,8 @@
 
 #include <cstddef>
 #include <deque>
-#include <mutex>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/media/medium.hpp"
 
 /// The newest samples of a stream whose samples arrive as packets.
@@ -28,9 +28,9 @@ class SampleBuffer {
 
  private:
   const std::size_t depth_;
-  mutable std::mutex mutex_;
-  std::deque<StreamSample> samples_;
-  std::uint64_t seen_ = 0;
+  mutable Mutex mutex_;
+  std::deque<StreamSample> samples_ GECOS_GUARDED_BY(mutex_);
+  std::uint64_t seen_ GECOS_GUARDED_BY(mutex_) = 0;
 };
 
 /// A writer that lends private memory, because the medium copies, encrypts or splits every sample.

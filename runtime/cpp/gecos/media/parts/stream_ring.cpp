@@ -68,12 +68,12 @@ std::atomic<std::uint64_t>* StreamMemory::slot(std::uint64_t sequence) const {
 }
 
 void SleeperList::add(std::weak_ptr<Sleeper> sleeper) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   sleepers_.push_back(std::move(sleeper));
 }
 
 void SleeperList::remove(const Sleeper* sleeper) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::erase_if(sleepers_, [&](const auto& held) {
     const auto alive = held.lock();
     return alive == nullptr || alive.get() == sleeper;
@@ -81,7 +81,7 @@ void SleeperList::remove(const Sleeper* sleeper) {
 }
 
 void SleeperList::wake() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::erase_if(sleepers_, [](const auto& held) {
     const auto alive = held.lock();
     if (alive != nullptr) alive->wake_if_asleep();
@@ -185,7 +185,7 @@ std::unique_ptr<StreamReader> StreamWatches::open(StreamMemory memory,
   watch->owner = std::move(owner);
   const std::uint64_t newest = memory.newest().load(std::memory_order_acquire);
   watch->past = newest == 0 ? 0 : newest - 1;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   watches_.push_back(watch);
   any_.store(true, std::memory_order_relaxed);
   return std::make_unique<StreamRingReader>(std::move(watch));
@@ -194,7 +194,7 @@ std::unique_ptr<StreamReader> StreamWatches::open(StreamMemory memory,
 bool StreamWatches::anything_new() {
   if (!any_.load(std::memory_order_relaxed)) return false;
   bool found = false;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::erase_if(watches_, [&](const auto& held) {
     const auto watch = held.lock();
     if (watch == nullptr) return true;

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <vector>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/media/medium.hpp"
 
 /// A stream in memory: one writer, any number of readers that never write.
@@ -50,8 +50,8 @@ class SleeperList {
   void wake();
 
  private:
-  std::mutex mutex_;
-  std::vector<std::weak_ptr<Sleeper>> sleepers_;
+  Mutex mutex_;
+  std::vector<std::weak_ptr<Sleeper>> sleepers_ GECOS_GUARDED_BY(mutex_);
 };
 
 class StreamRingWriter : public StreamWriter {
@@ -110,8 +110,8 @@ class StreamWatches {
   bool anything_new();
 
  private:
-  std::mutex mutex_;
-  std::vector<std::weak_ptr<StreamWatch>> watches_;
+  Mutex mutex_;
+  std::vector<std::weak_ptr<StreamWatch>> watches_ GECOS_GUARDED_BY(mutex_);
   std::atomic<bool> any_{false};  // lets a connection without streams skip the mutex
 };
 

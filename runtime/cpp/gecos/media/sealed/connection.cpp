@@ -146,7 +146,7 @@ void SealedClient::beat() {
   SealedConnection::beat();
   if (inherited()) return;
   initiator_->advance();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   for (const auto& [id, inward] : inward_) {
     if (inward.opened) continue;
     if (const auto stream = inward.stream.lock()) tell(id, *stream);
@@ -186,14 +186,14 @@ void SealedClient::pump() {
     if (notice.kind == InnerKind::Share) take_share(notice.stream);
     if (notice.kind == InnerKind::Opened) take_opened(id);
     if (notice.kind == InnerKind::Unshare) {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       arrived_.erase(id);
     }
   }
 }
 
 void SealedClient::take_share(const SharedStream& where) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (arrived_.size() >= most_streams && !arrived_.contains(where.id)) return;
   Arrived& arrived = arrived_[where.id];
   if (arrived.where.channel != where.channel) arrived = {where, false};
@@ -205,7 +205,7 @@ void SealedClient::take_share(const SharedStream& where) {
 void SealedClient::take_opened(std::uint32_t id) {
   std::shared_ptr<InwardStream> stream;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto found = inward_.find(id);
     if (found == inward_.end()) return;
     found->second.opened = true;
@@ -217,7 +217,7 @@ void SealedClient::take_opened(std::uint32_t id) {
 bool SealedClient::new_samples() {
   std::vector<std::shared_ptr<SampleQueue>> reading;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     std::erase_if(reading_, [&](const auto& held) {
       if (auto queue = held.lock()) {
         reading.push_back(std::move(queue));
@@ -233,7 +233,7 @@ bool SealedClient::new_samples() {
 
 std::unique_ptr<StreamWriter> SealedClient::make_stream(std::size_t largest, std::size_t depth) {
   auto stream = std::make_shared<InwardStream>(sender(), options_, largest, depth);
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   std::erase_if(made_, [](const auto& made) { return made.expired(); });
   made_.push_back(stream);
   return std::make_unique<InwardWriter>(std::move(stream));
@@ -242,7 +242,7 @@ std::unique_ptr<StreamWriter> SealedClient::make_stream(std::size_t largest, std
 tl::expected<void, SendProblem> SealedClient::share(std::uint32_t id, StreamWriter& stream) {
   if (inherited() || queue_->closed()) return tl::unexpected(SendProblem::Lost);
   const auto& inward = dynamic_cast<InwardWriter&>(stream).stream();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (inward_.size() >= most_streams && !inward_.contains(id)) {
     return tl::unexpected(SendProblem::Full);
   }
@@ -259,7 +259,7 @@ void SealedClient::tell(std::uint32_t id, InwardStream& stream) {
 
 void SealedClient::unshare(std::uint32_t id) {
   if (inherited()) return;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (inward_.erase(id) != 0) say(InnerKind::Unshare, id);
 }
 
@@ -267,7 +267,7 @@ std::unique_ptr<StreamReader> SealedClient::open_stream(std::uint32_t id) {
   if (inherited()) return nullptr;
   heard_of_streams_ = false;
   pump();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto found = arrived_.find(id);
   if (found == arrived_.end()) return nullptr;
   const SharedStream& where = found->second.where;
@@ -302,7 +302,7 @@ std::unique_ptr<StreamReader> SealedClient::open_stream(std::uint32_t id) {
 }
 
 std::string SealedClient::why_no_stream(std::uint32_t id) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto found = arrived_.find(id);
   return found == arrived_.end() ? std::string() : found->second.problem;
 }
@@ -360,7 +360,7 @@ void SealedServer::pump() {
     if (notice.kind == InnerKind::Opened) take_opened(id);
     if (notice.kind == InnerKind::InwardShare) take_share(notice.inward);
     if (notice.kind == InnerKind::Unshare) {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       inward_.erase(id);
     }
   }
@@ -369,7 +369,7 @@ void SealedServer::pump() {
 void SealedServer::take_opened(std::uint32_t id) {
   std::shared_ptr<SealedStream> stream;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto found = shared_.find(id);
     if (found == shared_.end()) return;
     found->second.opened = true;
@@ -379,7 +379,7 @@ void SealedServer::take_opened(std::uint32_t id) {
 }
 
 void SealedServer::take_share(const InwardShare& where) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (inward_.size() >= most_streams && !inward_.contains(where.id)) return;
   Inward& inward = inward_[where.id];
   inward.where = where;
@@ -390,7 +390,7 @@ void SealedServer::take_share(const InwardShare& where) {
 void SealedServer::beat() {
   SealedConnection::beat();
   if (inherited()) return;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   for (const auto& [id, shared] : shared_) {
     if (shared.opened) continue;
     if (const auto stream = shared.stream.lock()) tell(id, *stream);
@@ -413,7 +413,7 @@ std::unique_ptr<StreamWriter> SealedServer::make_stream(std::size_t largest, std
 tl::expected<void, SendProblem> SealedServer::share(std::uint32_t id, StreamWriter& stream) {
   if (inherited() || queue_->closed()) return tl::unexpected(SendProblem::Lost);
   const auto& shared = dynamic_cast<SealedStreamWriter&>(stream).stream();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   shared_[id] = {shared, false};
   tell(id, *shared);
   return {};
@@ -421,14 +421,14 @@ tl::expected<void, SendProblem> SealedServer::share(std::uint32_t id, StreamWrit
 
 void SealedServer::unshare(std::uint32_t id) {
   if (inherited()) return;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (shared_.erase(id) != 0) say(InnerKind::Unshare, id);
 }
 
 std::unique_ptr<StreamReader> SealedServer::open_stream(std::uint32_t id) {
   if (inherited()) return nullptr;
   pump();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const auto found = inward_.find(id);
   if (found == inward_.end()) return nullptr;
   auto samples = std::make_shared<SampleBuffer>(found->second.where.depth);

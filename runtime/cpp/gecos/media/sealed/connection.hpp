@@ -4,11 +4,11 @@
 #include <atomic>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "gecos/base/descriptor.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/media/parts/fork_watch.hpp"
 #include "gecos/media/sealed/initiator.hpp"
 #include "gecos/media/sealed/inward.hpp"
@@ -105,12 +105,12 @@ class SealedClient final : public SealedConnection {
   /// Whether a stream was announced since the last open_stream(). Another thread may have read the
   /// announcement, so a thread that is about to sleep must check this flag. Orders no other memory.
   std::atomic<bool> heard_of_streams_{false};
-  std::mutex mutex_;  // guards the members below
-  std::map<std::uint32_t, Arrived> arrived_;
-  std::vector<std::weak_ptr<SampleQueue>> reading_;
+  Mutex mutex_;
+  std::map<std::uint32_t, Arrived> arrived_ GECOS_GUARDED_BY(mutex_);
+  std::vector<std::weak_ptr<SampleQueue>> reading_ GECOS_GUARDED_BY(mutex_);
   /// Streams made by this connection; they end with the connection.
-  std::vector<std::weak_ptr<InwardStream>> made_;
-  std::map<std::uint32_t, Inward> inward_;
+  std::vector<std::weak_ptr<InwardStream>> made_ GECOS_GUARDED_BY(mutex_);
+  std::map<std::uint32_t, Inward> inward_ GECOS_GUARDED_BY(mutex_);
 };
 
 class SealedServer final : public SealedConnection {
@@ -150,9 +150,9 @@ class SealedServer final : public SealedConnection {
   const std::shared_ptr<HandshakeResponder> responder_;
   const std::uint64_t client_;
   const std::array<int, 1> descriptors_;
-  std::mutex mutex_;  // guards the members below
-  std::map<std::uint32_t, Shared> shared_;
-  std::map<std::uint32_t, Inward> inward_;
+  Mutex mutex_;
+  std::map<std::uint32_t, Shared> shared_ GECOS_GUARDED_BY(mutex_);
+  std::map<std::uint32_t, Inward> inward_ GECOS_GUARDED_BY(mutex_);
 };
 
 }  // namespace gecos::media

@@ -42,7 +42,7 @@ void HandshakeInitiator::begin_with(const crypto::PublicKey& key) {
 void HandshakeInitiator::advance() {
   if (over_.load(std::memory_order_relaxed)) return;
   const TimePoint now = options_.now();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (open_ && queue_->heard()) {
     over_.store(true, std::memory_order_relaxed);
     return;
@@ -66,7 +66,7 @@ void HandshakeInitiator::speak(TimePoint now) {
 void HandshakeInitiator::take(const DatagramHeader& header, ByteView frame) {
   if (over_.load(std::memory_order_relaxed)) return;
   const TimePoint now = options_.now();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (open_) return;
   if (header.kind == DatagramKind::Key) take_key(frame, now);
   if (header.kind == DatagramKind::Second) take_second(frame, now);
@@ -98,7 +98,7 @@ void HandshakeInitiator::take_second(ByteView frame, TimePoint now) {
 }
 
 std::string HandshakeInitiator::trouble() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (open_) return queue_->heard() ? "" : "the server accepted us, but has sent no packet since";
   if (!handshake_ && not_admitted_)
     return "we refused the server that answered: " + not_admitted_->why;

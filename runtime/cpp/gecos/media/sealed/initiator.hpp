@@ -2,10 +2,10 @@
 
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/crypto/handshake_initiator.hpp"
 #include "gecos/media/sealed/keys.hpp"
 #include "gecos/media/sealed/network.hpp"
@@ -41,11 +41,11 @@ class HandshakeInitiator {
     crypto::PublicKey key;
     std::string why;
   };
-  void begin(TimePoint now);
-  void begin_with(const crypto::PublicKey& key);
-  void take_key(ByteView frame, TimePoint now);
-  void take_second(ByteView frame, TimePoint now);
-  void speak(TimePoint now);
+  void begin(TimePoint now) GECOS_REQUIRES(mutex_);
+  void begin_with(const crypto::PublicKey& key) GECOS_REQUIRES(mutex_);
+  void take_key(ByteView frame, TimePoint now) GECOS_REQUIRES(mutex_);
+  void take_second(ByteView frame, TimePoint now) GECOS_REQUIRES(mutex_);
+  void speak(TimePoint now) GECOS_REQUIRES(mutex_);
 
   const std::shared_ptr<const SealedKeys> keys_;
   const SealedOptions options_;
@@ -53,13 +53,13 @@ class HandshakeInitiator {
   const std::shared_ptr<SealedSender> sender_;
   const std::shared_ptr<ReceiveQueue> queue_;
   std::atomic<bool> over_{false};  // tells advance() that nothing is left to do
-  mutable std::mutex mutex_;       // guards the members below
-  std::optional<crypto::HandshakeInitiator> handshake_;
-  std::optional<Refused> not_admitted_;
-  bool open_ = false;
-  int said_ = 0;
-  TimePoint began_;
-  TimePoint next_;
+  mutable Mutex mutex_;
+  std::optional<crypto::HandshakeInitiator> handshake_ GECOS_GUARDED_BY(mutex_);
+  std::optional<Refused> not_admitted_ GECOS_GUARDED_BY(mutex_);
+  bool open_ GECOS_GUARDED_BY(mutex_) = false;
+  int said_ GECOS_GUARDED_BY(mutex_) = 0;
+  TimePoint began_ GECOS_GUARDED_BY(mutex_);
+  TimePoint next_ GECOS_GUARDED_BY(mutex_);
 };
 
 }  // namespace gecos::media

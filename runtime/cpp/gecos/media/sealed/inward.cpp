@@ -10,24 +10,23 @@ InwardStream::InwardStream(std::shared_ptr<SealedSender> sender, const SealedOpt
                            std::size_t largest, std::size_t depth)
     : sender_(std::move(sender)),
       options_(options),
-      where_{.id = 0,
-             .largest = static_cast<std::uint32_t>(std::min(
-                 largest,
-                 options.network->largest_datagram() - packet_overhead - InwardSampleHead::bytes)),
-             .depth = static_cast<std::uint16_t>(
-                 std::clamp<std::size_t>(depth, 1, SharedStream::most_depth))},
+      largest_(static_cast<std::uint32_t>(std::min(
+          largest,
+          options.network->largest_datagram() - packet_overhead - InwardSampleHead::bytes))),
+      depth_(
+          static_cast<std::uint16_t>(std::clamp<std::size_t>(depth, 1, SharedStream::most_depth))),
       fork_watch_(this, [](void* owner) noexcept { static_cast<InwardStream*>(owner)->end(); }) {}
 
 InwardShare InwardStream::shared_as(std::uint32_t id) {
-  const std::lock_guard lock(mutex_);
-  where_.id = id;
+  const MutexLock lock(mutex_);
+  id_ = id;
   shared_ = true;
-  return where_;
+  return {id, largest_, depth_};
 }
 
 tl::expected<void, SendProblem> InwardStream::publish(ByteView sample, std::int64_t stamp_ns) {
-  if (sample.size() > where_.largest) return tl::unexpected(SendProblem::TooLarge);
-  const std::lock_guard lock(mutex_);
+  if (sample.size() > largest_) return tl::unexpected(SendProblem::TooLarge);
+  const MutexLock lock(mutex_);
   last_.assign(sample.begin(), sample.end());
   stamp_ns_ = stamp_ns;
   ++sequence_;
@@ -36,14 +35,14 @@ tl::expected<void, SendProblem> InwardStream::publish(ByteView sample, std::int6
 }
 
 void InwardStream::repeat_last() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   send_last();
 }
 
 void InwardStream::send_last() {
   if (ended_.load() || !shared_ || sequence_ == 0) return;
   std::array<std::byte, InwardSampleHead::bytes> head;
-  InwardSampleHead{where_.id, stamp_ns_}.write(head);
+  InwardSampleHead{id_, stamp_ns_}.write(head);
   sender_->send({InnerKind::InwardSample, sequence_, options_.now_ns()}, head, last_, datagram_);
 }
 

@@ -2,8 +2,8 @@
 
 #include <atomic>
 #include <memory>
-#include <mutex>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/media/parts/fork_watch.hpp"
 #include "gecos/media/parts/sample_buffer.hpp"
 #include "gecos/media/sealed/datagram.hpp"
@@ -23,7 +23,7 @@ class InwardStream {
   /// Shares this stream under `id` from now on. Returns the announcement that the server must
   /// receive.
   InwardShare shared_as(std::uint32_t id);
-  std::size_t largest() const { return where_.largest; }
+  std::size_t largest() const { return largest_; }
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns);
   /// Sends the last sample again, for a reader that opened the stream after the sample was sent.
   void repeat_last();
@@ -31,17 +31,19 @@ class InwardStream {
   void end() { ended_.store(true); }
 
  private:
-  void send_last();
+  void send_last() GECOS_REQUIRES(mutex_);
 
   const std::shared_ptr<SealedSender> sender_;
   const SealedOptions options_;
-  std::mutex mutex_;  // guards the members below
-  InwardShare where_;
-  bool shared_ = false;
-  std::uint64_t sequence_ = 0;
-  std::int64_t stamp_ns_ = 0;
-  Bytes last_;
-  Bytes datagram_;
+  const std::uint32_t largest_;  // bytes
+  const std::uint16_t depth_;
+  Mutex mutex_;
+  std::uint32_t id_ GECOS_GUARDED_BY(mutex_) = 0;
+  bool shared_ GECOS_GUARDED_BY(mutex_) = false;
+  std::uint64_t sequence_ GECOS_GUARDED_BY(mutex_) = 0;
+  std::int64_t stamp_ns_ GECOS_GUARDED_BY(mutex_) = 0;
+  Bytes last_ GECOS_GUARDED_BY(mutex_);
+  Bytes datagram_ GECOS_GUARDED_BY(mutex_);
   /// Also set in a forked child, which must not seal: it would reuse the nonce counters of its
   /// parent.
   std::atomic<bool> ended_{false};

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/base/system_error.hpp"
 #include "gecos/media/sealed/connection.hpp"
 #include "gecos/media/sealed/responder.hpp"
@@ -153,7 +154,7 @@ class Sealed final : public Medium {
 
   /// Opens the keys on first use, because most programs never need them.
   tl::expected<std::shared_ptr<const SealedKeys>, MediumError> keys() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (keys_ == nullptr) {
       auto opened = SealedKeys::open(options_.key_directory);
       if (!opened) {
@@ -166,8 +167,8 @@ class Sealed final : public Medium {
   }
 
   const SealedOptions options_;
-  std::mutex mutex_;
-  std::shared_ptr<const SealedKeys> keys_;
+  Mutex mutex_;
+  std::shared_ptr<const SealedKeys> keys_ GECOS_GUARDED_BY(mutex_);
 };
 
 }  // namespace

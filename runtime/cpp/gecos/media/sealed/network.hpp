@@ -31,7 +31,7 @@ class DatagramPort {
   /// Readable when pump() has something to do; -1 before the first subscription.
   virtual int descriptor() const = 0;
   /// Reads at most `most` arrived datagrams; never blocks. Returns true when there may be more. Any
-  /// thread; must not be called from a `take`.
+  /// thread, but the port calls `take` from one thread at a time; must not be called from a `take`.
   virtual bool pump(int most = 1024) = 0;
   /// Sends a datagram. Returns false when the kernel refused it. Any thread.
   virtual bool publish(const std::string& channel, ByteView datagram) = 0;

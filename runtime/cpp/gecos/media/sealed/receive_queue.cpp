@@ -20,12 +20,12 @@ ByteView ReceiveQueue::packet_in(const Bytes& frame) {
 }
 
 void ReceiveQueue::open(const crypto::Opener& opener) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   opener_ = opener;
 }
 
 void ReceiveQueue::take(ByteView header, ByteView frame, TimePoint now) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!opener_) return;
   Bytes opened = std::exchange(spare_, {});
   opened.assign(frame.begin(), frame.end());
@@ -33,7 +33,7 @@ void ReceiveQueue::take(ByteView header, ByteView frame, TimePoint now) {
 }
 
 void ReceiveQueue::put(Bytes frame, TimePoint now) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   put_locked(std::move(frame), now);
 }
 
@@ -102,12 +102,12 @@ void ReceiveQueue::put_sample(const InnerHeader& header, ByteView body) {
 }
 
 void ReceiveQueue::collect(std::uint32_t id, std::weak_ptr<SampleBuffer> samples) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   inward_[id] = std::move(samples);
 }
 
 bool ReceiveQueue::new_samples() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   bool found = false;
   for (const auto& [id, held] : inward_) {
     if (const auto samples = held.lock()) found = samples->anything_new() || found;
@@ -116,7 +116,7 @@ bool ReceiveQueue::new_samples() {
 }
 
 bool ReceiveQueue::pop(Packet& packet) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   in_hand_ = !packets_.empty();
   note_read();
   if (!in_hand_) return false;
@@ -128,22 +128,22 @@ bool ReceiveQueue::pop(Packet& packet) {
 }
 
 bool ReceiveQueue::has_packets() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return !packets_.empty();
 }
 
 std::optional<Duration> ReceiveQueue::clock_difference() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return clock_.difference();
 }
 
 std::vector<ReceiveQueue::Notice> ReceiveQueue::notices() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return std::exchange(notices_, {});
 }
 
 void ReceiveQueue::on_tick(TimePoint now) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (opener_) opener_->on_tick(now);
 }
 

@@ -5,11 +5,11 @@
 #include <deque>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
 #include "gecos/base/event_fd.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/crypto/transport.hpp"
 #include "gecos/media/parts/sample_buffer.hpp"
 #include "gecos/media/parts/stream_ring.hpp"
@@ -80,10 +80,10 @@ class ReceiveQueue final : public Sleeper {
   EventFd& event() { return event_; }
 
  private:
-  void put_locked(Bytes frame, TimePoint now);
-  void note(const InnerHeader& header, ByteView body);
-  void put_sample(const InnerHeader& header, ByteView body);
-  void note_read();
+  void put_locked(Bytes frame, TimePoint now) GECOS_REQUIRES(mutex_);
+  void note(const InnerHeader& header, ByteView body) GECOS_REQUIRES(mutex_);
+  void put_sample(const InnerHeader& header, ByteView body) GECOS_REQUIRES(mutex_);
+  void note_read() GECOS_REQUIRES(mutex_);
 
   EventFd event_;
   std::atomic<bool> asleep_{false};  // tells the thread in pump() to notify event_
@@ -91,15 +91,17 @@ class ReceiveQueue final : public Sleeper {
   std::atomic<std::uint64_t> beats_{0};
   std::atomic<std::uint64_t> beats_read_{0};
   std::atomic<std::uint64_t> dropped_{0};
-  std::mutex mutex_;
-  std::optional<crypto::Opener> opener_;
-  SendersClock clock_;
-  std::deque<Packet> packets_;
-  bool in_hand_ = false;  // the reader may still be handling the packet that it took last
-  Bytes spare_;           // memory of a packet that was read; reused for the next frame
-  std::size_t bytes_ = 0;
-  std::vector<Notice> notices_;
-  std::map<std::uint32_t, std::weak_ptr<SampleBuffer>> inward_;
+  Mutex mutex_;
+  std::optional<crypto::Opener> opener_ GECOS_GUARDED_BY(mutex_);
+  SendersClock clock_ GECOS_GUARDED_BY(mutex_);
+  std::deque<Packet> packets_ GECOS_GUARDED_BY(mutex_);
+  /// The reader may still be handling the packet that it took last.
+  bool in_hand_ GECOS_GUARDED_BY(mutex_) = false;
+  /// Memory of a packet that was read; reused for the next frame.
+  Bytes spare_ GECOS_GUARDED_BY(mutex_);
+  std::size_t bytes_ GECOS_GUARDED_BY(mutex_) = 0;
+  std::vector<Notice> notices_ GECOS_GUARDED_BY(mutex_);
+  std::map<std::uint32_t, std::weak_ptr<SampleBuffer>> inward_ GECOS_GUARDED_BY(mutex_);
 };
 
 }  // namespace gecos::media

@@ -74,7 +74,7 @@ void HandshakeResponder::take_first(const DatagramHeader& header, ByteView datag
     return;
   }
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     while (!unconfirmed_.empty() && (unconfirmed_.size() == most_unconfirmed ||
                                      now - unconfirmed_.front().since >= unconfirmed_kept)) {
       unconfirmed_.pop_front();
@@ -91,7 +91,7 @@ void HandshakeResponder::take_first(const DatagramHeader& header, ByteView datag
 void HandshakeResponder::take_sealed(const DatagramHeader& header, ByteView datagram) {
   std::shared_ptr<ReceiveQueue> queue;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const auto found = queues_.find(header.client);
     if (found == queues_.end()) return confirm(header, datagram);
     queue = found->second;
@@ -132,7 +132,7 @@ void HandshakeResponder::answer(const DatagramHeader& to, DatagramKind kind, Byt
 }
 
 std::optional<HandshakeResponder::PendingPeer> HandshakeResponder::next_pending() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (pending_.empty()) return std::nullopt;
   std::optional<PendingPeer> next(std::move(pending_.front()));
   pending_.pop_front();
@@ -140,13 +140,13 @@ std::optional<HandshakeResponder::PendingPeer> HandshakeResponder::next_pending(
 }
 
 void HandshakeResponder::forget(std::uint64_t client) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   queues_.erase(client);
 }
 
 std::unique_ptr<StreamWriter> HandshakeResponder::make_stream(std::size_t largest,
                                                               std::size_t depth) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (streams_ == nullptr) {
     auto opened = options_.network->open(stream_port_);
     if (!opened) throw std::runtime_error(opened.error().text);

@@ -6,10 +6,10 @@
 #include <list>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 
 #include "gecos/base/event_fd.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/crypto/handshake_acceptor.hpp"
 #include "gecos/media/sealed/keys.hpp"
 #include "gecos/media/sealed/network.hpp"
@@ -73,7 +73,7 @@ class HandshakeResponder {
   void take(ByteView datagram);
   void take_first(const DatagramHeader& header, ByteView datagram, TimePoint now);
   void take_sealed(const DatagramHeader& header, ByteView datagram);
-  void confirm(const DatagramHeader& header, ByteView datagram);
+  void confirm(const DatagramHeader& header, ByteView datagram) GECOS_REQUIRES(mutex_);
   void answer(const DatagramHeader& to, DatagramKind kind, ByteView frame, TimePoint now);
 
   const SealedOptions options_;
@@ -82,16 +82,17 @@ class HandshakeResponder {
   const SealedAddress address_;
   EventFd event_;
   std::atomic<bool> closed_{false};  // the acceptor is destroyed: no further client is accepted
-  // Used only in pump(), by one thread at a time:
+  // Used only in take(), which the port calls from one thread at a time:
   crypto::HandshakeAcceptor handshakes_;
   Budget answers_{400};
   Budget warnings_{1};
-  std::mutex mutex_;                    // guards the members below
-  std::list<Unconfirmed> unconfirmed_;  // oldest first
-  std::map<std::uint64_t, std::shared_ptr<ReceiveQueue>> queues_;
-  std::deque<PendingPeer> pending_;
+
   const std::uint16_t stream_port_;
-  std::shared_ptr<DatagramPort> streams_;
+  Mutex mutex_;
+  std::list<Unconfirmed> unconfirmed_ GECOS_GUARDED_BY(mutex_);  // oldest first
+  std::map<std::uint64_t, std::shared_ptr<ReceiveQueue>> queues_ GECOS_GUARDED_BY(mutex_);
+  std::deque<PendingPeer> pending_ GECOS_GUARDED_BY(mutex_);
+  std::shared_ptr<DatagramPort> streams_ GECOS_GUARDED_BY(mutex_);
 };
 
 }  // namespace gecos::media

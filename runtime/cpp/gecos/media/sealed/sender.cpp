@@ -19,7 +19,7 @@ SealedSender::SealedSender(std::shared_ptr<DatagramPort> port, std::string chann
       reply_port_(reply_port) {}
 
 void SealedSender::open(crypto::Sealer sealer) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   sealer_.emplace(std::move(sealer));
   for (Bytes& datagram : held_) {
     seal(datagram);
@@ -29,14 +29,14 @@ void SealedSender::open(crypto::Sealer sealer) {
 }
 
 bool SealedSender::is_open() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return sealer_.has_value();
 }
 
 bool SealedSender::send(InnerHeader what, ByteView head, ByteView body, Bytes& memory) {
   write(what, head, body, memory);
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (!sealer_) {
       if (what.kind == InnerKind::Packet && held_.size() < most_held &&
           bytes_held_ + memory.size() <= most_bytes_held) {
@@ -64,7 +64,7 @@ std::array<std::byte, DatagramHeader::bytes> SealedSender::header(DatagramKind k
 }
 
 void SealedSender::on_tick(TimePoint now) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (sealer_) sealer_->on_tick(now);
 }
 

@@ -3,10 +3,10 @@
 #include <cstddef>
 #include <deque>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/crypto/transport.hpp"
 #include "gecos/media/sealed/datagram.hpp"
 #include "gecos/media/sealed/network.hpp"
@@ -39,16 +39,16 @@ class SealedSender {
 
  private:
   void write(InnerHeader what, ByteView head, ByteView body, Bytes& memory) const;
-  void seal(Bytes& datagram);
+  void seal(Bytes& datagram) GECOS_REQUIRES(mutex_);
 
   const std::shared_ptr<DatagramPort> port_;
   const std::string channel_;
   const std::uint64_t client_;
   const std::uint16_t reply_port_;
-  std::mutex mutex_;  // guards the members below
-  std::optional<crypto::Sealer> sealer_;
-  std::deque<Bytes> held_;
-  std::size_t bytes_held_ = 0;
+  Mutex mutex_;
+  std::optional<crypto::Sealer> sealer_ GECOS_GUARDED_BY(mutex_);
+  std::deque<Bytes> held_ GECOS_GUARDED_BY(mutex_);
+  std::size_t bytes_held_ GECOS_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace gecos::media

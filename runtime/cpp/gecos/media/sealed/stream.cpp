@@ -25,7 +25,7 @@ SealedStream::SealedStream(std::shared_ptr<DatagramPort> port, SharedStream wher
 
 tl::expected<void, SendProblem> SealedStream::publish(ByteView sample, std::int64_t stamp_ns) {
   if (sample.size() > where_.largest) return tl::unexpected(SendProblem::TooLarge);
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   last_.resize(sample_overhead + sample.size());
   const std::span<std::byte> all(last_);
   const auto header = all.first<DatagramHeader::bytes>();
@@ -38,7 +38,7 @@ tl::expected<void, SendProblem> SealedStream::publish(ByteView sample, std::int6
 }
 
 void SealedStream::repeat_last() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!last_.empty()) port_->publish(channel_, last_);
 }
 
@@ -53,7 +53,7 @@ void SampleQueue::take(ByteView datagram) {
   const auto header = DatagramHeader::read(datagram);
   if (!header || header->kind != DatagramKind::Sample || datagram.size() < sample_overhead) return;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const ByteView sealed = datagram.subspan(DatagramHeader::bytes);
     // The first sample of a stream has sequence number 1 and nonce counter 0.
     const std::uint64_t sequence =

@@ -2,9 +2,9 @@
 
 #include <atomic>
 #include <memory>
-#include <mutex>
 #include <string>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/crypto/stream_seal.hpp"
 #include "gecos/media/parts/sample_buffer.hpp"
 #include "gecos/media/parts/stream_ring.hpp"
@@ -27,11 +27,11 @@ class SealedStream {
 
  private:
   const std::shared_ptr<DatagramPort> port_;
-  crypto::StreamSealer sealer_;
+  Mutex mutex_;
+  crypto::StreamSealer sealer_ GECOS_GUARDED_BY(mutex_);
   const SharedStream where_;
   const std::string channel_;
-  std::mutex mutex_;
-  Bytes last_;  // the last datagram sent
+  Bytes last_ GECOS_GUARDED_BY(mutex_);  // the last datagram sent
 };
 
 class SealedStreamWriter final : public CopyingWriter {
@@ -63,9 +63,9 @@ class SampleQueue {
   const std::shared_ptr<DatagramPort> port_;
   const std::weak_ptr<Sleeper> sleeper_;
   SampleBuffer samples_;
-  std::mutex mutex_;  // guards the members below
-  crypto::StreamOpener opener_;
-  Bytes frame_;
+  Mutex mutex_;
+  crypto::StreamOpener opener_ GECOS_GUARDED_BY(mutex_);
+  Bytes frame_ GECOS_GUARDED_BY(mutex_);
 };
 
 class SealedStreamReader final : public CopyingReader {
