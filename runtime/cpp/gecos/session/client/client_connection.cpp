@@ -44,6 +44,8 @@ ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
                2 * (runtime_->options().lease_ttl + runtime_->options().grace),
                liveness_clock_.now()) {
   liveness_.heard(liveness_clock_.now());
+  // A reader of a stream allocates nothing, not even in its first sleep.
+  descriptors_.reserve(connection_->descriptors().size() + 1);
   if (!log_enabled(LogLevel::Info)) return;
   log_info("client", "connected to " + welcome_.object + " (" + welcome_.interface_name +
                          ") over " + std::string(connection_->capabilities().name) + ": " +
