@@ -255,11 +255,10 @@ class _Lexer:
         if not following or following.startswith("//"):
             return  # both readings are the same
         at = text.rindex("\\", 0, end)
-        self._error(
-            "G0008",
-            at,
-            at + 1,
-            "this '\\' makes the next line a part of the comment for a C++ preprocessor, but not "
+        self._findings.warning(
+            "G0710",
+            Span(self._source, at, at + 1),
+            "this '\\' makes the next line a part of the comment for other IDL compilers, but not "
             "for gidl",
             "remove the '\\', or begin the next line with '//'",
         )

@@ -207,13 +207,13 @@ void ObjectCalls::on_tick(TimePoint now) {
 
 void ObjectCalls::end_overdue(ServerCall& call) {
   const std::string passed = "the deadline of '" + std::string(call.operation().name) + "' passed ";
-  if (call.state.queued()) {
-    end(call,
-        Failure{Detail::Expired, passed + "before it started; it was not carried out", {}, {}});
-  } else {
+  if (call.state.begun_at()) {
     interrupt(call);
     end(call,
         Failure{Detail::TimedOut, passed + "while it was executing; it was told to stop", {}, {}});
+  } else {  // queued, or taken by a thread that will not begin its handler any more
+    end(call,
+        Failure{Detail::Expired, passed + "before it started; it was not carried out", {}, {}});
   }
   note_ready();
 }
