@@ -23,7 +23,8 @@ module secrets {
   exception Refused { string why; @secret string pin; };
   union Key switch (long) { case 1: string name; case 2: @secret Digits pin; };
   union Proof switch (long) {
-    case 1: @secret string pin; case 2: Login both; case 3: unsigned long count; };
+    case 1: @secret string pin; case 2: Login both; case 3: unsigned long count;
+    case 5: char letter; case 6: string<3> word; };
   union Only switch (boolean) { case TRUE: @secret string pin; };
 
   @version("1.0") interface Door {
@@ -95,7 +96,7 @@ def test_a_secret_under_the_tag_of_another_arm_is_not_shown(types: Any) -> None:
     "wrong", [SECRET, [SECRET], SECRET.encode()], ids=["text", "list", "bytes"]
 )
 def test_a_secret_under_the_tag_of_another_arm_is_not_said(types: Any, wrong: Any) -> None:
-    for tag in (2, 3, 4):
+    for tag in (2, 3, 4, 5, 6):
         union = types.Proof(tag, wrong)
         assert SECRET not in repr(union)
         with pytest.raises((wire.EncodeError, AttributeError)) as refused:

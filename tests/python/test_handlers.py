@@ -260,6 +260,18 @@ def test_an_exception_that_only_other_operations_declare_is_named_as_undeclared(
     )
 
 
+def test_a_handler_that_nothing_interrupted_cannot_end_as_canceled(
+    lamp: Lamp, servant: PlainLamp
+) -> None:
+    def fail() -> None:
+        raise gecos.Interrupted
+
+    servant.before_label = fail
+    with pytest.raises(gecos.CommandFailed, match="but nothing interrupted it") as caught:
+        lamp.label().result()
+    assert caught.value.detail is gecos.Detail.FAULT
+
+
 @pytest.mark.parametrize("medium", ["inproc", "shm", "lcm"])
 def test_a_handler_that_waits_for_its_own_thread_is_told_so(
     lab: gecos.Lab, server: gecos.Server, servant: PlainLamp, medium: str

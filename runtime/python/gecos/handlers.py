@@ -117,6 +117,10 @@ def _raised(
         if isinstance(error, declared):
             call.fail(Detail.FAULT, _sendable(str(error)), error._gecos_name, to_bytes(error))
             return
+        if isinstance(error, Interrupted) and not call.interrupted():
+            what = f"{raised}Interrupted, but nothing interrupted it; raise gecos.Rejected(why)"
+            _fault(call, object_name, what, error)
+            return
         if isinstance(error, Rejected | Interrupted):
             call.fail(error.detail, _sendable(str(error.text)), "", b"")
             return

@@ -191,7 +191,7 @@ class Program:
         probe = f"Probe_{interface.name.replace('::', '_')}"
         yield f"class {probe} final : public {servant} {{"
         yield " public:"
-        yield "  Handler gate_handler;"
+        yield "  GateHandler gate_handler;"
         methods: dict[int, str] = {}
         for each in self._model.with_bases(interface):
             layout = self._layout.interfaces[each.name]

@@ -346,7 +346,7 @@ class Incoming final : public gecos::session::CallCore {
 };
 
 /// What every handler of the gate's servants does: keeps its arguments, gives a given result.
-struct Handler {
+struct GateHandler {
   gecos::ByteView neutral_result;
   std::optional<gecos::Bytes> heard;
 

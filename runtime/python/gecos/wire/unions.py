@@ -185,7 +185,7 @@ class UnionLayout:
         if not self._keeps_secrets or isinstance(kind, Secret):
             return self._keeps_secrets
         if isinstance(value, str):
-            return not isinstance(kind, Text)
+            return not (isinstance(kind, Text) and _fits(kind, value))
         return isinstance(value, CONTAINERS) and (kind is None or isinstance(kind, WITHOUT_ITEMS))
 
     def _shown(self, union: Any) -> str:
@@ -204,3 +204,11 @@ class UnionLayout:
             return bool(self.tag == other.tag) and same(self.value, other.value)
 
         return __eq__
+
+
+def _fits(kind: Text, text: str) -> bool:
+    try:
+        kind.put(text, [], "")
+    except EncodeError:
+        return False
+    return True
