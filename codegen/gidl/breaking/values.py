@@ -178,6 +178,12 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, report: Report) -> None:
 
 
 def _union(sides: Sides, old: Union, new: Union, report: Report) -> None:
+    became = {case.member.name: case.member for case in new.cases}
+    for case in old.cases:
+        member = became.get(case.member.name)
+        if member is not None:
+            what = f"member '{member.name}' of '{old.name}'"
+            slots.secrecy(report, old.name, what, case.member, member)
     texts = []
     for model, union in ((sides.old, old), (sides.new, new)):
         arms = [
@@ -198,7 +204,9 @@ def _union(sides: Sides, old: Union, new: Union, report: Report) -> None:
         return
     for one, other in zip(old.cases, new.cases, strict=True):
         what = f"member '{other.member.name}' of '{old.name}'"
-        slots.meaning(sides, report, old.name, what, one.member, other.member)
+        numbers = slots.Numbers.of(one.member), slots.Numbers.of(other.member)
+        places = other.member.facts, one.member.facts
+        slots.meaning(sides, report, old.name, what, numbers, places)
 
 
 def _typedef(sides: Sides, old: Typedef, new: Typedef, report: Report) -> None:
@@ -210,5 +218,5 @@ def _typedef(sides: Sides, old: Typedef, new: Typedef, report: Report) -> None:
                    "keep the type, and declare another type",
                    new=new.facts, old=old.facts)  # fmt: skip
         return
-    slots.number(report, old.name, what, (old.unit or "", new.unit or ""),
-                 (old.range, new.range), (new.facts, old.facts))  # fmt: skip
+    numbers = slots.Numbers.of(old), slots.Numbers.of(new)
+    slots.meaning(sides, report, old.name, what, numbers, (new.facts, old.facts))
