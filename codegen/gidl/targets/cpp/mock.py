@@ -207,7 +207,7 @@ class _Facts(ServerSide):
         parameters = []
         for (kind, name, _), p in zip(self._parameters(values), member.inputs, strict=True):
             parameters.append(f"{kind} {name}" if p.name in used else f"{kind} /*{name}*/")
-        local = LocalNames(taken)
+        local = names.Locals(taken)
         if member.cancelable:
             run = local.fresh("run")
             feedback = self._lowering.type(member.feedback) if member.feedback else ""

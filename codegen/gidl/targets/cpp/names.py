@@ -7,12 +7,27 @@ from __future__ import annotations
 
 from gidl.languages import CPP_STRUCT_WORDS, CPP_WORDS
 from gidl.model import AnyDeclaration, Interface, Model, Struct
+from gidl.targets.naming import LocalNames
 from gidl.type_names import TypeName, escaped
 from gidl.wire_layout import Layout
 
 OBJECT_REF = "::gecos::ObjectRef"
 """The C++ type of a value whose declared type is an interface."""
 OBJECT_REF_STEM = "gecos/object_ref"
+
+
+class Locals(LocalNames):
+    """Unique names for the variables in a function body. A name that is already taken gets an
+    underscore at its start, which no name of an interface has; with one at its end, it could hide
+    a constant: a constant `item` is called `item_`."""
+
+    def fresh(self, wanted: str) -> str:
+        name, number = wanted, 1
+        while name in self._taken:
+            name = f"_{wanted}{'' if number == 1 else number}"
+            number += 1
+        self._taken.add(name)
+        return name
 
 
 def absolute(place: TypeName) -> str:

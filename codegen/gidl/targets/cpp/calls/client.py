@@ -17,10 +17,10 @@ from gidl.targets.cpp.calls.views import MethodView, ReadingView
 from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.lower import Slot
 from gidl.targets.cpp.lower.statements import conjunction
+from gidl.targets.cpp.names import Locals
 from gidl.targets.groups import call as called
 from gidl.targets.groups import group
 from gidl.targets.naming import (
-    LocalNames,
     value_note,
 )
 from gidl.type_names import escaped
@@ -47,7 +47,7 @@ class Client(CallFacts):
         parameters = self._parameters(values)
         taken = {n for _, n, _ in parameters}
         slots = self._slots(call.request, short_name(call).removesuffix("="))
-        local = LocalNames(taken)
+        local = Locals(taken)
         size, to = local.fresh("size"), local.fresh("to")
         used = {*taken, size, to}
         return MethodView(
@@ -56,7 +56,7 @@ class Client(CallFacts):
             name,
             group(f"{t} {n}{d}" for t, n, d in parameters),
             group(f"{t} {n}" for t, n, _ in parameters),
-            tuple(x for s in slots for x in self._lowering.check(s, LocalNames(used), _refused)),
+            tuple(x for s in slots for x in self._lowering.check(s, Locals(used), _refused)),
             f"gecos_call<{types}>",
             self._constant(self._constants[call.name]),
             self._writing(slots, size, to, taken) if slots else None,
@@ -64,12 +64,12 @@ class Client(CallFacts):
         )
 
     def _reading(self, reply: tuple[FieldLayout, ...], owner: str, taken: set[str]) -> ReadingView:
-        local = LocalNames(taken)
+        local = Locals(taken)
         value, source = local.fresh("value"), local.fresh("from")
         if len(reply) > 1:
             return ReadingView(source, value, (f"return {value}.decode({source});",))
         slot = Slot(value, owner, reply[0].node)
-        terms = [self._lowering.decode(slot, source, LocalNames({*taken, value, source}))]
+        terms = [self._lowering.decode(slot, source, Locals({*taken, value, source}))]
         return ReadingView(source, value, tuple(conjunction(terms)))
 
     def _subscribing(self, attribute: Attribute) -> MethodView:

@@ -135,7 +135,7 @@ class CallFacts:
         `taken`."""
         sizing, expression = self._lowering.whole_size(slots, size, taken)
         used = {*taken, size, to}
-        lines = [line for s in slots for line in self._lowering.encode(s, to, LocalNames(used))]
+        lines = [line for s in slots for line in self._lowering.encode(s, to, names.Locals(used))]
         return WritingView(tuple(sizing), expression, to, tuple(joined_puts(lines, to)))
 
 

@@ -68,7 +68,7 @@ class ServerSide(CallFacts):
         parameters = [f"{t} {n}" for t, n, _ in self._parameters(values)]
         slots = self._slots(call.request, short_name(call).removesuffix("="))
         taken = {slot.expression for slot in slots}
-        local = LocalNames(taken | {self._request})
+        local = names.Locals(taken | {self._request})
         source, run, was_read = local.fresh("from"), local.fresh("run"), local.fresh("read")
         passed = [slot.expression for slot in slots]
         execution = ""
@@ -100,7 +100,7 @@ class ServerSide(CallFacts):
     def _request(self) -> str:
         """Name of the skeleton's variable for an incoming call, distinct from all parameters."""
         slots = [s for call in self._calls for s in self._slots(call.request, "")]
-        return LocalNames(slot.expression for slot in slots).fresh("call")
+        return names.Locals(slot.expression for slot in slots).fresh("call")
 
     def _argument(self, value: CallValue, slot: Slot) -> ArgumentView:
         initial = "{}"
@@ -111,7 +111,7 @@ class ServerSide(CallFacts):
 
     def _read(self, values: list[CallValue], slots: list[Slot], source: str) -> list[str]:
         required = first_missing(values)
-        local = LocalNames({s.expression for s in slots} | {source, self._request})
+        local = names.Locals({s.expression for s in slots} | {source, self._request})
         terms = []
         for i, slot in enumerate(slots):
             term = self._lowering.decode(slot, source, local)
@@ -119,7 +119,7 @@ class ServerSide(CallFacts):
         return joined_terms(terms)
 
     def _result_of(self, call: CallLayout, taken: set[str]) -> ResultView:
-        local = LocalNames(taken | {self._request})
+        local = names.Locals(taken | {self._request})
         size, to, value = local.fresh("size"), local.fresh("to"), local.fresh("value")
         used = {*taken, self._request, value}
 
@@ -133,7 +133,7 @@ class ServerSide(CallFacts):
             )
         node = call.reply[0].node
         slot = Slot(value, short_name(call), node)
-        checks = self._lowering.check(slot, LocalNames({*used, size, to}), refused)
+        checks = self._lowering.check(slot, names.Locals({*used, size, to}), refused)
         return ResultView(
             written(node),
             value,
@@ -158,6 +158,6 @@ class ServerSide(CallFacts):
             written(layout.sample.node),
             f"{self._lowering.parameter(value.type, value.optional)} value",
             self._constant(self._stream_constants[attribute.name]),
-            tuple(self._lowering.check(slot, LocalNames({*taken, "size", "to"}), refused)),
+            tuple(self._lowering.check(slot, names.Locals({*taken, "size", "to"}), refused)),
             self._writing([slot], "size", "to", taken),
         )
