@@ -1,13 +1,19 @@
-"""Generated C++ has no literal that compilers refuse, and no local that hides a constant."""
+"""Generated C++ has no literal that compilers refuse, no local that hides a constant, and no
+operation that hides a member of its base classes."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
 
+from gecos.proxy import Object
+from gecos.servant import Servant
+from generating import TREE
 from gidl import wire_layout
 from gidl.compile import compile_files
 from gidl.emit import render
+from gidl.targets.cpp import names as cpp
+from gidl.targets.python import names as python
 
 
 def sources(folder: Path, text: str) -> dict[str, str]:
@@ -61,3 +67,50 @@ def test_no_local_has_the_name_of_a_constant_or_typedef(tmp_path: Path) -> None:
     for part in ("types.cpp", "client.cpp", "server.cpp"):
         assert not called.findall(texts[part]), part
         assert re.search(r"\b_(?:item|value|from)\b", texts[part]), part
+
+
+def members_of_bases() -> set[str]:
+    """What the base classes of proxies and servants, and those classes themselves, declare."""
+    found: set[str] = set()
+    for header, name in (("object", "Object"), ("servant", "Servant")):
+        text = (TREE / "runtime/cpp/gecos" / f"{header}.hpp").read_text()
+        body = text.partition(f"\nclass {name} {{\n")[2].partition("\n};\n")[0]
+        assert body
+        body = re.sub("//.*", "", body)
+        found |= set(re.findall(r"\bgecos_\w+", body))
+        for line in body.splitlines():
+            if not line.startswith(("  friend ", "   ")):
+                found |= set(re.findall(r"(?<![~:.>\w])([a-z]\w*)\((?!\*)", line))
+    templates = TREE / "codegen/gidl/targets/cpp/templates"
+    for template in ("client.hpp.j2", "server.hpp.j2"):
+        found |= set(re.findall(r"\b(gecos_\w+)\(", (templates / template).read_text()))
+    return found - {"requires"}
+
+
+def test_members_of_the_base_classes_are_no_names_of_operations() -> None:
+    found = members_of_bases()
+    assert {"gecos_call", "gecos_subscribe", "gecos_publish", "gecos_description"} <= found
+    assert {name for name in found if not name.startswith("gecos_")} == set()
+    for name in sorted(found):
+        assert cpp.method_name(name) not in found | {name}
+    assert len({cpp.method_name(name) for name in found}) == len(found)
+
+
+def test_members_of_the_base_classes_are_no_names_of_operations_in_python() -> None:
+    found = {n for base in (Object, Servant) for n in dir(base) if not n.startswith("_")}
+    assert found
+    for name in sorted(found):
+        assert python.method_name(name) not in found
+
+
+def test_operations_and_parameters_are_called_beside_those_members(tmp_path: Path) -> None:
+    texts = sources(
+        tmp_path,
+        "interface I { void gecos_call(in double gecos_session_, in double gecos_publish); };"
+        " interface gecos_subscribe { void f(); };",
+    )
+    head = "gecos_call_(double gecos_session___, double gecos_publish_) const"
+    assert f"gecos::Command<void> I::{head} {{" in texts["client.cpp"]
+    assert "return gecos_call<void>(" in texts["client.cpp"]
+    assert "this->gecos_call_(gecos_session___, gecos_publish_)" in texts["server.cpp"]
+    assert "class gecos_subscribe_ : public virtual gecos::Object" in texts["client.hpp"]

@@ -5,7 +5,7 @@ Names of types are absolute, `::robcl::Frame`, so that no name in an enclosing s
 
 from __future__ import annotations
 
-from gidl.languages import CPP_STRUCT_WORDS, CPP_WORDS
+from gidl.languages import CPP_METHOD_WORDS, CPP_STRUCT_WORDS
 from gidl.model import AnyDeclaration, Interface, Model, Struct
 from gidl.targets.naming import LocalNames
 from gidl.type_names import TypeName, escaped
@@ -61,6 +61,11 @@ def member_name(name: str) -> str:
     return escaped(name, CPP_STRUCT_WORDS)
 
 
+def method_name(name: str) -> str:
+    """The name of an operation, an attribute or a parameter in the classes of its interface."""
+    return escaped(name, CPP_METHOD_WORDS)
+
+
 def method_names(model: Model, interface: Interface) -> set[str]:
     """The C++ names of all operations and attributes of an interface, also inherited ones."""
-    return {escaped(m.name, CPP_WORDS) for m in model.all_interface_members(interface)}
+    return {method_name(m.name) for m in model.all_interface_members(interface)}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import cached_property
 
-from gidl.languages import CPP_WORDS
 from gidl.model import (
     Attribute,
     Operation,
@@ -35,7 +34,6 @@ from gidl.targets.naming import (
     LocalNames,
     value_note,
 )
-from gidl.type_names import escaped
 from gidl.wire_layout import CallKind, CallLayout
 from gidl.wire_nodes import AppendableNode, Node, ObjectNode, ScalarNode, StructNode, UnionNode
 
@@ -55,7 +53,7 @@ class ServerSide(CallFacts):
         member = self._member(call)
         if isinstance(member, Operation):
             name, values = (
-                escaped(member.name, CPP_WORDS),
+                names.method_name(member.name),
                 [parameter_value(p) for p in member.inputs],
             )
             doc = self._operation_doc(member)
@@ -63,7 +61,7 @@ class ServerSide(CallFacts):
             name, values = self._setter_name(member), [attribute_value(member)]
             doc = doc_lines(member.facts, value_note(member.unit, member.range))
         else:
-            name, values = escaped(member.name, CPP_WORDS), []
+            name, values = names.method_name(member.name), []
             doc = doc_lines(member.facts, value_note(member.unit, member.range))
         parameters = [f"{t} {n}" for t, n, _ in self._parameters(values)]
         slots = self._slots(call.request, short_name(call).removesuffix("="))
