@@ -32,6 +32,18 @@ CPP_STRUCT_WORDS = CPP_WORDS | {"encoded_size", "encode", "decode", "fingerprint
 CPP_UNION_WORDS = CPP_STRUCT_WORDS | {"tag", "value", "Held"}
 CPP_BITSET_WORDS = CPP_STRUCT_WORDS | {"bits", "set_bits", "raw"}
 
+# Members of gecos::Object, of gecos::Servant and of the proxies and servants that derive from them.
+# An operation cannot keep such a name, nor can a parameter, which would hide what a body calls.
+_CPP_BASE_MEMBERS = words(
+    """
+    gecos_answer gecos_attach gecos_begins_calls gecos_call gecos_description gecos_dispatch
+    gecos_interface gecos_may_publish gecos_not_published gecos_options_ gecos_publish
+    gecos_publish_block gecos_publisher_ gecos_session_ gecos_session_ended gecos_share_thread
+    gecos_subscribe
+    """
+)
+CPP_METHOD_WORDS = CPP_WORDS | _CPP_BASE_MEMBERS
+
 # Functions in the namespaces of generated types.
 _CPP_FUNCTIONS = words("decode_enum gecos_violation has to_string")
 # Parameters and local variables of generated functions. They would shadow a constant or an alias of
@@ -60,7 +72,8 @@ def _cpp_members(model: Model, declaration: AnyDeclaration) -> set[str]:
         case Interface():
             methods = {m.name for m in model.all_interface_members(declaration)}
             made = {f"{does}_{name}" for does in ("set", "publish") for name in methods}
-            return {escaped(name, CPP_WORDS) for name in methods | made}
+            own = {escaped(name, CPP_METHOD_WORDS) for name in methods | made}
+            return own | _CPP_BASE_MEMBERS
         case _:
             return set()
 

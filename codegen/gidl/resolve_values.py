@@ -47,6 +47,9 @@ from gidl.vocabulary import Applied, Vocabulary
 
 MAX_BOUND = (1 << 31) - 1
 MAX_ARRAY = 1 << 24  # limit for one array, so that fixed sizes fit 32 bits
+# The largest double whose nearest float is 0: half of the smallest float. Python sends 0 for such a
+# number, and C++ compilers refuse it as the literal of a float.
+_ROUNDS_TO_ZERO = 2.0**-150
 
 _EXTENSIBILITIES = ("FINAL", "APPENDABLE", "MUTABLE")
 _BY_VALUE = frozenset(("struct", "union"))
@@ -239,6 +242,8 @@ class ValueResolver(ABC):
         if kind is Primitive.FLOAT and math.isfinite(value) and abs(value) > 3.4028235677973366e38:
             self._findings.error("G0301", span, f"{value} does not fit a float")
             return None
+        if kind is Primitive.FLOAT and abs(value) <= _ROUNDS_TO_ZERO:
+            return math.copysign(0.0, value)
         return value
 
     def _size(self, expression: Expression, scope: Scope, what: str, most: int) -> int | None:

@@ -31,8 +31,12 @@ def escaped(name: str, reserved: Collection[str]) -> str:
     """`name`, with one more underscore at its end if the name is in `reserved`.
 
     Different names stay different: `class` becomes `class_`, and a name `class_` becomes `class__`.
+    Beside a reserved word `held_`, `held` becomes `held__`, and `held_` becomes `held___`.
     """
-    return f"{name}_" if name.rstrip("_") in reserved else name
+    plain = name.rstrip("_")
+    if f"{plain}_" in reserved:
+        return f"{name}__"
+    return f"{name}_" if plain in reserved else name
 
 
 @dataclass(frozen=True, slots=True)

@@ -237,6 +237,29 @@ class TestValues:
         model = model_of(tmp_path, f"const long X = {expression};")
         assert getattr(model.find("X"), "value", None) == value
 
+    @pytest.mark.parametrize(
+        ("written", "value"),
+        [
+            ("1e-60", "0.0"),
+            ("-1e-60", "-0.0"),
+            ("7e-46", "0.0"),
+            ("1e-45", "1e-45"),
+            ("0.1", "0.1"),
+        ],
+    )
+    def test_what_is_zero_as_a_float_is_zero(
+        self, tmp_path: Path, written: str, value: str
+    ) -> None:
+        """C++ has no float that is written as 1e-60, and Python would send 0 for it."""
+        model = model_of(
+            tmp_path,
+            f"const float F = {written}; const double D = {written};"
+            f" struct S {{ @default({written}) float x; }};",
+        )
+        assert repr(getattr(model.find("F"), "value", None)) == value
+        assert getattr(model.find("D"), "value", None) == float(written)
+        assert repr(model.struct("S").members[0].default) == value
+
     def test_unit_and_range_of_a_typedef_reach_its_users(self, tmp_path: Path) -> None:
         struct = model_of(
             tmp_path,

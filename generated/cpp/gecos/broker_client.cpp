@@ -24,8 +24,8 @@ gecos::Command<std::optional<double>> Broker::enlist(
         to.put(served_for);
       },
       [](auto& from, auto& value) {
-        return gecos::wire::get_optional(from, value, "enlist", [&](auto& value_) {
-                 return from.get(value_, "enlist");
+        return gecos::wire::get_optional(from, value, "enlist", [&](auto& _value) {
+                 return from.get(_value, "enlist");
                });
       });
 }

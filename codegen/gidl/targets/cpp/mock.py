@@ -126,7 +126,7 @@ def _words(lowering: Lowering, interface: Interface) -> set[str]:
     found = CPP_TYPES.members(lowering.model, interface)
     for member in lowering.model.all_interface_members(interface):
         if isinstance(member, Operation):
-            found |= {escaped(p.name, CPP_WORDS) for p in member.parameters}
+            found |= {names.method_name(p.name) for p in member.parameters}
     return found
 
 
@@ -194,20 +194,20 @@ class _Facts(ServerSide):
 
     def _operation(self, call: CallLayout, member: Operation) -> MethodView:
         values = [parameter_value(p) for p in member.inputs]
-        taken = {escaped(v.name, CPP_WORDS) for v in values}
+        taken = {names.method_name(v.name) for v in values}
         answers = reply_values(member, call)
         used = {v.name for v in answers} & {p.name for p in member.inputs}
         lines, told = [], []
         if member.access is not Access.SENSOR or member.safety:
             used |= {p.name for p in member.inputs if not p.secret}
             for p in member.inputs:
-                shown = _HIDDEN if p.secret else escaped(p.name, CPP_WORDS)
+                shown = _HIDDEN if p.secret else names.method_name(p.name)
                 told += [f'"{p.name} ="', shown]
             lines.append(f"{self._own.mock}.says{group([quoted(member.name), *told])};")
         parameters = []
         for (kind, name, _), p in zip(self._parameters(values), member.inputs, strict=True):
             parameters.append(f"{kind} {name}" if p.name in used else f"{kind} /*{name}*/")
-        local = LocalNames(taken)
+        local = names.Locals(taken)
         if member.cancelable:
             run = local.fresh("run")
             feedback = self._lowering.type(member.feedback) if member.feedback else ""
@@ -215,7 +215,7 @@ class _Facts(ServerSide):
             lines.append(f"{run}.progress(1.0{self._feedback(member, taken)});")
         returns = f"gecos::Result<{self._result_type(call, member)}>"
         lines += self._answer_with(call, member, answers, taken)
-        head = f"{returns} {escaped(member.name, CPP_WORDS)}{group(parameters)} override"
+        head = f"{returns} {names.method_name(member.name)}{group(parameters)} override"
         return MethodView(head, tuple(lines))
 
     def _feedback(self, member: Operation, taken: set[str]) -> str:
@@ -231,7 +231,7 @@ class _Facts(ServerSide):
             return ["return {};"]
         if len(answers) == 1:
             (only,) = answers
-            name = escaped(only.name, CPP_WORDS)
+            name = names.method_name(only.name)
             text = name if only.name in given else in_place(self._lowering, only, taken)
             return [f"return {text};"]
         result = _free("mock_answer", taken)
@@ -239,7 +239,7 @@ class _Facts(ServerSide):
         for v in answers:
             place = f"{result}.{names.member_name(v.name)}"
             if v.name in given:
-                lines.append(f"{place} = {escaped(v.name, CPP_WORDS)};")
+                lines.append(f"{place} = {names.method_name(v.name)};")
             elif not v.optional:
                 lines += assigned(self._lowering, place, v.type, v.range, alone=False)
         return [*lines, f"return {result};"]

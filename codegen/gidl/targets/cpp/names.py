@@ -5,14 +5,29 @@ Names of types are absolute, `::robcl::Frame`, so that no name in an enclosing s
 
 from __future__ import annotations
 
-from gidl.languages import CPP_STRUCT_WORDS, CPP_WORDS
+from gidl.languages import CPP_METHOD_WORDS, CPP_STRUCT_WORDS
 from gidl.model import AnyDeclaration, Interface, Model, Struct
+from gidl.targets.naming import LocalNames
 from gidl.type_names import TypeName, escaped
 from gidl.wire_layout import Layout
 
 OBJECT_REF = "::gecos::ObjectRef"
 """The C++ type of a value whose declared type is an interface."""
 OBJECT_REF_STEM = "gecos/object_ref"
+
+
+class Locals(LocalNames):
+    """Unique names for the variables in a function body. A name that is already taken gets an
+    underscore at its start, which no name of an interface has; with one at its end, it could hide
+    a constant: a constant `item` is called `item_`."""
+
+    def fresh(self, wanted: str) -> str:
+        name, number = wanted, 1
+        while name in self._taken:
+            name = f"_{wanted}{'' if number == 1 else number}"
+            number += 1
+        self._taken.add(name)
+        return name
 
 
 def absolute(place: TypeName) -> str:
@@ -46,6 +61,11 @@ def member_name(name: str) -> str:
     return escaped(name, CPP_STRUCT_WORDS)
 
 
+def method_name(name: str) -> str:
+    """The name of an operation, an attribute or a parameter in the classes of its interface."""
+    return escaped(name, CPP_METHOD_WORDS)
+
+
 def method_names(model: Model, interface: Interface) -> set[str]:
     """The C++ names of all operations and attributes of an interface, also inherited ones."""
-    return {escaped(m.name, CPP_WORDS) for m in model.all_interface_members(interface)}
+    return {method_name(m.name) for m in model.all_interface_members(interface)}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from gidl.languages import CPP_WORDS
 from gidl.model import (
     Attribute,
     Operation,
@@ -12,6 +11,7 @@ from gidl.targets.calls import (
     parameter_value,
     short_name,
 )
+from gidl.targets.cpp import names
 from gidl.targets.cpp.calls.facts import CallFacts
 from gidl.targets.cpp.calls.views import MethodView, ReadingView
 from gidl.targets.cpp.comments import doc_lines
@@ -20,10 +20,8 @@ from gidl.targets.cpp.lower.statements import conjunction
 from gidl.targets.groups import call as called
 from gidl.targets.groups import group
 from gidl.targets.naming import (
-    LocalNames,
     value_note,
 )
-from gidl.type_names import escaped
 from gidl.wire_layout import CallKind, CallLayout, FieldLayout
 
 
@@ -32,7 +30,7 @@ class Client(CallFacts):
         member = self._member(call)
         if isinstance(member, Operation):
             name, values = (
-                escaped(member.name, CPP_WORDS),
+                names.method_name(member.name),
                 [parameter_value(p) for p in member.inputs],
             )
             doc = self._operation_doc(member)
@@ -41,13 +39,13 @@ class Client(CallFacts):
             note = value_note(member.unit, member.range)
             doc = doc_lines(member.facts, note) or (f"Sets {member.name}.",)
         else:
-            name, values = escaped(member.name, CPP_WORDS), []
+            name, values = names.method_name(member.name), []
             doc = doc_lines(member.facts, value_note(member.unit, member.range))
         types = self._command_types(call, member)
         parameters = self._parameters(values)
         taken = {n for _, n, _ in parameters}
         slots = self._slots(call.request, short_name(call).removesuffix("="))
-        local = LocalNames(taken)
+        local = names.Locals(taken)
         size, to = local.fresh("size"), local.fresh("to")
         used = {*taken, size, to}
         return MethodView(
@@ -56,7 +54,7 @@ class Client(CallFacts):
             name,
             group(f"{t} {n}{d}" for t, n, d in parameters),
             group(f"{t} {n}" for t, n, _ in parameters),
-            tuple(x for s in slots for x in self._lowering.check(s, LocalNames(used), _refused)),
+            tuple(x for s in slots for x in self._lowering.check(s, names.Locals(used), _refused)),
             f"gecos_call<{types}>",
             self._constant(self._constants[call.name]),
             self._writing(slots, size, to, taken) if slots else None,
@@ -64,12 +62,12 @@ class Client(CallFacts):
         )
 
     def _reading(self, reply: tuple[FieldLayout, ...], owner: str, taken: set[str]) -> ReadingView:
-        local = LocalNames(taken)
+        local = names.Locals(taken)
         value, source = local.fresh("value"), local.fresh("from")
         if len(reply) > 1:
             return ReadingView(source, value, (f"return {value}.decode({source});",))
         slot = Slot(value, owner, reply[0].node)
-        terms = [self._lowering.decode(slot, source, LocalNames({*taken, value, source}))]
+        terms = [self._lowering.decode(slot, source, names.Locals({*taken, value, source}))]
         return ReadingView(source, value, tuple(conjunction(terms)))
 
     def _subscribing(self, attribute: Attribute) -> MethodView:
@@ -82,7 +80,7 @@ class Client(CallFacts):
         return MethodView(
             (note,),
             f"tl::expected<gecos::Stream<{used}>, gecos::Failure>",
-            escaped(attribute.name, CPP_WORDS),
+            names.method_name(attribute.name),
             group(["gecos::StreamTag"]),
             group(["gecos::StreamTag"]),
             (),

@@ -73,7 +73,7 @@ class CallFacts:
             note = value_note(p.unit, p.range)
             if note or p.facts.doc:
                 text = " ".join(doc_lines(p.facts, note))
-                doc.append(f"@param {escaped(p.name, CPP_WORDS)} {text}")
+                doc.append(f"@param {names.method_name(p.name)} {text}")
         if operation.raises:
             raised = ", ".join(self._lowering.named(n)[2:] for n in operation.raises)
             doc.append(f"May fail with {raised}.")
@@ -96,7 +96,7 @@ class CallFacts:
             result.append(
                 (
                     self._lowering.parameter(value.type, value.optional),
-                    escaped(value.name, CPP_WORDS),
+                    names.method_name(value.name),
                     default,
                 )
             )
@@ -126,7 +126,7 @@ class CallFacts:
         return result
 
     def _slots(self, fields: tuple[FieldLayout, ...], owner: str) -> list[Slot]:
-        return [Slot(escaped(f.name, CPP_WORDS), f"{owner}.{f.name}", f.node) for f in fields]
+        return [Slot(names.method_name(f.name), f"{owner}.{f.name}", f.node) for f in fields]
 
     def _writing(
         self, slots: list[Slot], size: str, to: str, taken: Collection[str]
@@ -135,7 +135,7 @@ class CallFacts:
         `taken`."""
         sizing, expression = self._lowering.whole_size(slots, size, taken)
         used = {*taken, size, to}
-        lines = [line for s in slots for line in self._lowering.encode(s, to, LocalNames(used))]
+        lines = [line for s in slots for line in self._lowering.encode(s, to, names.Locals(used))]
         return WritingView(tuple(sizing), expression, to, tuple(joined_puts(lines, to)))
 
 

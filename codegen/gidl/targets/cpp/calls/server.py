@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import cached_property
 
-from gidl.languages import CPP_WORDS
 from gidl.model import (
     Attribute,
     Operation,
@@ -35,7 +34,6 @@ from gidl.targets.naming import (
     LocalNames,
     value_note,
 )
-from gidl.type_names import escaped
 from gidl.wire_layout import CallKind, CallLayout
 from gidl.wire_nodes import AppendableNode, Node, ObjectNode, ScalarNode, StructNode, UnionNode
 
@@ -55,7 +53,7 @@ class ServerSide(CallFacts):
         member = self._member(call)
         if isinstance(member, Operation):
             name, values = (
-                escaped(member.name, CPP_WORDS),
+                names.method_name(member.name),
                 [parameter_value(p) for p in member.inputs],
             )
             doc = self._operation_doc(member)
@@ -63,12 +61,12 @@ class ServerSide(CallFacts):
             name, values = self._setter_name(member), [attribute_value(member)]
             doc = doc_lines(member.facts, value_note(member.unit, member.range))
         else:
-            name, values = escaped(member.name, CPP_WORDS), []
+            name, values = names.method_name(member.name), []
             doc = doc_lines(member.facts, value_note(member.unit, member.range))
         parameters = [f"{t} {n}" for t, n, _ in self._parameters(values)]
         slots = self._slots(call.request, short_name(call).removesuffix("="))
         taken = {slot.expression for slot in slots}
-        local = LocalNames(taken | {self._request})
+        local = names.Locals(taken | {self._request})
         source, run, was_read = local.fresh("from"), local.fresh("run"), local.fresh("read")
         passed = [slot.expression for slot in slots]
         execution = ""
@@ -100,7 +98,7 @@ class ServerSide(CallFacts):
     def _request(self) -> str:
         """Name of the skeleton's variable for an incoming call, distinct from all parameters."""
         slots = [s for call in self._calls for s in self._slots(call.request, "")]
-        return LocalNames(slot.expression for slot in slots).fresh("call")
+        return names.Locals(slot.expression for slot in slots).fresh("call")
 
     def _argument(self, value: CallValue, slot: Slot) -> ArgumentView:
         initial = "{}"
@@ -111,7 +109,7 @@ class ServerSide(CallFacts):
 
     def _read(self, values: list[CallValue], slots: list[Slot], source: str) -> list[str]:
         required = first_missing(values)
-        local = LocalNames({s.expression for s in slots} | {source, self._request})
+        local = names.Locals({s.expression for s in slots} | {source, self._request})
         terms = []
         for i, slot in enumerate(slots):
             term = self._lowering.decode(slot, source, local)
@@ -119,7 +117,7 @@ class ServerSide(CallFacts):
         return joined_terms(terms)
 
     def _result_of(self, call: CallLayout, taken: set[str]) -> ResultView:
-        local = LocalNames(taken | {self._request})
+        local = names.Locals(taken | {self._request})
         size, to, value = local.fresh("size"), local.fresh("to"), local.fresh("value")
         used = {*taken, self._request, value}
 
@@ -133,7 +131,7 @@ class ServerSide(CallFacts):
             )
         node = call.reply[0].node
         slot = Slot(value, short_name(call), node)
-        checks = self._lowering.check(slot, LocalNames({*used, size, to}), refused)
+        checks = self._lowering.check(slot, names.Locals({*used, size, to}), refused)
         return ResultView(
             written(node),
             value,
@@ -158,6 +156,6 @@ class ServerSide(CallFacts):
             written(layout.sample.node),
             f"{self._lowering.parameter(value.type, value.optional)} value",
             self._constant(self._stream_constants[attribute.name]),
-            tuple(self._lowering.check(slot, LocalNames({*taken, "size", "to"}), refused)),
+            tuple(self._lowering.check(slot, names.Locals({*taken, "size", "to"}), refused)),
             self._writing([slot], "size", "to", taken),
         )

@@ -17,8 +17,9 @@ from gidl.targets.cpp.lower.statements import (
     quoted,
 )
 from gidl.targets.cpp.lower.types import Slot, Types, is_bulk
+from gidl.targets.cpp.names import Locals
 from gidl.targets.groups import call
-from gidl.targets.naming import LocalNames, range_text
+from gidl.targets.naming import range_text
 from gidl.wire_layout import FieldLayout, Layout
 from gidl.wire_nodes import (
     AppendableNode,
@@ -72,7 +73,7 @@ class Checks(Types):
             self._checked[name] = not by_hand and self.have_checks(fields)
         return self._checked[name]
 
-    def check(self, slot: Slot, local: LocalNames, refuse: Refuse = lambda text: text) -> list[str]:
+    def check(self, slot: Slot, local: Locals, refuse: Refuse = lambda text: text) -> list[str]:
         """Statements that return `refuse(reason)` if the value must not be sent."""
         return self._refused(self._check(slot.node, slot.expression, slot.label, local), refuse)
 
@@ -84,7 +85,7 @@ class Checks(Types):
             for head, found, rest in [line.partition("return ")]
         ]
 
-    def _check(self, node: Node, x: str, label: str, local: LocalNames) -> list[str]:
+    def _check(self, node: Node, x: str, label: str, local: Locals) -> list[str]:
         match node:
             case ScalarNode():
                 return self._check_number(node, x, label)
@@ -117,7 +118,7 @@ class Checks(Types):
                 return self._violation(node, interface, x, local)
 
     def _check_elements(
-        self, element: Node, depth: int, x: str, label: str, local: LocalNames
+        self, element: Node, depth: int, x: str, label: str, local: Locals
     ) -> list[str]:
         if depth == 1 and isinstance(element, ScalarNode) and is_bulk(element):
             return self._check_numbers(element, x, label, local)
@@ -128,7 +129,7 @@ class Checks(Types):
             inner = self._check_elements(element, depth - 1, item, label, local)
         return loop(item, x, inner)
 
-    def _violation(self, node: Node, name: str, x: str, local: LocalNames) -> list[str]:
+    def _violation(self, node: Node, name: str, x: str, local: Locals) -> list[str]:
         if not self._has_checks(node):
             return []
         why, violation = local.fresh("why"), self.function(name, "gecos_violation")
@@ -141,7 +142,7 @@ class Checks(Types):
         return _refused(f"if (!{range_test(x, number)})", number, x, label)
 
     @staticmethod
-    def _check_numbers(number: ScalarNode, x: str, label: str, local: LocalNames) -> list[str]:
+    def _check_numbers(number: ScalarNode, x: str, label: str, local: Locals) -> list[str]:
         if number.limits is None:
             return []
         found = local.fresh("outlier")

@@ -14,8 +14,8 @@ from gidl.targets.cpp.lower.statements import (
     with_lambda,
 )
 from gidl.targets.cpp.lower.types import Slot, Types, is_bulk
+from gidl.targets.cpp.names import Locals
 from gidl.targets.groups import call
-from gidl.targets.naming import LocalNames
 from gidl.wire_layout import min_size_of
 from gidl.wire_nodes import (
     AppendableNode,
@@ -34,11 +34,11 @@ from gidl.wire_nodes import (
 
 
 class Reading(Types):
-    def decode(self, slot: Slot, source: str, local: LocalNames) -> list[str]:
+    def decode(self, slot: Slot, source: str, local: Locals) -> list[str]:
         """Lines of a boolean expression that decodes a value; it is false on failure."""
         return self._decode(slot.node, slot.expression, slot.label, source, local)
 
-    def _decode(self, node: Node, x: str, label: str, source: str, local: LocalNames) -> list[str]:
+    def _decode(self, node: Node, x: str, label: str, source: str, local: Locals) -> list[str]:
         field = f'"{label}"'
         match node:
             case OptionalNode(element=element):
@@ -86,7 +86,7 @@ class Reading(Types):
                 return [*first, *indented(with_lambda("", value_name, lines))]
 
     def _decode_array(
-        self, element: Node, depth: int, x: str, label: str, source: str, local: LocalNames
+        self, element: Node, depth: int, x: str, label: str, source: str, local: Locals
     ) -> list[str]:
         if depth == 1 and isinstance(element, ScalarNode) and is_bulk(element):
             return _bulk(f'{source}.get_array({x}, "{label}")', element, x, label, source)

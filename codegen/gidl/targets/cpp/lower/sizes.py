@@ -10,7 +10,7 @@ from gidl.targets.cpp.lower.statements import (
     of,
 )
 from gidl.targets.cpp.lower.types import Slot, Types
-from gidl.targets.naming import LocalNames
+from gidl.targets.cpp.names import Locals
 from gidl.wire_layout import min_size_of
 from gidl.wire_nodes import (
     AppendableNode,
@@ -36,7 +36,7 @@ class Sizes(Types):
         if the expression is one sum."""
         constant, lines = 0, list[str]()
         for slot in slots:
-            always, more = self.size(slot, total, LocalNames({*taken, total}))
+            always, more = self.size(slot, total, Locals({*taken, total}))
             constant += always
             lines += more
         head = f"{total} += "
@@ -45,12 +45,12 @@ class Sizes(Types):
             return [], " + ".join([str(constant)] * bool(constant or not terms) + terms)
         return [f"std::size_t {total} = {constant};", *lines], total
 
-    def size(self, slot: Slot, total: str, local: LocalNames) -> tuple[int, list[str]]:
+    def size(self, slot: Slot, total: str, local: Locals) -> tuple[int, list[str]]:
         """The constant part of the encoded size in bytes, and statements that add the rest to
         `total`."""
         return self._size(slot.node, slot.expression, total, local)
 
-    def _size(self, node: Node, x: str, total: str, local: LocalNames) -> tuple[int, list[str]]:
+    def _size(self, node: Node, x: str, total: str, local: Locals) -> tuple[int, list[str]]:
         match node:
             case ScalarNode() | EnumNode():
                 return min_size_of(self.model, node), []

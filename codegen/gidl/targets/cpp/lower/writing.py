@@ -12,7 +12,7 @@ from gidl.targets.cpp.lower.statements import (
     of,
 )
 from gidl.targets.cpp.lower.types import PRIMITIVES, Slot, Types, is_bulk
-from gidl.targets.naming import LocalNames
+from gidl.targets.cpp.names import Locals
 from gidl.wire_nodes import (
     AppendableNode,
     ArrayNode,
@@ -30,10 +30,10 @@ from gidl.wire_nodes import (
 
 
 class Writing(Types):
-    def encode(self, slot: Slot, to: str, local: LocalNames) -> list[str]:
+    def encode(self, slot: Slot, to: str, local: Locals) -> list[str]:
         return self._encode(slot.node, slot.expression, to, local)
 
-    def _encode(self, node: Node, x: str, to: str, local: LocalNames) -> list[str]:
+    def _encode(self, node: Node, x: str, to: str, local: Locals) -> list[str]:
         match node:
             case ScalarNode():
                 return [f"{to}.put({x});"]
@@ -67,9 +67,7 @@ class Writing(Types):
             case _:
                 raise AssertionError(node)
 
-    def _encode_array(
-        self, element: Node, depth: int, x: str, to: str, local: LocalNames
-    ) -> list[str]:
+    def _encode_array(self, element: Node, depth: int, x: str, to: str, local: Locals) -> list[str]:
         if depth == 1 and is_bulk(element):
             return [f"{to}.put_array({x});"]
         item = local.fresh("item" if depth == 1 else "row")

@@ -29,7 +29,6 @@ from gidl.targets.cpp.values.views import (
     unit_of,
 )
 from gidl.targets.naming import (
-    LocalNames,
     value_note,
 )
 from gidl.targets.reach import type_reaches
@@ -144,10 +143,12 @@ class Structs(ValueNames):
             for m, field in zip(content.members, content.fields, strict=True)
         ]
         taken = {slot.expression for slot in slots}
-        local = LocalNames(taken)
+        local = names.Locals(taken)
         writer, reader = local.fresh("to"), local.fresh("from")
         encode = [
-            line for s in slots for line in lowering.encode(s, writer, LocalNames(taken | {writer}))
+            line
+            for s in slots
+            for line in lowering.encode(s, writer, names.Locals(taken | {writer}))
         ]
         return CodecView(
             writer if encode else "",
@@ -159,7 +160,7 @@ class Structs(ValueNames):
         )
 
     def _size_body(self, slots: list[Slot], taken: set[str]) -> list[str]:
-        total = LocalNames(taken).fresh("size")
+        total = names.Locals(taken).fresh("size")
         statements, whole = self._lowering.whole_size(slots, total, taken)
         return [*statements, f"return {whole};"]
 
@@ -173,7 +174,7 @@ class Structs(ValueNames):
                 required -= 1
         terms = []
         for i, slot in enumerate(slots):
-            lines = self._lowering.decode(slot, reader, LocalNames(taken | {reader}))
+            lines = self._lowering.decode(slot, reader, names.Locals(taken | {reader}))
             if i >= required:
                 lines = or_at_end(reader, lines)
             terms.append(lines)
@@ -185,7 +186,7 @@ class Structs(ValueNames):
             for slot, member in list(zip(slots, members, strict=True))[required:]
         ]
         if content.recursive:
-            guard = LocalNames(taken | {reader}).fresh("guard")
+            guard = names.Locals(taken | {reader}).fresh("guard")
             reset[0:0] = [
                 f'const gecos::wire::DepthGuard {guard}({reader}, "{content.owner}");',
                 f"if (!{guard}) return false;",
@@ -196,7 +197,7 @@ class Structs(ValueNames):
         lines: list[str] = []
         for slot in slots:
             there = replace(slot, expression=f"value.{slot.expression}")
-            lines += self._lowering.check(there, LocalNames({"value"}))
+            lines += self._lowering.check(there, names.Locals({"value"}))
         return [*lines, "return {};"]
 
 

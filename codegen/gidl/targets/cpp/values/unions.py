@@ -14,6 +14,7 @@ from gidl.model import (
 from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.lower import PRIMITIVES, Slot
 from gidl.targets.cpp.lower.statements import block, conjunction, returning
+from gidl.targets.cpp.names import Locals
 from gidl.targets.cpp.values.names import ValueNames
 from gidl.targets.cpp.values.views import (
     ArmView,
@@ -23,7 +24,6 @@ from gidl.targets.cpp.values.views import (
 )
 from gidl.targets.groups import group
 from gidl.targets.naming import (
-    LocalNames,
     value_note,
 )
 from gidl.targets.reach import type_reaches
@@ -110,18 +110,18 @@ class Unions(ValueNames):
             held = f"std::get<{arm.index}>(value)"
             label = f"{union.simple_name}.{field.name}"
             slot = Slot("arm", label, field.node)
-            always, more = lowering.size(slot, "size", LocalNames({"size", "arm"}))
+            always, more = lowering.size(slot, "size", Locals({"size", "arm"}))
             inner = [f"size += {always};"] if always else []
             if more:
                 inner = [*inner, f"const auto& arm = {held};", *more]
             if inner:
                 size += block(f"if (value.index() == {arm.index})", inner)
             encode.append(f"to.put(value.index() == {arm.index});")
-            writes = lowering.encode(slot, "to", LocalNames({"to", "arm"}))
+            writes = lowering.encode(slot, "to", Locals({"to", "arm"}))
             encode += block(
                 f"if (value.index() == {arm.index})", [f"const auto& arm = {held};", *writes]
             )
-            reads = lowering.decode(slot, "from", LocalNames({"from", "arm"}))
+            reads = lowering.decode(slot, "from", Locals({"from", "arm"}))
             there = f'gecos::wire::get_arm(from, gecos_arm(tag) == {arm.index}, "{label}")'
             if_there = [f"({there} &&", f" (gecos_arm(tag) != {arm.index} ||"]
             lambda_lines = [
@@ -130,7 +130,7 @@ class Unions(ValueNames):
                 f"  }}(value.emplace<{arm.index}>())))",
             ]
             terms.append([*if_there, *lambda_lines])
-            checks = lowering.check(replace(slot, expression="arm"), LocalNames({"arm", "value"}))
+            checks = lowering.check(replace(slot, expression="arm"), Locals({"arm", "value"}))
             if checks:
                 check += block(
                     f"if (value.value.index() == {arm.index})",
