@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <iosfwd>
 #include <memory>
 #include <optional>
 #include <string>
@@ -33,6 +34,7 @@ enum class StreamEnd : std::uint8_t {
   Lost,     ///< the stream is lost(), and all samples that had arrived were read
 };
 std::string_view to_string(StreamEnd end);
+std::ostream& operator<<(std::ostream& out, StreamEnd end);
 
 namespace session {
 

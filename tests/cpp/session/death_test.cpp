@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <csignal>
 #include <fstream>
+#include <sstream>
 #include <thread>
 
 #include "../media/kind_names.hpp"
@@ -85,7 +86,11 @@ TEST_P(ServerDies, AndEveryCommandEndsInAStateThatSaysWhatIsKnown) {
   const auto later = robot->read().get();
   ASSERT_FALSE(later);
   EXPECT_EQ(later.error().state(), State::ConnectionFailed) << later.error();
-  EXPECT_EQ(stream->next(1s).error(), gecos::StreamEnd::Lost);
+  const auto lost = stream->next(1s);
+  ASSERT_FALSE(lost);
+  std::ostringstream text;
+  text << lost.error();
+  EXPECT_EQ(text.str(), to_string(gecos::StreamEnd::Lost));
   EXPECT_TRUE(stream->lost() && !stream->latest());
   EXPECT_EQ(move.state(), State::CommandFailed) << "it never changes";
 }

@@ -1,6 +1,7 @@
 #include "gecos/session/client/client_stream.hpp"
 
 #include <algorithm>
+#include <ostream>
 
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/process/runtime.hpp"
@@ -17,6 +18,8 @@ std::string_view to_string(StreamEnd end) {
   }
   return "?";
 }
+
+std::ostream& operator<<(std::ostream& out, StreamEnd end) { return out << to_string(end); }
 
 }  // namespace gecos
 

@@ -207,13 +207,14 @@ void SessionPackets::take_call(const Session& session, const wire::PacketView& p
   const OperationDescription* operation = setup_.interface.find(code);
   if (operation == nullptr) {
     return session->reply(
-        counter, Failure{Detail::UnknownOperation,
-                         setup_.name + " (" + std::string(setup_.interface.name) + ", version " +
-                             std::string(setup_.interface.version) +
-                             ") has no operation with code " + std::to_string(number(code)) +
-                             "; its server is older than this client's interface",
-                         {},
-                         {}});
+        counter,
+        Failure{Detail::UnknownOperation,
+                setup_.name + " (" + std::string(setup_.interface.name) + ", version " +
+                    std::string(setup_.interface.version) + ") has no operation with code " +
+                    std::to_string(number(code)) +
+                    "; client and server were built from different versions of the interface",
+                {},
+                {}});
   }
   const std::size_t most =
       ObjectQueue::most_of_object + (operation->safety ? ObjectQueue::most_of_object / 4 : 0);
