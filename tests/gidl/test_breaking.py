@@ -204,6 +204,68 @@ def test_findings_are_sorted_by_category(tmp_path: Path) -> None:
     assert categories == ["WIRE", "SOURCE", "QOS", "SECURITY"]
 
 
+TYPES = """
+@range(min=0, max=1) typedef long Small;
+@range(min=0, max=2) typedef long Large;
+@range(min=0, max=255) typedef octet Any_octet;
+@unit("m") typedef double Metres;
+@unit("mm") typedef double Millimetres;
+typedef sequence<Small> Smalls;
+"""
+# (what the type of a slot was, what it is, the change that is told)
+INSIDE = [
+    ("sequence<Small>", "sequence<long>",
+     "the elements of {} were from 0 to 1 and are of any value"),
+    ("sequence<long>", "sequence<Small>",
+     "the elements of {} were of any value and are from 0 to 1"),
+    ("Smalls", "sequence<Large>", "the elements of {} were from 0 to 1 and are from 0 to 2"),
+    ("sequence<Smalls>", "sequence<sequence<long>>",
+     "the elements of {} were from 0 to 1 and are of any value"),
+    ("map<string, Small>", "map<string, Large>",
+     "the values of {} were from 0 to 1 and are from 0 to 2"),
+    ("map<Small, string>", "map<long, string>",
+     "the keys of {} were from 0 to 1 and are of any value"),
+    ("map<string, Smalls>", "map<string, sequence<long>>",
+     "the elements of the values of {} were from 0 to 1 and are of any value"),
+    ("Smalls", "sequence<Small>", ""),
+    ("sequence<Any_octet>", "sequence<octet>", ""),
+    ("sequence<Metres>", "sequence<Millimetres>", "{} was in 'm' and is in 'mm'"),
+]  # fmt: skip
+SLOTS = """
+struct S { TYPE x; };
+union U switch (boolean) { case TRUE: TYPE x; };
+typedef TYPE T;
+@version("1.0") interface I {
+  @sensor TYPE get();
+  @sensor void put(in TYPE x);
+  readonly attribute TYPE x;
+};
+"""
+NAMES = [
+    "member 'x' of 'S'", "member 'x' of 'U'", "type 'T'",
+    "the result of 'I::get'", "parameter 'x' of 'I::put'", "attribute 'I::x'",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("before", "after", "told"), INSIDE)
+def test_units_and_ranges_inside_a_type_are_compared(
+    before: str, after: str, told: str, tmp_path: Path
+) -> None:
+    old = compiled(tmp_path, "old", TYPES + SLOTS.replace("TYPE", before))
+    new = compiled(tmp_path, "new", TYPES + SLOTS.replace("TYPE", after))
+    found = sorted((f.code, f.message) for f in compare(old.model, new.model))
+    expected = [("G1006", f"WIRE: {told.format(name)}") for name in NAMES if told]
+    assert found == sorted(expected)
+
+
+def test_a_range_that_every_value_is_in_is_none(tmp_path: Path) -> None:
+    old = compiled(
+        tmp_path, "old", "struct S { @range(min=0, max=255) octet x; @max(5) octet y; };"
+    )
+    new = compiled(tmp_path, "new", "struct S { octet x; @range(min=0, max=5) octet y; };")
+    assert compare(old.model, new.model) == []
+
+
 def test_what_the_comparison_overlooks_the_hashes_find(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

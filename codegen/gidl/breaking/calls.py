@@ -84,8 +84,9 @@ def _operation(sides: Sides, old: Operation, new: Operation, report: Report) -> 
     what = f"the result of '{subject}'"
     if slots.value(sides, report, subject, what, (old.result, new.result),
                    (old.result_optional, new.result_optional), places):  # fmt: skip
-        slots.number(report, subject, what, (old.result_unit or "", new.result_unit or ""),
-                     (old.result_range, new.result_range), places)  # fmt: skip
+        before, after = _result(old), _result(new)
+        if before is not None and after is not None:
+            slots.meaning(sides, report, subject, what, (before, after), places)
     _raises(sides, old, new, (old.raises, new.raises), "", report)
     if old.feedback is not None and not sides.same_type(old.feedback, new.feedback):
         is_now = new.feedback.name if new.feedback else "absent"
@@ -94,6 +95,12 @@ def _operation(sides: Sides, old: Operation, new: Operation, report: Report) -> 
                    "old clients cannot decode the feedback",
                    "keep the type of the feedback, and add members at its end",
                    new=places[0], old=places[1])  # fmt: skip
+
+
+def _result(operation: Operation) -> slots.Numbers | None:
+    if operation.result is None:
+        return None
+    return slots.Numbers(operation.result, operation.result_unit, operation.result_range)
 
 
 def _way(operation: Operation) -> str:
@@ -108,8 +115,8 @@ def _attribute(sides: Sides, old: Attribute, new: Attribute, report: Report) -> 
     what = f"attribute '{subject}'"
     if slots.value(sides, report, subject, what, (old.type, new.type),
                    (old.optional, new.optional), places):  # fmt: skip
-        slots.number(report, subject, what, (old.unit or "", new.unit or ""),
-                     (old.range, new.range), places)  # fmt: skip
+        numbers = slots.Numbers.of(old), slots.Numbers.of(new)
+        slots.meaning(sides, report, subject, what, numbers, places)
     _raises(sides, old, new, (old.get_raises, new.get_raises), " when it is read", report)
     _raises(sides, old, new, (old.set_raises, new.set_raises), " when it is set", report)
 

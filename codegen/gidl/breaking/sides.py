@@ -19,14 +19,19 @@ from gidl.model import (
     Operation,
     Parameter,
     PrimitiveType,
+    Range,
     SequenceType,
     StringType,
     Type,
     Typedef,
 )
+from gidl.wire_layout import node_of
+from gidl.wire_nodes import ArrayNode, MapNode, Node, ScalarNode, SequenceNode
 
 Call = Operation | Attribute
 Slot = Member | Parameter
+
+_ELEMENTS = "the elements of "
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +107,27 @@ def units(model: Model, used: Type) -> str:
             if isinstance(declaration, Typedef):
                 return f"{declaration.unit or ''},{units(model, declaration.type)}"
     return ""
+
+
+def ranges(model: Model, used: Type, limits: Range | None) -> dict[str, Range]:
+    """The ranges that the numbers in a value of type `used` are checked against, those of typedefs
+    of its elements, keys and values included. The keys say where: "the elements of ", or "" for
+    the value itself."""
+    return dict(_ranges(node_of(model, used, limits=limits), ""))
+
+
+def _ranges(node: Node, part: str) -> Iterator[tuple[str, Range]]:
+    match node:
+        case ScalarNode(primitive, limits):
+            # A float is compared before it is rounded when it is sent: see `ScalarNode.bounds`.
+            checked = limits if primitive.is_floating else node.bounds
+            if checked is not None:
+                yield part, checked
+        case ArrayNode(element) | SequenceNode(element):
+            yield from _ranges(element, f"{_ELEMENTS}{part.removeprefix(_ELEMENTS)}")
+        case MapNode(key, value):
+            yield from _ranges(key, f"the keys of {part}")
+            yield from _ranges(value, f"the values of {part}")
 
 
 def reached(model: Model, used: Type | None, into: set[str]) -> None:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from gidl.breaking.report import Report
-from gidl.breaking.sides import Sides, Slot, units, wire_text
-from gidl.model import Facts, Member, Parameter, Range, Type
+from gidl.breaking.sides import Sides, Slot, ranges, units, wire_text
+from gidl.model import Attribute, Facts, Member, Model, Parameter, Range, Type, Typedef
 
 _MISREAD = "old and new programs read each other's bytes wrongly"
 
@@ -21,6 +21,19 @@ class Owner:
     grows: bool
     old: Facts
     new: Facts
+
+
+@dataclass(frozen=True, slots=True)
+class Numbers:
+    """A type whose numbers have a unit and a range, which its slot declares or inherits."""
+
+    type: Type
+    unit: str | None
+    range: Range | None
+
+    @classmethod
+    def of(cls, slot: Slot | Attribute | Typedef) -> Numbers:
+        return cls(slot.type, slot.unit, slot.range)
 
 
 def compare(
@@ -134,7 +147,7 @@ def _kept(
     same_type = value(sides, report, subject, what, (old.type, new.type),
                       (old.optional, new.optional), places)  # fmt: skip
     if same_type:
-        meaning(sides, report, subject, what, old, new)
+        meaning(sides, report, subject, what, (Numbers.of(old), Numbers.of(new)), places)
     had, has = old.default is not None, new.default is not None
     if leaves_core and old.optional == new.optional:
         report.add("G1002", subject,
@@ -185,38 +198,45 @@ def value(
     return True
 
 
-def meaning(sides: Sides, report: Report, subject: str, what: str, old: Slot, new: Slot) -> None:
-    number(report, subject, what, (_units(sides.old, old.unit, old.type),
-           _units(sides.new, new.unit, new.type)), (old.range, new.range),
-           (new.facts, old.facts))  # fmt: skip
-
-
-def _units(model: object, own: str | None, used: Type) -> str:
-    from gidl.model import Model
-
-    assert isinstance(model, Model)
-    inside = units(model, used).strip(",")
-    return own or inside
-
-
-def number(
+def meaning(
+    sides: Sides,
     report: Report,
     subject: str,
     what: str,
-    unit: tuple[str, str],
-    bounds: tuple[Range | None, Range | None],
+    numbers: tuple[Numbers, Numbers],
     places: tuple[Facts, Facts],
 ) -> None:
-    """Reports a changed unit or range of a number whose encoding is unchanged."""
+    """Reports a changed unit or range of the numbers in a value whose encoding is unchanged."""
+    old, new = numbers
+    unit = _units(sides.old, old), _units(sides.new, new)
     if unit[0] != unit[1]:
         report.add("G1006", subject,
                    f"{what} was in '{unit[0] or 'no unit'}' and is in '{unit[1] or 'no unit'}'",
                    "old and new programs read the same number in different units",
                    "keep the unit, and add another declaration with the new unit",
                    new=places[0], old=places[1])  # fmt: skip
-    if bounds[0] != bounds[1]:
+    was = ranges(sides.old, old.type, old.range)
+    is_now = ranges(sides.new, new.type, new.range)
+    for part in sorted(was.keys() | is_now.keys()):
+        bounds(report, subject, part + what, (was.get(part), is_now.get(part)), places)
+
+
+def _units(model: Model, numbers: Numbers) -> str:
+    return numbers.unit or units(model, numbers.type).strip(",")
+
+
+def bounds(
+    report: Report,
+    subject: str,
+    what: str,
+    limits: tuple[Range | None, Range | None],
+    places: tuple[Facts, Facts],
+) -> None:
+    """Reports a changed range."""
+    if limits[0] != limits[1]:
+        was, is_now = ("were", "are") if what.startswith("the ") else ("was", "is")
         report.add("G1006", subject,
-                   f"{what} was {_bounds(bounds[0])} and is {_bounds(bounds[1])}",
+                   f"{what} {was} {_bounds(limits[0])} and {is_now} {_bounds(limits[1])}",
                    "one side may send values that the other refuses",
                    "keep the range, and add another declaration with the new range",
                    new=places[0], old=places[1])  # fmt: skip

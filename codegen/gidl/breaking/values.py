@@ -198,7 +198,9 @@ def _union(sides: Sides, old: Union, new: Union, report: Report) -> None:
         return
     for one, other in zip(old.cases, new.cases, strict=True):
         what = f"member '{other.member.name}' of '{old.name}'"
-        slots.meaning(sides, report, old.name, what, one.member, other.member)
+        numbers = slots.Numbers.of(one.member), slots.Numbers.of(other.member)
+        places = other.member.facts, one.member.facts
+        slots.meaning(sides, report, old.name, what, numbers, places)
 
 
 def _typedef(sides: Sides, old: Typedef, new: Typedef, report: Report) -> None:
@@ -210,5 +212,5 @@ def _typedef(sides: Sides, old: Typedef, new: Typedef, report: Report) -> None:
                    "keep the type, and declare another type",
                    new=new.facts, old=old.facts)  # fmt: skip
         return
-    slots.number(report, old.name, what, (old.unit or "", new.unit or ""),
-                 (old.range, new.range), (new.facts, old.facts))  # fmt: skip
+    numbers = slots.Numbers.of(old), slots.Numbers.of(new)
+    slots.meaning(sides, report, old.name, what, numbers, (new.facts, old.facts))
