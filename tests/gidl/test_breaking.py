@@ -24,7 +24,7 @@ module lab {
   const long LIMIT = 5;
   @final struct Point { @unit("m") double x; @unit("m") double y; };
   @appendable struct Goal { Point at; @optional @unit("m/s") double speed; @default(1) long tries; };
-  @final union Reading switch (Kind) { case TALL: double high; case SMALL: long low; };
+  @final union Reading switch (Kind) { case TALL: @secret string high; case SMALL: long low; };
   @appendable exception Refused { string why; };
   exception Broken { string why; };
   @version("1.0") interface Machine { @sensor void look(); };
@@ -157,6 +157,8 @@ EDITS = [
      "G1301"),
     ("an open stream", '@stream(rate="100Hz") @qos(depth=4)', '@stream(rate="100Hz") @open_stream @qos(class=TIME_INDEPENDENT, depth=4)', "G1201 G1301"),
     ("no secret", "@secret in string", "in string", "G1302"),
+    ("no secret in a union", "@secret string high", "string high", "G1302"),
+    ("no secret in a union that changes", "@secret string high", "string<5> high", "G1004 G1302"),
 ]  # fmt: skip
 
 SPECIAL = {

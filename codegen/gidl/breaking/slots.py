@@ -164,10 +164,15 @@ def _kept(
                    f"the default of {what} was {_text(old.default)} and is {_text(new.default)}",
                    "programs that leave the value out get the new default", "keep the default",
                    new=places[0], old=places[1])  # fmt: skip
+    secrecy(report, subject, what, old, new)
+
+
+def secrecy(report: Report, subject: str, what: str, old: Slot, new: Slot) -> None:
+    """Reports a value that is no secret any more."""
     if old.secret and not new.secret:
         report.add("G1302", subject, f"{what} is no @secret any more",
                    "the value is now printed, logged and recorded", "keep @secret",
-                   new=places[0], old=places[1])  # fmt: skip
+                   new=new.facts, old=old.facts)  # fmt: skip
 
 
 def _text(default: object) -> str:

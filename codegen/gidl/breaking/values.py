@@ -178,6 +178,12 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, report: Report) -> None:
 
 
 def _union(sides: Sides, old: Union, new: Union, report: Report) -> None:
+    became = {case.member.name: case.member for case in new.cases}
+    for case in old.cases:
+        member = became.get(case.member.name)
+        if member is not None:
+            what = f"member '{member.name}' of '{old.name}'"
+            slots.secrecy(report, old.name, what, case.member, member)
     texts = []
     for model, union in ((sides.old, old), (sides.new, new)):
         arms = [
