@@ -129,6 +129,7 @@ EDITS = [
     ("other feedback", 'feedback="lab::Goal"', 'feedback="lab::Point"', "G1002"),
 
     ("a constant", "LIMIT = 5", "LIMIT = 6", "G1102"),
+    ("a constant of another type", "const long LIMIT", "const short LIMIT", "G1102"),
     ("a constant gone", "const long LIMIT = 5;", "", "G1101"),
     ("an unused type gone", "exception Broken { string why; };", "", "G1101"),
 

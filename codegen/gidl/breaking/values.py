@@ -97,8 +97,12 @@ def _one(sides: Sides, old: AnyDeclaration, new: AnyDeclaration, report: Report)
             _typedef(sides, old, new, report)
         case Constant(), Constant():
             if old.value != new.value or not sides.same_type(old.type, new.type):
+                was, is_now = repr(old.value), repr(new.value)
+                if not sides.same_type(old.type, new.type):
+                    was = f"{wire_text(sides.old, old.type)} {was}"
+                    is_now = f"{wire_text(sides.new, new.type)} {is_now}"
                 report.add("G1102", old.name,
-                           f"constant '{old.name}' was {old.value!r} and is {new.value!r}",
+                           f"constant '{old.name}' was {was} and is {is_now}",
                            "programs that were built before the change use the old value",
                            "keep the constant, and declare another constant", new=new.facts,
                            old=old.facts)  # fmt: skip
