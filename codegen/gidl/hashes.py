@@ -157,7 +157,10 @@ class _Writer:
                 return f"{mask.bit_bound} " + ",".join(f"{f.name}={f.position}" for f in mask.flags)
             case Bitset() as bits:
                 fields = self._model.all_fields(bits)
-                return ",".join(f"{f.name}={f.position}+{f.width}" for f in fields)
+                return ",".join(
+                    f"{f.name}={f.position}+{f.width}{'signed' if f.is_signed else ''}"
+                    for f in fields
+                )
             case Union() as union:
                 cases = []
                 for case in union.cases:

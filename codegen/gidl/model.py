@@ -302,6 +302,11 @@ class Bitfield:
     type: PrimitiveType
     facts: Facts
 
+    @property
+    def is_signed(self) -> bool:
+        """Whether the highest bit is a sign."""
+        return self.type.kind.is_integer and not self.type.kind.is_unsigned
+
 
 @dataclass(frozen=True, slots=True)
 class Bitset(Declaration):

@@ -55,6 +55,7 @@ from gidl.syntax import (
     ScopedName,
     StructSyntax,
     TypedefSyntax,
+    TypeSyntax,
     UnionSyntax,
 )
 from gidl.vocabulary import Vocabulary
@@ -351,6 +352,8 @@ class TypeResolver(ValueResolver):
                 "the discriminator of a union must be an integer, boolean, char, octet or enum",
             )
             discriminator = None
+        if used is not None and discriminator is not None:
+            self._refuse_ranged_discriminator(used, syntax.discriminator)
         cases = []
         for case in syntax.cases:
             labels: list[Value] = []
@@ -385,6 +388,15 @@ class TypeResolver(ValueResolver):
             number = PrimitiveType(Primitive.INT32)
             facts = self._facts(syntax.name, syntax.extras, marks)
             self._keep(symbol, Union(inside.name, facts, number, ()))
+
+    def _refuse_ranged_discriminator(self, used: Type, syntax: TypeSyntax) -> None:
+        if self._from_typedef(used)[1] is not None:
+            self._findings.error(
+                "G0312",
+                syntax.span,
+                "the discriminator of a union cannot have a range",
+                "switch by the type without a range: a value that no case selects holds no member",
+            )
 
     # -- enum, bitmask, bitset -----------------------------------------------------------------
 
@@ -544,6 +556,7 @@ class TypeResolver(ValueResolver):
                 and (target.name in self._enums or target.name in self._bitmasks)
             ):
                 value = self._typed_value(syntax.value, target, scope)
+                self._check_in_range(value, used, syntax.value.span)
             else:
                 self._findings.error(
                     "G0310",
@@ -556,6 +569,23 @@ class TypeResolver(ValueResolver):
         symbol.type, symbol.value = self._target(used), value
         facts = self._facts(syntax.name, syntax.extras, marks)
         self._out.append(Constant(symbol.scoped, facts, used, value, marks.text("unit")))
+
+    def _check_in_range(self, value: Value | None, used: Type, span: Span) -> None:
+        bounds = self._from_typedef(used)[1]
+        if bounds is None or isinstance(value, bool) or not isinstance(value, int | float):
+            return
+        low, high = bounds.minimum, bounds.maximum
+        if (low is not None and not value >= low) or (high is not None and not value <= high):
+            allowed = (
+                f"{'' if low is None else f'from {low}'} {'' if high is None else f'to {high}'}"
+            )
+            name = used.name if isinstance(used, NamedType) else ""
+            self._findings.error(
+                "G0301",
+                span,
+                f"{value} is outside the range of '{name}': {allowed.strip()}",
+                "write a value within the range, or declare the constant with a type without it",
+            )
 
 
 def _may_discriminate(used: Type, enums: dict[str, EnumDeclaration]) -> bool:

@@ -114,6 +114,9 @@ EDITS = [
      "OTHER };", "UNION"),
     ("a flag", "READ, WRITE", "READ, WRITE, ALL", "G1004"),
     ("a bit field", "bitfield<1> last;", "bitfield<1> last; bitfield<1> first;", "G1004"),
+    ("the sign of a bit field", "bitfield<3> kind", "bitfield<3, int8> kind", "G1004"),
+    ("a bit field of octet that was of uint8", "bitfield<3> kind", "bitfield<3, octet> kind", ""),
+    ("another type of a bit field", "bitfield<3> kind", "bitfield<3, uint16> kind", "G1102"),
     ("a case", "case SMALL: long low;", "case SMALL: double low;", "G1004"),
     ("a typedef", "typedef double Row[3]", "typedef double Row[4]", "G1002 G1102"),
     ("another exception", "raises (Refused)", "raises (Refused, Broken)", "G1007"),
@@ -126,6 +129,7 @@ EDITS = [
     ("other feedback", 'feedback="lab::Goal"', 'feedback="lab::Point"', "G1002"),
 
     ("a constant", "LIMIT = 5", "LIMIT = 6", "G1102"),
+    ("a constant of another type", "const long LIMIT", "const short LIMIT", "G1102"),
     ("a constant gone", "const long LIMIT = 5;", "", "G1101"),
     ("an unused type gone", "exception Broken { string why; };", "", "G1101"),
 

@@ -227,6 +227,15 @@ FROZEN = """module frozen {
 """
 
 
+def test_the_sign_of_a_bit_field_is_in_the_hash(tmp_path: Path) -> None:
+    told = set()
+    for kind in ("", ", octet", ", int8"):
+        text = f"bitset B {{ bitfield<3{kind}> a; }}; interface I {{ void put(in B bits); }};"
+        model = model_of(tmp_path, text)
+        told.add(hashes.interface_hash(model, model.interface("I")))
+    assert len(told) == 2
+
+
 IDENTITIES = {
     "fingerprint of Point": "85a6ae9c505f57c6",
     "fingerprint of Goal": "e616c5296ba4a4b4",

@@ -76,17 +76,17 @@ def _kind(report: Report, old: Call, new: Call, was: str, is_now: str) -> None:
 
 def _operation(sides: Sides, old: Operation, new: Operation, report: Report) -> None:
     subject, places = old.scoped_name, (new.facts, old.facts)
-    way = _way(old), _way(new)
-    if way[0] != way[1]:
-        _kind(report, old, new, *way)
+    was, is_now = _way(old), _way(new)
+    if was != is_now:
+        _kind(report, old, new, was, is_now)
     owner = slots.Owner(subject, "parameter", True, old.facts, new.facts)
     slots.compare(sides, report, owner, old.parameters, new.parameters)
     what = f"the result of '{subject}'"
     if slots.value(sides, report, subject, what, (old.result, new.result),
                    (old.result_optional, new.result_optional), places):  # fmt: skip
-        was, is_now = _result(old), _result(new)
-        if was is not None and is_now is not None:
-            slots.meaning(sides, report, subject, what, (was, is_now), places)
+        before, after = _result(old), _result(new)
+        if before is not None and after is not None:
+            slots.meaning(sides, report, subject, what, (before, after), places)
     _raises(sides, old, new, (old.raises, new.raises), "", report)
     if old.feedback is not None and not sides.same_type(old.feedback, new.feedback):
         is_now = new.feedback.name if new.feedback else "absent"

@@ -14,6 +14,7 @@ from gidl.model import (
     EnumDeclaration,
     ExceptionStruct,
     Interface,
+    Primitive,
     Struct,
     Typedef,
     Union,
@@ -89,20 +90,19 @@ def _one(sides: Sides, old: AnyDeclaration, new: AnyDeclaration, report: Report)
             if flags[0] != flags[1] or old.bit_bound != new.bit_bound:
                 _refused(old, new, "flags", report)
         case Bitset(), Bitset():
-            fields = [
-                [(f.name, f.position, f.width) for f in m.all_fields(b)]
-                for m, b in ((sides.old, old), (sides.new, new))
-            ]
-            if fields[0] != fields[1]:
-                _refused(old, new, "fields", report)
+            _bitset(sides, old, new, report)
         case Union(), Union():
             _union(sides, old, new, report)
         case Typedef(), Typedef():
             _typedef(sides, old, new, report)
         case Constant(), Constant():
             if old.value != new.value or not sides.same_type(old.type, new.type):
+                was, is_now = repr(old.value), repr(new.value)
+                if not sides.same_type(old.type, new.type):
+                    was = f"{wire_text(sides.old, old.type)} {was}"
+                    is_now = f"{wire_text(sides.new, new.type)} {is_now}"
                 report.add("G1102", old.name,
-                           f"constant '{old.name}' was {old.value!r} and is {new.value!r}",
+                           f"constant '{old.name}' was {was} and is {is_now}",
                            "programs that were built before the change use the old value",
                            "keep the constant, and declare another constant", new=new.facts,
                            old=old.facts)  # fmt: skip
@@ -175,6 +175,29 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, report: Report) -> None:
                        "declare a new enum with @default_literal, which readers use for unknown "
                        "literals",
                        new=now.facts)  # fmt: skip
+
+
+def _bitset(sides: Sides, old: Bitset, new: Bitset, report: Report) -> None:
+    before, after = sides.old.all_fields(old), sides.new.all_fields(new)
+    bits = [[(f.name, f.position, f.width) for f in fields] for fields in (before, after)]
+    if bits[0] != bits[1]:
+        _refused(old, new, "fields", report)
+        return
+    for one, other in zip(before, after, strict=True):
+        was, is_now = one.type.kind, other.type.kind
+        if one.name is None or was is is_now or {was, is_now} == {Primitive.OCTET, Primitive.UINT8}:
+            continue  # the generated code is the same
+        what = f"field '{one.name}' of '{old.name}'"
+        if one.is_signed != other.is_signed:
+            report.add("G1004", old.name, f"{what} was {was.value} and is {is_now.value}",
+                       "old and new programs read the same bits as different numbers",
+                       "keep the type of the field, and declare another bitset",
+                       new=other.facts, old=one.facts)  # fmt: skip
+        else:
+            report.add("G1102", old.name, f"{what} was {was.value} and is {is_now.value}",
+                       "programs that use the field do not build any more, or compute with "
+                       "another type", "keep the type of the field",
+                       new=other.facts, old=one.facts)  # fmt: skip
 
 
 def _union(sides: Sides, old: Union, new: Union, report: Report) -> None:
