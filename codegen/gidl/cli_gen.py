@@ -35,6 +35,7 @@ from gidl.output import (
     replace_texts,
     write,
 )
+from gidl.same_names import same_names
 
 
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -82,6 +83,10 @@ def run(chosen: argparse.Namespace) -> int:
     texts: dict[str, str] | None = None
     if not compiled.has_errors and "python" in chosen.lang:
         found += _modules_of_two(compiled)
+    if not compiled.has_errors and "cpp" in chosen.lang:
+        alike = Findings()
+        same_names(compiled.model, alike)
+        found += alike.found
     if not any(finding.severity is Severity.ERROR for finding in found):
         try:
             texts = texts_of(compiled, chosen.lang)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from gidl.cli import main
 from gidl.compile import compile_files
 from gidl.languages import CPP_TYPES, PYTHON_TYPES
 from gidl.type_names import Language, TypeNames, name_types
@@ -93,3 +94,69 @@ def test_names_do_not_depend_on_what_else_is_compiled(tmp_path: Path) -> None:
     alone = named(tmp_path, CPP_TYPES, one=one).types["Arm::State"]
     beside = named(tmp_path, CPP_TYPES, zero="struct Arm_State { long x; };", one=one)
     assert beside.types["Arm::State"] == alone
+
+
+ADDED = """
+module m {
+  interface I { enum Mode { p, q }; };
+  interface Lamp { @sensor void g(out long b, out long c); };
+};
+"""
+DECLARED = """
+module m {
+  struct I_Mode { long x; };
+  struct LampServant { long z; };
+  struct LampInterface { long t; };
+  struct Lamp_g_result { long x; };
+};
+"""
+
+
+class TestNamesOfTwoFiles:
+    @pytest.fixture
+    def here(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "a.gidl").write_text(ADDED)
+        (tmp_path / "b.gidl").write_text(DECLARED)
+        (tmp_path / "c.gidl").write_text('#include "a.gidl"\n#include "b.gidl"\n')
+        return tmp_path
+
+    def test_a_file_that_includes_both_is_refused(
+        self, here: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        assert main(["gen", "c.gidl"]) == 100
+        said = capsys.readouterr().err
+        for name, what in (
+            ("I_Mode", "'m::I::Mode'"),
+            ("LampServant", "the servant of 'm::Lamp'"),
+            ("LampInterface", "the description of 'm::Lamp'"),
+            ("Lamp_g_result", "the results of 'm::Lamp::g'"),
+        ):
+            assert (
+                "c.gidl:1:1: error[G0114]: two files that this file includes give one name in C++, "
+                f"'m::{name}', to {what} and to 'm::{name}'" in said
+            )
+        assert "help: rename 'm::Lamp::g' or 'm::Lamp_g_result', or let one" in said
+        assert "a.gidl:3:22: note: one is declared here" in said
+        assert "b.gidl:3:10: note: the other is declared here" in said
+        assert said.count("error[") == 4
+        assert main(["gen", "c.gidl", "--lang", "python"]) == 0
+
+    def test_two_files_of_one_run_are_refused(
+        self, here: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        assert main(["gen", "a.gidl", "b.gidl"]) == 100
+        said = capsys.readouterr().err
+        assert "b.gidl:3:10: error[G0114]: two files give one name in C++, 'm::I_Mode'" in said
+        assert main(["gen", "a.gidl"]) == 0
+
+    def test_a_name_that_gives_way_is_no_clash(self, here: Path) -> None:
+        (here / "b.gidl").write_text(f'#include "a.gidl"\n{DECLARED}')
+        assert main(["gen", "c.gidl"]) == 0
+
+    def test_a_module_and_a_type_are_a_clash(
+        self, here: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        (here / "b.gidl").write_text("module m { module I_Mode { struct P { long x; }; }; };")
+        assert main(["gen", "c.gidl"]) == 100
+        assert "'m::I_Mode', to 'm::I::Mode' and to module 'm::I_Mode'" in capsys.readouterr().err
