@@ -97,9 +97,8 @@ tl::expected<std::unique_ptr<Connection>, std::string> ShmConnection::welcome(
 }
 
 ShmConnection::~ShmConnection() {
-  // Not locked: no other thread uses a connection that is destroyed, and in a forked child the
-  // mutex may stay locked for ever.
-  control_mutex_.assert_held();
+  // Without the mutex: no other thread uses a connection that is destroyed, and in a forked child
+  // the mutex may stay locked for ever.
   streams_.forget(*other_);
   if (loss_.load() == Loss::None) {
     send_control(other_->socket(), ControlMessage{.type = ControlType::Bye});
@@ -188,7 +187,8 @@ Whereabouts ShmConnection::peer_whereabouts() {
 
 void ShmConnection::beat() {
   own_.control->beats.fetch_add(1, std::memory_order_relaxed);
-  if (loss_.load(std::memory_order_relaxed) == Loss::None) bulk_.out.beat();
+  if (loss_.load(std::memory_order_relaxed) != Loss::None) return;
+  bulk_.out.beat();
   const MutexLock lock(control_mutex_);
   unsent_.flush();
 }

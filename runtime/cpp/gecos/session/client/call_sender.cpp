@@ -43,6 +43,7 @@ tl::expected<void, media::SendProblem> CallSender::send(
   if (!sent && !(repeats_ && sent.error() == media::SendProblem::Full)) {
     return tl::unexpected(sent.error());
   }
+  calls_.issue();
   if (attach_to) {
     command->attach(attach_to, {welcome_.incarnation, number(id_), header.counter},
                     sent.value_or(0));
@@ -64,7 +65,7 @@ tl::expected<void, media::SendProblem> CallSender::send(
       retry.deadline = since_boot + header.deadline;
     }
   }
-  calls_.add(command);
+  calls_.add(header.counter, command);
   return {};
 }
 

@@ -83,7 +83,9 @@ class ClientConnection final : public ClientSession,
   LeaseState leases_;
   CallSender calls_;
   SessionFailover failover_;
-  SessionEnd end_;  ///< before the parts that tell it about a loss
+  /// Declared before receiver_ and reader_, which call it. Its constructor must not use them: they
+  /// do not exist yet.
+  SessionEnd end_;
   PacketReceiver receiver_;
   ConnectionReader reader_;
   ConnectionMaintenance maintenance_;

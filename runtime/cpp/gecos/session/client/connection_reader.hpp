@@ -23,7 +23,7 @@ namespace gecos::session {
 /// the maintenance thread reads. Thread-safe.
 class ConnectionReader {
  public:
-  /// `end` is told when the connection is lost.
+  /// `end` is notified when the connection is lost.
   ConnectionReader(Runtime& runtime, media::Connection& connection, CallSender& calls,
                    PacketReceiver& receiver, EndListener& end);
 

@@ -17,7 +17,7 @@ enum class Ending : std::uint8_t {
   ByUs,    ///< this program closed the session
 };
 
-/// Is told by the thread that reads a connection when the server or the medium ends the session.
+/// Notified by the reading thread when the server or the medium ends the session.
 class EndListener {
  public:
   /// The server said goodbye. `body`: its reason (text_of).

@@ -22,12 +22,15 @@ class OpenCalls {
   std::uint64_t issued() const { return next_counter_ - 1; }
   /// The counter of the next call: 1 for the first one.
   std::uint64_t next_counter() const { return next_counter_; }
+  /// Uses `next_counter()` up. Must be called as soon as a packet with it was sent: no other call
+  /// may ever have this counter.
+  std::uint64_t issue() { return next_counter_++; }
   /// The highest counter up to which every call has its reply.
   std::uint64_t finished_up_to() const;
 
-  /// Adds `command` under `next_counter()`.
-  void add(std::shared_ptr<PendingCommand> command) {
-    table_.insert(next_counter_++, std::move(command));
+  /// Adds `command` under `counter`, which `issue` returned.
+  void add(std::uint64_t counter, std::shared_ptr<PendingCommand> command) {
+    table_.insert(counter, std::move(command));
   }
   /// Null when no open call has this counter. The pointer is valid until the calls change.
   const std::shared_ptr<PendingCommand>* find(std::uint64_t counter) const {

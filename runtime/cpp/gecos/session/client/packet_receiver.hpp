@@ -15,7 +15,7 @@ namespace gecos::session {
 /// connection may call `take`; any thread may call the other functions.
 class PacketReceiver {
  public:
-  /// `end` is told when the server says goodbye.
+  /// `end` is notified when the server says goodbye.
   PacketReceiver(SessionId id, const media::Capabilities& medium, CallSender& calls,
                  LeaseState& leases, EndListener& end)
       : id_(id), reliable_(medium.reliable), calls_(calls), leases_(leases), end_(end) {}

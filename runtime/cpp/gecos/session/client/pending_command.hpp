@@ -66,7 +66,8 @@ class PendingCommand final : public CommandCore {
   /// the mutex of the session's CallSender.
   void attach(const std::shared_ptr<ClientConnection>& session, const CommandId& id,
               std::uint64_t as);
-  /// Notes that the session no longer has this command. The same mutex must be held.
+  /// Notes that the session no longer has this command. Requires the mutex of its CallSender,
+  /// unless no session has the command.
   void detach() { home_.store(nullptr, std::memory_order_release); }
 
   /// State for sending the call again over a medium that loses packets. Guarded by the mutex of the

@@ -38,7 +38,7 @@ class ActiveSessions {
 
  private:
   std::vector<Session> sessions_;
-  std::vector<Session> still_active_;  ///< scratch list of put_to_sleep, which does not allocate
+  std::vector<Session> still_active_;  ///< reused by put_to_sleep, so that it rarely allocates
 };
 
 }  // namespace gecos::session

@@ -10,7 +10,7 @@
 namespace gecos::session {
 
 /// Runs the handlers of one object, on the thread that polls or on a thread of the object, and
-/// takes what they answer. Thread-safe.
+/// processes their answers. Thread-safe.
 class CallRunner {
  public:
   explicit CallRunner(HostState& object);

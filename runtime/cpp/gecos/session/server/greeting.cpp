@@ -69,9 +69,7 @@ Welcome welcome_to(const ObjectSetup& setup, bool operations) {
   return welcome;
 }
 
-}  // namespace
-
-void refuse_greeting(ServerSession& session, const std::string& why) {
+void refuse(ServerSession& session, const std::string& why) {
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Refused;
   header.flags = static_cast<std::int8_t>(Detail::Refused);
@@ -79,23 +77,25 @@ void refuse_greeting(ServerSession& session, const std::string& why) {
   session.send(header, wire::to_bytes(body));
 }
 
+}  // namespace
+
 void greet(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet,
-           const ObjectSetup& setup, OutcomeLog& outcomes, TimePoint now) {
+           const ObjectSetup& setup, OutcomeLog& outcomes, GreetedAt at) {
   if (packet.header.version != wire::packet_version) {
-    return refuse_greeting(*session,
-                           "this server speaks version " + std::to_string(wire::packet_version) +
-                               " of the session protocol and the client " +
-                               std::to_string(packet.header.version) + "; update the older one");
+    return refuse(*session, "this server speaks version " + std::to_string(wire::packet_version) +
+                                " of the session protocol and the client " +
+                                std::to_string(packet.header.version) + "; update the older one");
   }
   const auto hello = wire::from_bytes<Hello>(packet.body);
   if (!hello) {
-    return refuse_greeting(*session, "the greeting does not decode: " + hello.error().message());
+    return refuse(*session, "the greeting does not decode: " + hello.error().message());
   }
+  if (at.closing) return refuse(*session, "the server is about to end");
   if (!setup.interface.is_a(hello->interface_name)) {
-    return refuse_greeting(*session, setup.name + " is a " + std::string(setup.interface.name) +
-                                         ", not a " + hello->interface_name);
+    return refuse(*session, setup.name + " is a " + std::string(setup.interface.name) + ", not a " +
+                                hello->interface_name);
   }
-  if (!session->greeted()) open(session, *hello, setup, outcomes, now);
+  if (!session->greeted()) open(session, *hello, setup, outcomes, at.now);
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Welcome;
   session->send(header,

@@ -10,10 +10,15 @@
 
 namespace gecos::session {
 
+/// When a Hello arrives.
+struct GreetedAt {
+  TimePoint now{};       ///< by the clock that measures the silence of the client
+  bool closing = false;  ///< the server is about to end
+};
+
 /// Replies to the Hello in `packet`: opens `session` with the object, or refuses it with the
-/// reason. `now`: the current time of the clock by which the silence of the client is measured.
+/// reason.
 void greet(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet,
-           const ObjectSetup& setup, OutcomeLog& outcomes, TimePoint now);
-void refuse_greeting(ServerSession& session, const std::string& why);
+           const ObjectSetup& setup, OutcomeLog& outcomes, GreetedAt at);
 
 }  // namespace gecos::session

@@ -13,8 +13,9 @@
 
 namespace gecos::session {
 
-/// The parts of one object of a server, and the mutex that guards them. Classes that threads enter
-/// (ObjectHost, CallRunner, HandlerWaits, NameConfirmation) lock the mutex; the parts do not.
+/// The parts of one object of a server, and the mutex that guards them. The classes that are
+/// called from several threads (ObjectHost, CallRunner, HandlerWaits, NameConfirmation) lock the
+/// mutex; the parts do not.
 struct HostState final : private ObjectCalls::Observer {
   explicit HostState(ObjectSetup its_setup);
 

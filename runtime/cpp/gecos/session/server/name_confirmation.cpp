@@ -1,6 +1,7 @@
 #include "gecos/session/server/name_confirmation.hpp"
 
 #include "gecos/base/log.hpp"
+#include "gecos/session/server/admission.hpp"
 #include "gecos/session/server/host_state.hpp"
 
 namespace gecos::session {

@@ -19,7 +19,7 @@ class NameConfirmation {
   /// The number of the current question to the broker; only its answer counts.
   std::uint64_t question();
 
-  // What the broker answers to a question.
+  // The broker's answers.
   void held(std::uint64_t question);
   void provisional();
   void unanswered(std::uint64_t question, const std::string& why);

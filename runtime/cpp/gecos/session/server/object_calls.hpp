@@ -21,7 +21,8 @@ namespace gecos::session {
 /// thread-safe: the object's mutex guards it.
 class ObjectCalls {
  public:
-  /// Is notified of ends. The object's mutex is held.
+  /// Is notified of ends. The object's mutex is held. A notification may come from inside a call of
+  /// this class that the observer made, for example from end_commands().
   class Observer {
    public:
     virtual ~Observer() = default;

@@ -1,6 +1,5 @@
 #include "gecos/session/server/object_host.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "gecos/base/log.hpp"

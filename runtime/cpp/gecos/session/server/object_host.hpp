@@ -22,6 +22,9 @@ class ObjectHost final : public Publisher {
  public:
   ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
              ObjectOptions options);
+  ~ObjectHost() override { state_.user_callbacks.end(); }  ///< no callback sees parts that are gone
+  ObjectHost(const ObjectHost&) = delete;
+  ObjectHost& operator=(const ObjectHost&) = delete;
 
   const std::string& name() const { return state_.setup.name; }
   const InterfaceDescription& interface() const { return state_.setup.interface; }

@@ -9,7 +9,7 @@
 
 namespace gecos::session {
 
-/// What is fixed about one object of a server while it is served.
+/// The settings of one object of a server, constant while it is served.
 struct ObjectSetup {
   std::shared_ptr<Runtime> runtime;
   std::string name;

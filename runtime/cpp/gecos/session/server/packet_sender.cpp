@@ -50,14 +50,7 @@ void PacketSender::send_again(const Bytes& packet) {
 
 void PacketSender::reply(const wire::PacketHeader& header, ByteView result, ReplyCache* kept) {
   const MutexLock lock(mutex_);
-  if (wire::packet_size(result.size()) > carried()) {
-    write_failure(packet_, header,
-                  {Detail::Fault,
-                   "the result takes " + std::to_string(result.size()) +
-                       " bytes and the medium carries " + std::to_string(carried()),
-                   {},
-                   {}});
-  } else if (backlog_bytes_ + result.size() > most_backlog_bytes) {
+  if (backlog_bytes_ + result.size() > most_backlog_bytes) {
     write_failure(packet_, header,
                   {Detail::Fault,
                    "the result of " + std::to_string(result.size()) +
@@ -66,9 +59,29 @@ void PacketSender::reply(const wire::PacketHeader& header, ByteView result, Repl
                    {},
                    {}});
   } else {
-    write_packet(packet_, header, result);
+    write_reply(header, result);
   }
-  if (kept != nullptr) kept->keep(header.counter, packet_);
+  keep_and_deliver(header.counter, kept);
+}
+
+void PacketSender::reply_again(const wire::PacketHeader& header, ByteView body, ReplyCache* kept) {
+  const MutexLock lock(mutex_);
+  write_reply(header, body);
+  keep_and_deliver(header.counter, kept);
+}
+
+void PacketSender::write_reply(const wire::PacketHeader& header, ByteView body) {
+  if (wire::packet_size(body.size()) <= carried()) return write_packet(packet_, header, body);
+  write_failure(packet_, header,
+                {Detail::Fault,
+                 "the result takes " + std::to_string(body.size()) +
+                     " bytes and the medium carries " + std::to_string(carried()),
+                 {},
+                 {}});
+}
+
+void PacketSender::keep_and_deliver(std::uint64_t counter, ReplyCache* kept) {
+  if (kept != nullptr) kept->keep(counter, packet_);
   deliver(packet_);
 }
 
@@ -79,8 +92,7 @@ void PacketSender::reply(const wire::PacketHeader& header, const Failure& failur
   if (const std::size_t takes = packet_.size(); takes > carried()) {
     write_failure(packet_, header, shortened(failure, takes, carried()));
   }
-  if (kept != nullptr) kept->keep(header.counter, packet_);
-  deliver(packet_);
+  keep_and_deliver(header.counter, kept);
 }
 
 bool PacketSender::send_quietly(const wire::PacketHeader& header, std::size_t size,

@@ -28,6 +28,9 @@ class PacketSender {
   /// null.
   void reply(const wire::PacketHeader& header, ByteView result, ReplyCache* kept);
   void reply(const wire::PacketHeader& header, const Failure& failure, ReplyCache* kept);
+  /// Sends a reply that was sent in another session, whatever waits here; one that the connection
+  /// cannot carry is replaced by a failure.
+  void reply_again(const wire::PacketHeader& header, ByteView body, ReplyCache* kept);
   /// Sends a packet at once, without waking a client that sleeps. Returns false, without sending
   /// it, when the connection has no room.
   bool send_quietly(const wire::PacketHeader& header, std::size_t size,
@@ -41,6 +44,8 @@ class PacketSender {
   void with_connection(FunctionRef<void(media::Connection&)> use);
 
  private:
+  void write_reply(const wire::PacketHeader& header, ByteView body) GECOS_REQUIRES(mutex_);
+  void keep_and_deliver(std::uint64_t counter, ReplyCache* kept) GECOS_REQUIRES(mutex_);
   void deliver(ByteView packet) GECOS_REQUIRES(mutex_);
   std::size_t carried() const { return connection_.capabilities().largest_packet; }
 

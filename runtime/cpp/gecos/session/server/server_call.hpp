@@ -76,7 +76,7 @@ class ServerCall final : public CallCore,
   std::size_t position_sent = 0;
   TimePoint arrived{};  ///< set only when the call is logged
   std::optional<HandlerWait> waits_for;
-  bool listed = false;  ///< the call is listed in ObjectCalls::list
+  bool listed = false;  ///< the call is in ObjectCalls::open_
 
  private:
   const ShortBytes arguments_;

@@ -40,7 +40,7 @@ void ServerSession::reply_as(std::uint64_t counter, const wire::PacketView& befo
   auto header = before.header;
   header.session = id_;
   header.counter = counter;
-  sender_.reply(header, before.body, kept());
+  sender_.reply_again(header, before.body, kept());
 }
 
 void ServerSession::reply(std::uint64_t counter, ByteView result, Epoch epoch) {

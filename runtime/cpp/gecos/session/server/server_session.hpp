@@ -88,7 +88,7 @@ class ServerSession {
   bool left = false;             ///< the client said goodbye
   bool closed = false;           ///< the connection is lost or closed
   bool parted_in_order = false;  ///< the connection ended in order, and the calls still run
-  /// What the heartbeats of the client say.
+  /// Result of checking the client's heartbeats.
   struct Heartbeats {
     PeerLiveness liveness;
     /// True after this process was suspended or while the client is silent: no call of the session

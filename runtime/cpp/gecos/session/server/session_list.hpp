@@ -11,8 +11,8 @@
 
 namespace gecos::session {
 
-/// The sessions of a server, by the key of their epoll events. Thread-safe; the mutex is held only
-/// briefly, but also while the functions passed here run.
+/// The sessions of a server, by the key of their epoll events. Thread-safe. The mutex is held
+/// while a passed function runs; such a function must not call this object.
 class SessionList {
  public:
   using Session = std::shared_ptr<ServerSession>;

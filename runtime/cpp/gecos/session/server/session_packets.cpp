@@ -28,8 +28,7 @@ void SessionPackets::take(const Session& session, ByteView bytes) {
   if (!packet) return;
   const auto& header = packet->header;
   if (header.kind == wire::PacketKind::Hello) {
-    if (closed_) return refuse_greeting(*session, "the server is about to end");
-    return greet(session, *packet, setup_, calls_.outcomes(), statuses_.now());
+    return greet(session, *packet, setup_, calls_.outcomes(), {statuses_.now(), closed_});
   }
   // this server has only sessions of its own protocol version
   if (header.version != wire::packet_version) return;

@@ -10,8 +10,8 @@
 #include "gecos/session/server/object_calls.hpp"
 #include "gecos/session/server/object_setup.hpp"
 #include "gecos/session/server/server_session.hpp"
-#include "gecos/session/server/start_gate.hpp"
 #include "gecos/session/server/status_grants.hpp"
+#include "gecos/session/server/user_callbacks.hpp"
 #include "gecos/wire/packet.hpp"
 
 namespace gecos::session {

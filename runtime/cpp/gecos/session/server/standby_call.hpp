@@ -19,7 +19,7 @@ class StandbyCall {
     ended_ = true;
     changed_.notify_one();
   }
-  /// Sleeps until call() or end(). Returns true when the thread was called, and nothing has ended.
+  /// Sleeps until call() or end(). Returns false after end().
   bool wait() {
     MutexLock lock(mutex_);
     while (!called_ && !ended_) changed_.wait(lock);

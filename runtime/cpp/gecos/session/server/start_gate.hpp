@@ -28,8 +28,9 @@ class StartGate {
             const StatusGrants& statuses, ObjectCalls& calls)
       : setup_(setup), ready_(ready), claim_(claim), statuses_(statuses), calls_(calls) {}
 
-  /// Takes the next call that may start from the queue, and marks it as started if `starter` runs
-  /// its handler itself; null when no call may start. Calls that may not start any more end.
+  /// Removes the next call that may start from the queue and returns it; null when there is none.
+  /// Marks the call as started if `starter` runs its handler itself. Ends calls that may no longer
+  /// start.
   std::shared_ptr<ServerCall> next(Starter starter);
   /// Whether `call` may still start; ends the call when it may not.
   bool may_start(ServerCall& call);

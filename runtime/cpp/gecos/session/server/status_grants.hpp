@@ -27,16 +27,16 @@ class StatusGrants {
   /// The current time by the clock of the leases, which does not advance while this process is
   /// suspended.
   TimePoint now() const { return clock_.now(); }
-  /// The object as a call sees it that asks for admission now.
+  /// The state of this object by which a call is admitted now.
   AdmittingObject admitting() const { return {setup_.name, leases_, clock_.now()}; }
   /// The holders as clients see them.
   std::vector<Holder> holders() const;
 
-  /// Replies to a request for a status. A request waits for a short time while a handler still runs
-  /// whose command lost its status: no client may command the object beside it.
+  /// Replies to a request for a status. A request waits briefly while the handler of a command
+  /// still runs whose status has ended: two clients must not command the object at once.
   void request(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
                GecosObject_acquire_arguments asked);
-  /// True when the request `counter` of `session` is not yet replied to.
+  /// True when the request `counter` of `session` has no reply yet.
   bool is_waiting(const ServerSession& session, std::uint64_t counter) const;
   /// Must be called when a handler has returned: replies to the requests that wait for it.
   void reply_to_waiting();
