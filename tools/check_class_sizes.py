@@ -80,8 +80,8 @@ def main() -> int:
                 counted += 1
                 problems += [
                     f"{file.relative_to(TREE)}: {size.name} has {what}: split it along its ideas, "
-                    "or say in the comment in front of it why it has 'more methods than other classes' "
-                    "or 'more members than other classes'"
+                    "or say in the comment in front of it why it has 'more methods than' or 'more "
+                    "members than' other classes"
                     for what in size.unexplained()
                 ]
     print(

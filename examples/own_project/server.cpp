@@ -33,8 +33,8 @@ class Oven : public plant::OvenServant {
 
 int main() {
   gecos::Lab lab;
-  gecos::Server server(lab);
   Oven oven;
+  gecos::Server server(lab);  // ends before what it serves
   if (auto served = server.add("OVEN", oven, {.simulated = true}); !served) {
     std::cerr << served.error().text << '\n';
     return 1;

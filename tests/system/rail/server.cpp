@@ -62,8 +62,8 @@ class Rail : public lab::RailSensorServant {
 
 int main() {
   gecos::Lab lab;
-  gecos::Server server(lab);
   Rail rail;
+  gecos::Server server(lab);  // ends before what it serves
   if (auto served = server.add("RAIL", rail, {.simulated = true, .thread_safe = true}); !served) {
     std::fprintf(stderr, "%s\n", served.error().text.c_str());
     return 1;
