@@ -240,7 +240,7 @@ std::string ShmConnection::why_no_stream(std::uint32_t id) {
   return streams_.why_not_open(id);
 }
 
-/// Takes the memory and the eventfd of the peer. Returns what is wrong with them; nullopt: nothing.
+/// Takes the memory and the eventfd of the peer. Returns the error in them, or nullopt.
 std::optional<std::string> ShmConnection::know_peer(ReceivedControl& from) {
   auto& [memfd, event] = from.descriptors;
   if (!memfd || !event) return "the peer did not send its memory and its eventfd";

@@ -16,7 +16,7 @@ class ControlQueue {
     ControlMessage message;
     std::shared_ptr<SealedMemory> memory;  ///< owns the descriptor until it is sent; may be null
   };
-  /// The caller keeps `socket` open while this object lives.
+  /// The caller owns `socket`, and calls no function of this object after it has closed `socket`.
   explicit ControlQueue(int socket) : socket_(socket) {}
 
   /// Sends a message now, or in a later `flush`. Returns false when too many messages wait.

@@ -36,7 +36,7 @@ class SharedStreams {
   void forget(PeerEnd& reader);
 
   // Streams that the peer publishes.
-  /// Takes the memory in a Share message. Returns what is wrong with the message; nullopt: nothing.
+  /// Takes the memory in a Share message. Returns the error in the message, or nullopt.
   std::optional<std::string> received(ReceivedControl& control);
   /// Notes why the stream `id` cannot be opened. Returns false when there are too many streams.
   bool not_received(std::uint32_t id, std::string why);

@@ -48,7 +48,7 @@ class CallSender {
                                               FunctionRef<void(wire::Encoder&)> encode,
                                               const std::shared_ptr<PendingCommand>& command,
                                               const std::shared_ptr<ClientConnection>& attach_to);
-  /// How a command of the operation `name` ends that `send` did not send because of `problem`.
+  /// The failure of a command of operation `name` that `send` refused with `problem`.
   Failure not_sent(std::string_view name, std::size_t size, media::SendProblem problem);
   /// Cancels `command`. Returns false when this session has no open command `command` with this
   /// counter.
@@ -93,7 +93,7 @@ class CallSender {
   /// Makes the session lost because of `text`, withdraws its calls unless they may still run, and
   /// takes them. Returns nullopt when the session was lost before.
   std::optional<Remains> end(Ending how, const std::string& text, Queued queued);
-  /// How `command`, which `end` returned, ends.
+  /// The failure of `command`, which `end` returned.
   Failure failure_of(const PendingCommand& command, Ending how, const std::string& text);
   /// Detaches all commands that may be sent again in another session because this session is lost
   /// or may be lost.

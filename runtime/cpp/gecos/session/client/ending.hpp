@@ -7,8 +7,8 @@
 
 namespace gecos::session {
 
-/// How the client side of a session ends. Decides what is proved about the calls that have no
-/// reply.
+/// How the client side of a session ends. The failure of a call that has no reply depends on it:
+/// see Withdrawal.
 enum class Ending : std::uint8_t {
   Died,    ///< the medium reported that the server's process ended
   Closed,  ///< the server closed the session or its connection

@@ -10,8 +10,8 @@
 
 namespace gecos::session {
 
-/// Withdraws the calls of a lost session in shared memory (start_words.hpp), and decides what is
-/// proved about each of them. Not thread-safe.
+/// Withdraws the calls of a lost session in shared memory (start_words.hpp), and finds the failure
+/// of each call: NOT_STARTED where the medium proves that the call did not start. Not thread-safe.
 class Withdrawal {
  public:
   explicit Withdrawal(media::Connection& connection) : connection_(connection) {}
