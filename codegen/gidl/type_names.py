@@ -21,9 +21,11 @@ from dataclasses import dataclass, field
 from gidl.model import (
     AnnotationDeclaration,
     AnyDeclaration,
+    Constant,
     File,
     Interface,
     Model,
+    Typedef,
 )
 
 
@@ -70,6 +72,8 @@ class TypeNames:
     descriptions: dict[str, TypeName] = field(default_factory=dict)  # key: interface; C++ only
     arguments: dict[str, TypeName] = field(default_factory=dict)  # key: name of the operation
     results: dict[str, TypeName] = field(default_factory=dict)  # key: name of the operation
+    # Constants and aliases in the scopes around an interface, whose names a parameter would hide.
+    hidden: dict[str, frozenset[str]] = field(default_factory=dict)  # key: name of the interface
 
 
 def name_types(model: Model, language: Language) -> TypeNames:
@@ -89,6 +93,7 @@ class _Naming:
         self._model = model
         self._language = language
         self._taken: dict[str, set[_Place]] = {}  # names in each file and its includes
+        self._values: dict[str, set[_Place]] = {}  # those of constants and aliases
         self._top_types = language.type_words | language.root_words
         self._top_modules = language.module_words | language.root_words
 
@@ -112,10 +117,21 @@ class _Naming:
                     self.names.types[declaration.name] = _fresh(
                         self._scope(declaration), name, taken, inside
                     )
+        values = {place for path in file.includes for place in self._values.get(path, ())}
+        values |= {
+            (place.scope, place.name)
+            for d in declared
+            if isinstance(d, Constant | Typedef)
+            for place in (self.names.types[d.name],)
+        }
         for declaration in declared:
             if isinstance(declaration, Interface):
                 self._name_companions(declaration, taken)
+                around = self.names.types[declaration.name].scope
+                hidden = (name for scope, name in values if scope == around[: len(scope)])
+                self.names.hidden[declaration.name] = frozenset(hidden)
         self._taken[file.path] = taken
+        self._values[file.path] = values
 
     def _name_companions(self, interface: Interface, taken: set[_Place]) -> None:
         own = self.names.types[interface.name]

@@ -7,11 +7,17 @@ takes every .idl file below FOLDER, one project a subfolder, and asks omniidl, i
 how many of these gidl takes, and for the others the parts of IDL that gidl refuses by name. A file
 that is refused otherwise is listed: each of these is a mistake of gidl, or a row for
 docs/gidl-differences.md. Run by hand: the files belong to others and are not part of the tree.
+
+    python tests/fuzz/public_idl.py FOLDER --accepted sets.json
+    python tests/generated/gate --random 0 --sets sets.json
+
+generates, compiles, imports and compares what gidl takes.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import re
 import subprocess
 import sys
@@ -60,6 +66,8 @@ class Judged:
     file: Path
     omniidl: bool
     idlc: bool
+    search: list[str]
+    defines: list[str]
     gidl: Compiled
 
     @property
@@ -131,7 +139,7 @@ def judge(projects: Projects, file: Path, scratch: Path) -> Judged:
     idlc = _runs(["idlc", *options, "-o", str(scratch), str(file)], scratch)
     defines = ["__OMNIIDL__"] * omniidl + ["__IDLC__"] * idlc
     found = compile_files([str(file)], folders, wide=True, defines=defines)
-    return Judged(file, omniidl, idlc, found)
+    return Judged(file, omniidl, idlc, folders, defines, found)
 
 
 def _runs(command: list[str], scratch: Path) -> bool:
@@ -154,7 +162,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="gidl beside omniidl and idlc")
     parser.add_argument("folder", type=Path)
     parser.add_argument("-v", dest="shows", action="store_true", help="print what gidl says")
+    parser.add_argument(
+        "--accepted", type=Path, help="write the files that gidl takes, for the gate"
+    )
     chosen = parser.parse_args()
+    accepted: list[dict[str, object]] = []
     per_project: dict[str, Counter[str]] = defaultdict(Counter)
     refused: Counter[str] = Counter()
     others: dict[tuple[str, ...], list[Judged]] = defaultdict(list)
@@ -168,10 +180,13 @@ def main() -> int:
         count["either"] += 1
         if not one.gidl.has_errors:
             count["gidl"] += 1
+            accepted.append(_set(f"{project}_{len(accepted)}", one))
         elif set(one.codes) <= REFUSED.keys():
             refused[" and ".join(REFUSED[code] for code in one.codes)] += 1
         else:
             others[tuple(code for code in one.codes if code not in REFUSED)].append(one)
+    if chosen.accepted:
+        chosen.accepted.write_text(json.dumps(accepted, indent=1), encoding="utf-8")
     columns = ("files", "omniidl", "idlc", "either", "gidl")
     print(f"{'':32}" + "".join(f"{c:>9}" for c in columns))
     for project, count in per_project.items():
@@ -192,6 +207,17 @@ def main() -> int:
         print(f"{len(found):5}  {', '.join(codes)}")
         _list(found, codes, chosen.shows)
     return 1 if unexplained else 0
+
+
+def _set(name: str, one: Judged) -> dict[str, object]:
+    """A set of the gate: tests/generated/gate/gate_run.py, `listed`."""
+    return {
+        "name": re.sub(r"\W", "_", name),
+        "file": str(one.file),
+        "search": one.search or [str(one.file.parent)],
+        "wide": True,
+        "defines": one.defines,
+    }
 
 
 def _list(found: list[Judged], codes: tuple[str, ...], shows: bool) -> None:

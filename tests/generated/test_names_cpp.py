@@ -108,6 +108,42 @@ def test_a_type_is_never_called_as_its_members(tmp_path: Path) -> None:
     compiles(tmp_path / "cpp", "".join(f'#include "{s.name}"\n' for s in sources))
 
 
+def test_a_parameter_is_not_called_as_a_constant_or_an_alias_around_its_interface(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "around.gidl").write_text("const long depth = 1;\nconst long value = 2;\n")
+    (tmp_path / "hidden.gidl").write_text(
+        """
+        #include "around.gidl"
+        module lab {
+          const long speed = 1;
+          typedef double angle;
+          module arm {
+            const long elsewhere = 1;
+            interface Joint {
+              void turn(in double speed, in double speed_, in long depth, inout long angle);
+              void stop(out long speed, out double angle);
+              @cancelable void go(in double angle);
+              attribute long goal;
+            };
+          };
+          interface Base { void move(in long elsewhere, in long value); };
+          interface Shop : Base, arm::Joint {};
+        };
+        """
+    )
+    generate(tmp_path, "--lang", "cpp", tmp_path / "around.gidl", tmp_path / "hidden.gidl")
+    command = [sys.executable, "-m", "gidl", "new", "--mock", str(tmp_path / "hidden.gidl")]
+    command += ["--lang", "cpp", "--into", str(tmp_path / "mock")]
+    subprocess.run(command, check=True, env={**os.environ, "PYTHONPATH": str(TREE / "codegen")})
+    client = " ".join((tmp_path / "cpp" / "hidden_client.hpp").read_text().split())
+    assert "turn( double speed_, double speed__, std::int32_t depth_" in client
+    assert "move(std::int32_t elsewhere, std::int32_t value__)" in client
+    sources = sorted((tmp_path / "cpp").glob("*.cpp"))
+    text = "".join(f'#include "{s.name}"\n' for s in sources)
+    compiles(tmp_path / "cpp", f'{text}#include "{tmp_path}/mock/server.cpp"\n')
+
+
 # What a mock needs itself.
 MOCKED = """
 module mocked {

@@ -7,8 +7,9 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterable, Mapping
 from concurrent.futures import Future
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -54,6 +55,8 @@ class Set:
     name: str
     files: tuple[Path, ...]
     search: tuple[Path, ...]
+    wide: bool = False
+    defines: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -62,20 +65,52 @@ class Generated:
     model: Model
     layout: Layout
     stems: list[str]
+    texts: Mapping[str, str]  # by path below the output folder
+
+
+@dataclass
+class Shelf:
+    """An output folder that several sets share, and what stands there."""
+
+    folder: Path
+    sets: list[Generated] = field(default_factory=list)
+    texts: dict[str, str] = field(default_factory=dict)
+
+    def takes(self, made: Generated) -> bool:
+        """Takes `made`, unless it has another file of a name that is taken here."""
+        if any(self.texts.get(path, text) != text for path, text in made.texts.items()):
+            return False
+        self.sets.append(made)
+        self.texts.update(made.texts)
+        for path, text in made.texts.items():
+            file = self.folder / path
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text, encoding="utf-8")
+        return True
+
+
+def shelved(made: Iterable[Generated], folder: Path) -> list[Shelf]:
+    """The output of all sets, below `folder`. Files of different projects have equal names."""
+    shelves: list[Shelf] = []
+    for each in made:
+        if not any(shelf.takes(each) for shelf in shelves):
+            shelves.append(Shelf(folder / f"shelf{len(shelves)}"))
+            assert shelves[-1].takes(each)
+    return shelves
 
 
 class Rejected(Exception):
     """gidl does not accept the set, or cannot generate it."""
 
 
-def generate(given: Set, out: Path) -> Generated:
-    """All output of a set, below `out`."""
+def generate(given: Set) -> Generated:
     search = [*map(str, given.search), str(TREE / "idl")]
-    first = compile_files([str(f) for f in given.files], search)
+    told: dict[str, Any] = {"wide": given.wide, "defines": given.defines}
+    first = compile_files([str(f) for f in given.files], search, **told)
     # Included files that are not of our library are generated, too.
     more = [f.path for f in first.model.files if not f.path.startswith(OURS) and not f.asked_for]
     found = [next((r / p for r in given.search if (r / p).exists()), Path(p)) for p in more]
-    compiled = compile_files([str(f) for f in (*given.files, *found)], search)
+    compiled = compile_files([str(f) for f in (*given.files, *found)], search, **told)
     if compiled.has_errors:
         errors = [f for f in compiled.findings if f.severity.value == "error"]
         raise Rejected("\n".join(f"{f.location}: {f.code} {f.message}" for f in errors))
@@ -84,19 +119,11 @@ def generate(given: Set, out: Path) -> Generated:
         texts = render(compiled.model, layout)
     except UnsupportedError as error:
         raise Rejected(f"gen: {error}") from None
-    broken = []
-    for path, text in texts.items():
-        file = out / path
-        if path.endswith(".py"):
-            broken += _syntax_error(path, text)
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(text, encoding="utf-8")
+    broken = [e for p, text in texts.items() if p.endswith(".py") for e in _syntax_error(p, text)]
     if broken:
-        for path in texts:
-            (out / path).unlink()  # mypy would stop at it
-        raise Rejected("\n".join(broken))
+        raise Rejected("\n".join(broken))  # mypy would stop at it
     stems = [source_stem(f.path) for f in compiled.model.files if f.asked_for]
-    return Generated(given, compiled.model, layout, stems)
+    return Generated(given, compiled.model, layout, stems, texts)
 
 
 def _syntax_error(path: str, text: str) -> list[str]:
@@ -141,7 +168,7 @@ class Compiler:
             warnings.append("-Werror")
         self._flags = [
             "-std=c++20", "-O0", *warnings, *SANITIZERS,
-            "-Icpp", f"-I{GENERATED}", f"-I{RUNTIME}", f"-I{HERE}",
+            f"-I{GENERATED}", f"-I{RUNTIME}", f"-I{HERE}",
             "-isystem", "/usr/include/eigen3",
         ]  # fmt: skip
         self._environment = {**os.environ, "CCACHE_SLOPPINESS": "pch_defines,time_macros"}
@@ -170,12 +197,15 @@ class Compiler:
         compiled = [self._command, *self._flags, "-c", "support.cpp", "-o", "support.o"]
         self._run([*self._cache, *compiled])
 
-    def program(self, made: Generated, supported: Future[None]) -> tuple[Program, Path]:
+    def program(
+        self, made: Generated, shelf: Path, supported: Future[None]
+    ) -> tuple[Program, Path]:
         """Raises Rejected with what the compiler says."""
-        program = Program(made.model, made.layout, self.folder / "cpp", made.stems)
+        program = Program(made.model, made.layout, shelf / "cpp", made.stems)
         name = made.set.name
         (self.folder / f"{name}.gate.cpp").write_text(program.source(), encoding="utf-8")
-        rest = [*self._flags, "-include", FIRST, "-c", f"{name}.gate.cpp", "-o", f"{name}.o"]
+        where = f"-I{shelf.relative_to(self.folder)}/cpp"
+        rest = [*self._flags, where, "-include", FIRST, "-c", f"{name}.gate.cpp", "-o", f"{name}.o"]
         try:
             self._run([*self._cache, self._command, *rest])
         except CompilerCrashed:  # clang 14 does on some valid programs
@@ -196,10 +226,11 @@ class Compiler:
 
 def type_checked(folder: Path) -> str:
     """What mypy says of all generated Python; empty when it says nothing."""
+    cache = folder.with_name(f"{folder.name}-cache")
     sources = [TREE / "runtime" / "python", TREE / "generated" / "python", folder / "python"]
     done = subprocess.run(
         [sys.executable, "-m", "mypy", "--strict", "--explicit-package-bases",
-         "--config-file", os.devnull, "--cache-dir", str(folder / "cache"), str(folder / "python")],
+         "--config-file", os.devnull, "--cache-dir", str(cache), str(folder / "python")],
         env={**os.environ, "MYPYPATH": os.pathsep.join(map(str, sources))},
         capture_output=True, text=True,
     )  # fmt: skip

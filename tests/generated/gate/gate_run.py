@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import shutil
 import sys
@@ -16,7 +17,17 @@ from pathlib import Path
 from random import Random
 
 import files
-from building import TREE, Compiler, Generated, Rejected, Set, generate, type_checked
+from building import (
+    TREE,
+    Compiler,
+    Generated,
+    Rejected,
+    Set,
+    Shelf,
+    generate,
+    shelved,
+    type_checked,
+)
 from comparing import Comparison
 from cpp_side import Program, answer
 
@@ -39,8 +50,8 @@ class Compiling:
     supported: Future[None]
     threads: ThreadPoolExecutor
 
-    def start(self, made: Generated) -> Future[tuple[Program, Path]]:
-        return self.threads.submit(self.compiler.program, made, self.supported)
+    def start(self, made: Generated, shelf: Path) -> Future[tuple[Program, Path]]:
+        return self.threads.submit(self.compiler.program, made, shelf, self.supported)
 
 
 def main(words: Sequence[str]) -> int:
@@ -53,6 +64,7 @@ def main(words: Sequence[str]) -> int:
     parser.add_argument("--shown", type=int, default=5, help="differences of each set")
     parser.add_argument("--keep", type=Path, help="folder for the output, which then stays")
     parser.add_argument("--no-mypy", action="store_true")
+    parser.add_argument("--sets", type=Path, help="sets of one file each, as JSON: see `listed`")
     parser.add_argument("files", nargs="*", type=Path, help="sets of one file each")
     asked = parser.parse_args(words)
 
@@ -60,6 +72,8 @@ def main(words: Sequence[str]) -> int:
     folder.mkdir(parents=True, exist_ok=True)
     print(f"gate: seed {asked.seed}, {asked.random} random sets", flush=True)
     sets = [Set(f.stem, (f.resolve(),), (f.resolve().parent,)) for f in asked.files]
+    if asked.sets:
+        sets += listed(asked.sets)
     if asked.corpus:
         sets += corpus()
     for seed in range(asked.seed, asked.seed + asked.random):
@@ -73,7 +87,8 @@ def main(words: Sequence[str]) -> int:
         for start in range(0, len(sets), AT_A_TIME):
             part = sets[start : start + AT_A_TIME]
             compiling = Compiling(compiler, supported, threads)
-            for outcome in run(compiling, part, asked.values, asked.jobs, not asked.no_mypy):
+            out = folder / f"part{start}"
+            for outcome in run(compiling, part, out, asked.values, asked.jobs, not asked.no_mypy):
                 accepted += outcome.accepted
                 refused += outcome.refused
                 if outcome.differences:
@@ -117,21 +132,48 @@ def random_set(folder: Path, seed: int) -> Set:
     return Set(f"s{seed}", tuple(files.write(source, f"s{seed}", seed)), (source,))
 
 
-def run(compiling: Compiling, sets: list[Set], values: int, jobs: int, mypy: bool) -> list[Outcome]:
-    folder, threads = compiling.compiler.folder, compiling.threads
+def listed(file: Path) -> list[Set]:
+    """Sets from a file that `tests/fuzz/public_idl.py --accepted` writes: a list of objects with
+    `name`, `file`, `search` (folders), `wide` and `defines`."""
+    return [
+        Set(
+            one["name"],
+            (Path(one["file"]),),
+            tuple(map(Path, one["search"])),
+            one["wide"],
+            tuple(one["defines"]),
+        )
+        for one in json.loads(file.read_text(encoding="utf-8"))
+    ]
+
+
+def run(
+    compiling: Compiling, sets: list[Set], out: Path, values: int, jobs: int, mypy: bool
+) -> list[Outcome]:
     outcomes = {each.name: Outcome(each.name) for each in sets}
     made: list[Generated] = []
     for each in sets:
         try:
-            made.append(generate(each, folder))
+            made.append(generate(each))
         except Rejected as why:
             outcomes[each.name].differences.append(f"not generated: {why}")
         except Exception:
             outcomes[each.name].differences.append(f"gidl failed: {traceback.format_exc()}")
-    said = Outcome("mypy")
+    checked = Outcome("mypy")
+    for shelf in shelved(made, out):
+        types = compiling.threads.submit(type_checked, shelf.folder) if mypy else None
+        _judge(compiling, shelf, outcomes, values, jobs)
+        if types is not None and types.result():
+            checked.differences.append(types.result())
+    return [*outcomes.values(), checked]
+
+
+def _judge(
+    compiling: Compiling, shelf: Shelf, outcomes: dict[str, Outcome], values: int, jobs: int
+) -> None:
+    """Compiles and compares the sets of a shelf."""
     with ProcessPoolExecutor(jobs, get_context("spawn")) as processes:  # threads run beside
-        checked = threads.submit(type_checked, folder) if mypy and made else None
-        compiled = [(each, compiling.start(each)) for each in made]
+        compiled = [(each, compiling.start(each, shelf.folder)) for each in shelf.sets]
         compared = []
         for one, future in compiled:
             try:
@@ -142,14 +184,12 @@ def run(compiling: Compiling, sets: list[Set], values: int, jobs: int, mypy: boo
             except Exception:
                 outcomes[one.set.name].differences.append(traceback.format_exc())
                 continue
-            compared.append((one, processes.submit(compare, folder, one, program, binary, values)))
+            told = processes.submit(compare, shelf.folder, one, program, binary, values)
+            compared.append((one, told))
         for one, told in compared:
             outcome = told.result()
             outcome.differences = outcomes[one.set.name].differences + outcome.differences
             outcomes[one.set.name] = outcome
-        if checked is not None and checked.result():
-            said.differences.append(checked.result())
-    return [*outcomes.values(), said]
 
 
 def compare(folder: Path, made: Generated, program: object, binary: Path, values: int) -> Outcome:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from gidl.file_names import source_stem
 from gidl.languages import CPP_TYPES, CPP_WORDS
@@ -124,9 +125,9 @@ interfaces."""
 def _words(lowering: Lowering, interface: Interface) -> set[str]:
     """Names of the methods and parameters of an interface."""
     found = CPP_TYPES.members(lowering.model, interface)
-    for member in lowering.model.all_interface_members(interface):
-        if isinstance(member, Operation):
-            found |= {names.method_name(p.name) for p in member.parameters}
+    for base in lowering.model.with_bases(interface):
+        called = partial(names.parameter_name, lowering.layout, base)
+        found |= {called(p.name) for o in base.operations for p in o.parameters}
     return found
 
 
@@ -186,22 +187,23 @@ class _Facts(ServerSide):
                 head = f"{handler.returns} {handler.name}() override"
                 return MethodView(head, (f"return {self._own.mock}.got({held});",))
             head = f"{handler.returns} {handler.name}{handler.parameters} override"
-            told = _HIDDEN if member.secret else "value"
+            value = self._parameter("value")
+            told = _HIDDEN if member.secret else value
             body = (f'{self._own.mock}.says("{member.name} =", {told});',
-                    f"{self._own.mock}.set({held}, value);", "return {};")  # fmt: skip
+                    f"{self._own.mock}.set({held}, {value});", "return {};")  # fmt: skip
             return MethodView(head, body)
         return self._operation(call, member)
 
     def _operation(self, call: CallLayout, member: Operation) -> MethodView:
         values = [parameter_value(p) for p in member.inputs]
-        taken = {names.method_name(v.name) for v in values}
+        taken = {self._parameter(v.name) for v in values}
         answers = reply_values(member, call)
         used = {v.name for v in answers} & {p.name for p in member.inputs}
         lines, told = [], []
         if member.access is not Access.SENSOR or member.safety:
             used |= {p.name for p in member.inputs if not p.secret}
             for p in member.inputs:
-                shown = _HIDDEN if p.secret else names.method_name(p.name)
+                shown = _HIDDEN if p.secret else self._parameter(p.name)
                 told += [f'"{p.name} ="', shown]
             lines.append(f"{self._own.mock}.says{group([quoted(member.name), *told])};")
         parameters = []
@@ -231,7 +233,7 @@ class _Facts(ServerSide):
             return ["return {};"]
         if len(answers) == 1:
             (only,) = answers
-            name = names.method_name(only.name)
+            name = self._parameter(only.name)
             text = name if only.name in given else in_place(self._lowering, only, taken)
             return [f"return {text};"]
         result = _free("mock_answer", taken)
@@ -239,7 +241,7 @@ class _Facts(ServerSide):
         for v in answers:
             place = f"{result}.{names.member_name(v.name)}"
             if v.name in given:
-                lines.append(f"{place} = {names.method_name(v.name)};")
+                lines.append(f"{place} = {self._parameter(v.name)};")
             elif not v.optional:
                 lines += assigned(self._lowering, place, v.type, v.range, alone=False)
         return [*lines, f"return {result};"]

@@ -62,8 +62,13 @@ def member_name(name: str) -> str:
 
 
 def method_name(name: str) -> str:
-    """The name of an operation, an attribute or a parameter in the classes of its interface."""
+    """The name of an operation or an attribute in the classes of its interface."""
     return escaped(name, CPP_METHOD_WORDS)
+
+
+def parameter_name(layout: Layout, interface: Interface, name: str) -> str:
+    """The name of a parameter in the methods of its interface."""
+    return escaped(name, CPP_METHOD_WORDS | layout.cpp_names.hidden[interface.name])
 
 
 def method_names(model: Model, interface: Interface) -> set[str]:

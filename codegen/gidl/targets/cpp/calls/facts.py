@@ -73,11 +73,14 @@ class CallFacts:
             note = value_note(p.unit, p.range)
             if note or p.facts.doc:
                 text = " ".join(doc_lines(p.facts, note))
-                doc.append(f"@param {names.method_name(p.name)} {text}")
+                doc.append(f"@param {self._parameter(p.name)} {text}")
         if operation.raises:
             raised = ", ".join(self._lowering.named(n)[2:] for n in operation.raises)
             doc.append(f"May fail with {raised}.")
         return comment(doc)
+
+    def _parameter(self, name: str) -> str:
+        return names.parameter_name(self._layout, self._interface, name)
 
     def _setter_name(self, attribute: Attribute) -> str:
         return LocalNames(names.method_names(self._model, self._interface)).fresh(
@@ -96,7 +99,7 @@ class CallFacts:
             result.append(
                 (
                     self._lowering.parameter(value.type, value.optional),
-                    names.method_name(value.name),
+                    self._parameter(value.name),
                     default,
                 )
             )
@@ -126,7 +129,7 @@ class CallFacts:
         return result
 
     def _slots(self, fields: tuple[FieldLayout, ...], owner: str) -> list[Slot]:
-        return [Slot(names.method_name(f.name), f"{owner}.{f.name}", f.node) for f in fields]
+        return [Slot(self._parameter(f.name), f"{owner}.{f.name}", f.node) for f in fields]
 
     def _writing(
         self, slots: list[Slot], size: str, to: str, taken: Collection[str]
