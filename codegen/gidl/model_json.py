@@ -64,6 +64,11 @@ def model_text(model: Model, layout: Layout, whole: bool = False) -> str:
     return json.dumps({"files": files}, indent=1, ensure_ascii=False) + "\n"
 
 
+def declaration_json(model: Model, layout: Layout, declaration: AnyDeclaration) -> Json:
+    """A declaration as it stands in both."""
+    return _Dumper(model, layout).declaration(declaration)
+
+
 class _Dumper:
     def __init__(self, model: Model, layout: Layout) -> None:
         self._model = model
@@ -76,10 +81,10 @@ class _Dumper:
             doc=file.doc,
             includes=list(file.includes),
             modules=[m for m in modules if len(m) > 1],
-            declarations=[self._declaration(d) for d in file.declarations],
+            declarations=[self.declaration(d) for d in file.declarations],
         )
 
-    def _declaration(self, declaration: AnyDeclaration) -> Json:
+    def declaration(self, declaration: AnyDeclaration) -> Json:
         facts = _facts(declaration.facts)
         name = declaration.name
         match declaration:
@@ -242,6 +247,7 @@ class _Dumper:
     def _attribute(self, attribute: Attribute) -> Json:
         layout = self._layout.interfaces[attribute.interface]
         codes: Json = {}
+        largest = None
         for call in layout.calls:
             if call.name.removesuffix("=") == attribute.scoped_name:
                 codes["set" if call.kind is CallKind.SETTER else "get"] = call.code
@@ -249,7 +255,7 @@ class _Dumper:
         if attribute.stream is not None:
             stream = self._layout.stream(attribute.scoped_name)
             codes["stream"] = stream.code
-            digest = stream.hash
+            digest, largest = stream.hash, stream.sample.fixed_size
         writes = attribute.has_setter or attribute.streams_in
         return _said(
             kind="attribute",
@@ -262,7 +268,7 @@ class _Dumper:
             optional=attribute.optional or None,
             secret=attribute.secret or None,
             bulk=attribute.bulk or None,
-            stream=_stream(attribute.stream),
+            stream=_stream(attribute.stream, largest),
             read_access=None if attribute.streams_in else attribute.read_access.name.lower(),
             write_access=attribute.write_access.name.lower() if writes else None,
             write_needs_presence=attribute.write_needs_presence if writes else None,
@@ -376,13 +382,14 @@ def _qos(qos: Qos) -> Json | None:
     return found or None
 
 
-def _stream(stream: Stream | None) -> Json | None:
+def _stream(stream: Stream | None, largest: int | None) -> Json | None:
     if stream is None:
         return None
     return _said(
         direction=stream.direction.value,
         rate_hz=stream.rate_hz,
         watchdog_ns=stream.watchdog_ns,
+        largest=largest,
         open=stream.is_open or None,
     )
 

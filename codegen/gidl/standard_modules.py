@@ -43,4 +43,4 @@ STANDARD = words(
 )
 
 # Modules that generated code, the runtime and the commands of the runtime import.
-OURS = words("gecos gecos_idl gidl lcm noise numpy rich robcl typer typing_extensions")
+OURS = words("click gecos gecos_idl gidl lcm noise numpy rich robcl typing_extensions")

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from gidl.model import (
     ArrayType,
+    Bitset,
     MapType,
     Model,
     NamedType,
@@ -26,6 +29,22 @@ def type_reaches(model: Model, start: str, goal: str) -> bool:
             seen.add(name)
             open_names |= _direct(model, name)
     return False
+
+
+def reached_types(model: Model, names: Iterable[str]) -> set[str]:
+    """The declarations in `names`, their bases, and all declarations that their values contain."""
+    open_names, seen = set(names), set[str]()
+    while open_names:
+        name = open_names.pop()
+        seen.add(name)
+        declaration = model.find(name)
+        found = _direct(model, name)
+        if isinstance(declaration, Struct | Bitset) and declaration.base is not None:
+            found.add(declaration.base)
+        if isinstance(declaration, Union):
+            found |= named_types(declaration.discriminator)
+        open_names |= found - seen
+    return seen
 
 
 def _direct(model: Model, name: str) -> set[str]:

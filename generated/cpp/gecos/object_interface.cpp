@@ -26,12 +26,14 @@ constinit const gecos::OperationDescription GecosObjectInterface::operations[] =
         {.status = gecos::access::Status::Sensor, .presence = false}),
     gecos::operation(0x00000009, "outcome", 0xf1db02cd55068515U,
         {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
+    gecos::operation(0x0000000a, "model", 0x7c1691ac006685fbU,
+        {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
 };
 
 constinit const gecos::InterfaceDescription GecosObjectInterface::description{
     .name = "gecos::GecosObject",
     .version = "1.0",
-    .hash = 0x742c209177b34086U,
+    .hash = 0x4d43d839b958b58cU,
     .operations = operations,
 };
 
@@ -200,6 +202,37 @@ bool GecosObject_outcome_result::decode([[maybe_unused]] gecos::wire::Decoder& f
 
 std::string gecos_violation(const GecosObject_outcome_result& value) {
   if (auto why = ::gecos::gecos_violation(value.result); !why.empty()) return why;
+  return {};
+}
+
+std::size_t GecosObject_model_result::encoded_size() const {
+  std::size_t size = 4;
+  size += 5 * result.size();
+  for (const auto& item : result) {
+    size += item.size();
+  }
+  return size;
+}
+
+void GecosObject_model_result::encode(gecos::wire::Encoder& to) const {
+  to.put_count(result.size());
+  for (const auto& item : result) {
+    to.put_string(item);
+  }
+}
+
+bool GecosObject_model_result::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return gecos::wire::get_sequence(from, result, 5, gecos::wire::npos, "model.result",
+             [&](auto& item) {
+               return from.get_string(item, gecos::wire::npos, "model.result");
+             }) &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const GecosObject_model_result& value) {
+  for (const auto& item : value.result) {
+    if (!gecos::wire::valid_text(item)) return gecos::wire::bad_text("model.result");
+  }
   return {};
 }
 

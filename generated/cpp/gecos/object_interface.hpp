@@ -19,7 +19,7 @@ namespace gecos {
 struct GecosObjectInterface {
   static const gecos::InterfaceDescription description;
 
-  static const gecos::OperationDescription operations[9];
+  static const gecos::OperationDescription operations[10];
   static constexpr const gecos::OperationDescription& holders = operations[0];
   static constexpr const gecos::OperationDescription& stop = operations[1];
   static constexpr const gecos::OperationDescription& ping = operations[2];
@@ -29,6 +29,7 @@ struct GecosObjectInterface {
   static constexpr const gecos::OperationDescription& subscribe = operations[6];
   static constexpr const gecos::OperationDescription& unsubscribe = operations[7];
   static constexpr const gecos::OperationDescription& outcome = operations[8];
+  static constexpr const gecos::OperationDescription& model = operations[9];
 };
 
 /// What `holders` gives.
@@ -143,5 +144,17 @@ struct GecosObject_outcome_result {
 };
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const GecosObject_outcome_result& value);
+
+/// What `model` gives.
+struct GecosObject_model_result {
+  std::vector<std::string> result{};
+
+  static constexpr std::string_view type_name() { return "gecos::GecosObject_model_result"; }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+};
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const GecosObject_model_result& value);
 
 }  // namespace gecos

@@ -30,6 +30,14 @@ constinit const gecos::InterfaceDescription LaserDistanceSensorInterface::descri
     .inherits = inherits,
     .operations = operations,
     .streams = streams,
+    .model = R"json({"interface":{"kind":"interface","name":"robcl::LaserDistanceSensor","doc":"Measures the distance along the z axis of its base.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"hash":"0x133c47f4ae41f5e0","members":[
+{"kind":"attribute","name":"beam","type":"robcl::Distance","readonly":true,"stream":{"direction":"out","rate_hz":50.0,"largest":33},"read_access":"sensor","codes":{"get":1135002436,"stream":1135002436},"hash":"0x926d6ed0febd6a3f"},
+{"kind":"operation","name":"measure","doc":"Takes a measurement now.","result":"robcl::Distance","raises":["robcl::SensorFault"],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":1072714353,"hash":"0x80955af0c37d3e42"},
+{"kind":"operation","name":"power","doc":"Switches the laser.","parameters":[{"name":"on","direction":"in","type":"boolean"}],"access":"actor","needs_presence":true,"on_new":"queue","on_loss":"stop","code":99847788,"hash":"0x16968196d2c3127a"}]},
+"types":[
+{"kind":"struct","name":"robcl::Distance","doc":"One measurement. Out of range is `valid == FALSE`, never a distance of 0.","extensibility":"final","members":[{"name":"value","type":"double","unit":"m","doc":"along the beam, from the sensor\u0027s base; meaningless unless valid"},{"name":"valid","type":"boolean"},{"name":"lower","type":"double","unit":"m","doc":"range of the sensor"},{"name":"upper","type":"double","unit":"m"},{"name":"stamp","type":"double","unit":"s","doc":"when it was measured: Unix time"}],"wire":{"fingerprint":"0xbe9649cf1136fc5f","min_size":33,"fixed_size":33}},
+{"kind":"exception","name":"robcl::SensorFault","doc":"The laser is off, or the sensor cannot measure at all.","extensibility":"final","members":[{"name":"reason","type":"string"}],"wire":{"fingerprint":"0xed00b27a58c49395","min_size":5}}],
+"references":[]})json",
 };
 
 }  // namespace robcl

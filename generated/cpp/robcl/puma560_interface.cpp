@@ -19,6 +19,9 @@ constinit const gecos::InterfaceDescription Puma560Interface::description{
     .hash = 0xe852ee4432708fd4U,
     .bases = bases,
     .inherits = inherits,
+    .model = R"json({"interface":{"kind":"interface","name":"robcl::Puma560","doc":"Unimation Puma 560.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0xe852ee4432708fd4","members":[]},
+"types":[],
+"references":[]})json",
 };
 
 }  // namespace robcl

@@ -19,6 +19,9 @@ constinit const gecos::InterfaceDescription Rx90Interface::description{
     .hash = 0xb63c01c6ad6787f3U,
     .bases = bases,
     .inherits = inherits,
+    .model = R"json({"interface":{"kind":"interface","name":"robcl::Rx90","doc":"Staeubli RX90.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0xb63c01c6ad6787f3","members":[]},
+"types":[],
+"references":[]})json",
 };
 
 }  // namespace robcl

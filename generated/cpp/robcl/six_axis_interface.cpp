@@ -30,6 +30,18 @@ constinit const gecos::InterfaceDescription SixAxisInterface::description{
     .inherits = inherits,
     .operations = operations,
     .streams = streams,
+    .model = R"json({"interface":{"kind":"interface","name":"robcl::SixAxis","doc":"An arm with six revolute joints.","version":"1.0","bases":["robcl::Manipulator"],"all_bases":["robcl::Device","robcl::Manipulator"],"hash":"0x9300f56ab37c365e","members":[
+{"kind":"attribute","name":"joints","doc":"Joint positions as measured.","type":"robcl::Joints","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":48},"read_access":"sensor","codes":{"get":3220492753,"stream":3220492753},"hash":"0x23e3fbceb31c903f"},
+{"kind":"operation","name":"move_joints","doc":"Moves all joints to `target`, arriving together.","parameters":[{"name":"target","direction":"in","type":"robcl::Joints"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true}],"raises":["robcl::JointLimit"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"queue","on_loss":"stop","code":3295392167,"hash":"0xde6f2f910e3f67dc"}]},
+"types":[
+{"kind":"enum","name":"robcl::PathType","default_literal":"JOINT","enumerators":[{"name":"STRAIGHT","value":0},{"name":"JOINT","value":1}]},
+{"kind":"enum","name":"robcl::Blend","doc":"Whether the arm stands at the goal, or may pass it on its way to the next one. Today every arm stands there: NOBREAK acts like BREAK.","default_literal":"BREAK","enumerators":[{"name":"BREAK","value":0},{"name":"NOBREAK","value":1}]},
+{"kind":"struct","name":"robcl::Trajectory","doc":"How to get from here to the goal; the slowest of the limits binds.","extensibility":"appendable","members":[{"name":"speed","type":"double","range":{"min":0.01,"max":1.0},"default":1.0,"doc":"fraction of the robot\u0027s own maximum"},{"name":"acceleration","type":"double","range":{"min":0.01,"max":1.0},"default":1.0},{"name":"path","type":"robcl::PathType"},{"name":"at_goal","type":"robcl::Blend"},{"name":"tool_speed","type":"double","unit":"m/s","optional":true},{"name":"turn_speed","type":"double","unit":"rad/s","optional":true}],"wire":{"fingerprint":"0xd448702624f0ed77","min_size":26}},
+{"kind":"struct","name":"robcl::MotionProgress","extensibility":"appendable","members":[{"name":"fraction","type":"double","range":{"min":0.0,"max":1.0}},{"name":"remaining","type":"double","unit":"s"}],"wire":{"fingerprint":"0xe2c8d491f2659a98","min_size":16,"fixed_size":16}},
+{"kind":"exception","name":"robcl::JointLimit","extensibility":"final","members":[{"name":"axis","type":"uint32","doc":"from 1, which is next to the base"},{"name":"value","type":"double","unit":"rad"},{"name":"lower","type":"double","unit":"rad"},{"name":"upper","type":"double","unit":"rad"}],"wire":{"fingerprint":"0x5e97b6d7d7aed1bf","min_size":28,"fixed_size":28}},
+{"kind":"typedef","name":"robcl::JointVector","type":"double[6]"},
+{"kind":"struct","name":"robcl::Joints","doc":"Joint positions of a six-axis arm.","extensibility":"final","members":[{"name":"position","type":"robcl::JointVector","unit":"rad"}],"wire":{"fingerprint":"0xdeb28047fc62f5c4","min_size":48,"fixed_size":48}}],
+"references":[]})json",
 };
 
 }  // namespace robcl

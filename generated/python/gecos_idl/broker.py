@@ -65,12 +65,23 @@ _BROKER_LIST: _Method[list[Entry], None] = _method(
     gives=_layout.items(Entry),
 )
 _list_ = list
+_BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broker","doc":"Knows where objects are. Stands at a well-known place; everything else is found through it.","version":"1.0","hash":"0x7af96f6f9acb0b67","members":[
+{"kind":"operation","name":"enlist","doc":"Makes an object findable until the calling session ends. Named enlist because `register` is a word of C++.\n`served_for` says how long its server has served it: an age, because hosts have clocks of their own.\nA broker that has just started may hear of an object that was served before it: within `settles_in` the\nname may go to an object that has been served for longer, so ask again. Absent: the name is the server\u0027s.","parameters":[{"name":"what","direction":"in","type":"gecos::Entry"},{"name":"served_for","direction":"in","type":"double","unit":"s","default":0.0},{"name":"settles_in","direction":"out","type":"double","unit":"s","optional":true}],"raises":["gecos::NameTaken"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":399774670,"hash":"0xff7a6020c83edd81"},
+{"kind":"operation","name":"withdraw","doc":"Takes an object of the calling session off the list.","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":3320558639,"hash":"0x8875f2f1fe455040"},
+{"kind":"operation","name":"lookup","doc":"Where an object is that was enlisted.","result":"gecos::Entry","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":1239667683,"hash":"0x5ed8113ab6d833d8"},
+{"kind":"operation","name":"list","doc":"All that is enlisted now, in the order of names.","result":"sequence<gecos::Entry>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":2364029209,"hash":"0xdf31bbf4a9abb156"}]},
+"types":[
+{"kind":"struct","name":"gecos::Entry","doc":"Where an object is and what it is: what a server tells the broker and a client asks for.","extensibility":"appendable","members":[{"name":"name","type":"string","doc":"\"RX90\""},{"name":"interface_name","type":"string","doc":"\"robcl::Rx90\""},{"name":"bases","type":"sequence<string>","doc":"every interface it also is, \"robcl::Manipulator\""},{"name":"interface_hash","type":"uint64"},{"name":"boot","type":"uint64","doc":"this life of the server process; a restart has another"},{"name":"pid","type":"int32"},{"name":"user","type":"string"},{"name":"host","type":"string","doc":"life and network of the host: equal where shared memory reaches"},{"name":"hostname","type":"string","doc":"for people"},{"name":"addresses","type":"sequence<string>","doc":"\"shm:/run/\u2026\", \"lcm:239.255.76.67:20017/\u2026\", best first"},{"name":"simulated","type":"boolean"}],"wire":{"fingerprint":"0xa4b1e0e2e68ad9cd","min_size":54}},
+{"kind":"exception","name":"gecos::UnknownName","extensibility":"final","members":[{"name":"name","type":"string"},{"name":"known","type":"sequence<string>"}],"wire":{"fingerprint":"0x7cd6bc0789c32ab9","min_size":9}},
+{"kind":"exception","name":"gecos::NameTaken","extensibility":"final","members":[{"name":"name","type":"string"},{"name":"by","type":"string"}],"wire":{"fingerprint":"0xf9ffaded7a4ca4f9","min_size":10}}],
+"references":[]}'''
 _BROKER = _interface(
     "gecos::Broker",
     "1.0",
     0x7AF96F6F9ACB0B67,
     (),
     (_BROKER_ENLIST, _BROKER_WITHDRAW, _BROKER_LOOKUP, _BROKER_LIST),
+    model=_BROKER_SERVED_MODEL,
 )
 
 

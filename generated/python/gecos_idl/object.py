@@ -116,10 +116,21 @@ _GECOS_OBJECT_OUTCOME: _Method[OutcomeRecord, None] = _method(
     takes=_values("boot session counter", "QQQ"),
     gives=OutcomeRecord,
 )
+_GECOS_OBJECT_MODEL: _Method[list[str], None] = _method(
+    _Operation(
+        0x0000000A,
+        "model",
+        _Access.SENSOR,
+        presence=False,
+        idempotent=True,
+        hash=0x7C1691AC006685FB,
+    ),
+    gives=_layout.items(_layout.text()),
+)
 _GECOS_OBJECT = _interface(
     "gecos::GecosObject",
     "1.0",
-    0x742C209177B34086,
+    0x4D43D839B958B58C,
     (),
     (
         _GECOS_OBJECT_HOLDERS,
@@ -131,6 +142,7 @@ _GECOS_OBJECT = _interface(
         _GECOS_OBJECT_SUBSCRIBE,
         _GECOS_OBJECT_UNSUBSCRIBE,
         _GECOS_OBJECT_OUTCOME,
+        _GECOS_OBJECT_MODEL,
     ),
 )
 
@@ -191,6 +203,13 @@ class GecosObject(_Object):
             _GECOS_OBJECT_OUTCOME.request(boot, session, counter),
         )
 
+    def model(self) -> _Command[list[str]]:
+        """The interface of the object and each of its bases as JSON, for clients without
+        generated
+        code.
+        """
+        return self._gecos_call(_GECOS_OBJECT_MODEL, [])
+
 
 class GecosObjectServant(_Servant):
     """What every object answers."""
@@ -241,4 +260,11 @@ class GecosObjectServant(_Servant):
         `session`,
         by the process that `boot` stands for. One that has not arrived never starts
         afterwards.
+        """
+
+    @_abstractmethod
+    def model(self) -> list[str]:
+        """The interface of the object and each of its bases as JSON, for clients without
+        generated
+        code.
         """

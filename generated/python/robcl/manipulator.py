@@ -108,6 +108,28 @@ _MANIPULATOR_MOVE: _Method[None, MotionProgress] = _method(
     feedback=MotionProgress,
     raises=(OutOfReach, JointLimit, Singular),
 )
+_MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"hash":"0xf12cfabfa83a44c1","members":[
+{"kind":"attribute","name":"tool","doc":"Tool frame in the world, as measured.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":20000000},"codes":{"get":656093559,"stream":656093559},"hash":"0xe4a63fbb9f4aa676"},
+{"kind":"attribute","name":"flange","doc":"Flange in the world, as measured: where grippers and sensors are mounted.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":20000000},"codes":{"get":3590499756,"stream":3590499756},"hash":"0x294c864a0a1bb0d9"},
+{"kind":"attribute","name":"posture","doc":"Configuration that the arm is in.","type":"robcl::Configuration","readonly":true,"read_access":"sensor","codes":{"get":2355008027},"hash":"0x3d861e0f224574c5"},
+{"kind":"attribute","name":"tool_offset","doc":"Tool frame seen from the flange. Setting it is refused while moving.","type":"robcl::Frame","read_access":"sensor","write_access":"actor","write_needs_presence":true,"codes":{"get":1576561611,"set":3826381890},"hash":"0xd5db88cc5c4a48ee"},
+{"kind":"operation","name":"move","doc":"Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal.","parameters":[{"name":"goal","direction":"in","type":"robcl::Frame"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true}],"raises":["robcl::OutOfReach","robcl::JointLimit","robcl::Singular"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"queue","on_loss":"stop","code":889709316,"hash":"0xc58c2180678c1d75"}]},
+"types":[
+{"kind":"struct","name":"robcl::Vector","extensibility":"final","members":[{"name":"x","type":"double","unit":"m"},{"name":"y","type":"double","unit":"m"},{"name":"z","type":"double","unit":"m"}],"wire":{"fingerprint":"0xae7e5fba5eeca11e","min_size":24,"fixed_size":24}},
+{"kind":"struct","name":"robcl::Quaternion","doc":"Unit quaternion, w + xi + yj + zk.","extensibility":"final","members":[{"name":"w","type":"double"},{"name":"x","type":"double"},{"name":"y","type":"double"},{"name":"z","type":"double"}],"wire":{"fingerprint":"0x365bdd4bf9100a1f","min_size":32,"fixed_size":32}},
+{"kind":"struct","name":"robcl::Frame","doc":"Position and orientation of a coordinate system, seen from another.","extensibility":"final","maps_to":{"cpp":["robcl::Frame","robcl/frames/frame.hpp"],"python":["robcl.frames","Frame"]},"members":[{"name":"position","type":"robcl::Vector"},{"name":"orientation","type":"robcl::Quaternion"}],"wire":{"fingerprint":"0x249634ce2aa17b5e","min_size":56,"fixed_size":56}},
+{"kind":"enum","name":"robcl::PathType","default_literal":"JOINT","enumerators":[{"name":"STRAIGHT","value":0},{"name":"JOINT","value":1}]},
+{"kind":"enum","name":"robcl::Blend","doc":"Whether the arm stands at the goal, or may pass it on its way to the next one. Today every arm stands there: NOBREAK acts like BREAK.","default_literal":"BREAK","enumerators":[{"name":"BREAK","value":0},{"name":"NOBREAK","value":1}]},
+{"kind":"struct","name":"robcl::Trajectory","doc":"How to get from here to the goal; the slowest of the limits binds.","extensibility":"appendable","members":[{"name":"speed","type":"double","range":{"min":0.01,"max":1.0},"default":1.0,"doc":"fraction of the robot\u0027s own maximum"},{"name":"acceleration","type":"double","range":{"min":0.01,"max":1.0},"default":1.0},{"name":"path","type":"robcl::PathType"},{"name":"at_goal","type":"robcl::Blend"},{"name":"tool_speed","type":"double","unit":"m/s","optional":true},{"name":"turn_speed","type":"double","unit":"rad/s","optional":true}],"wire":{"fingerprint":"0xd448702624f0ed77","min_size":26}},
+{"kind":"struct","name":"robcl::MotionProgress","extensibility":"appendable","members":[{"name":"fraction","type":"double","range":{"min":0.0,"max":1.0}},{"name":"remaining","type":"double","unit":"s"}],"wire":{"fingerprint":"0xe2c8d491f2659a98","min_size":16,"fixed_size":16}},
+{"kind":"exception","name":"robcl::OutOfReach","extensibility":"final","members":[{"name":"reason","type":"string<160>"}],"wire":{"fingerprint":"0xed00b27a58c49395","min_size":5}},
+{"kind":"exception","name":"robcl::JointLimit","extensibility":"final","members":[{"name":"axis","type":"uint32","doc":"from 1, which is next to the base"},{"name":"value","type":"double","unit":"rad"},{"name":"lower","type":"double","unit":"rad"},{"name":"upper","type":"double","unit":"rad"}],"wire":{"fingerprint":"0x5e97b6d7d7aed1bf","min_size":28,"fixed_size":28}},
+{"kind":"exception","name":"robcl::Singular","doc":"A straight line would pass where a joint has to turn faster than it can.","extensibility":"final","members":[{"name":"reason","type":"string<160>"}],"wire":{"fingerprint":"0xed00b27a58c49395","min_size":5}},
+{"kind":"enum","name":"robcl::Shoulder","default_literal":"RIGHTY","enumerators":[{"name":"RIGHTY","value":0},{"name":"LEFTY","value":1}]},
+{"kind":"enum","name":"robcl::Elbow","default_literal":"ABOVE","enumerators":[{"name":"ABOVE","value":0},{"name":"BELOW","value":1}]},
+{"kind":"enum","name":"robcl::Wrist","default_literal":"NOFLIP","enumerators":[{"name":"NOFLIP","value":0},{"name":"FLIP","value":1}]},
+{"kind":"struct","name":"robcl::Configuration","doc":"Which of the ways to reach its pose the arm is in. A member is absent at a singularity, and where an arm has no such choice.","extensibility":"appendable","members":[{"name":"arm","type":"robcl::Shoulder","optional":true},{"name":"bend","type":"robcl::Elbow","optional":true},{"name":"hand","type":"robcl::Wrist","optional":true}],"wire":{"fingerprint":"0x410bc4d5af6e6201","min_size":3}}],
+"references":[]}'''
 _MANIPULATOR = _interface(
     "robcl::Manipulator",
     "1.0",
@@ -121,6 +143,7 @@ _MANIPULATOR = _interface(
         _MANIPULATOR_SET_TOOL_OFFSET,
         _MANIPULATOR_MOVE,
     ),
+    model=_MANIPULATOR_SERVED_MODEL,
 )
 
 

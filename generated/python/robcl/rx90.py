@@ -12,7 +12,17 @@ __all__ = [
     "Rx90Servant",
 ]
 
-_RX90 = _interface("robcl::Rx90", "1.0", 0xB63C01C6AD6787F3, (SixAxis,), ())
+_RX90_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Rx90","doc":"Staeubli RX90.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0xb63c01c6ad6787f3","members":[]},
+"types":[],
+"references":[]}'''
+_RX90 = _interface(
+    "robcl::Rx90",
+    "1.0",
+    0xB63C01C6AD6787F3,
+    (SixAxis,),
+    (),
+    model=_RX90_SERVED_MODEL,
+)
 
 
 class Rx90(SixAxis):

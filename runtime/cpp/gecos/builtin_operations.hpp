@@ -64,6 +64,8 @@ Command<void> stop(const Object& object);
 Command<void> ping(const Object& object);
 Command<Description> describe(const Object& object);
 Command<std::vector<Holder>> holders(const Object& object);
+/// The object's interface and each of its bases as JSON, for clients without generated code.
+Command<std::vector<std::string>> model(const Object& object);
 
 /// The outcome of a command, or its present state.
 struct Outcome {

@@ -39,6 +39,12 @@ std::vector<const Entry*> all_by_code(const InterfaceDescription& interface, Tab
   return all;
 }
 
+void collect_models(const InterfaceDescription& interface, std::vector<std::string_view>& into) {
+  const bool known = std::ranges::find(into, interface.model) != into.end();
+  if (!interface.model.empty() && !known) into.push_back(interface.model);
+  for (const InterfaceDescription* base : interface.inherits) collect_models(*base, into);
+}
+
 }  // namespace
 
 const OperationDescription* InterfaceDescription::find(FunctionCode code) const {
@@ -55,6 +61,12 @@ std::vector<const OperationDescription*> InterfaceDescription::all_operations() 
 
 std::vector<const StreamDescription*> InterfaceDescription::all_streams() const {
   return all_by_code(*this, &InterfaceDescription::streams);
+}
+
+std::vector<std::string_view> InterfaceDescription::all_models() const {
+  std::vector<std::string_view> models;
+  collect_models(*this, models);
+  return models;
 }
 
 bool InterfaceDescription::is_a(std::string_view interface_name) const {

@@ -77,6 +77,9 @@ struct InterfaceDescription {
       operations{};  ///< operations that are not inherited, sorted by code
   std::span<const StreamDescription> streams{};  ///< streams that are not inherited, sorted by code
   qos::Quality quality{};
+  /// This interface as JSON, without its bases, as gidl writes it; empty for the built-in
+  /// operations.
+  std::string_view model{};
 
   /// The own or inherited operation (stream) with this code; null when there is none.
   const OperationDescription* find(FunctionCode code) const;
@@ -84,6 +87,8 @@ struct InterfaceDescription {
   /// All own and inherited operations (streams), each once, sorted by code.
   std::vector<const OperationDescription*> all_operations() const;
   std::vector<const StreamDescription*> all_streams() const;
+  /// The models of this interface and of all its bases, each once.
+  std::vector<std::string_view> all_models() const;
   bool is_a(std::string_view interface_name) const;
 };
 

@@ -36,6 +36,11 @@ def holders(robot: Object) -> Command[list[Holder]]:
     return _answers_of(robot).holders()
 
 
+def model(robot: Object) -> Command[list[str]]:
+    """Asks for the object's interface and each of its bases as JSON: what `gecos.dynamic` reads."""
+    return _answers_of(robot).model()
+
+
 @dataclass(frozen=True, slots=True)
 class Outcome:
     """The outcome of a command, or its present state."""

@@ -125,12 +125,15 @@ class Interface:
     operations: tuple[Operation, ...] = ()  # own and all inherited operations
     streams: tuple[OutwardStream, ...] = ()  # own and all inherited streams
     quality: Quality = ASKED_NOTHING
+    # JSON of the interface and of each of its bases, which the object serves
+    models: tuple[str, ...] = field(default=(), repr=False)
     handlers: Mapping[int, Handler] = field(default_factory=dict, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         """Removes duplicates: several bases may inherit the same operation or stream."""
         object.__setattr__(self, "operations", tuple(dict.fromkeys(self.operations)))
         object.__setattr__(self, "streams", tuple(dict.fromkeys(self.streams)))
+        object.__setattr__(self, "models", tuple(dict.fromkeys(self.models)))
 
 
 def nothing(source: Decoder) -> None:
@@ -280,8 +283,10 @@ def interface(
     bases: Iterable[type],
     methods: Iterable[Method[Any, Any]],
     quality: Quality = ASKED_NOTHING,
+    model: str = "",
 ) -> Interface:
-    """Builds an interface with its own and all inherited members. `bases` are proxy classes."""
+    """Builds an interface with its own and all inherited members. `bases` are proxy classes,
+    `model` is the JSON of the interface itself."""
     inherited: list[Interface] = [base._gecos_interface for base in bases]  # type: ignore[attr-defined]
     own = tuple(methods)
     handlers = {code: each for base in inherited for code, each in base.handlers.items()}
@@ -300,5 +305,6 @@ def interface(
         operations=(*operations, *(each.operation for each in own)),
         streams=(*streams, *(each.stream for each in own if each.stream is not None)),
         quality=quality,
+        models=(*(m for base in inherited for m in base.models), *([model] if model else ())),
         handlers=handlers,
     )

@@ -19,6 +19,9 @@ struct OwnedDescription {
   std::vector<std::string_view> bases;
   std::vector<OperationDescription> operations;
   std::vector<StreamDescription> streams;
+  /// The operations of the bases are in `operations`; these descriptions only have their models.
+  std::deque<InterfaceDescription> models;
+  std::vector<const InterfaceDescription*> inherits;
   InterfaceDescription table;
 
   std::string_view keep(nb::handle text) { return texts.emplace_back(nb::cast<std::string>(text)); }
@@ -100,6 +103,9 @@ const InterfaceDescription& description_of(nb::handle interface) {
   for (const nb::handle stream : interface.attr("streams")) {
     made.streams.push_back(stream_of(stream, made));
   }
+  for (const nb::handle model : interface.attr("models")) {
+    made.models.emplace_back().model = made.keep(model);
+  }
   const auto by_code = [](const auto& a, const auto& b) { return a.code < b.code; };
   std::ranges::sort(made.operations, by_code);
   std::ranges::sort(made.streams, by_code);
@@ -112,6 +118,8 @@ const InterfaceDescription& description_of(nb::handle interface) {
   owned.table.bases = owned.bases;
   owned.table.operations = owned.operations;
   owned.table.streams = owned.streams;
+  for (const InterfaceDescription& each : owned.models) owned.inherits.push_back(&each);
+  owned.table.inherits = owned.inherits;
   interface.inc_ref();  // never released, so that no other interface gets this address
   known.emplace(interface.ptr(), &owned.table);
   return owned.table;

@@ -33,6 +33,7 @@ from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.includes import system_headers
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.values.structs import Structs
+from gidl.targets.served_model import served_model
 from gidl.wire_layout import CallKind
 
 
@@ -146,4 +147,5 @@ class _Interface(Tables, Client, ServerSide):
             tuple(self._row(call) for call in self._calls),
             tuple(self._stream_row(attribute) for attribute in self._own_streams()),
             ", ".join(quality(interface.qos)),
+            served_model(self._model, self._layout, interface),
         )

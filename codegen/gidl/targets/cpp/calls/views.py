@@ -41,6 +41,7 @@ class DescriptionView:
     operations: tuple[OperationRow, ...]  # own operations, sorted by function code
     streams: tuple[StreamRow, ...]
     quality: str  # "" if the interface demands no quality
+    model: str  # JSON that the object serves; "" for the built-in operations
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,6 +24,7 @@ from gidl.targets.python.homes import ModuleNames
 from gidl.targets.python.imports import export_order, import_lines, private
 from gidl.targets.python.lower import Lowering
 from gidl.targets.python.values.names import type_doc
+from gidl.targets.served_model import served_model
 from gidl.wire_layout import CallKind
 
 
@@ -127,6 +128,8 @@ class _Interface(Members):
             tuple(self._module.servant(base) for base in derived_from) or ("_Servant",),
             tuple(self._module.proxy(base) for base in interface.bases),
             "" if asked == "_Quality()" else asked,
+            served_model(self._model, self._layout, interface),
+            self.constants.name(self._name, "served", "model"),
             methods=tuple(self._table(call) for call in calls),
             members=tuple(self._proxy_member(call) for call in calls),
             handlers=tuple(self._handler(call) for call in calls),

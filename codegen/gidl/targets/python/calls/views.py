@@ -65,6 +65,8 @@ class InterfaceView:
     server_bases: tuple[str, ...]
     base_proxies: tuple[str, ...]  # proxies of the direct bases
     quality: str  # "" if the interface demands no quality
+    model: str  # JSON that the object serves; "" for the built-in operations
+    model_constant: str
     hidden: tuple[str, ...]  # types that a method hides; type hints use an alias such as `_list_`
     methods: tuple[MethodTableView, ...]
     members: tuple[ProxyMemberView, ...]

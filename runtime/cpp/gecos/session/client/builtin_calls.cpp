@@ -116,6 +116,11 @@ Command<std::vector<Holder>> holders(const Object& object) {
           read_result<GecosObject_holders_result, std::vector<Holder>>};
 }
 
+Command<std::vector<std::string>> model(const Object& object) {
+  return {own_call(*session_of(object), GecosObjectInterface::model),
+          read_result<GecosObject_model_result, std::vector<std::string>>};
+}
+
 std::ostream& operator<<(std::ostream& out, const Outcome& outcome) {
   return out << outcome.detail << (outcome.text.empty() ? "" : ": ") << outcome.text;
 }

@@ -2,7 +2,9 @@
 
 #include <unistd.h>
 
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "gecos/base/log.hpp"
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
@@ -28,6 +30,7 @@ void BuiltinOperations::answer(const std::shared_ptr<ServerSession>& session,
   if (asked == &BuiltIn::stop) return stop(*session, counter);
   if (asked == &BuiltIn::ping) return session->reply(counter, ByteView{});
   if (asked == &BuiltIn::describe) return describe(*session, counter);
+  if (asked == &BuiltIn::model) return model(*session, counter);
   if (asked == &BuiltIn::acquire) return acquire(session, counter, arguments);
   if (asked == &BuiltIn::release) return release(*session, counter, arguments);
   if (asked == &BuiltIn::subscribe) return subscribe(*session, counter, arguments);
@@ -65,6 +68,11 @@ void BuiltinOperations::describe(ServerSession& session, std::uint64_t counter) 
   about.registration = claim_.text();
   about.handlers = calls_.handlers().shown(setup_.clock().since_boot());
   session.reply(counter, wire::encoded(GecosObject_describe_result{std::move(about)}));
+}
+
+void BuiltinOperations::model(ServerSession& session, std::uint64_t counter) {
+  const std::vector<std::string_view> models = setup_.interface.all_models();
+  session.reply(counter, wire::encoded(GecosObject_model_result{{models.begin(), models.end()}}));
 }
 
 void BuiltinOperations::acquire(const std::shared_ptr<ServerSession>& session,

@@ -1,0 +1,72 @@
+"""The model that every object serves: its interfaces as JSON, for clients without generated code.
+
+Each interface has a text of its own, with its own members and the types that these use, directly or
+through other types, as in generated/model. A client asks for the texts of an object's interface and
+of all its bases. The text has a line for each declaration and each member, and is plain ASCII.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+
+from gidl.model import (
+    BUILT_IN,
+    Attribute,
+    Interface,
+    Model,
+    Type,
+)
+from gidl.model_json import declaration_json
+from gidl.targets.reach import named_types, reached_types
+from gidl.wire_layout import Layout
+
+
+def served_model(model: Model, layout: Layout, interface: Interface) -> str:
+    """The text for `interface`; "" for the built-in operations, which every client knows."""
+    if interface.name == BUILT_IN:
+        return ""
+    names = _used(model, interface)
+    used = [d for d in model.declarations() if d.name in names]
+    types = [d for d in used if not isinstance(d, Interface)]
+    references = [d.name for d in used if isinstance(d, Interface)]
+    head = declaration_json(model, layout, interface)
+    members = head.pop("members", [])
+    assert isinstance(members, list)
+    parts = [
+        f'{{"interface":{_text(head)[:-1]},"members":{_lines(members)}}}',
+        f'"types":{_lines([declaration_json(model, layout, d) for d in types])}',
+        f'"references":{_text(references)}}}',
+    ]
+    return ",\n".join(parts)
+
+
+def _text(value: object) -> str:
+    # No quote of Python or C++ can be in the text, so that it may stand in a raw literal of both.
+    return json.dumps(value, separators=(",", ":")).replace("'", "\\u0027")
+
+
+def _lines(values: Sequence[object]) -> str:
+    return "[" + ",".join(f"\n{_text(value)}" for value in values) + "]"
+
+
+def _used(model: Model, interface: Interface) -> set[str]:
+    """Names of all declarations that the interface's own members need."""
+    found = {name for used in _member_types(interface) for name in named_types(used)}
+    for member in interface.members:
+        raised = (
+            (*member.get_raises, *member.set_raises)
+            if isinstance(member, Attribute)
+            else member.raises
+        )
+        found.update(raised)
+    return reached_types(model, found)
+
+
+def _member_types(interface: Interface) -> Iterator[Type]:
+    for member in interface.members:
+        if isinstance(member, Attribute):
+            yield member.type
+            continue
+        yield from (p.type for p in member.parameters)
+        yield from (t for t in (member.result, member.feedback) if t is not None)
