@@ -93,8 +93,18 @@ ROWS = (
     ),
     _row(
         r"gecos\.cli(\..*)?",
-        r"typer(\..*)?|rich(\..*)?|gecos(\..*)?|gecos_idl\.\w+",
-        "the command stands on gecos, with typer and rich",
+        r"click(\..*)?|rich(\..*)?|gecos(\..*)?|gecos_idl\.\w+",
+        "the command stands on gecos, with click and rich",
+    ),
+    _row(
+        r"gecos\.dynamic_client\.connect",
+        r"gecos(\..*)?|gecos_idl\.(?:broker|\w+_types)",
+        "objects of any interface are found through the generated proxy of the broker",
+    ),
+    _row(
+        r"gecos\.dynamic_client(\..*)?",
+        r"gecos(\..*)?",
+        "a dynamic client needs no generated code",
     ),
     _row(
         r"gecos\.builtin_operations",

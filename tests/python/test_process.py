@@ -154,7 +154,7 @@ def test_a_killed_server_ends_the_command_of_its_client(lab: gecos.Lab) -> None:
 def test_importing_the_codec_needs_neither_extension_nor_numpy() -> None:
     program = (
         "import sys, gecos.wire, gecos.errors; "
-        "print(*sorted({'gecos._core', 'numpy', 'asyncio', 'typer', 'rich'} & set(sys.modules)))"
+        "print(*sorted({'gecos._core', 'numpy', 'asyncio', 'click', 'rich'} & set(sys.modules)))"
     )
     with running(program) as client:
         out, err = client.communicate(timeout=30)

@@ -203,7 +203,7 @@ def test_a_forbidden_import_is_found(path: str, statement: str, named: str) -> N
         ("codegen/gidl/targets/cpp/lower.py", "from gidl.targets.cpp.view import File"),
         ("runtime/python/gecos/wire/codes.py", "import numpy as np, struct"),
         ("runtime/python/gecos/command.py", "from gecos import _core"),
-        ("runtime/python/gecos/cli/main.py", "import typer"),
+        ("runtime/python/gecos/cli/main.py", "import click"),
         ("runtime/python/robcl/frames/__init__.py", "from .frame import Frame"),
         ("generated/python/robcl/gripper_types.py", "from robcl.frames import Frame"),
         ("generated/python/robcl/gripper_types.py", "from gecos.wire import Decoder"),

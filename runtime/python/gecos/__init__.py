@@ -19,11 +19,14 @@ if TYPE_CHECKING:
     from gecos.builtin_operations import Outcome as Outcome
     from gecos.builtin_operations import describe as describe
     from gecos.builtin_operations import holders as holders
+    from gecos.builtin_operations import model as model
     from gecos.builtin_operations import outcome as outcome
     from gecos.builtin_operations import ping as ping
     from gecos.builtin_operations import stop as stop
     from gecos.command import Command as Command
     from gecos.command import Progress as Progress
+    from gecos.dynamic_client import DynamicObject as DynamicObject
+    from gecos.dynamic_client.connect import dynamic as dynamic
     from gecos.errors import Attempt as Attempt
     from gecos.errors import CommandFailed as CommandFailed
     from gecos.errors import ConnectionFailed as ConnectionFailed
@@ -57,6 +60,8 @@ if TYPE_CHECKING:
 _NAMES = {
     "broker": "Broker",
     "command": "Command Progress",
+    "dynamic_client": "DynamicObject",
+    "dynamic_client.connect": "dynamic",
     "errors": "Attempt CommandFailed ConnectionFailed CreateError DeclaredError Detail "
     "DroppedLeaseWarning Interrupted LeaseRefused Rejected ServeError State StreamLost "
     "UnobservedCommandWarning",
@@ -64,7 +69,7 @@ _NAMES = {
     "lab": "Lab",
     "lease": "Lease actor master",
     "proxy": "Object StreamAttribute reference with_deadline",
-    "builtin_operations": "Outcome describe holders outcome ping stop",
+    "builtin_operations": "Outcome describe holders model outcome ping stop",
     "servant": "Servant",
     "server": "Server serve",
     "stream": "Sample Stream",

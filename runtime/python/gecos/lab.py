@@ -15,6 +15,8 @@ from gecos.proxy import Object
 if TYPE_CHECKING:
     from gecos_idl.object_ref_types import ObjectRef
 
+    from gecos.dynamic_client import DynamicObject
+
 P = TypeVar("P", bound=Object)
 
 
@@ -57,6 +59,23 @@ class Lab:
         if isinstance(created, list):
             raise CreateError([Attempt(name, Detail(d), reason) for name, d, reason in created])
         return interface(created)
+
+    def dynamic(
+        self, name: str, *, medium: str | None = None, patience: float = 2.0
+    ) -> DynamicObject:
+        """Connects to the object called `name` without generated code, by the model that the object
+        serves. The proxy has the members of a generated one; values are plain data, as in JSON:
+
+            gripper = lab.dynamic("GRIPPER")
+            gripper.max_width().result()  # 0.08
+            with gecos.actor(gripper):
+                gripper.open(width=0.05).result()
+
+        Raises CreateError like `create`, and ModelError if the object serves no valid model.
+        """
+        from gecos.dynamic_client.connect import connect
+
+        return connect(self, name, medium=medium, patience=patience)
 
     def broker(self, interface: type[P], *, patience: float = 2.0) -> P:
         """Connects to the broker itself: pass `gecos_idl.broker.Broker` as `interface`.

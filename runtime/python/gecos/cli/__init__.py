@@ -1,10 +1,10 @@
-"""The `gecos` command: lists objects, shows their states and holders, stops them."""
+"""The `gecos` command: lists, shows, reads, sets, calls and stops the objects of a laboratory."""
 
 from __future__ import annotations
 
 
 def main() -> int:
-    """Runs the command line. Exit code 0: success, 1: the command failed, 2: wrong usage."""
+    """Runs the command line. `gecos.cli.exit_codes` explains the exit codes."""
     from gecos.cli.app import run
 
     return run()

@@ -1,67 +1,175 @@
-"""The commands of `gecos` and their options. The module `report` prints their output."""
+"""The verbs of `gecos` for objects as a whole, and the start of the command line."""
 
 from __future__ import annotations
 
+import json
 import sys
 import threading
-from collections.abc import Callable
-from typing import Annotated, TypeVar
+import time
 
-import typer
+import click
 
-import gecos
-from gecos import _core
-from gecos.cli import report
-from gecos.cli.laboratory import entries, find
-from gecos.termination_signals import TerminationSignals
+from gecos.cli import members, report
+from gecos.cli.exit_codes import ExitCode, exit_code, failure_json
+from gecos.cli.options import broker_option, json_option, name_argument, plain, print_json
 
-T = TypeVar("T")
-Name = Annotated[str, typer.Argument(help="Name under which the object is served, as RX90")]
-BrokerAddress = Annotated[
-    str | None,
-    typer.Option("--broker", help="Address of the broker; default: GECOS_BROKER, else this host"),
-]
 
-app = typer.Typer(
-    help="Lists, shows and stops the objects of a robot laboratory, and runs a broker.",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
+def _print_version(context: click.Context, _: click.Parameter, asked: bool) -> None:
+    if asked:
+        print(f"gecos {_version()}")
+        context.exit()
+
+
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("robcl")
+    except PackageNotFoundError:
+        return "of a source tree, which is not installed"
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_print_version,
+    help="Print the version and exit.",
 )
+def app() -> None:
+    """Shows, calls and stops the objects of a robot laboratory, and runs a broker.
+
+    Exit codes: 0 FINISHED, 2 wrong usage, 3 COMMAND_FAILED, 4 CONNECTION_FAILED, 5 access DENIED or
+    REFUSED (wins over 3 and 4).
+    """
 
 
 @app.command("ls")
-def list_objects(broker: BrokerAddress = None) -> None:
+@broker_option
+@json_option
+def list_objects(broker: str | None, as_json: bool) -> None:
     """Lists the objects that are online."""
+    import gecos
+    from gecos.dynamic_client.connect import entries
+
     with gecos.Lab(broker) as lab:
-        report.objects(entries(lab))
+        found = entries(lab)
+    if as_json:
+        print_json([plain(entry) for entry in found])
+    else:
+        report.objects(found)
 
 
 @app.command()
-def describe(name: Name, broker: BrokerAddress = None) -> None:
-    """Shows the type and the state of an object."""
+@name_argument
+@broker_option
+@json_option
+def describe(name: str, broker: str | None, as_json: bool) -> None:
+    """Shows the type and state of an object, and its operations, attributes and streams."""
+    import gecos
+    from gecos.dynamic_client import read_model
+    from gecos.dynamic_client.connect import find, served_models
+
     with gecos.Lab(broker) as lab:
-        report.description(gecos.describe(find(lab, name)).result())
+        found = find(lab, name)
+        state = gecos.describe(found).result()
+        models = served_models(found)
+    if as_json:
+        print_json(plain(state) | {"models": [json.loads(text) for text in models]})
+        return
+    report.description(state)
+    if models:
+        report.members(read_model(models, state.interface_name))
 
 
 @app.command()
-def holders(name: Name, broker: BrokerAddress = None) -> None:
+@name_argument
+@broker_option
+@json_option
+def holders(name: str, broker: str | None, as_json: bool) -> None:
     """Shows the clients that hold actor or master status of an object."""
+    import gecos
+    from gecos.dynamic_client.connect import find
+
     with gecos.Lab(broker) as lab:
-        report.holders(name, gecos.holders(find(lab, name)).result())
+        found = gecos.holders(find(lab, name)).result()
+    if as_json:
+        print_json([plain(holder) for holder in found])
+    else:
+        report.holders(name, found)
 
 
 @app.command()
-def stop(name: Name, broker: BrokerAddress = None) -> None:
-    """Stops an object for all clients: ends all leases, drops the queue, interrupts handlers."""
+@click.argument("names", metavar="NAME...", nargs=-1)
+@click.option("--all", "everything", is_flag=True, help="Stop every object that is online.")
+@broker_option
+@json_option
+def stop(names: tuple[str, ...], everything: bool, broker: str | None, as_json: bool) -> None:
+    """Stops objects for all clients: ends all leases, drops the queues, interrupts handlers."""
+    import gecos
+    from gecos.dynamic_client.connect import entries, find
+
+    if bool(names) == everything:
+        raise click.UsageError("name the objects to stop, or give --all")
     with gecos.Lab(broker) as lab:
-        gecos.stop(find(lab, name)).result()
-        print(f"{name}: stopped")
+        wanted = [entry.name for entry in entries(lab)] if everything else list(names)
+        failures: list[Exception] = []
+        stopped = []
+        for name in wanted:  # one that cannot be reached does not keep the others moving
+            try:
+                gecos.stop(find(lab, name)).result()
+            except (ConnectionError, RuntimeError) as error:
+                failures.append(error)
+                continue
+            stopped.append(name)
+            if not as_json:
+                print(f"{name}: stopped")
+    if as_json:
+        print_json({"stopped": stopped, "failed": [failure_json(e)["error"] for e in failures]})
+    elif not wanted:
+        print("no object is online")
+    for error in failures:
+        print(f"gecos: {error}", file=sys.stderr)
+    if failures:
+        sys.exit(max(exit_code(error) for error in failures))
+
+
+@app.command()
+@name_argument
+@click.option("--timeout", type=click.FloatRange(min=0), help="Seconds; the default is no limit.")
+@broker_option
+@json_option
+def wait(name: str, timeout: float | None, broker: str | None, as_json: bool) -> None:
+    """Waits until an object is online."""
+    import gecos
+    from gecos.dynamic_client.connect import find
+
+    between = 0.1  # s; a broker announces no changes yet
+    end = None if timeout is None else time.monotonic() + timeout
+    with gecos.Lab(broker) as lab:
+        while True:
+            try:
+                found = find(lab, name)
+                break
+            except gecos.CreateError:
+                if end is not None and time.monotonic() >= end:
+                    raise
+                time.sleep(between)
+    if as_json:
+        print_json({"name": name, "type": found._gecos_interface.name})
+    else:
+        print(f"{name}: online")
 
 
 @app.command("broker")
 def run_broker() -> None:
     """Runs this host's broker until Ctrl-C."""
+    import gecos
+    from gecos import _core
+    from gecos.termination_signals import TerminationSignals
+
     with TerminationSignals() as signals, gecos.Lab() as lab, gecos.Broker(lab):
         print("broker: ready", flush=True)
         others = threading.Thread(target=_core.warn_of_other_brokers)
@@ -70,25 +178,27 @@ def run_broker() -> None:
         others.join()
 
 
+for verb in (members.get, members.set_, members.call, members.watch, members.hz):
+    app.add_command(verb)
+
+
 def run() -> int:
-    return _reporting(lambda: app(standalone_mode=False))
-
-
-def _reporting(command: Callable[[], object]) -> int:
-    """Runs `command` and returns the exit code; prints the reason of a failure in one line."""
+    """Runs the command line and returns the exit code. A failure is printed in one line."""
     try:
-        code = command()
-    except KeyboardInterrupt:
-        return 130
-    except (ConnectionError, RuntimeError, PermissionError) as error:
-        print(f"gecos: {error}", file=sys.stderr)
-        return 1
-    except typer.Exit as end:
+        code = app(standalone_mode=False)
+    except click.exceptions.Exit as end:
         return end.exit_code
-    except Exception as error:
-        show = getattr(error, "show", None)  # click's usage errors print themselves
-        if show is None:
-            raise
-        show()
-        return 2
-    return code if isinstance(code, int) else 0
+    except click.Abort:
+        return ExitCode.INTERRUPTED
+    except click.ClickException as wrong:
+        wrong.show()
+        return ExitCode.USAGE
+    except SystemExit as end:
+        return int(end.code or 0)
+    except (KeyboardInterrupt, OSError, RuntimeError, ValueError, TypeError, LookupError) as error:
+        if "--json" in sys.argv:
+            print_json(failure_json(error))
+        elif not isinstance(error, KeyboardInterrupt):
+            print(f"gecos: {error}", file=sys.stderr)
+        return exit_code(error)
+    return code if isinstance(code, int) else ExitCode.FINISHED

@@ -1,13 +1,18 @@
-"""Prints the output of the commands of `gecos` as tables, on a terminal and into a pipe."""
+"""Prints the output of the commands of `gecos` for people, on a terminal and into a pipe."""
 
 from __future__ import annotations
 
+import json
+import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
 
 if TYPE_CHECKING:
     from gecos_idl.broker_types import Entry
     from gecos_idl.object_types import Description, Holder, RunningHandler
+
+    from gecos.dynamic_client import Attribute, Member, Model, Operation, Value
 
 
 def objects(entries: Sequence[Entry]) -> None:
@@ -77,6 +82,123 @@ def holders(name: str, who: Sequence[Holder]) -> None:
         for holder in who
     ]
     _table(("status", "client", "program", "pid", "held for", "ends if silent"), rows)
+
+
+def members(model: Model) -> None:
+    """The attributes and operations of an interface, with units, ranges and access."""
+    from gecos.dynamic_client import Attribute
+
+    shown = list(dict.fromkeys(model.members))
+    attributes = [each for each in shown if isinstance(each, Attribute)]
+    operations = [each for each in shown if not isinstance(each, Attribute)]
+    if attributes:
+        print("\nattributes")
+    for attribute in attributes:
+        print(f"  {attribute.name}: {_typed(attribute.result)}{_how_read(attribute)}")
+        _doc(attribute)
+    if operations:
+        print("\noperations")
+    for operation in operations:
+        inputs = ", ".join(f"{p.name}: {_typed(p)}{_default(p)}" for p in operation.inputs)
+        outputs = ", ".join(_typed(p) for p in operation.outputs)
+        gives = f" -> {outputs}" if outputs else ""
+        print(f"  {operation.name}({inputs}){gives}{_how_called(operation)}")
+        _doc(operation)
+
+
+def _doc(member: Member) -> None:
+    for line in member.doc.splitlines():
+        print(f"      {line.strip()}")
+
+
+def _typed(value: Value) -> str:
+    """The type of a value with unit and range: "double [m, 0.01 to 1.0]"."""
+    notes = [note for note in (value.unit, value.range) if note]
+    return value.type + (f" [{', '.join(notes)}]" if notes else "")
+
+
+def _default(value: Value) -> str:
+    if value.optional:
+        return "?"
+    if value.default is None:
+        return ""
+    return f" = {json.dumps(value.default, ensure_ascii=False)}"
+
+
+def _how_read(attribute: Attribute) -> str:
+    words = [] if attribute.access == 0 else [f"read: {attribute.access.name.lower()}"]
+    if attribute.can_be_set:
+        words.append(f"set: {attribute.write_access.name.lower()}")
+    if attribute.stream is not None:
+        rate = f" at {attribute.stream.rate_hz:g} Hz" if attribute.stream.rate_hz else ""
+        words.append(f"stream {attribute.stream.direction}{rate}")
+    return f"  ({', '.join(words)})" if words else ""
+
+
+def _how_called(operation: Operation) -> str:
+    words = ["event" if operation.kind == "event" else operation.access.name.lower()]
+    words += [word for word in ("safety", "cancelable", "idempotent") if getattr(operation, word)]
+    if operation.feedback:
+        words.append(f"feedback {operation.feedback}")
+    if operation.raises:
+        words.append(f"raises {', '.join(operation.raises)}")
+    return f"  ({', '.join(words)})"
+
+
+def value(of: Any, unit: str) -> None:
+    """A result or an attribute; values with members as indented JSON."""
+    print(_text(of, indent=2) + (f" {unit}" if unit and not isinstance(of, dict | list) else ""))
+
+
+def _text(of: Any, indent: int | None = None) -> str:
+    if isinstance(of, str):
+        return of
+    return json.dumps(of, indent=indent, ensure_ascii=False)
+
+
+def rate(line: dict[str, Any]) -> None:
+    lost = f", {line['lost']} lost" if line["lost"] else ""
+    periods = ""
+    if line["min_period"] is not None:
+        shortest, longest = line["min_period"] * 1e3, line["max_period"] * 1e3
+        periods = f", period {shortest:.2f} to {longest:.2f} ms"
+    print(f"{line['rate']:.1f} Hz{periods}{lost}", flush=True)
+
+
+class Samples:
+    """Shows one sample after another: in place on a terminal, else a line for each."""
+
+    def __init__(self, as_json: bool) -> None:
+        self._as_json = as_json
+        self._in_place = sys.stdout.isatty() and not as_json
+        self._lines = 0
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._in_place:
+            print()
+
+    def show(self, sample: dict[str, Any]) -> None:
+        if self._as_json:
+            print(json.dumps(sample, ensure_ascii=False), flush=True)
+        elif self._in_place:
+            self._redraw(_text(sample["value"], indent=2).splitlines())
+        else:
+            print(_text(sample["value"]), flush=True)
+
+    def _redraw(self, lines: list[str]) -> None:
+        """Replaces the lines of the previous sample."""
+        up = f"\x1b[{self._lines - 1}A" if self._lines > 1 else ""
+        clear = "\r" + up + "\x1b[J" if self._lines else ""
+        print(clear + "\n".join(lines), end="", flush=True)
+        self._lines = len(lines)
 
 
 def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

@@ -1,0 +1,71 @@
+"""The exit codes of the command `gecos`, and the failures that they stand for.
+
+0 the command FINISHED; 1 the environment is wrong, as a setting that is not valid; 2 wrong usage;
+3 COMMAND_FAILED; 4 CONNECTION_FAILED; 5 access was DENIED or REFUSED, which wins over 3 and 4;
+130 ended by Ctrl-C.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import Any
+
+from gecos.errors import (
+    CommandFailed,
+    ConnectionFailed,
+    CreateError,
+    DeclaredError,
+    Detail,
+    LeaseRefused,
+    State,
+)
+
+
+class ExitCode(IntEnum):
+    FINISHED = 0
+    ENVIRONMENT = 1
+    USAGE = 2
+    COMMAND_FAILED = 3
+    CONNECTION_FAILED = 4
+    NO_ACCESS = 5
+    INTERRUPTED = 130
+
+
+_NO_ACCESS = (Detail.DENIED, Detail.REFUSED)
+
+
+def exit_code(error: BaseException) -> ExitCode:
+    """The exit code for a failure of a command."""
+    if isinstance(error, KeyboardInterrupt):
+        return ExitCode.INTERRUPTED
+    if isinstance(error, LeaseRefused) or _details(error) & set(_NO_ACCESS):
+        return ExitCode.NO_ACCESS
+    if isinstance(error, CommandFailed | TimeoutError):
+        return ExitCode.COMMAND_FAILED
+    if isinstance(error, ConnectionError):
+        return ExitCode.CONNECTION_FAILED
+    if isinstance(error, ValueError | TypeError | LookupError):
+        return ExitCode.USAGE
+    return ExitCode.ENVIRONMENT
+
+
+def failure_json(error: BaseException) -> dict[str, Any]:
+    """A failure as `--json` shows it."""
+    shown: dict[str, Any] = {"exit_code": int(exit_code(error)), "text": str(error)}
+    details = _details(error)
+    if details:
+        detail = next((d for d in _NO_ACCESS if d in details), max(details))
+        shown |= {"detail": detail.name, "state": detail.state.name}
+    elif isinstance(error, LeaseRefused):
+        shown |= {"detail": Detail.DENIED.name, "state": State.COMMAND_FAILED.name}
+    if isinstance(error, DeclaredError):
+        shown["exception"] = error._gecos_name
+    return {"error": shown}
+
+
+def _details(error: BaseException) -> set[Detail]:
+    if isinstance(error, CreateError):
+        return {attempt.detail for attempt in error.attempts}
+    if isinstance(error, CommandFailed | ConnectionFailed):
+        return {error.detail}
+    return set()

@@ -1,0 +1,284 @@
+"""The verbs of `gecos` for the members of an object: get, set, call, watch and hz."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gecos.cli import report
+from gecos.cli.options import broker_option, json_option, name_argument, print_json, value_of
+
+if TYPE_CHECKING:
+    from gecos.command import Command
+    from gecos.dynamic_client import DynamicObject
+    from gecos.lease import Lease
+    from gecos.stream import Sample
+
+password_option = click.option(
+    "--password", default="", help="Share the status of clients that give the same password."
+)
+timeout_option = click.option(
+    "--timeout", type=click.FloatRange(min=0), help="Seconds; the default is no limit."
+)
+_REDRAW = 0.1  # s between two drawings of a progress bar
+
+
+@contextmanager
+def _connected(broker: str | None, name: str) -> Iterator[DynamicObject]:
+    import gecos
+    from gecos.dynamic_client.connect import connect
+
+    with gecos.Lab(broker) as lab:
+        yield connect(lab, name)
+
+
+def _status(robot: DynamicObject, access: Any, password: str) -> Lease | nullcontext[None]:
+    """The status that a call needs, for the time of the call."""
+    import gecos
+    from gecos.interface import Access
+
+    if access is Access.SENSOR:
+        return nullcontext()
+    return (gecos.master if access is Access.MASTER else gecos.actor)(robot, password)
+
+
+@click.command()
+@name_argument
+@click.argument("attribute")
+@broker_option
+@json_option
+def get(name: str, attribute: str, broker: str | None, as_json: bool) -> None:
+    """Reads an attribute."""
+    from gecos.dynamic_client import by_name
+
+    with _connected(broker, name) as robot:
+        value = by_name.read(robot, attribute).result()
+        unit = by_name.attribute(robot, attribute).result.unit
+    if as_json:
+        print_json({"name": name, "attribute": attribute, "value": value, "unit": unit})
+    else:
+        report.value(value, unit)
+
+
+@click.command("set")
+@name_argument
+@click.argument("attribute")
+@click.argument("value")
+@password_option
+@broker_option
+@json_option
+def set_(
+    name: str, attribute: str, value: str, password: str, broker: str | None, as_json: bool
+) -> None:
+    """Sets an attribute. VALUE is JSON, or the name of an enumerator."""
+    from gecos.dynamic_client import by_name
+
+    with _connected(broker, name) as robot:
+        needed = by_name.attribute(robot, attribute).write_access
+        with _status(robot, needed, password):
+            by_name.write(robot, attribute, value_of(value)).result()
+    if as_json:
+        print_json({"name": name, "attribute": attribute, "state": "FINISHED"})
+    else:
+        print(f"{name}: {attribute} is set")
+
+
+@click.command()
+@name_argument
+@click.argument("operation")
+@click.argument("arguments", nargs=-1, metavar="[JSON | PARAMETER=VALUE...]")
+@password_option
+@timeout_option
+@broker_option
+@json_option
+def call(
+    name: str,
+    operation: str,
+    arguments: tuple[str, ...],
+    password: str,
+    timeout: float | None,
+    broker: str | None,
+    as_json: bool,
+) -> None:
+    """Calls an operation and waits for its end.
+
+    The arguments are one JSON object, '{"width": 0.05}', or PARAMETER=VALUE for each parameter.
+    Acquires the status that the operation needs for the time of the call. Ctrl-C, or the end of
+    --timeout, cancels the call.
+    """
+    from gecos.dynamic_client import by_name
+
+    given = _arguments(arguments)
+    with _connected(broker, name) as robot:
+        called = by_name.operation(robot, operation)
+        access = None if called.safety else called.access
+        with _status(robot, access, password) if access is not None else nullcontext():
+            command = by_name.call(robot, operation, given)
+            try:
+                _wait(command, f"{name}.{operation}", timeout, called.cancelable and not as_json)
+                value = command.result(0)
+            except (KeyboardInterrupt, TimeoutError):
+                command.cancel()
+                command.wait(1.0)
+                raise
+    if as_json:
+        print_json({"name": name, "operation": operation, "state": "FINISHED", "result": value})
+    elif called.outputs:
+        report.value(value, called.outputs[0].unit if len(called.outputs) == 1 else "")
+    else:
+        print(f"{name}.{operation}: FINISHED")
+
+
+def _arguments(words: tuple[str, ...]) -> dict[str, Any]:
+    if len(words) == 1 and words[0].lstrip().startswith("{"):
+        given = value_of(words[0])
+        if not isinstance(given, dict):
+            raise click.BadParameter(f"not a JSON object: {words[0]}", param_hint="arguments")
+        return given
+    found: dict[str, Any] = {}
+    for word in words:
+        name, equals, value = word.partition("=")
+        if not equals or not name:
+            raise click.BadParameter(
+                f"{word!r} is neither a JSON object nor PARAMETER=VALUE", param_hint="arguments"
+            )
+        if name in found:
+            raise click.BadParameter(f"{name} is given twice", param_hint="arguments")
+        found[name] = value_of(value)
+    return found
+
+
+def _wait(command: Command[Any, Any], label: str, timeout: float | None, shows: bool) -> None:
+    """Waits for the end of a command, with a progress bar on a terminal."""
+    from gecos.errors import State
+
+    end = None if timeout is None else time.monotonic() + timeout
+    if not (shows and sys.stderr.isatty()):
+        if command.wait(timeout) is State.RUNNING:
+            raise TimeoutError(f"{label} has not ended within {timeout} s and was canceled")
+        return
+    with click.progressbar(length=1000, label=label, file=sys.stderr, show_eta=False) as bar:
+        while command.wait(_REDRAW) is State.RUNNING:
+            bar.update(max(0, int(command.progress().fraction * 1000) - bar.pos))
+            if end is not None and time.monotonic() >= end:
+                raise TimeoutError(f"{label} has not ended within {timeout} s and was canceled")
+        bar.update(1000 - bar.pos if command.state is State.FINISHED else 0)
+
+
+@click.command()
+@name_argument
+@click.argument("attribute")
+@click.option("--count", type=click.IntRange(min=1), help="End after so many values.")
+@click.option("--every", type=click.FloatRange(min=0.01), default=1.0, show_default=True,
+              help="Seconds between two readings of an attribute that is not a stream.")  # fmt: skip
+@broker_option
+@json_option
+def watch(
+    name: str,
+    attribute: str,
+    count: int | None,
+    every: float,
+    broker: str | None,
+    as_json: bool,
+) -> None:
+    """Shows an attribute again and again: the samples of its stream, or readings.
+
+    On a terminal the newest value is drawn in place; into a pipe, each value is a line.
+    """
+    with _connected(broker, name) as robot:
+        samples = _samples(robot, attribute, every)
+        with report.Samples(as_json) as shown:
+            for number, sample in enumerate(samples, 1):
+                shown.show(sample)
+                if number == count:
+                    return
+
+
+def _samples(robot: DynamicObject, attribute: str, every: float) -> Iterator[dict[str, Any]]:
+    from gecos.dynamic_client import by_name
+
+    if by_name.attribute(robot, attribute).stream is not None:
+        with _subscribed(robot, attribute) as stream:
+            for sample in stream:
+                yield _sample_json(sample)
+        return
+    while True:
+        yield {"value": by_name.read(robot, attribute).result()}
+        time.sleep(every)
+
+
+@contextmanager
+def _subscribed(robot: DynamicObject, attribute: str) -> Iterator[Any]:
+    from gecos.dynamic_client import by_name
+
+    stream = by_name.subscribe(robot, attribute)
+    try:
+        yield stream
+    finally:
+        stream.close()
+
+
+def _sample_json(sample: Sample[Any]) -> dict[str, Any]:
+    return {
+        "value": sample.value,
+        "sequence": sample.sequence,
+        "lost": sample.lost,
+        "stamp": sample.stamp,
+        "age": sample.age,
+    }
+
+
+@click.command()
+@name_argument
+@click.argument("stream")
+@click.option("--count", type=click.IntRange(min=1), help="End after so many lines.")
+@click.option("--window", type=click.FloatRange(min=0.1), default=1.0, show_default=True,
+              help="Seconds that each line counts.")  # fmt: skip
+@broker_option
+@json_option
+def hz(
+    name: str, stream: str, count: int | None, window: float, broker: str | None, as_json: bool
+) -> None:
+    """Measures the rate of a stream: samples per second, shortest and longest period, losses.
+
+    The periods are between the times of measurement, so they do not depend on this program.
+    """
+    with _connected(broker, name) as robot, _subscribed(robot, stream) as opened:
+        lines = 0
+        last: float | None = None
+        while count is None or lines < count:
+            line, last = _rate(opened, window, last)
+            lines += 1
+            if as_json:
+                print_json(line)
+            else:
+                report.rate(line)
+
+
+def _rate(stream: Any, window: float, last: float | None) -> tuple[dict[str, Any], float | None]:
+    """What a stream delivers within `window` seconds. `last`: stamp of the previous sample."""
+    start = time.monotonic()
+    samples, lost, periods = 0, 0, []
+    while (left := start + window - time.monotonic()) > 0:
+        try:
+            sample = stream.next(left)
+        except TimeoutError:
+            break
+        samples += 1
+        lost += sample.lost
+        if last is not None and not sample.lost:
+            periods.append(sample.stamp - last)
+        last = sample.stamp
+    line = {
+        "rate": (samples + lost) / (time.monotonic() - start),
+        "samples": samples,
+        "lost": lost,
+        "min_period": min(periods, default=None),
+        "max_period": max(periods, default=None),
+    }
+    return line, last

@@ -1,0 +1,97 @@
+"""Connects to objects of any interface: by their built-in operations alone, or with all members."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from functools import cache
+from typing import TYPE_CHECKING
+
+from gecos.builtin_operations import model
+from gecos.dynamic_client.model import ModelError
+from gecos.dynamic_client.proxy import DynamicObject, proxy_class
+from gecos.errors import Attempt, CommandFailed, CreateError, Detail
+from gecos.interface import Interface
+from gecos.proxy import Object
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from gecos_idl.broker_types import Entry
+
+    from gecos.lab import Lab
+
+
+def entries(lab: Lab, *, patience: float = 2.0) -> list[Entry]:
+    """The objects that the broker knows, sorted by name. Raises CreateError without a broker."""
+    from gecos_idl.broker import Broker
+
+    return sorted(lab.broker(Broker, patience=patience).list().result(), key=lambda e: e.name)
+
+
+def find(lab: Lab, name: str, *, medium: str | None = None, patience: float = 2.0) -> Object:
+    """A proxy of the object called `name`, whatever its interface, with only the built-in
+    operations. Raises CreateError, which proposes a similar name or lists the objects online."""
+    known = {entry.name: entry for entry in entries(lab, patience=patience)}
+    entry = known.get(name)
+    if entry is None:
+        reason = f"no such object is online; {_instead_of(name, list(known))}"
+        raise CreateError([Attempt(name, Detail.NO_SERVER, reason)])
+    anything = _without_members(entry.interface_name, entry.interface_hash)
+    return lab.create(anything, name, medium=medium, patience=patience)
+
+
+def connect(
+    lab: Lab, name: str, *, medium: str | None = None, patience: float = 2.0
+) -> DynamicObject:
+    """A proxy of the object called `name` with all members of its interface, made from the model
+    that the object serves."""
+    found = find(lab, name, medium=medium, patience=patience)
+    interface = found._gecos_interface.name
+    texts = served_models(found)
+    if not texts:
+        raise ModelError(
+            interface,
+            f"{name} serves no model; generate the code of its server again, with this gidl",
+        )
+    return lab.create(_class_of(interface, tuple(texts)), name, medium=medium, patience=patience)
+
+
+def dynamic(name: str, lab: Lab | None = None) -> DynamicObject:
+    """`lab.dynamic(name)`; without `lab`, with a Lab that this process keeps until it ends."""
+    return connect(lab or _lab_of_process(), name)
+
+
+@cache
+def _lab_of_process() -> Lab:
+    from gecos.lab import Lab
+
+    return Lab()
+
+
+def served_models(robot: Object) -> list[str]:
+    """The models that an object serves. Empty for a server of an older version."""
+    try:
+        return model(robot).result()
+    except CommandFailed as error:
+        if error.detail is Detail.UNKNOWN_OPERATION:
+            return []
+        raise
+
+
+@cache
+def _without_members(name: str, hash: int) -> type[Object]:
+    table = Interface(name=name, hash=hash)
+    return type("Anything", (Object,), {"_gecos_interface": table})
+
+
+@cache
+def _class_of(name: str, texts: tuple[str, ...]) -> type[DynamicObject]:
+    return proxy_class(texts, name)
+
+
+def _instead_of(name: str, known: Sequence[str]) -> str:
+    by_lower = {one.lower(): one for one in known}
+    near = get_close_matches(name.lower(), by_lower, n=1)
+    if near:
+        return f"did you mean {by_lower[near[0]]}?"
+    return f"the broker knows {', '.join(known) or 'no objects'}"
