@@ -396,10 +396,7 @@ class Secret(Kind):
         try:
             self.inner.put(value, out, label)
         except EncodeError as error:
-            why = error.why
-            for each in sorted(_inside(value), key=len, reverse=True):
-                why = why.replace(each, HIDDEN)
-            raise EncodeError(error.field, why) from None
+            raise EncodeError(error.field, _without(value, error.why)) from None
 
     def take(self, source: Decoder, label: str) -> Any:
         return self.inner.take(source, label)
@@ -416,7 +413,18 @@ class Secret(Kind):
                 path,
                 "the secret was replaced by a placeholder; write the secret or omit the member",
             )
-        return self.inner.made(data, path)
+        try:
+            return self.inner.made(data, path)
+        except JsonError as error:
+            inside = _without(data, error.path[len(path) :])
+            raise JsonError(path + inside, _without(data, error.why)) from None
+
+
+def _without(value: Any, text: str) -> str:
+    """`text` with a placeholder wherever it shows the value, or a value inside it."""
+    for each in sorted(_inside(value), key=len, reverse=True):
+        text = text.replace(each, HIDDEN)
+    return text
 
 
 def _inside(value: Any) -> set[str]:

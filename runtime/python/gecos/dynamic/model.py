@@ -1,0 +1,321 @@
+"""The model that an object serves: its interfaces, and the types that they use.
+
+`gecos.dynamic.read` makes a model from the served texts. The members of interfaces are also the
+description of an object for people: `description_of(proxy).members`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from gecos.dynamic.names import simple
+from gecos.dynamic.type_text import Type
+from gecos.interface import ASKED_NOTHING, Access, OnLoss, OnNew, Quality
+
+OBJECT_REFERENCE = "gecos::ObjectRef"
+"""The type of values whose declared type is an interface."""
+
+
+class ModelError(ValueError):
+    """A served model is not valid: `interface` is the object's interface, `why` the place in the
+    model and the reason."""
+
+    def __init__(self, interface: str, why: str) -> None:
+        super().__init__(f"the model of {interface} is not valid: {why}")
+        self.interface = interface
+        self.why = why
+
+    def __reduce__(self) -> tuple[type[ModelError], tuple[str, str]]:
+        return ModelError, (self.interface, self.why)
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """An inclusive range; None: no limit on this side."""
+
+    low: int | float | None
+    high: int | float | None
+
+    def __str__(self) -> str:
+        if self.low is None:
+            return f"at most {self.high}"
+        return f"at least {self.low}" if self.high is None else f"{self.low} to {self.high}"
+
+
+def within(inner: Limits | None, outer: Limits | None) -> Limits | None:
+    """The intersection of two ranges; None stands for a range without limits."""
+    if inner is None or outer is None:
+        return inner or outer
+    lows = [each.low for each in (inner, outer) if each.low is not None]
+    highs = [each.high for each in (inner, outer) if each.high is not None]
+    return Limits(max(lows, default=None), min(highs, default=None))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Value:
+    """A member of a type, a parameter, a result, or the value of an attribute."""
+
+    name: str
+    type: str  # as in .gidl: "sequence<double, 6>"
+    use: Type = field(repr=False)  # `type`, parsed
+    direction: str = "in"  # "in", "out" or "inout"
+    unit: str = ""
+    limits: Limits | None = None
+    default: Any = None  # None: no default. Enumerators are scoped: "robcl::Blend::BREAK"
+    optional: bool = False
+    secret: bool = False
+    doc: str = ""
+
+    @property
+    def range(self) -> str:
+        """The declared range for people: "0.01 to 1.0"; "" if there is none."""
+        return "" if self.limits is None else str(self.limits)
+
+    @property
+    def may_be_missing(self) -> bool:
+        return self.optional or self.default is not None
+
+
+# -- types -----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Struct:
+    """A struct or an exception."""
+
+    name: str  # scoped: "robcl::Frame"
+    members: tuple[Value, ...]  # without inherited members
+    base: str = ""
+    appendable: bool = False
+    fingerprint: int = 0
+    is_exception: bool = False
+    doc: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Enumeration:
+    name: str
+    enumerators: tuple[tuple[str, int], ...]
+    otherwise: str | None = None  # replaces numbers that no enumerator has
+    bits: int = 32
+    doc: str = ""
+
+    @property
+    def initial(self) -> str:
+        """Name of the enumerator that a member has before it is set."""
+        return self.otherwise or self.enumerators[0][0]
+
+
+@dataclass(frozen=True, slots=True)
+class Bitmask:
+    name: str
+    flags: tuple[tuple[str, int], ...]  # names and positions
+    bits: int
+    doc: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Bitset:
+    name: str
+    fields: tuple[tuple[str, int, int, str], ...]  # name, position, width, name of the type
+    base: str
+    bits: int
+    doc: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """An arm of a union. `labels` are empty if all tags without an arm select this one."""
+
+    labels: tuple[Any, ...]
+    member: Value
+
+
+@dataclass(frozen=True, slots=True)
+class Union:
+    name: str
+    discriminator: Type
+    cases: tuple[Case, ...]
+    appendable: bool = False
+    fingerprint: int = 0
+    doc: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Typedef:
+    name: str
+    use: Type
+    limits: Limits | None = None
+    doc: str = ""
+
+
+Declaration = Struct | Enumeration | Bitmask | Bitset | Union | Typedef
+
+
+# -- interfaces ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Operation:
+    """An operation, or an event, which proxies do not offer yet."""
+
+    kind: str  # "operation" or "event"
+    name: str
+    interface: str  # scoped name of the interface that declares the member
+    doc: str = ""
+    parameters: tuple[Value, ...] = ()
+    result: Value | None = None
+    feedback: str = ""  # name of the feedback's type
+    raises: tuple[str, ...] = ()
+    access: Access = Access.ACTOR
+    safety: bool = False
+    presence: bool = True
+    idempotent: bool = False
+    cancelable: bool = False
+    parallel: bool = False
+    ordered: bool = False
+    on_new: OnNew = OnNew.QUEUE
+    on_loss: OnLoss = OnLoss.STOP
+    quality: Quality = ASKED_NOTHING
+    code: int = 0
+    hash: int = 0
+
+    @property
+    def inputs(self) -> tuple[Value, ...]:
+        return tuple(each for each in self.parameters if each.direction != "out")
+
+    @property
+    def outputs(self) -> tuple[Value, ...]:
+        """The result, then the parameters that the operation sets."""
+        result = () if self.result is None else (self.result,)
+        return result + tuple(each for each in self.parameters if each.direction != "in")
+
+    @property
+    def offered(self) -> bool:
+        return self.kind == "operation"
+
+
+@dataclass(frozen=True, slots=True)
+class AttributeStream:
+    direction: str  # "out": the server publishes; "in": the server accepts
+    rate_hz: float = 0.0  # 0: not declared
+    largest: int = 0  # bytes of the largest sample; 0 when unbounded
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Attribute:
+    """An attribute. Proxies do not offer attributes that clients publish (`stream.direction`)."""
+
+    name: str
+    interface: str
+    result: Value  # the value
+    doc: str = ""
+    readonly: bool = False
+    stream: AttributeStream | None = None
+    access: Access = Access.SENSOR  # to read the value and its stream
+    write_access: Access = Access.ACTOR
+    write_presence: bool = True
+    idempotent: bool = False
+    parallel: bool = False
+    on_new: OnNew = OnNew.QUEUE
+    on_loss: OnLoss = OnLoss.STOP
+    raises: tuple[str, ...] = ()  # exceptions of reading
+    set_raises: tuple[str, ...] = ()
+    quality: Quality = ASKED_NOTHING
+    code: int = 0
+    set_code: int = 0
+    hash: int = 0
+
+    kind = "attribute"
+    parameters = ()
+    feedback = ""
+
+    @property
+    def offered(self) -> bool:
+        return self.stream is None or self.stream.direction == "out"
+
+    @property
+    def can_be_set(self) -> bool:
+        return self.offered and not self.readonly
+
+
+Member = Operation | Attribute
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Interface:
+    name: str
+    version: str = ""
+    doc: str = ""
+    bases: tuple[str, ...] = ()  # direct bases
+    members: tuple[Member, ...] = ()  # without inherited members
+    quality: Quality = ASKED_NOTHING
+    hash: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """An interface, its bases, and all types that they use."""
+
+    interface: str
+    interfaces: Mapping[str, Interface]  # each after its bases
+    types: Mapping[str, Declaration]
+    references: frozenset[str]  # interfaces that are used as types
+
+    @property
+    def own(self) -> Interface:
+        return self.interfaces[self.interface]
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """Inherited and own members, also those that proxies do not offer."""
+        return tuple(m for each in self.interfaces.values() for m in each.members)
+
+    def resolved(self, use: Type, limits: Limits | None = None) -> tuple[Type, Limits | None]:
+        """The type and limits of a value, typedefs followed. Typedefs of elements are not."""
+        while use.kind == "named" and isinstance(alias := self.types.get(use.name), Typedef):
+            use, limits = alias.use, within(limits, alias.limits)
+        return use, limits
+
+    def all_members(self, struct: Struct) -> tuple[Value, ...]:
+        """The members of a struct, those of its bases first."""
+        base = self.types.get(struct.base)
+        return (*(self.all_members(base) if isinstance(base, Struct) else ()), *struct.members)
+
+    def all_fields(self, bitset: Bitset) -> tuple[tuple[str, int, int, str], ...]:
+        base = self.types.get(bitset.base)
+        return (*(self.all_fields(base) if isinstance(base, Bitset) else ()), *bitset.fields)
+
+    def default_of(self, value: Value) -> Any:
+        """The declared default as plain data, with the simple names of enumerators; None if there
+        is no default."""
+        use, _ = self.resolved(value.use)
+        return self.plain_literal(value.default, use)
+
+    def plain_literal(self, literal: Any, use: Type) -> Any:
+        declared = self.types.get(use.name) if use.kind == "named" else None
+        if isinstance(literal, str) and isinstance(declared, Enumeration):
+            return literal.removeprefix(f"{declared.name}::")
+        if isinstance(literal, str) and isinstance(declared, Bitmask):
+            return literal.removeprefix(f"{declared.name}::").split("|")
+        return literal
+
+    def direct_uses(self, declaration: Declaration) -> Iterator[Type]:
+        """The types of the values in a value of the declared type."""
+        if isinstance(declaration, Struct):
+            yield from (each.use for each in self.all_members(declaration))
+        elif isinstance(declaration, Union):
+            yield declaration.discriminator
+            yield from (case.member.use for case in declaration.cases)
+        elif isinstance(declaration, Typedef):
+            yield declaration.use
+
+    def class_name(self, scoped: str) -> str:
+        """The name of the class of a type; inside another type both names: `Manipulator_Mode`."""
+        scope, _, name = scoped.rpartition("::")
+        while scope in self.types or scope in self.interfaces or scope in self.references:
+            name = f"{simple(scope)}_{name}"
+            scope = scope.rpartition("::")[0]
+        return name

@@ -1,0 +1,244 @@
+"""Makes the class of a proxy from the model that an object serves.
+
+The class has the members of a generated proxy. Values are plain data, as `gecos.wire.json` has
+them: `robot.move({"position": {"x": 0.4, "y": 0, "z": 0.3}, …}).result()`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, ClassVar
+
+from gecos.command import Command
+from gecos.dynamic.docs import attribute_doc, operation_doc, setter_doc
+from gecos.dynamic.entries import Malformed
+from gecos.dynamic.model import Attribute, Member, Model, ModelError, Operation, Struct
+from gecos.dynamic.names import METHOD_WORDS, escaped, simple
+from gecos.dynamic.read import read_model
+from gecos.dynamic.request import Request
+from gecos.dynamic.types import Types
+from gecos.errors import DeclaredError
+from gecos.interface import Interface, Kind, Method, getter, interface, method
+from gecos.interface import Operation as OperationTable
+from gecos.proxy import Object, StreamAttribute
+from gecos.wire import Decoder, layout
+from gecos.wire.kinds import kind_of
+
+
+class DynamicObject(Object):
+    """The base class of proxies that are made at run time."""
+
+    _gecos_model: ClassVar[Model]
+
+
+def proxy_class(models: Sequence[str], name: str) -> type[DynamicObject]:
+    """Makes the class of proxies of the interface `name`. `models` are the served texts of the
+    interface and all its bases. Raises ModelError if the texts are not valid."""
+    model = read_model(models, name)
+    try:
+        return _Builder(model).built()
+    except Malformed as error:
+        raise ModelError(name, str(error)) from None
+
+
+def description_of(proxy: DynamicObject | type[DynamicObject]) -> Model:
+    """The model of the object's interface; `members` describes operations and attributes."""
+    return proxy._gecos_model
+
+
+class _Builder:
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._types = Types(model)
+        self._errors: dict[str, type[DeclaredError]] = {}
+        self._methods: dict[str, list[Method[Any, Any]]] = {name: [] for name in model.interfaces}
+        self._entries: dict[str, Any] = {}
+
+    def built(self) -> type[DynamicObject]:
+        model = self._model
+        for member in model.members:
+            if member.offered:
+                for name, entry in self._members(member):
+                    if name in self._entries:
+                        raise Malformed(f"two members of {model.interface} are called {name}")
+                    self._entries[name] = entry
+        entries = self._entries | {
+            "__doc__": model.own.doc,
+            "__module__": __name__,
+            "_gecos_interface": self._tables(),
+            "_gecos_model": model,
+        }
+        return type(simple(model.interface), (DynamicObject,), entries)
+
+    def _tables(self) -> Interface:
+        known: dict[str, Interface] = {}
+        for each in self._model.interfaces.values():
+            bases: list[Any] = [SimpleNamespace(_gecos_interface=known[b]) for b in each.bases]
+            methods = self._methods[each.name]
+            known[each.name] = interface(
+                each.name, each.version, each.hash, bases, methods, each.quality
+            )
+        return known[self._model.interface]
+
+    def _members(self, member: Member) -> Iterator[tuple[str, Any]]:
+        """The names and entries of a member in the class."""
+        name = escaped(member.name, METHOD_WORDS)
+        if isinstance(member, Operation):
+            yield name, self._operation(member, name)
+            return
+        yield name, self._getter(member, name)
+        if member.can_be_set:
+            yield f"set_{member.name}", self._setter(member)
+
+    def _operation(self, member: Operation, name: str) -> Any:
+        request = Request(member.name, member.inputs, self._types, self._model)
+        outputs = member.outputs
+        several = len(outputs) > 1
+        gives = self._types.result(member) if several else None
+        made = self._table(
+            OperationTable(
+                member.code,
+                member.name,
+                member.access,
+                safety=member.safety,
+                presence=member.presence,
+                idempotent=member.idempotent,
+                cancelable=member.cancelable,
+                parallel=member.parallel,
+                ordered=member.ordered,
+                on_new=member.on_new,
+                on_loss=member.on_loss,
+                quality=member.quality,
+                hash=member.hash,
+            ),
+            member,
+            request,
+            self._types.step(outputs[0]) if len(outputs) == 1 else gives,
+            member.raises,
+        )
+        names = dict(zip((each.name for each in member.inputs), request.spelled, strict=True))
+        doc = operation_doc(member, names, self._model)
+        return _caller(made, request, name, doc, _given(member))
+
+    def _getter(self, member: Attribute, name: str) -> Any:
+        request = Request(member.name, (), self._types, self._model)
+        stream = member.stream
+        made = self._table(
+            getter(
+                member.code,
+                member.name,
+                member.access,
+                parallel=member.parallel,
+                on_new=member.on_new,
+                on_loss=member.on_loss,
+                quality=member.quality,
+                hash=member.hash,
+            ),
+            member,
+            request,
+            self._types.step(member.result),
+            member.raises,
+            None if stream is None else (stream.rate_hz, stream.largest),
+        )
+        doc = attribute_doc(member)
+        if stream is None:
+            return _caller(made, request, name, doc, member.result.type)
+        return property(lambda proxy: StreamAttribute(proxy, made), doc=doc)
+
+    def _setter(self, member: Attribute) -> Any:
+        value = replace(member.result, direction="in", doc="")
+        request = Request(member.name, (value,), self._types, self._model)
+        made = self._table(
+            OperationTable(
+                member.set_code,
+                f"{member.name}=",
+                member.write_access,
+                kind=Kind.SETTER,
+                presence=member.write_presence,
+                idempotent=member.idempotent,
+                parallel=member.parallel,
+                on_new=member.on_new,
+                on_loss=member.on_loss,
+                quality=member.quality,
+                hash=member.hash,
+            ),
+            member,
+            request,
+            None,
+            member.set_raises,
+        )
+        return _caller(made, request, f"set_{member.name}", setter_doc(member), "None")
+
+    def _table(
+        self,
+        operation: OperationTable,
+        member: Member,
+        request: Request,
+        gives: layout.Step | None,
+        raises: tuple[str, ...],
+        stream: tuple[float, int] | None = None,
+    ) -> Method[Any, Any]:
+        """The table of a call, with decoders that return plain data."""
+        names = request.arguments.names
+        made = method(
+            operation,
+            takes=(names, request.steps, request.defaults) if names else None,
+            gives=gives,
+            raises=tuple(self._error(name) for name in raises),
+            stream=stream,
+        )
+        if gives is not None:
+            made = replace(made, result=_plainly(made.result, kind_of(gives).plain))
+        if member.feedback:
+            made = replace(made, feedback=self._feedback(member))
+        self._methods[member.interface].append(made)
+        return made
+
+    def _feedback(self, member: Member) -> Callable[[Decoder], Any]:
+        if not isinstance(self._model.types.get(member.feedback), Struct):
+            raise Malformed(f"the feedback of {member.interface}::{member.name} is not a struct")
+        kind = self._types.named(member.feedback)
+        return _plainly(kind.decode, kind._gecos_layout.plain)
+
+    def _error(self, name: str) -> type[DeclaredError]:
+        """The class of a declared exception. Its members are plain data when it is received."""
+        if name not in self._errors:
+            kind = self._types.named(name)
+            kind.decode = classmethod(_plain_members(kind.decode.__func__, kind._gecos_layout))
+            self._errors[name] = kind
+        return self._errors[name]
+
+
+def _plain_members(decode: Callable[..., Any], described: Any) -> Callable[..., Any]:
+    def plain_members(cls: Any, source: Decoder, /) -> Any:
+        return cls(*described.plain(decode(cls, source)).values())
+
+    return plain_members
+
+
+def _plainly(
+    decode: Callable[[Decoder], Any], plain: Callable[[Any], Any]
+) -> Callable[[Decoder], Any]:
+    return lambda source: plain(decode(source))
+
+
+def _caller(
+    table: Method[Any, Any], request: Request, name: str, doc: str, gives: str
+) -> Callable[..., Command[Any, Any]]:
+    def call(proxy: DynamicObject, /, *given: Any, **named: Any) -> Command[Any, Any]:
+        return proxy._gecos_call(table, request.encoded(given, named))
+
+    call.__name__ = call.__qualname__ = name
+    call.__doc__ = doc
+    call.__signature__ = request.signature(gives)  # type: ignore[attr-defined]
+    return call
+
+
+def _given(operation: Operation) -> str:
+    """The result of an operation for its signature."""
+    outputs = {each.name: each.type for each in operation.outputs}
+    if len(outputs) < 2:
+        return next(iter(outputs.values()), "None")
+    return "{" + ", ".join(f"{name}: {type}" for name, type in outputs.items()) + "}"
