@@ -11,10 +11,10 @@ from random import Random
 from typing import Any
 
 import pytest
-from gecos.dynamic import DynamicObject, proxy_class
-from gecos.dynamic.model import Operation
-from gecos.dynamic.read import read_model
-from gecos.dynamic.types import Types
+from gecos.dynamic_client import DynamicObject, proxy_class
+from gecos.dynamic_client.model import Operation
+from gecos.dynamic_client.read import read_model
+from gecos.dynamic_client.types import Types
 from gecos.interface import Method
 from gecos.wire import DecodeError, DecodeProblem, Decoder, EncodeError, JsonError
 from gecos.wire.kinds import kind_of

@@ -41,7 +41,7 @@ def test_ls_names_only_media_that_lead_to_other_programs(
 def test_a_misspelt_name_is_told_the_right_one(
     server: gecos.Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run(monkeypatch, "describe", "lmap") == 1
+    assert run(monkeypatch, "describe", "lmap") == 4
     said = "gecos: lmap: NO_SERVER: no such object is online; did you mean LAMP?\n"
     assert capsys.readouterr().err == said
 
@@ -56,7 +56,7 @@ def test_ls_of_an_empty_laboratory_says_so(
 def test_without_a_broker_it_says_what_was_tried(
     place: object, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run(monkeypatch, "ls") == 1
+    assert run(monkeypatch, "ls") == 4
     out, err = capsys.readouterr()
     assert out == ""
     assert err.startswith("gecos: BROKER: NO_SERVER: ")
@@ -118,7 +118,7 @@ def test_stop_stops_whoever_moves_it(
 def test_an_unknown_name_names_those_that_are_online(
     server: gecos.Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run(monkeypatch, "describe", "ROBOT") == 1
+    assert run(monkeypatch, "describe", "ROBOT") == 4
     assert capsys.readouterr().err == (
         "gecos: ROBOT: NO_SERVER: no such object is online; the broker knows LAMP\n"
     )

@@ -6,12 +6,20 @@ import json
 import sys
 import threading
 import time
+from pathlib import Path
 
 import click
 
 from gecos.cli import members, report
 from gecos.cli.exit_codes import ExitCode, exit_code, failure_json
-from gecos.cli.options import broker_option, json_option, name_argument, plain, print_json
+from gecos.cli.options import (
+    broker_option,
+    json_option,
+    name_argument,
+    names_argument,
+    plain,
+    print_json,
+)
 
 
 def _print_version(context: click.Context, _: click.Parameter, asked: bool) -> None:
@@ -102,7 +110,7 @@ def holders(name: str, broker: str | None, as_json: bool) -> None:
 
 
 @app.command()
-@click.argument("names", metavar="NAME...", nargs=-1)
+@names_argument
 @click.option("--all", "everything", is_flag=True, help="Stop every object that is online.")
 @broker_option
 @json_option
@@ -163,6 +171,23 @@ def wait(name: str, timeout: float | None, broker: str | None, as_json: bool) ->
         print(f"{name}: online")
 
 
+@app.command()
+def schema() -> None:
+    """Prints the JSON Schema of what `--json` prints: a definition for each verb."""
+    print((Path(__file__).parent / "output.schema.json").read_text(encoding="utf-8"), end="")
+
+
+@app.command()
+@click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
+def completion(shell: str) -> None:
+    """Prints the completion of `gecos` for a shell: eval "$(gecos completion bash)"."""
+    from click.shell_completion import get_completion_class
+
+    kind = get_completion_class(shell)
+    assert kind is not None
+    print(kind(app, {}, "gecos", "_GECOS_COMPLETE").source())
+
+
 @app.command("broker")
 def run_broker() -> None:
     """Runs this host's broker until Ctrl-C."""
@@ -185,7 +210,7 @@ for verb in (members.get, members.set_, members.call, members.watch, members.hz)
 def run() -> int:
     """Runs the command line and returns the exit code. A failure is printed in one line."""
     try:
-        code = app(standalone_mode=False)
+        code = app(prog_name="gecos", standalone_mode=False)
     except click.exceptions.Exit as end:
         return end.exit_code
     except click.Abort:

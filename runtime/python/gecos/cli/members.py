@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 import time
 from collections.abc import Iterator
@@ -11,7 +12,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gecos.cli import report
-from gecos.cli.options import broker_option, json_option, name_argument, print_json, value_of
+from gecos.cli.options import (
+    broker_option,
+    json_option,
+    members,
+    name_argument,
+    print_json,
+    value_of,
+)
 
 if TYPE_CHECKING:
     from gecos.command import Command
@@ -24,6 +32,19 @@ password_option = click.option(
 )
 timeout_option = click.option(
     "--timeout", type=click.FloatRange(min=0), help="Seconds; the default is no limit."
+)
+attribute_argument = click.argument(
+    "attribute", shell_complete=members(lambda m: m.kind == "attribute" and m.offered)
+)
+settable_argument = click.argument(
+    "attribute", shell_complete=members(lambda m: m.kind == "attribute" and m.can_be_set)
+)
+stream_argument = click.argument(
+    "stream",
+    shell_complete=members(lambda m: m.kind == "attribute" and m.offered and m.stream is not None),
+)
+operation_argument = click.argument(
+    "operation", shell_complete=members(lambda m: m.kind == "operation")
 )
 _REDRAW = 0.1  # s between two drawings of a progress bar
 
@@ -49,7 +70,7 @@ def _status(robot: DynamicObject, access: Any, password: str) -> Lease | nullcon
 
 @click.command()
 @name_argument
-@click.argument("attribute")
+@attribute_argument
 @broker_option
 @json_option
 def get(name: str, attribute: str, broker: str | None, as_json: bool) -> None:
@@ -67,7 +88,7 @@ def get(name: str, attribute: str, broker: str | None, as_json: bool) -> None:
 
 @click.command("set")
 @name_argument
-@click.argument("attribute")
+@settable_argument
 @click.argument("value")
 @password_option
 @broker_option
@@ -90,7 +111,7 @@ def set_(
 
 @click.command()
 @name_argument
-@click.argument("operation")
+@operation_argument
 @click.argument("arguments", nargs=-1, metavar="[JSON | PARAMETER=VALUE...]")
 @password_option
 @timeout_option
@@ -136,9 +157,12 @@ def call(
 
 def _arguments(words: tuple[str, ...]) -> dict[str, Any]:
     if len(words) == 1 and words[0].lstrip().startswith("{"):
-        given = value_of(words[0])
-        if not isinstance(given, dict):
-            raise click.BadParameter(f"not a JSON object: {words[0]}", param_hint="arguments")
+        try:
+            given: dict[str, Any] = json.loads(words[0])
+        except ValueError as error:
+            raise click.BadParameter(
+                f"not a JSON object: {error}: {words[0]}", param_hint="arguments"
+            ) from None
         return given
     found: dict[str, Any] = {}
     for word in words:
@@ -172,7 +196,7 @@ def _wait(command: Command[Any, Any], label: str, timeout: float | None, shows: 
 
 @click.command()
 @name_argument
-@click.argument("attribute")
+@attribute_argument
 @click.option("--count", type=click.IntRange(min=1), help="End after so many values.")
 @click.option("--every", type=click.FloatRange(min=0.01), default=1.0, show_default=True,
               help="Seconds between two readings of an attribute that is not a stream.")  # fmt: skip
@@ -235,7 +259,7 @@ def _sample_json(sample: Sample[Any]) -> dict[str, Any]:
 
 @click.command()
 @name_argument
-@click.argument("stream")
+@stream_argument
 @click.option("--count", type=click.IntRange(min=1), help="End after so many lines.")
 @click.option("--window", type=click.FloatRange(min=0.1), default=1.0, show_default=True,
               help="Seconds that each line counts.")  # fmt: skip

@@ -3,11 +3,56 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from typing import Any
 
 import click
+from click.shell_completion import CompletionItem
 
-name_argument = click.argument("name")
+_MOMENT = 0.5  # s that a completion waits for a broker and for a server
+
+
+def _names(context: click.Context, _: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Objects that are online, for the completion of a shell; none without a broker."""
+    import gecos
+    from gecos.dynamic_client.connect import entries
+
+    try:
+        with gecos.Lab(context.params.get("broker")) as lab:
+            known = entries(lab, patience=_MOMENT)
+    except (ConnectionError, RuntimeError):
+        return []
+    return [
+        CompletionItem(entry.name, help=entry.interface_name)
+        for entry in known
+        if entry.name.startswith(begun)
+    ]
+
+
+def members(
+    wanted: Callable[[Any], bool],
+) -> Callable[[click.Context, click.Parameter, str], list[CompletionItem]]:
+    """Completes the members of the object that is named before, of which `wanted` is true."""
+
+    def complete(context: click.Context, _: click.Parameter, begun: str) -> list[CompletionItem]:
+        import gecos
+        from gecos.dynamic_client.connect import connect
+
+        try:
+            with gecos.Lab(context.params.get("broker")) as lab:
+                model = connect(lab, context.params["name"], patience=_MOMENT)._gecos_model
+        except (ConnectionError, RuntimeError, ValueError):
+            return []
+        found = {m.name: m.doc.partition("\n")[0] for m in model.members if wanted(m)}
+        return [
+            CompletionItem(name, help=doc) for name, doc in found.items() if name.startswith(begun)
+        ]
+
+    return complete
+
+
+name_argument = click.argument("name", shell_complete=_names)
+names_argument = click.argument("names", metavar="NAME...", nargs=-1, shell_complete=_names)
 broker_option = click.option(
     "--broker",
     metavar="ADDRESS",

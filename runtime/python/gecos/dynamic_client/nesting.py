@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from math import prod
 
-from gecos.dynamic.entries import Malformed
-from gecos.dynamic.model import Declaration, Model, Struct, Typedef, Union
-from gecos.dynamic.type_text import Type
+from gecos.dynamic_client.entries import Malformed
+from gecos.dynamic_client.model import Declaration, Model, Struct, Typedef, Union
+from gecos.dynamic_client.type_text import Type
 
 _MAX_DEPTH = 16  # structs and unions in each other without a sequence in between, as in gidl
 _MAX_OPEN = 64  # structs, unions and typedefs in each other without a sequence in between

@@ -6,7 +6,7 @@
 Values are plain data as in `gecos.wire.json`. numpy is not imported.
 """
 
-from gecos.dynamic.model import (
+from gecos.dynamic_client.model import (
     Attribute,
     AttributeStream,
     Member,
@@ -15,7 +15,8 @@ from gecos.dynamic.model import (
     Operation,
     Value,
 )
-from gecos.dynamic.proxy import DynamicObject, description_of, proxy_class
+from gecos.dynamic_client.proxy import DynamicObject, description_of, proxy_class
+from gecos.dynamic_client.read import read_model
 
 __all__ = [
     "Attribute",
@@ -28,4 +29,5 @@ __all__ = [
     "Value",
     "description_of",
     "proxy_class",
+    "read_model",
 ]

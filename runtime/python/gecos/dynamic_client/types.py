@@ -11,8 +11,8 @@ from dataclasses import field, make_dataclass
 from enum import IntEnum, IntFlag
 from typing import Any
 
-from gecos.dynamic.entries import Malformed
-from gecos.dynamic.model import (
+from gecos.dynamic_client.entries import Malformed
+from gecos.dynamic_client.model import (
     Bitmask,
     Bitset,
     Enumeration,
@@ -23,7 +23,7 @@ from gecos.dynamic.model import (
     Union,
     Value,
 )
-from gecos.dynamic.names import (
+from gecos.dynamic_client.names import (
     BITSET_WORDS,
     ENUM_WORDS,
     EXCEPTION_WORDS,
@@ -32,8 +32,8 @@ from gecos.dynamic.names import (
     member_name,
     simple,
 )
-from gecos.dynamic.plain import PlainMap
-from gecos.dynamic.type_text import CODES, Type
+from gecos.dynamic_client.plain import PlainMap
+from gecos.dynamic_client.type_text import CODES, Type
 from gecos.errors import DeclaredError
 from gecos.wire import layout
 from gecos.wire.codes import MAX_COUNT, MAX_TEXT

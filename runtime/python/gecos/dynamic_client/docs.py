@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gecos.dynamic.model import Attribute, Model, Operation, Value
+from gecos.dynamic_client.model import Attribute, Model, Operation, Value
 
 
 def attribute_doc(attribute: Attribute) -> str:

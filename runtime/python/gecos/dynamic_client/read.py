@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-from gecos.dynamic.entries import Entries, Malformed, parse_object
-from gecos.dynamic.model import (
+from gecos.dynamic_client.entries import Entries, Malformed, parse_object
+from gecos.dynamic_client.model import (
     Attribute,
     AttributeStream,
     Bitmask,
@@ -26,8 +26,8 @@ from gecos.dynamic.model import (
     Union,
     Value,
 )
-from gecos.dynamic.nesting import check_nesting
-from gecos.dynamic.type_text import CODES, Type, parse_type
+from gecos.dynamic_client.nesting import check_nesting
+from gecos.dynamic_client.type_text import CODES, Type, parse_type
 from gecos.interface import Access, Media, OnLoss, OnNew, Quality, QualityClass
 
 _EXTENSIBILITY = ("final", "appendable")

@@ -12,13 +12,13 @@ from types import SimpleNamespace
 from typing import Any, ClassVar
 
 from gecos.command import Command
-from gecos.dynamic.docs import attribute_doc, operation_doc, setter_doc
-from gecos.dynamic.entries import Malformed
-from gecos.dynamic.model import Attribute, Member, Model, ModelError, Operation, Struct
-from gecos.dynamic.names import METHOD_WORDS, escaped, simple
-from gecos.dynamic.read import read_model
-from gecos.dynamic.request import Request
-from gecos.dynamic.types import Types
+from gecos.dynamic_client.docs import attribute_doc, operation_doc, setter_doc
+from gecos.dynamic_client.entries import Malformed
+from gecos.dynamic_client.model import Attribute, Member, Model, ModelError, Operation, Struct
+from gecos.dynamic_client.names import METHOD_WORDS, escaped, simple
+from gecos.dynamic_client.read import read_model
+from gecos.dynamic_client.request import Request
+from gecos.dynamic_client.types import Types
 from gecos.errors import DeclaredError
 from gecos.interface import Interface, Kind, Method, getter, interface, method
 from gecos.interface import Operation as OperationTable

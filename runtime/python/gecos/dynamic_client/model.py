@@ -1,6 +1,6 @@
 """The model that an object serves: its interfaces, and the types that they use.
 
-`gecos.dynamic.read` makes a model from the served texts. The members of interfaces are also the
+`gecos.dynamic_client.read` makes a model from the served texts. The members of interfaces are also the
 description of an object for people: `description_of(proxy).members`.
 """
 
@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from gecos.dynamic.names import simple
-from gecos.dynamic.type_text import Type
+from gecos.dynamic_client.names import simple
+from gecos.dynamic_client.type_text import Type
 from gecos.interface import ASKED_NOTHING, Access, OnLoss, OnNew, Quality
 
 OBJECT_REFERENCE = "gecos::ObjectRef"

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from inspect import Parameter, Signature
 from typing import Any
 
-from gecos.dynamic.model import Model, Value
-from gecos.dynamic.names import PARAMETER_WORDS, member_name
-from gecos.dynamic.plain import place_of_error, plain_data
-from gecos.dynamic.types import Types
+from gecos.dynamic_client.model import Model, Value
+from gecos.dynamic_client.names import PARAMETER_WORDS, member_name
+from gecos.dynamic_client.plain import place_of_error, plain_data
+from gecos.dynamic_client.types import Types
 from gecos.wire import EncodeError, JsonError, Parts
 from gecos.wire.members import Arguments
 

@@ -1,0 +1,372 @@
+"""The verbs of `gecos` for the members of an object, driven on a served arm."""
+
+from __future__ import annotations
+
+import json
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import gecos
+import pytest
+from click.shell_completion import BashComplete
+from gecos import cli
+from gecos.cli import main
+from gecos.cli.app import app
+from jsonschema import Draft202012Validator
+from robcl.frames import Frame
+from robcl.manipulator import (
+    Configuration,
+    ManipulatorServant,
+    MotionProgress,
+    OutOfReach,
+    Shoulder,
+    Trajectory,
+)
+
+HOME = {"position": {"x": 0.0, "y": 0.0, "z": 0.0}, "orientation": {"w": 1, "x": 0, "y": 0, "z": 0}}
+GOAL = HOME | {"position": {"x": 0.4, "y": 0, "z": 0.3}}
+
+
+class Arm(ManipulatorServant):
+    """An arm that stands where it was sent."""
+
+    def __init__(self) -> None:
+        self.at = Frame()
+        self.offset = Frame()
+        self.hangs = False
+        self.moving = threading.Event()
+        self.canceled = threading.Event()
+
+    def parent(self) -> str:
+        return ""
+
+    def mount(self, carrier: str, offset: Frame) -> None:
+        pass
+
+    def base(self) -> Frame:
+        return Frame()
+
+    def tool(self) -> Frame:
+        return self.at
+
+    def flange(self) -> Frame:
+        return self.at
+
+    def posture(self) -> Configuration:
+        return Configuration(arm=Shoulder.LEFTY)
+
+    def tool_offset(self) -> Frame:
+        return self.offset
+
+    def set_tool_offset(self, value: Frame) -> None:
+        self.offset = value
+
+    def move(
+        self, goal: Frame, how: Trajectory | None, run: gecos.Execution[MotionProgress]
+    ) -> None:
+        self.moving.set()
+        if goal.position[2] < 0:
+            raise OutOfReach("the floor")
+        run.progress(0.5, MotionProgress(0.5, 1.0))
+        if self.hangs:
+            run.wait_interrupted(30.0)
+            self.canceled.set()
+            raise gecos.Interrupted
+        self.at = goal
+
+
+@pytest.fixture
+def arm(lab: gecos.Lab) -> Iterator[Arm]:
+    servant = Arm()
+    with gecos.Server(lab) as server:
+        server.add("ARM", servant, simulated=True)
+        yield servant
+
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+    """Runs `gecos` with some words. Returns its exit code, output and error output."""
+
+    def said(*words: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["gecos", *words])
+        code = main()
+        out, err = capsys.readouterr()
+        return code, out, err
+
+    return said
+
+
+def test_get_reads_an_attribute(arm: Arm, run: Run) -> None:
+    assert run("get", "ARM", "parent") == (0, "\n", "")
+    code, out, _ = run("get", "ARM", "tool")
+    assert (code, json.loads(out)) == (0, HOME)
+
+
+def test_get_as_json_says_what_was_read(arm: Arm, run: Run) -> None:
+    code, out, _ = run("get", "ARM", "posture", "--json")
+    value = {"arm": "LEFTY", "bend": None, "hand": None}
+    expected = {"name": "ARM", "attribute": "posture", "value": value, "unit": ""}
+    assert (code, json.loads(out)) == (0, expected)
+
+
+def test_set_changes_an_attribute_under_status_for_the_call(arm: Arm, run: Run) -> None:
+    assert run("set", "ARM", "tool_offset", json.dumps(GOAL)) == (
+        0,
+        "ARM: tool_offset is set\n",
+        "",
+    )
+    assert arm.offset.position[2] == 0.3
+    assert run("holders", "ARM")[1] == "ARM: nobody holds actor or master status\n"
+
+
+def test_set_refuses_a_value_that_does_not_fit_by_its_path(arm: Arm, run: Run) -> None:
+    wrong = json.dumps({"position": {"x": "near"}})
+    code, out, err = run("set", "ARM", "tool_offset", wrong)
+    assert (code, out) == (2, "")
+    assert err.startswith("gecos: tool_offset.value.position.x: a number is expected")
+
+
+def test_set_of_a_readonly_attribute_says_so(arm: Arm, run: Run) -> None:
+    assert run("set", "ARM", "tool", "{}") == (
+        2,
+        "",
+        "gecos: ARM.tool is readonly: it cannot be set\n",
+    )
+
+
+def test_call_moves_and_says_finished(arm: Arm, run: Run) -> None:
+    given = json.dumps({"goal": GOAL, "how": {"speed": 0.5, "path": "STRAIGHT"}})
+    assert run("call", "ARM", "move", given) == (0, "ARM.move: FINISHED\n", "")
+    assert arm.at.position[0] == 0.4
+
+
+def test_call_takes_parameters_one_by_one(arm: Arm, run: Run) -> None:
+    code, out, _ = run("call", "ARM", "move", f"goal={json.dumps(GOAL)}", "--json")
+    finished = {"name": "ARM", "operation": "move", "state": "FINISHED", "result": None}
+    assert (code, json.loads(out)) == (0, finished)
+
+
+def test_a_declared_exception_exits_with_3(arm: Arm, run: Run) -> None:
+    under = json.dumps({"goal": GOAL | {"position": {"x": 0, "y": 0, "z": -1}}})
+    code, out, err = run("call", "ARM", "move", under)
+    assert (code, out, err) == (3, "", "gecos: robcl::OutOfReach(reason='the floor')\n")
+    code, out, _ = run("call", "ARM", "move", under, "--json")
+    shown = {
+        "exit_code": 3,
+        "text": "robcl::OutOfReach(reason='the floor')",
+        "detail": "FAULT",
+        "state": "COMMAND_FAILED",
+        "exception": "robcl::OutOfReach",
+    }
+    assert (code, json.loads(out)) == (3, {"error": shown})
+
+
+def test_an_object_that_another_client_holds_exits_with_5(
+    arm: Arm, lab: gecos.Lab, run: Run
+) -> None:
+    with gecos.Lab() as other, gecos.master(other.dynamic("ARM")):
+        code, out, err = run("call", "ARM", "move", json.dumps({"goal": GOAL}))
+    assert (code, out) == (5, "")
+    assert err.startswith("gecos: ")
+    assert "master" in err
+
+
+def test_a_value_out_of_range_is_refused_before_it_is_sent(arm: Arm, run: Run) -> None:
+    given = json.dumps({"goal": GOAL, "how": {"speed": 2.0}})
+    code, out, err = run("call", "ARM", "move", given)
+    assert (code, out) == (2, "")
+    assert "move.how.speed" in err
+    assert "[0.01, 1.0]" in err
+    assert not arm.moving.is_set()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("get", "ARM", "toool"), "has no attribute 'toool'; did you mean tool?"),
+        (("call", "ARM", "fly"), "has no operation 'fly'; it has mount, move"),
+        (("watch", "ARM", "tol"), "has no attribute 'tol'; did you mean tool?"),
+        (("hz", "ARM", "posture"), "has no stream 'posture'; it has tool, flange"),
+        (("call", "ARM", "move", "{"), "not a JSON object: Expecting property name"),
+        (("call", "ARM", "move", "fast"), "'fast' is neither a JSON object nor PARAMETER=VALUE"),
+        (("call", "ARM", "move"), "move() needs its parameter goal"),
+        (("call", "ARM", "move", "gaol={}"), "move() has no parameter gaol"),
+    ],
+)
+def test_wrong_words_exit_with_2(arm: Arm, run: Run, words: tuple[str, ...], said: str) -> None:
+    code, out, err = run(*words)
+    assert (code, out) == (2, "")
+    assert said in err
+
+
+def test_an_unknown_object_exits_with_4(arm: Arm, run: Run) -> None:
+    code, out, err = run("get", "AMR", "tool")
+    assert (code, out) == (4, "")
+    assert "did you mean ARM?" in err
+
+
+def test_a_timeout_cancels_the_call(arm: Arm, run: Run) -> None:
+    arm.hangs = True
+    code, out, err = run("call", "ARM", "move", json.dumps({"goal": GOAL}), "--timeout", "0.2")
+    assert (code, out) == (3, "")
+    assert err == "gecos: ARM.move has not ended within 0.2 s and was canceled\n"
+    assert arm.canceled.wait(10)
+
+
+def test_watch_prints_a_line_for_each_sample(arm: Arm, run: Run) -> None:
+    with publishing(arm):
+        code, out, _ = run("watch", "ARM", "tool", "--count", "3", "--json")
+    samples = [json.loads(line) for line in out.splitlines()]
+    assert code == 0
+    assert [s["value"] for s in samples] == [HOME] * 3
+    assert samples[0]["sequence"] < samples[2]["sequence"]
+
+
+def test_watch_reads_an_attribute_without_a_stream(arm: Arm, run: Run) -> None:
+    code, out, _ = run("watch", "ARM", "posture", "--count", "2", "--every", "0.01")
+    assert (code, out.splitlines()) == (0, ['{"arm": "LEFTY", "bend": null, "hand": null}'] * 2)
+
+
+def test_hz_counts_samples_and_losses(arm: Arm, run: Run) -> None:
+    with publishing(arm):
+        code, out, _ = run("hz", "ARM", "tool", "--count", "2", "--window", "0.3", "--json")
+    first, second = (json.loads(line) for line in out.splitlines())
+    assert code == 0
+    assert first["samples"] > 0
+    assert second["rate"] > 0
+
+
+def test_wait_returns_when_the_object_is_online(arm: Arm, run: Run) -> None:
+    assert run("wait", "ARM", "--timeout", "5") == (0, "ARM: online\n", "")
+    assert run("wait", "ROBOT", "--timeout", "0")[0] == 4
+
+
+def test_describe_shows_members_with_units_ranges_and_access(arm: Arm, run: Run) -> None:
+    code, out, _ = run("describe", "ARM")
+    assert code == 0
+    assert "  tool: robcl::Frame  (stream out at 250 Hz)\n" in out
+    assert "  tool_offset: robcl::Frame  (set: actor)\n" in out
+    assert "  move(goal: robcl::Frame, how: robcl::Trajectory?)  (actor, cancelable, " in out
+    code, out, _ = run("describe", "ARM", "--json")
+    shown = json.loads(out)
+    assert shown["interface_name"] == "robcl::Manipulator"
+    assert {m["interface"]["name"] for m in shown["models"]} == {
+        "robcl::Device",
+        "robcl::Manipulator",
+    }
+
+
+def test_stop_stops_all(arm: Arm, run: Run) -> None:
+    assert run("stop", "--all") == (0, "ARM: stopped\n", "")
+    code, out, err = run("stop", "ROBOT", "ARM", "--json")
+    shown = json.loads(out)
+    assert (code, shown["stopped"]) == (4, ["ARM"])
+    assert shown["failed"][0]["detail"] == "NO_SERVER"
+    assert err.startswith("gecos: ROBOT: NO_SERVER")
+    assert run("stop")[0] == 2
+    assert run("stop", "ARM", "--all")[0] == 2
+
+
+JSON_VERBS = [
+    ("ls",),
+    ("describe", "ARM"),
+    ("holders", "ARM"),
+    ("get", "ARM", "tool"),
+    ("set", "ARM", "tool_offset", json.dumps(HOME)),
+    ("call", "ARM", "move", json.dumps({"goal": GOAL})),
+    ("watch", "ARM", "tool", "--count", "1"),
+    ("watch", "ARM", "posture", "--count", "1"),
+    ("hz", "ARM", "tool", "--count", "1", "--window", "0.1"),
+    ("wait", "ARM"),
+    ("stop", "ARM"),
+]
+
+
+@pytest.mark.parametrize("words", JSON_VERBS, ids=" ".join)
+def test_json_is_as_the_schema_says(
+    arm: Arm, lab: gecos.Lab, run: Run, words: tuple[str, ...]
+) -> None:
+    with publishing(arm), gecos.Lab() as other, gecos.actor(other.dynamic("ARM"), "shared"):
+        with_status = words[0] in ("set", "call")
+        code, out, err = run(*words, "--json", *(["--password", "shared"] if with_status else []))
+    assert code == 0, err
+    assert valid(out, words[0])
+
+
+@pytest.mark.parametrize("words", JSON_VERBS[1:-1], ids=" ".join)
+def test_a_failure_as_json_is_as_the_schema_says(
+    lab: gecos.Lab, run: Run, words: tuple[str, ...]
+) -> None:
+    limit = ["--timeout", "0"] if words[0] == "wait" else []
+    code, out, _ = run(*words, "--json", *limit)
+    assert code == 4
+    assert valid(out, "failure")
+    assert json.loads(out)["error"]["exit_code"] == 4
+
+
+def valid(text: str, definition: str) -> bool:
+    schema = json.loads((Path(cli.__file__).parent / "output.schema.json").read_text())
+    validator = Draft202012Validator(schema | {"$ref": f"#/$defs/{definition}"})
+    validator.validate(json.loads(text))
+    return True
+
+
+def test_the_schema_describes_every_verb_with_json(run: Run) -> None:
+    code, out, _ = run("schema")
+    schema = json.loads(out)
+    Draft202012Validator.check_schema(schema)
+    verbs = {v.name for v in app.commands.values() if any(p.name == "as_json" for p in v.params)}
+    assert code == 0
+    assert verbs == schema["$defs"].keys() - {"failure", "error"}
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ("gecos de", ["describe"]),
+        ("gecos get A", ["ARM"]),
+        ("gecos get ARM to", ["tool", "tool_offset"]),
+        ("gecos set ARM to", ["tool_offset"]),
+        ("gecos hz ARM ", ["tool", "flange"]),
+        ("gecos call ARM ", ["mount", "move"]),
+        ("gecos call NOBODY ", []),
+        ("gecos stop A", ["ARM"]),
+    ],
+)
+def test_a_shell_completes_verbs_names_and_members(
+    arm: Arm, words: str, expected: list[str]
+) -> None:
+    completion = BashComplete(app, {}, "gecos", "_GECOS_COMPLETE")
+    given = words.split(" ")
+    found = completion.get_completions(given[1:-1], given[-1])
+    assert [item.value for item in found] == expected
+
+
+def test_completion_prints_the_script_of_a_shell(run: Run) -> None:
+    code, out, _ = run("completion", "bash")
+    assert code == 0
+    assert "_GECOS_COMPLETE=bash_complete" in out
+
+
+@contextmanager
+def publishing(arm: Arm) -> Iterator[None]:
+    """Publishes the tool again and again."""
+    ended = threading.Event()
+
+    def publish() -> None:
+        while not ended.wait(0.005):
+            arm.publish_tool(arm.at)
+
+    thread = threading.Thread(target=publish)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
