@@ -1,0 +1,64 @@
+"""The commands of docs/command-line.md, and its Python, in the simulated laboratory."""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+import sys
+from pathlib import Path
+
+import pytest
+from processes import Laboratory
+
+PAGE = (Path(__file__).resolve().parents[2] / "docs" / "command-line.md").read_text()
+COMMANDS = re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)[0].splitlines()
+GECOS = [sys.executable, "-m", "gecos.cli"]
+
+
+def test_every_command_of_the_page_does_its_work(lab_with_devices: Laboratory) -> None:
+    for line in COMMANDS:
+        words = shlex.split(line)[1:]
+        done = lab_with_devices.run(*GECOS, *words)
+        assert done.finish() == 0, f"{line}: {done}"
+        assert done.output(), line
+
+
+def test_a_served_arm_in_cpp_is_described_whole(lab_with_devices: Laboratory) -> None:
+    done = lab_with_devices.run(*GECOS, "describe", "RX90", "--json")
+    assert done.finish() == 0, str(done)
+    shown = json.loads(done.output())
+    assert shown["interface_name"] == "robcl::Rx90"
+    names = {model["interface"]["name"] for model in shown["models"]}
+    assert names == {"robcl::Rx90", "robcl::SixAxis", "robcl::Manipulator", "robcl::Device"}
+
+
+def test_the_python_of_the_page_runs(lab_with_devices: Laboratory) -> None:
+    (program,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    done = lab_with_devices.run(sys.executable, "-c", program)
+    assert done.finish() == 0, str(done)
+    assert 0 < float(done.output()) < 0.2
+
+
+@pytest.mark.parametrize(
+    ("words", "code"),
+    [
+        (["call", "GRIPPER", "open", "width=-1"], 2),
+        (["call", "GRIPPER", "open", "width=9"], 3),
+        (["get", "NOBODY", "tool"], 4),
+    ],
+)
+def test_the_exit_code_says_how_it_ended(
+    words: list[str], code: int, lab_with_devices: Laboratory
+) -> None:
+    done = lab_with_devices.run(*GECOS, *words)
+    assert done.finish() == code, str(done)
+
+
+def test_an_arm_that_another_program_moves_ends_with_5(lab_with_devices: Laboratory) -> None:
+    holder = "import gecos; lab = gecos.Lab(); lease = gecos.master(lab.dynamic('RX90'))\n"
+    holder += "with lease: print('holds', flush=True); input()"
+    lab_with_devices.start(sys.executable, "-c", holder, ready="holds", listens=True)
+    offset = '{"position": {"z": 0.1}}'
+    done = lab_with_devices.run(*GECOS, "set", "RX90", "tool_offset", offset)
+    assert done.finish() == 5, str(done)
