@@ -52,6 +52,8 @@ FILES = [
     TREE / "tests/idl/workshop/workshop.gidl",
 ]
 
+REFERENCE_NAMES = ("name", "interface_hash", "boot", "where")
+
 
 def load() -> tuple[Model, Layout]:
     search = [str(TREE / "idl"), str(TREE / "tests/idl")]
@@ -183,7 +185,7 @@ class Plain:
         declared = self._model.find(name)
         match declared:
             case Interface():
-                return dict(zip(("name", "interface_hash", "boot", "where"), _texts(value)))
+                return dict(zip(REFERENCE_NAMES, _texts(value), strict=True))
             case EnumDeclaration():
                 return next(e.name for e in declared.enumerators if e.number == value)
             case Bitmask():
@@ -194,7 +196,10 @@ class Plain:
             case Struct() if declared.maps_to is not None:
                 x, y, z, w, *turn = struct.unpack(">7d", value)
                 position = {"x": x, "y": y, "z": z}
-                return {"position": position, "orientation": dict(zip("wxyz", (w, *turn)))}
+                return {
+                    "position": position,
+                    "orientation": dict(zip("wxyz", (w, *turn), strict=True)),
+                }
             case Struct():
                 slots = members(self._model, declared)
                 names = [m.name for m in self._model.all_members(declared)]

@@ -38,6 +38,7 @@ _QUALITY_CLASS = {each.name: each for each in QualityClass}
 _MEDIA = {each.name.lower(): each for each in Media if each.name}
 _MAX_CODE = (1 << 32) - 1
 _MAX_NS = (1 << 63) - 1
+_MAX_BASES = 64  # of an interface or a type, in each other
 
 
 def read_model(texts: Sequence[str], name: str) -> Model:
@@ -90,9 +91,6 @@ class _Reader:
         for base in self._interfaces[name].bases:
             self._order(base, ordered, [*above, name])
         ordered[name] = self._interfaces[name]
-
-
-_MAX_BASES = 64
 
 
 # -- types -----------------------------------------------------------------------------------------
@@ -422,8 +420,8 @@ def _check_bases(model: Model, declared: Struct | Bitset) -> None:
     kind, seen, base = type(declared), {declared.name}, declared.base
     while base:
         found = model.types.get(base)
-        if not isinstance(found, kind) or base in seen:
-            raise Malformed(f"the bases of type {declared.name} are not types of its kind")
+        if not isinstance(found, kind) or base in seen or len(seen) > _MAX_BASES:
+            raise Malformed(f"a base of type {declared.name} is missing, or there are too many")
         seen.add(base)
         base = found.base
 

@@ -1,0 +1,342 @@
+"""Proxies made at run time: arguments, results, errors and descriptions as a program sees them."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from random import Random
+from typing import Any
+
+import gecos
+import pytest
+from gecos.dynamic import DynamicObject, ModelError, description_of, proxy_class
+from gecos.dynamic import names as dynamic_names
+from gecos.interface import Method
+from gecos.wire import Decoder, EncodeError, to_bytes
+from robcl.frames import Frame
+from robcl.laser_distance_sensor import Distance, LaserDistanceSensorServant, SensorFault
+from served_models import load, names, served
+
+MODEL, LAYOUT = load()
+GOAL = {"position": {"x": 1}, "orientation": {"w": 1}}
+
+
+def texts(name: str) -> list[str]:
+    return served(MODEL, LAYOUT, name)
+
+
+def issued(name: str, method: str, *given: Any, **named: Any) -> tuple[Method[Any, Any], bytes]:
+    """The method table and the request of a call."""
+
+    class Proxy(proxy_class(texts(name), name)):  # type: ignore[misc]
+        def __init__(self) -> None:
+            self._gecos_sent: Any = None
+
+        def _gecos_call(self, table: Method[Any, Any], arguments: Any) -> Any:
+            return table, b"".join(arguments)
+
+    found: tuple[Method[Any, Any], bytes] = getattr(Proxy(), method)(*given, **named)
+    return found
+
+
+# -- with a server ---------------------------------------------------------------------------------
+
+
+class Lds(LaserDistanceSensorServant):
+    def __init__(self) -> None:
+        self.on = True
+        self.offset = Frame()
+
+    def base(self) -> Frame:
+        return self.offset
+
+    def parent(self) -> str:
+        return "RX90"
+
+    def mount(self, carrier: str, offset: Frame) -> None:
+        self.offset = offset
+
+    def beam(self) -> Distance:
+        return self.measure()
+
+    def measure(self) -> Distance:
+        if not self.on:
+            raise SensorFault("the laser is off")
+        return Distance(0.25, True, 0.1, 1.0, 100.0)
+
+    def power(self, on: bool) -> None:
+        self.on = on
+
+
+def sensor_class() -> type[DynamicObject]:
+    return proxy_class(texts("robcl::LaserDistanceSensor"), "robcl::LaserDistanceSensor")
+
+
+def test_a_call_gives_plain_data(lab: gecos.Lab, server: gecos.Server) -> None:
+    server.add("LASER", Lds(), simulated=True)
+    sensor: Any = lab.create(sensor_class(), "LASER")
+    expected = {"value": 0.25, "in_range": True, "minimum": 0.1, "maximum": 1.0, "stamp": 100.0}
+    assert list(sensor.measure().result().values()) == list(expected.values())
+    with gecos.actor(sensor):
+        sensor.mount("RX90", offset=GOAL).result()
+        sensor.power(False).result()
+    assert sensor.base().result()["position"] == {"x": 1.0, "y": 0.0, "z": 0.0}
+    with pytest.raises(gecos.DeclaredError, match="the laser is off") as caught:
+        sensor.measure().result()
+    assert caught.value._gecos_name == "robcl::SensorFault"
+    assert caught.value.reason == "the laser is off"  # type: ignore[attr-defined]
+
+
+def test_a_stream_gives_plain_samples(lab: gecos.Lab, server: gecos.Server) -> None:
+    servant = Lds()
+    server.add("LASER", servant)
+    sensor: Any = lab.create(sensor_class(), "LASER")
+    stream = sensor.beam.stream()
+    servant.publish_beam(Distance(0.5, True, 0.1, 1.0, 7.0))
+    assert stream.next(10.0).value["value"] == 0.5
+
+
+# -- arguments -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("goal", "how", "why"),
+    [
+        ({"position": {"x": "a"}}, None, "move.goal.position.x: a number is expected, a text"),
+        ({"position": [1]}, None, "move.goal.position: an object is expected, a list is there"),
+        ({"q": 1}, None, "move.goal.q: unknown member; the known members are position, orient"),
+        (None, None, "move.goal: an object is expected, null is there"),
+        (GOAL, {"speed": 2}, r"move.how.speed: 2.0 is outside \[0.01, 1.0\]"),
+        (GOAL, {"path": "BENT"}, "move.how.path: unknown name BENT; the known names are STRAIGHT"),
+        (object(), None, "move.goal: a value of object is no plain data"),
+    ],
+)
+def test_a_wrong_argument_is_named(goal: Any, how: Any, why: str) -> None:
+    with pytest.raises(EncodeError, match=f"^{why}"):
+        issued("robcl::Rx90", "move", goal, how)
+
+
+def test_the_element_of_a_wrong_list_is_named() -> None:
+    with pytest.raises(EncodeError, match=r"^go.to\[1\]: 4.0 is outside \[-3.0, 3.0\]"):
+        issued("bounded::Robot", "go", [0, 4, 0], {})
+    with pytest.raises(EncodeError, match=r"^go.by_level\[0\]: 10 is outside \[1, 9\]"):
+        issued("bounded::Robot", "go", [0, 0, 0], {10: 0})
+    with pytest.raises(EncodeError, match=r"^paint.words\[1\]: 6 bytes"):
+        issued("everything::Stage", "paint", "RED", ["a", "longer"])
+
+
+@pytest.mark.parametrize(
+    ("given", "named", "why"),
+    [
+        ((), {}, r"move\(\) needs its parameter goal"),
+        ((1, 2, 3), {}, r"move\(\) takes at most 2 arguments, 3 are given"),
+        ((GOAL,), {"goal": GOAL}, r"move\(\) got two values for its parameter goal"),
+        ((GOAL,), {"fast": 1}, r"move\(\) has no parameter fast; its parameters: goal, how"),
+    ],
+)
+def test_arguments_are_checked_as_in_python(given: Any, named: Any, why: str) -> None:
+    with pytest.raises(TypeError, match=why):
+        issued("robcl::Rx90", "move", *given, **named)
+
+
+def test_arguments_with_defaults_may_be_left_out() -> None:
+    whole = issued("everything::Stage", "paint", "RED", [], 3)
+    assert issued("everything::Stage", "paint", "RED", words=[])[1] == whole[1]
+
+
+def test_a_map_may_be_a_dict() -> None:
+    pairs = issued("bounded::Robot", "go", [0, 0, 0], [[2, 0.5], [1, 0.25]])[1]
+    assert issued("bounded::Robot", "go", (0, 0, 0), {1: 0.25, 2: 0.5})[1] == pairs
+    assert issued("bounded::Robot", "go", (0, 0, 0), {"1": 0.25, "2": 0.5})[1] == pairs
+    with pytest.raises(EncodeError, match="already has this key"):
+        issued("bounded::Robot", "go", (0, 0, 0), {"1": 0.25, 1: 0.5})
+
+
+def test_a_secret_is_sent_and_never_shown() -> None:
+    _, request = issued("workshop::Changer", "turn", 1.0, "hunter2")
+    assert b"hunter2" in request
+    with pytest.raises(EncodeError) as caught:
+        issued("workshop::Changer", "turn", 1.0, "hunter2\0")
+    assert "hunter2" not in str(caught.value)
+    with pytest.raises(EncodeError, match="placeholder"):
+        issued("workshop::Changer", "turn", 1.0, "***")
+    table, _ = issued("bounded::Robot", "both")
+    reply = b"\0" * 8 + b"\0\0\0\0" + b"\0\0\0\2q\0"
+    assert table.result(Decoder(reply)) == {"result": 0.0, "along": [], "token": "***"}
+
+
+def test_an_exception_has_plain_members() -> None:
+    table, _ = issued("bounded::Robot", "go", [0, 0, 0], {})
+    (kind,) = table.raises
+    error = kind.decode(Decoder(b"\0" * 8 + b"\0\0\0\2q\0"))
+    assert str(error) == "bounded::Broken(at=0.0, token=***)"
+    assert error.at == 0.0  # type: ignore[attr-defined]
+    assert kind.__name__ == "Broken"
+
+
+def test_feedback_is_plain() -> None:
+    from robcl.manipulator_types import MotionProgress
+
+    table, _ = issued("robcl::Rx90", "move", GOAL)
+    assert table.feedback is not None
+    data = to_bytes(MotionProgress(0.5, 2.0))
+    assert table.feedback(Decoder(data)) == {"fraction": 0.5, "remaining": 2.0}
+
+
+def test_a_proxy_describes_its_members() -> None:
+    model = description_of(proxy_class(texts("robcl::Gripper"), "robcl::Gripper"))
+    found = {each.name: each for each in model.members}
+    assert list(found)[:3] == ["base", "parent", "mount"]
+    width = found["open"].parameters[0]
+    assert (width.name, width.type, width.unit, width.range) == (
+        "width",
+        "double",
+        "m",
+        "at least 0.0",
+    )
+    assert found["open"].feedback == "robcl::GripperState"
+    assert found["open"].raises == ("robcl::OutOfRange",)
+    assert found["jaws"].stream.rate_hz == 50.0  # type: ignore[union-attr]
+    assert found["max_width"].result is not None
+    assert found["max_width"].result.unit == "m"
+
+
+def test_docstrings_are_those_of_generated_code() -> None:
+    from robcl.gripper import Gripper
+
+    kind: Any = proxy_class(texts("robcl::Gripper"), "robcl::Gripper")
+    for name in ("open", "jaws", "max_width", "grip_point"):
+        words = (getattr(each, name).__doc__.split() for each in (kind, Gripper))
+        assert next(words) == next(words)
+
+
+def test_reserved_names_are_those_of_generated_code() -> None:
+    for here, there in (
+        ("METHOD_WORDS", names.METHOD_WORDS),
+        ("STRUCT_WORDS", names.STRUCT_WORDS),
+        ("EXCEPTION_WORDS", names.EXCEPTION_WORDS),
+        ("ENUM_WORDS", names.ENUM_WORDS),
+    ):
+        assert getattr(dynamic_names, here) == there
+
+
+def test_numpy_is_not_imported() -> None:
+    name = "robcl::Rx90"
+    code = (
+        "import json, sys; from gecos.dynamic import proxy_class;"
+        "kind = proxy_class(json.load(sys.stdin), 'robcl::Rx90');"
+        "from gecos.dynamic.types import Types;"
+        "from gecos.wire.kinds import kind_of;"
+        "types = Types(kind._gecos_model);"
+        "joints = next(m for m in kind._gecos_model.members if m.name == 'joints');"
+        "made = kind_of(types.step(joints.result)).made({}, '');"
+        "assert not {'numpy', 'typer', 'asyncio', 'gidl'} & sys.modules.keys()"
+    )
+    subprocess.run(
+        [sys.executable, "-c", code],
+        check=True,
+        env={"PYTHONPATH": ":".join(filter(None, sys.path))},
+        input=json.dumps(texts(name)),
+        text=True,
+    )
+
+
+# -- malformed models ------------------------------------------------------------------------------
+
+
+def model_with(types: list[Any], used: str = "S", **changed: Any) -> list[str]:
+    get = {"kind": "attribute", "name": "a", "type": used, "readonly": True, "hash": "0x1"}
+    interface = {
+        "kind": "interface",
+        "name": "I",
+        "hash": "0x1",
+        "members": [get | {"codes": {"get": 1}}],
+    }
+    return [json.dumps({"interface": interface | changed, "types": types})]
+
+
+def struct(name: str, *members: str, **more: Any) -> Any:
+    listed = [{"name": f"m{i}", "type": each} for i, each in enumerate(members)]
+    return {
+        "kind": "struct",
+        "name": name,
+        "members": listed,
+        "wire": {"fingerprint": "0x1"},
+    } | more
+
+
+CHAIN = [struct(f"S{i}", f"S{i + 1}") for i in range(5000)]
+LAUGHS = [struct("S", *["S1"] * 9), *(struct(f"S{i}", *[f"S{i + 1}"] * 9) for i in range(1, 9))]
+LISTS = [struct(f"S{i or ''}", f"sequence<S{i + 1}>") for i in range(5000)]
+
+
+@pytest.mark.parametrize(
+    ("served_texts", "why"),
+    [
+        ([], "there is no text of interface I"),
+        (["{"], "text 1 is not JSON"),
+        (["[" * 100_000], "text 1 is not JSON"),
+        (["[]"], "text 1 is not an object"),
+        (['{"interface": {}, "interface": {}}'], "an object has two entries of one name"),
+        (["{}"], "text 1 has no 'interface'"),
+        (model_with([]), "I::a uses the type S, which is not declared"),
+        (model_with([struct("S", "T")]), "type S uses the type T, which is not declared"),
+        (model_with([struct("S", "S")]), "type S contains itself other than through a sequence"),
+        (model_with([struct("S", "S[2]")]), "type S contains itself"),
+        (model_with([struct("S", base="S")]), "a base of type S is missing"),
+        (model_with([struct("S"), struct("S", "double")]), "type S is declared in two different"),
+        (model_with([struct("S", "double[99999999]")]), "more than 4194304 members"),
+        (model_with([*LAUGHS, struct("S9", "double")]), "more than 4194304 members"),
+        (model_with([*CHAIN, struct("S5000"), struct("S", "S0")]), "64 levels"),
+        (model_with([*LISTS, struct("S5000")]), "more than 64 levels of types"),
+        (model_with([{"kind": "typedef", "name": "S", "type": "S"}]), "type S contains itself"),
+        (model_with([], "sequence<" * 9000), "nested deeper than 16"),
+        (model_with([], "sequence<double"), "'>' is expected"),
+        (model_with([], "double x"), "unexpected text after the type"),
+        (model_with([], "string<-1>"), "unexpected character"),
+        (model_with([{"kind": "enum", "name": "S"}]), "type S has no enumerators"),
+        (model_with([{"kind": "thing", "name": "S"}]), "'kind' of type S is none of struct"),
+        (model_with([struct("S", "double", members=[{"name": "__class__", "type": "double"}])]),
+         "is not a name"),
+        (model_with([], "double", bases=["I"]), "interface I inherits from itself"),
+        (model_with([], "double", bases=["J"]), "there is no text of interface J"),
+        (model_with([], "double", hash=7), "'hash' of interface I is not a text"),
+        (model_with([], "double", members=[{"kind": "attribute"}]), "has no 'name'"),
+    ],
+)  # fmt: skip
+def test_a_malformed_model_is_refused(served_texts: list[str], why: str) -> None:
+    with pytest.raises(ModelError, match=r"^the model of I is not valid: ") as caught:
+        proxy_class(served_texts, "I")
+    assert why in caught.value.why
+    assert len(str(caught.value)) < 400
+
+
+def test_a_changed_model_is_refused_or_makes_a_class() -> None:
+    dice = Random(5)
+    given = [json.loads(text) for text in texts("everything::Deep")]
+    refused = 0
+    for _ in range(150):
+        copy = json.loads(json.dumps(given))
+        change(copy, dice)
+        try:
+            proxy_class([json.dumps(each) for each in copy], "everything::Deep")
+        except ModelError:
+            refused += 1
+    assert refused > 30
+
+
+def change(data: Any, dice: Random) -> None:
+    """Replaces one entry by another value, or removes it."""
+    while True:
+        keys: list[Any] = list(data) if isinstance(data, dict) else list(range(len(data)))
+        key = dice.choice(keys)
+        if isinstance(data[key], dict | list) and data[key] and dice.random() < 0.95:
+            data = data[key]
+            continue
+        if dice.random() < 0.3:
+            del data[key]
+        else:
+            wrong: list[Any] = [None, -1, 10**40, 1e300, "", "double", "x::y", [], {}, [[]], True]
+            data[key] = dice.choice(wrong)
+        return
