@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import struct
 import sys
 from collections.abc import Sequence
@@ -33,12 +32,10 @@ from gidl.model import (  # noqa: E402
     SequenceType,
     StringType,
     Struct,
-    Typedef,
     Union,
 )
-from gidl.model_json import _Dumper  # noqa: E402
 from gidl.targets.python import names as names  # noqa: E402
-from gidl.targets.reach import named_types  # noqa: E402
+from gidl.targets.served_model import served_model  # noqa: E402
 from gidl.wire_layout import CallKind as CallKind  # noqa: E402
 from gidl.wire_layout import CallLayout, Layout, build  # noqa: E402
 from making import Making  # noqa: E402
@@ -67,56 +64,9 @@ def load() -> tuple[Model, Layout]:
 
 def served(model: Model, layout: Layout, name: str) -> list[str]:
     """The texts of an interface and of its bases."""
-    return [_text(model, layout, each) for each in (name, *model.interface(name).all_bases)]
-
-
-def _text(model: Model, layout: Layout, name: str) -> str:
-    dumper, interface = _Dumper(model, layout), model.interface(name)
-    declared = dumper._declaration(interface)
-    for entry in declared.get("members", []):  # type: ignore[attr-defined]
-        scoped = f"{name}::{entry['name']}"
-        if entry.get("stream", {}).get("direction") == "out":
-            largest = layout.stream(scoped).sample.fixed_size
-            entry["stream"] |= {} if largest is None else {"largest": largest}
-    used = _reached(model, interface)
-    types = [d for d in model.declarations() if d.name in used and not isinstance(d, Interface)]
-    return json.dumps(
-        {
-            "interface": declared,
-            "types": [dumper._declaration(each) for each in types],
-            "references": sorted(n for n in used if isinstance(model.find(n), Interface)),
-        }
-    )
-
-
-def _reached(model: Model, interface: Interface) -> set[str]:
-    waiting: set[str] = set()
-    for member in interface.members:
-        if isinstance(member, Operation):
-            waiting |= {n for p in member.parameters for n in named_types(p.type)}
-            waiting |= set() if member.result is None else named_types(member.result)
-            waiting |= set(member.raises)
-            waiting |= set() if member.feedback is None else {member.feedback.name}
-        else:
-            waiting |= named_types(member.type) | {*member.get_raises, *member.set_raises}
-    found: set[str] = set()
-    while waiting:
-        name = waiting.pop()
-        found.add(name)
-        declared = model.find(name)
-        inside: set[str] = set()
-        if isinstance(declared, Struct):
-            inside = {n for m in declared.members for n in named_types(m.type)}
-            inside |= {declared.base} if declared.base else set()
-        elif isinstance(declared, Union):
-            inside = {n for case in declared.cases for n in named_types(case.member.type)}
-            inside |= named_types(declared.discriminator)
-        elif isinstance(declared, Typedef):
-            inside = named_types(declared.type)
-        elif isinstance(declared, Bitset) and declared.base:
-            inside = {declared.base}
-        waiting |= inside - found
-    return found
+    interface = model.interface(name)
+    every = [interface, *(model.interface(base) for base in interface.all_bases)]
+    return [served_model(model, layout, each) for each in every]
 
 
 # -- random values ---------------------------------------------------------------------------------

@@ -10,8 +10,8 @@ from typing import Any
 
 import gecos
 import pytest
-from gecos.dynamic import DynamicObject, ModelError, description_of, proxy_class
-from gecos.dynamic import names as dynamic_names
+from gecos.dynamic_client import DynamicObject, ModelError, description_of, proxy_class
+from gecos.dynamic_client import names as dynamic_names
 from gecos.interface import Method
 from gecos.wire import Decoder, EncodeError, to_bytes
 from robcl.frames import Frame
@@ -224,9 +224,9 @@ def test_reserved_names_are_those_of_generated_code() -> None:
 def test_numpy_is_not_imported() -> None:
     name = "robcl::Rx90"
     code = (
-        "import json, sys; from gecos.dynamic import proxy_class;"
+        "import json, sys; from gecos.dynamic_client import proxy_class;"
         "kind = proxy_class(json.load(sys.stdin), 'robcl::Rx90');"
-        "from gecos.dynamic.types import Types;"
+        "from gecos.dynamic_client.types import Types;"
         "from gecos.wire.kinds import kind_of;"
         "types = Types(kind._gecos_model);"
         "joints = next(m for m in kind._gecos_model.members if m.name == 'joints');"

@@ -37,7 +37,7 @@ def holders(robot: Object) -> Command[list[Holder]]:
 
 
 def model(robot: Object) -> Command[list[str]]:
-    """Asks for the object's interface and each of its bases as JSON: what `gecos.dynamic_client` reads."""
+    """Asks for the object's interface and each of its bases as JSON, which `lab.dynamic` reads."""
     return _answers_of(robot).model()
 
 

@@ -126,7 +126,7 @@ class Interface:
     streams: tuple[OutwardStream, ...] = ()  # own and all inherited streams
     quality: Quality = ASKED_NOTHING
     # JSON of the interface and of each of its bases, which the object serves
-    models: tuple[str, ...] = field(default=(), repr=False)
+    models: tuple[str, ...] = field(default=(), compare=False, repr=False)
     handlers: Mapping[int, Handler] = field(default_factory=dict, compare=False, repr=False)
 
     def __post_init__(self) -> None:

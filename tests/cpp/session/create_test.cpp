@@ -208,6 +208,18 @@ TEST_F(Create, TellsWhatAnObjectIs) {
   EXPECT_EQ(about->pid, getpid());
 }
 
+TEST_F(Create, TellsTheModelOfAnObjectOverEveryMedium) {
+  serve("PROBE", servant_);
+  for (const Kind kind : {Kind::Inproc, Kind::Shm, Kind::Lcm}) {
+    gecos::CreateOptions options;
+    options.medium = kind;
+    auto asked = lab_.create<probe::Probe>("PROBE", options);
+    ASSERT_TRUE(asked) << asked.error();
+    const std::vector<std::string> one_base_once = {"probe::Probe", "probe::Device"};
+    EXPECT_EQ(gecos::model(*asked).get().value(), one_base_once);
+  }
+}
+
 TEST_F(Create, IsRefusedANameThatItsOwnServerHasAlready) {
   serve("PROBE", servant_);
   probe::ProbeServant second;

@@ -138,10 +138,10 @@ def stop(names: tuple[str, ...], everything: bool, broker: str | None, as_json: 
         print_json({"stopped": stopped, "failed": [failure_json(e)["error"] for e in failures]})
     elif not wanted:
         print("no object is online")
-    for error in failures:
-        print(f"gecos: {error}", file=sys.stderr)
+    for failure in failures:
+        print(f"gecos: {failure}", file=sys.stderr)
     if failures:
-        sys.exit(max(exit_code(error) for error in failures))
+        sys.exit(max(map(exit_code, failures)))
 
 
 @app.command()

@@ -198,8 +198,13 @@ def _wait(command: Command[Any, Any], label: str, timeout: float | None, shows: 
 @name_argument
 @attribute_argument
 @click.option("--count", type=click.IntRange(min=1), help="End after so many values.")
-@click.option("--every", type=click.FloatRange(min=0.01), default=1.0, show_default=True,
-              help="Seconds between two readings of an attribute that is not a stream.")  # fmt: skip
+@click.option(
+    "--every",
+    type=click.FloatRange(min=0.01),
+    default=1.0,
+    show_default=True,
+    help="Seconds between two readings of an attribute that is not a stream.",
+)
 @broker_option
 @json_option
 def watch(
@@ -261,8 +266,13 @@ def _sample_json(sample: Sample[Any]) -> dict[str, Any]:
 @name_argument
 @stream_argument
 @click.option("--count", type=click.IntRange(min=1), help="End after so many lines.")
-@click.option("--window", type=click.FloatRange(min=0.1), default=1.0, show_default=True,
-              help="Seconds that each line counts.")  # fmt: skip
+@click.option(
+    "--window",
+    type=click.FloatRange(min=0.1),
+    default=1.0,
+    show_default=True,
+    help="Seconds that each line counts.",
+)
 @broker_option
 @json_option
 def hz(

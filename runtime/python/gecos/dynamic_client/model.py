@@ -1,7 +1,7 @@
 """The model that an object serves: its interfaces, and the types that they use.
 
-`gecos.dynamic_client.read` makes a model from the served texts. The members of interfaces are also the
-description of an object for people: `description_of(proxy).members`.
+`gecos.dynamic_client.read` makes a model from the served texts. The members of interfaces are also
+the description of an object for people: `description_of(proxy).members`.
 """
 
 from __future__ import annotations
