@@ -211,7 +211,7 @@ def test_docstrings_are_those_of_generated_code() -> None:
         assert next(words) == next(words)
 
 
-def test_reserved_names_are_those_of_generated_code() -> None:
+def test_names_are_escaped_as_in_generated_code() -> None:
     for here, there in (
         ("METHOD_WORDS", names.METHOD_WORDS),
         ("STRUCT_WORDS", names.STRUCT_WORDS),
