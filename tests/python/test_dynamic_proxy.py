@@ -211,7 +211,7 @@ def test_docstrings_are_those_of_generated_code() -> None:
         assert next(words) == next(words)
 
 
-def test_reserved_names_are_those_of_generated_code() -> None:
+def test_names_are_escaped_as_in_generated_code() -> None:
     for here, there in (
         ("METHOD_WORDS", names.METHOD_WORDS),
         ("STRUCT_WORDS", names.STRUCT_WORDS),
@@ -299,6 +299,8 @@ LISTS = [struct(f"S{i or ''}", f"sequence<S{i + 1}>") for i in range(5000)]
         (model_with([{"kind": "thing", "name": "S"}]), "'kind' of type S is none of struct"),
         (model_with([struct("S", "double", members=[{"name": "__class__", "type": "double"}])]),
          "is not a name"),
+        (model_with([{"kind": "typedef", "name": "S", "type": "float", "range": {"min": 10**40}}]),
+         "the range at least 1"),
         (model_with([], "double", bases=["I"]), "interface I inherits from itself"),
         (model_with([], "double", bases=["J"]), "there is no text of interface J"),
         (model_with([], "double", hash=7), "'hash' of interface I is not a text"),

@@ -11,7 +11,8 @@ from typing import Any, Self
 import numpy as np
 import pytest
 from gecos import wire
-from gecos.wire import DecodeError, DecodeProblem, Decoder, EncodeError, Parts
+from gecos.wire import DecodeError, DecodeProblem, Decoder, EncodeError, Parts, layout
+from gecos.wire.kinds import Kind
 
 
 class Axes(IntFlag):
@@ -168,3 +169,18 @@ def test_values_with_arrays_compare_by_content() -> None:
 def test_a_new_array_is_zero() -> None:
     zeros = wire.zeros("h", 2, 3)
     assert zeros.shape == (2, 3) and zeros.dtype == np.int16 and not zeros.any()
+
+
+@pytest.mark.parametrize(
+    ("kind", "data", "path"),
+    [
+        (layout.secret("B"), 4711, "pin"),
+        (layout.secret(layout.items("f")), [0.5, 4.711e47], "pin[1]"),
+        (layout.secret(layout.mapping(layout.text(), "B")), [["a", 4711]], "pin[0]"),
+    ],
+)
+def test_no_json_error_shows_a_secret(kind: Kind, data: Any, path: str) -> None:
+    with pytest.raises(wire.JsonError, match=r"\*\*\* is not") as caught:
+        kind.made(data, "pin")
+    assert caught.value.path == path
+    assert "4711" not in str(caught.value) and "4.711" not in str(caught.value)

@@ -27,12 +27,12 @@ def simple(scoped: str) -> str:
     return scoped.rpartition("::")[2]
 
 
-def escaped(name: str, reserved: Collection[str]) -> str:
+def escaped(name: str, words: Collection[str]) -> str:
     """The name of a method or an enumerator, with underscores appended if it is reserved."""
     plain = name.rstrip("_")
-    if f"{plain}_" in reserved:
+    if f"{plain}_" in words:
         return f"{name}__"
-    return f"{name}_" if plain in reserved else name
+    return f"{name}_" if plain in words else name
 
 
 def member_name(name: str, words: Collection[str]) -> str:

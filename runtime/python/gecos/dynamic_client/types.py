@@ -42,6 +42,13 @@ from gecos.wire.kinds import Limits as WireLimits
 from gecos.wire.kinds import Ranged, kind_of
 
 _MAX_LEVELS = 64  # of types in each other, sequences included
+_LARGEST: dict[str, int | float] = {
+    **dict.fromkeys("bBhHiIq", (1 << 63) - 1),
+    "Q": (1 << 64) - 1,
+    "f": 3.4e38,
+    "d": 1.7e308,
+}
+"""The largest limit of a number of each code, on both sides."""
 _ZEROS = {"boolean": False, "char": "\0", "float": 0.0, "double": 0.0}
 
 
@@ -334,10 +341,10 @@ def _number(name: str, limits: Limits | None) -> layout.Step:
         return layout.char()
     if limits is None or name == "boolean":
         return code
-    try:
-        binding = WireLimits(code, limits.low, limits.high).effective(code) != (None, None)
-    except OverflowError:
-        raise Malformed(f"the range {limits} is beyond the type {name}") from None
+    for limit in (limits.low, limits.high):
+        if limit is not None and not -_LARGEST[code] <= limit <= _LARGEST[code]:
+            raise Malformed(f"the range {limits} is beyond the type {name}")
+    binding = WireLimits(code, limits.low, limits.high).effective(code) != (None, None)
     return Ranged(code, limits.low, limits.high) if binding else code
 
 
