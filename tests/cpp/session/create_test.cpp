@@ -209,7 +209,9 @@ TEST_F(Create, TellsWhatAnObjectIs) {
 }
 
 TEST_F(Create, TellsTheModelOfAnObjectOverEveryMedium) {
-  serve("PROBE", servant_);
+  gecos::ObjectOptions everything;
+  everything.simulated = true;
+  ASSERT_TRUE(server_->add("PROBE", servant_, everything));
   for (const Kind kind : {Kind::Inproc, Kind::Shm, Kind::Lcm}) {
     gecos::CreateOptions options;
     options.medium = kind;
