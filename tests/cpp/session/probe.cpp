@@ -31,7 +31,8 @@ gecos::InterfaceDescription make(std::string_view name) {
   static const std::array<std::string_view, 1> bases = {"probe::Device"};
   static const std::array<gecos::StreamDescription, 1> streams = {
       gecos::StreamDescription{level_code, "level", Status::Sensor, 100, 4, {}}};
-  static const gecos::InterfaceDescription device{.name = "probe::Device", .model = "probe::Device"};
+  static const gecos::InterfaceDescription device{.name = "probe::Device",
+                                                  .model = "probe::Device"};
   static const std::array<const gecos::InterfaceDescription*, 2> twice = {&device, &device};
   gecos::InterfaceDescription described;
   described.name = name;
