@@ -30,7 +30,7 @@ SERVERS = (  # below the build folder
     "devices/world/robcl-world",
     "devices/laser_distance_sensor/robcl-lds",
 )
-BAR = 120.0  # ms
+LIMIT_MS = 120.0
 
 
 def start(program: Path) -> subprocess.Popen[str]:
@@ -70,7 +70,7 @@ def main() -> None:
     for title, each in times.items():
         print(f"| {title} | {statistics.median(each):.0f} | {min(each):.0f} | {max(each):.0f} |")
     called = statistics.median(times["gecos call LDS measure"])
-    print(f"\na call of a sensor: {called:.0f} ms, {'met' if called < BAR else 'missed'} ({BAR:g})")
+    print(f"\na call of a sensor: {called:.0f} ms, {'met' if called < LIMIT_MS else 'missed'} ({LIMIT_MS:g})")
 
 
 if __name__ == "__main__":

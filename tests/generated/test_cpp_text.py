@@ -114,3 +114,10 @@ def test_operations_and_parameters_are_called_beside_those_members(tmp_path: Pat
     assert "return gecos_call<void>(" in texts["client.cpp"]
     assert "this->gecos_call_(gecos_session___, gecos_publish_)" in texts["server.cpp"]
     assert "class gecos_subscribe_ : public virtual gecos::Object" in texts["client.hpp"]
+
+
+def test_a_name_longer_than_a_line_is_printed(tmp_path: Path) -> None:
+    name, member = "L" + 50 * "o" + "ng", "m" + 50 * "e"
+    files = sources(tmp_path, f"struct {name} {{ double {member}; double b; }};")
+    (printing,) = re.findall(r"print_all\(out,\s*(.)", files["types.cpp"])
+    assert printing == '"'

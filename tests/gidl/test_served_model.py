@@ -25,7 +25,7 @@ module lab {
   exception Broken { Flags which; };
   interface Store { void keep(); };
   struct Progress { double fraction; };
-  /// It says "it's ready", and costs 3 €: \\\\ )json" '''
+  /// It says "it's ready", and costs 3 €: \\\\ )json" ''' )json
   interface Arm : Store {
     attribute Held shown;
     @cancelable(feedback="lab::Progress") Store fetch(in map<string, long> places) raises (Broken);
@@ -69,4 +69,4 @@ def test_quotes_and_other_alphabets_in_comments_arrive(tmp_path: Path) -> None:
     text = texts(tmp_path)["lab::Arm"]
     assert text.isascii()
     said = json.loads(text)["interface"]["doc"]
-    assert said == "It says \"it's ready\", and costs 3 €: \\\\ )json\" '''"
+    assert said == "It says \"it's ready\", and costs 3 €: \\\\ )json\" ''' )json"

@@ -36,15 +36,18 @@ class Arm(ManipulatorServant):
     def __init__(self) -> None:
         self.at = Frame()
         self.offset = Frame()
+        self.carrier = ""
+        self.mounts = threading.Event()
+        self.mounts.set()
         self.hangs = False
         self.moving = threading.Event()
         self.canceled = threading.Event()
 
     def parent(self) -> str:
-        return ""
+        return self.carrier
 
     def mount(self, carrier: str, offset: Frame) -> None:
-        pass
+        self.mounts.wait(30)
 
     def base(self) -> Frame:
         return Frame()
@@ -217,6 +220,37 @@ def test_a_timeout_cancels_the_call(arm: Arm, run: Run) -> None:
     assert (code, out) == (3, "")
     assert err == "gecos: ARM.move has not ended within 0.2 s and was canceled\n"
     assert arm.canceled.wait(10)
+
+
+def test_a_timeout_of_an_operation_that_is_not_cancelable_says_that_it_goes_on(
+    arm: Arm, run: Run
+) -> None:
+    arm.mounts.clear()
+    given = json.dumps({"carrier": "", "offset": HOME})
+    code, _, err = run("call", "ARM", "mount", given, "--timeout", "0.1")
+    arm.mounts.set()
+    assert code == 3
+    assert err == "gecos: ARM.mount has not ended within 0.1 s and goes on\n"
+
+
+def test_wrong_usage_with_json_is_json(arm: Arm, run: Run) -> None:
+    for words in (("call", "ARM", "move", "{"), ("get", "ARM"), ("get", "ARM", "toool")):
+        code, out, err = run(*words, "--json")
+        assert (code, err) == (2, ""), words
+        assert valid(out, "failure")
+
+
+def test_wait_sees_an_object_that_comes(lab: gecos.Lab, run: Run) -> None:
+    with gecos.Server(lab) as server:
+        later = threading.Timer(0.3, lambda: server.add("ARM", Arm(), simulated=True))
+        later.start()
+        assert run("wait", "ARM", "--timeout", "20") == (0, "ARM: online\n", "")
+        later.join()
+
+
+def test_text_of_a_server_does_not_command_the_terminal(arm: Arm, run: Run) -> None:
+    arm.carrier = "\x1b[2Jgone"
+    assert run("get", "ARM", "parent") == (0, "\\x1b[2Jgone\n", "")
 
 
 def test_watch_prints_a_line_for_each_sample(arm: Arm, run: Run) -> None:

@@ -42,8 +42,9 @@ def served_model(model: Model, layout: Layout, interface: Interface) -> str:
 
 
 def _text(value: object) -> str:
-    # No quote of Python or C++ can be in the text, so that it may stand in a raw literal of both.
-    return json.dumps(value, separators=(",", ":")).replace("'", "\\u0027")
+    # The text stands in a raw literal of Python, r'''…''', and of C++, R"json(…)json".
+    text = json.dumps(value, separators=(",", ":"))
+    return text.replace("'", "\\u0027").replace(")json", ")\\u006ason")
 
 
 def _lines(values: Sequence[object]) -> str:

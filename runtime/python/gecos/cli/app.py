@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import click
@@ -20,6 +22,10 @@ from gecos.cli.options import (
     plain,
     print_json,
 )
+
+_STOP_WITHIN = 5.0  # s for the answer of a server
+_PATIENCE = 2.0  # s for one attempt to find an object
+_BETWEEN = 0.1  # s between two attempts; a broker announces no changes yet
 
 
 def _print_version(context: click.Context, _: click.Parameter, asked: bool) -> None:
@@ -49,8 +55,8 @@ def _version() -> str:
 def app() -> None:
     """Shows, calls and stops the objects of a robot laboratory, and runs a broker.
 
-    Exit codes: 0 FINISHED, 2 wrong usage, 3 COMMAND_FAILED, 4 CONNECTION_FAILED, 5 access DENIED or
-    REFUSED (wins over 3 and 4).
+    Exit codes: 0 FINISHED, 1 the environment is wrong, 2 wrong usage, 3 COMMAND_FAILED, 4
+    CONNECTION_FAILED, 5 access DENIED or REFUSED (wins over 3 and 4), 130 Ctrl-C.
     """
 
 
@@ -84,12 +90,13 @@ def describe(name: str, broker: str | None, as_json: bool) -> None:
         found = find(lab, name)
         state = gecos.describe(found).result()
         models = served_models(found)
+    model = read_model(models, state.interface_name) if models else None
     if as_json:
         print_json(plain(state) | {"models": [json.loads(text) for text in models]})
         return
     report.description(state)
-    if models:
-        report.members(read_model(models, state.interface_name))
+    if model is not None:
+        report.members(model)
 
 
 @app.command()
@@ -123,21 +130,23 @@ def stop(names: tuple[str, ...], everything: bool, broker: str | None, as_json: 
         raise click.UsageError("name the objects to stop, or give --all")
     with gecos.Lab(broker) as lab:
         wanted = [entry.name for entry in entries(lab)] if everything else list(names)
-        failures: list[Exception] = []
-        stopped = []
-        for name in wanted:  # one that cannot be reached does not keep the others moving
+
+        def failure_of(name: str) -> Exception | None:
             try:
-                gecos.stop(find(lab, name)).result()
-            except (ConnectionError, RuntimeError) as error:
-                failures.append(error)
-                continue
-            stopped.append(name)
-            if not as_json:
-                print(f"{name}: stopped")
+                gecos.stop(find(lab, name)).result(_STOP_WITHIN)
+            except (ConnectionError, RuntimeError, TimeoutError) as error:
+                return error
+            return None
+
+        # All at once: an object that does not answer must not keep the others moving.
+        with ThreadPoolExecutor(max(1, len(wanted))) as threads:
+            outcomes = dict(zip(wanted, threads.map(failure_of, wanted), strict=True))
+    failures = [error for error in outcomes.values() if error is not None]
+    stopped = [name for name, error in outcomes.items() if error is None]
     if as_json:
         print_json({"stopped": stopped, "failed": [failure_json(e)["error"] for e in failures]})
-    elif not wanted:
-        print("no object is online")
+    else:
+        print("\n".join(f"{name}: stopped" for name in stopped) or "nothing was stopped")
     for failure in failures:
         print(f"gecos: {failure}", file=sys.stderr)
     if failures:
@@ -150,21 +159,22 @@ def stop(names: tuple[str, ...], everything: bool, broker: str | None, as_json: 
 @broker_option
 @json_option
 def wait(name: str, timeout: float | None, broker: str | None, as_json: bool) -> None:
-    """Waits until an object is online."""
+    """Waits until an object is online. Ends at once if the object refuses this program."""
     import gecos
     from gecos.dynamic_client.connect import find
 
-    between = 0.1  # s; a broker announces no changes yet
-    end = None if timeout is None else time.monotonic() + timeout
+    end = math.inf if timeout is None else time.monotonic() + timeout
     with gecos.Lab(broker) as lab:
         while True:
+            left = max(0.0, end - time.monotonic())
             try:
-                found = find(lab, name)
+                found = find(lab, name, patience=min(_PATIENCE, left))
                 break
-            except gecos.CreateError:
-                if end is not None and time.monotonic() >= end:
+            except gecos.CreateError as error:
+                missing = {a.detail for a in error.attempts} == {gecos.Detail.NO_SERVER}
+                if not missing or time.monotonic() >= end:
                     raise
-                time.sleep(between)
+                time.sleep(_BETWEEN)
     if as_json:
         print_json({"name": name, "type": found._gecos_interface.name})
     else:
@@ -213,17 +223,21 @@ def run() -> int:
         code = app(prog_name="gecos", standalone_mode=False)
     except click.exceptions.Exit as end:
         return end.exit_code
-    except click.Abort:
-        return ExitCode.INTERRUPTED
-    except click.ClickException as wrong:
-        wrong.show()
-        return ExitCode.USAGE
     except SystemExit as end:
         return int(end.code or 0)
-    except (KeyboardInterrupt, OSError, RuntimeError, ValueError, TypeError, LookupError) as error:
-        if "--json" in sys.argv:
-            print_json(failure_json(error))
-        elif not isinstance(error, KeyboardInterrupt):
-            print(f"gecos: {error}", file=sys.stderr)
+    except (click.ClickException, click.Abort, OSError, RuntimeError, ValueError) as error:
+        _tell(error)
         return exit_code(error)
     return code if isinstance(code, int) else ExitCode.FINISHED
+
+
+def _tell(error: Exception) -> None:
+    """Prints why a command failed."""
+    words = sys.argv[1:]
+    options = words[: words.index("--")] if "--" in words else words
+    if "--json" in options:
+        print_json(failure_json(error))
+    elif isinstance(error, click.ClickException):
+        error.show()
+    elif not isinstance(error, click.Abort):
+        print(f"gecos: {report.printable(str(error))}", file=sys.stderr)

@@ -10,6 +10,8 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Any
 
+import click
+
 from gecos.errors import (
     CommandFailed,
     ConnectionFailed,
@@ -19,6 +21,7 @@ from gecos.errors import (
     LeaseRefused,
     State,
 )
+from gecos.wire import EncodeError
 
 
 class ExitCode(IntEnum):
@@ -31,12 +34,16 @@ class ExitCode(IntEnum):
     INTERRUPTED = 130
 
 
+class UsageFailure(ValueError):
+    """A name or a value on the command line that the object does not have or take."""
+
+
 _NO_ACCESS = (Detail.DENIED, Detail.REFUSED)
 
 
 def exit_code(error: BaseException) -> ExitCode:
     """The exit code for a failure of a command."""
-    if isinstance(error, KeyboardInterrupt):
+    if isinstance(error, KeyboardInterrupt | click.Abort):
         return ExitCode.INTERRUPTED
     if isinstance(error, LeaseRefused) or _details(error) & set(_NO_ACCESS):
         return ExitCode.NO_ACCESS
@@ -44,14 +51,15 @@ def exit_code(error: BaseException) -> ExitCode:
         return ExitCode.COMMAND_FAILED
     if isinstance(error, ConnectionError):
         return ExitCode.CONNECTION_FAILED
-    if isinstance(error, ValueError | TypeError | LookupError):
+    if isinstance(error, click.ClickException | EncodeError | UsageFailure):
         return ExitCode.USAGE
     return ExitCode.ENVIRONMENT
 
 
 def failure_json(error: BaseException) -> dict[str, Any]:
     """A failure as `--json` shows it."""
-    shown: dict[str, Any] = {"exit_code": int(exit_code(error)), "text": str(error)}
+    text = error.format_message() if isinstance(error, click.ClickException) else str(error)
+    shown: dict[str, Any] = {"exit_code": int(exit_code(error)), "text": text or "interrupted"}
     details = _details(error)
     if details:
         detail = next((d for d in _NO_ACCESS if d in details), max(details))

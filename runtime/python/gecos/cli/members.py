@@ -6,12 +6,13 @@ import json
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from gecos.cli import report
+from gecos.cli.exit_codes import UsageFailure
 from gecos.cli.options import (
     broker_option,
     json_option,
@@ -20,11 +21,12 @@ from gecos.cli.options import (
     print_json,
     value_of,
 )
+from gecos.errors import State
 
 if TYPE_CHECKING:
     from gecos.command import Command
     from gecos.dynamic_client import DynamicObject
-    from gecos.lease import Lease
+    from gecos.interface import Access
     from gecos.stream import Sample
 
 password_option = click.option(
@@ -46,40 +48,51 @@ stream_argument = click.argument(
 operation_argument = click.argument(
     "operation", shell_complete=members(lambda m: m.kind == "operation")
 )
+_CANCELED_WITHIN = 1.0  # s for the end of a command after the request to cancel it
 _REDRAW = 0.1  # s between two drawings of a progress bar
 
 
 @contextmanager
 def _connected(broker: str | None, name: str) -> Iterator[DynamicObject]:
     import gecos
+    from gecos.dynamic_client.by_name import UnknownMemberError
     from gecos.dynamic_client.connect import connect
 
     with gecos.Lab(broker) as lab:
-        yield connect(lab, name)
+        robot = connect(lab, name)
+        try:
+            yield robot
+        except UnknownMemberError as error:
+            raise UsageFailure(str(error)) from None
 
 
-def _status(robot: DynamicObject, access: Any, password: str) -> Lease | nullcontext[None]:
+def _status(robot: DynamicObject, needed: Access, password: str) -> AbstractContextManager[object]:
     """The status that a call needs, for the time of the call."""
     import gecos
-    from gecos.interface import Access
 
-    if access is Access.SENSOR:
-        return nullcontext()
-    return (gecos.master if access is Access.MASTER else gecos.actor)(robot, password)
+    match needed.name:
+        case "MASTER":
+            return gecos.master(robot, password)
+        case "ACTOR":
+            return gecos.actor(robot, password)
+    return nullcontext()
 
 
 @click.command()
 @name_argument
 @attribute_argument
+@password_option
 @broker_option
 @json_option
-def get(name: str, attribute: str, broker: str | None, as_json: bool) -> None:
-    """Reads an attribute."""
+def get(name: str, attribute: str, password: str, broker: str | None, as_json: bool) -> None:
+    """Reads an attribute, under the status that it needs."""
     from gecos.dynamic_client import by_name
 
     with _connected(broker, name) as robot:
-        value = by_name.read(robot, attribute).result()
-        unit = by_name.attribute(robot, attribute).result.unit
+        wanted = by_name.attribute(robot, attribute)
+        with _status(robot, wanted.access, password):
+            value = by_name.read(robot, attribute).result()
+        unit = wanted.result.unit
     if as_json:
         print_json({"name": name, "attribute": attribute, "value": value, "unit": unit})
     else:
@@ -130,23 +143,24 @@ def call(
 
     The arguments are one JSON object, '{"width": 0.05}', or PARAMETER=VALUE for each parameter.
     Acquires the status that the operation needs for the time of the call. Ctrl-C, or the end of
-    --timeout, cancels the call.
+    --timeout, cancels a call that is cancelable; another one goes on.
     """
     from gecos.dynamic_client import by_name
+    from gecos.interface import Access
 
     given = _arguments(arguments)
     with _connected(broker, name) as robot:
         called = by_name.operation(robot, operation)
-        access = None if called.safety else called.access
-        with _status(robot, access, password) if access is not None else nullcontext():
-            command = by_name.call(robot, operation, given)
+        needed = Access.SENSOR if called.safety else called.access
+        with _status(robot, needed, password):
             try:
-                _wait(command, f"{name}.{operation}", timeout, called.cancelable and not as_json)
-                value = command.result(0)
-            except (KeyboardInterrupt, TimeoutError):
-                command.cancel()
-                command.wait(1.0)
-                raise
+                command = by_name.call(robot, operation, given)
+            except TypeError as error:  # a parameter is missing or unknown
+                raise UsageFailure(str(error)) from None
+            ended = _ends(
+                command, f"{name}.{operation}", timeout, called.cancelable and not as_json
+            )
+            value = ended.result(0)
     if as_json:
         print_json({"name": name, "operation": operation, "state": "FINISHED", "result": value})
     elif called.outputs:
@@ -177,21 +191,42 @@ def _arguments(words: tuple[str, ...]) -> dict[str, Any]:
     return found
 
 
-def _wait(command: Command[Any, Any], label: str, timeout: float | None, shows: bool) -> None:
-    """Waits for the end of a command, with a progress bar on a terminal."""
-    from gecos.errors import State
+def _ends(
+    command: Command[Any, Any], label: str, timeout: float | None, shows: bool
+) -> Command[Any, Any]:
+    """Waits for the end of a command and returns it. Cancels it on Ctrl-C and after `timeout`."""
+    try:
+        if _ended_within(command, label, timeout, shows):
+            return command
+    except KeyboardInterrupt:
+        _cancel(command)
+        raise
+    if _cancel(command):
+        return command  # it finished before the request arrived
+    left = "and goes on" if command.state is State.RUNNING else "and was canceled"
+    raise TimeoutError(f"{label} has not ended within {timeout} s {left}")
 
-    end = None if timeout is None else time.monotonic() + timeout
+
+def _cancel(command: Command[Any, Any]) -> bool:
+    """Asks the server to cancel a command. Returns whether the command finished nevertheless."""
+    command.cancel()
+    return command.wait(_CANCELED_WITHIN) is State.FINISHED
+
+
+def _ended_within(
+    command: Command[Any, Any], label: str, timeout: float | None, shows: bool
+) -> bool:
+    """Waits for the end of a command, with a progress bar on a terminal."""
     if not (shows and sys.stderr.isatty()):
-        if command.wait(timeout) is State.RUNNING:
-            raise TimeoutError(f"{label} has not ended within {timeout} s and was canceled")
-        return
+        return command.wait(timeout) is not State.RUNNING
+    end = None if timeout is None else time.monotonic() + timeout
     with click.progressbar(length=1000, label=label, file=sys.stderr, show_eta=False) as bar:
         while command.wait(_REDRAW) is State.RUNNING:
             bar.update(max(0, int(command.progress().fraction * 1000) - bar.pos))
             if end is not None and time.monotonic() >= end:
-                raise TimeoutError(f"{label} has not ended within {timeout} s and was canceled")
+                return False
         bar.update(1000 - bar.pos if command.state is State.FINISHED else 0)
+    return True
 
 
 @click.command()
@@ -205,6 +240,7 @@ def _wait(command: Command[Any, Any], label: str, timeout: float | None, shows: 
     show_default=True,
     help="Seconds between two readings of an attribute that is not a stream.",
 )
+@password_option
 @broker_option
 @json_option
 def watch(
@@ -212,6 +248,7 @@ def watch(
     attribute: str,
     count: int | None,
     every: float,
+    password: str,
     broker: str | None,
     as_json: bool,
 ) -> None:
@@ -219,13 +256,17 @@ def watch(
 
     On a terminal the newest value is drawn in place; into a pipe, each value is a line.
     """
-    with _connected(broker, name) as robot:
-        samples = _samples(robot, attribute, every)
-        with report.Samples(as_json) as shown:
-            for number, sample in enumerate(samples, 1):
-                shown.show(sample)
-                if number == count:
-                    return
+    from gecos.dynamic_client import by_name
+
+    with ExitStack() as opened:
+        robot = opened.enter_context(_connected(broker, name))
+        needed = by_name.attribute(robot, attribute).access
+        opened.enter_context(_status(robot, needed, password))
+        shown = opened.enter_context(report.Samples(as_json))
+        for number, sample in enumerate(_samples(robot, attribute, every), 1):
+            shown.show(sample)
+            if number == count:
+                return
 
 
 def _samples(robot: DynamicObject, attribute: str, every: float) -> Iterator[dict[str, Any]]:

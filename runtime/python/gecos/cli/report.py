@@ -5,8 +5,11 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Sequence
+from shutil import get_terminal_size
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
+
+from gecos.cli.options import print_json
 
 if TYPE_CHECKING:
     from gecos_idl.broker_types import Entry
@@ -53,7 +56,7 @@ def description(of: Description) -> None:
     )
     print(of.name)
     for name, value in facts:
-        print(f"  {name:<16}{value}")
+        print(f"  {name:<16}{printable(value)}")
     for handler in of.handlers:
         print(f"  {'handler':<16}{_running(handler)}")
 
@@ -108,12 +111,12 @@ def members(model: Model) -> None:
 
 def _doc(member: Member) -> None:
     for line in member.doc.splitlines():
-        print(f"      {line.strip()}")
+        print(f"      {printable(line.strip())}")
 
 
 def _typed(value: Value) -> str:
     """The type of a value with unit and range: "double [m, 0.01 to 1.0]"."""
-    notes = [note for note in (value.unit, value.range) if note]
+    notes = [note for note in (printable(value.unit), value.range) if note]
     return value.type + (f" [{', '.join(notes)}]" if notes else "")
 
 
@@ -147,13 +150,23 @@ def _how_called(operation: Operation) -> str:
 
 def value(of: Any, unit: str) -> None:
     """A result or an attribute; values with members as indented JSON."""
-    print(_text(of, indent=2) + (f" {unit}" if unit and not isinstance(of, dict | list) else ""))
+    print(
+        _text(of, indent=2)
+        + (f" {printable(unit)}" if unit and not isinstance(of, dict | list) else "")
+    )
 
 
 def _text(of: Any, indent: int | None = None) -> str:
     if isinstance(of, str):
-        return of
+        return printable(of)
     return json.dumps(of, indent=indent, ensure_ascii=False)
+
+
+def printable(text: str) -> str:
+    """`text` from a server, with escapes in place of characters that could command a terminal."""
+    return "".join(
+        c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text
+    )
 
 
 def rate(line: dict[str, Any]) -> None:
@@ -187,14 +200,16 @@ class Samples:
 
     def show(self, sample: dict[str, Any]) -> None:
         if self._as_json:
-            print(json.dumps(sample, ensure_ascii=False), flush=True)
+            print_json(sample)
         elif self._in_place:
             self._redraw(_text(sample["value"], indent=2).splitlines())
         else:
             print(_text(sample["value"]), flush=True)
 
     def _redraw(self, lines: list[str]) -> None:
-        """Replaces the lines of the previous sample."""
+        """Replaces the lines of the previous sample. What does not fit on the terminal is cut."""
+        columns, rows = get_terminal_size()
+        lines = [line[: columns - 1] for line in lines[: rows - 1]]
         up = f"\x1b[{self._lines - 1}A" if self._lines > 1 else ""
         clear = "\r" + up + "\x1b[J" if self._lines else ""
         print(clear + "\n".join(lines), end="", flush=True)
@@ -204,10 +219,11 @@ class Samples:
 def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     from rich.console import Console
     from rich.table import Table
+    from rich.text import Text
 
     table = Table(*heads, box=None, pad_edge=False)
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*(Text(printable(cell)) for cell in row))
     console = Console()
     if not console.is_terminal:
         console.width = 10_000  # do not break lines in a pipe

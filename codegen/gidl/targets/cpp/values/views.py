@@ -181,7 +181,7 @@ def printed(name: str, prints: list[PrintView]) -> tuple[str, ...]:
             literal += "***"
     lines = [""]
     for part in [*parts, f'"{literal}}}"']:
-        if len(lines[-1]) + len(part) > 90:
+        if lines[-1] and len(lines[-1]) + len(part) > 90:
             lines.append("")
         lines[-1] += f"{', ' if lines[-1] else ''}{part}"
     return (*(f"{line}," for line in lines[:-1]), f"{lines[-1]});")
