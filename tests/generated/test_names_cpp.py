@@ -138,7 +138,7 @@ def test_a_parameter_is_not_called_as_a_constant_or_an_alias_around_its_interfac
     subprocess.run(command, check=True, env={**os.environ, "PYTHONPATH": str(TREE / "codegen")})
     client = " ".join((tmp_path / "cpp" / "hidden_client.hpp").read_text().split())
     assert "turn( double speed_, double speed__, std::int32_t depth_" in client
-    assert "move(std::int32_t elsewhere, std::int32_t value__)" in client
+    assert "move(std::int32_t elsewhere, std::int32_t value)" in client
     sources = sorted((tmp_path / "cpp").glob("*.cpp"))
     text = "".join(f'#include "{s.name}"\n' for s in sources)
     compiles(tmp_path / "cpp", f'{text}#include "{tmp_path}/mock/server.cpp"\n')

@@ -68,7 +68,9 @@ def method_name(name: str) -> str:
 
 def parameter_name(layout: Layout, interface: Interface, name: str) -> str:
     """The name of a parameter in the methods of its interface."""
-    return escaped(name, CPP_METHOD_WORDS | layout.cpp_names.hidden[interface.name])
+    hidden = layout.cpp_names.hidden[interface.name]
+    hides = name in hidden or name.rstrip("_") in hidden
+    return escaped(name, CPP_METHOD_WORDS | hidden if hides else CPP_METHOD_WORDS)
 
 
 def method_names(model: Model, interface: Interface) -> set[str]:

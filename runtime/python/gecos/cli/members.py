@@ -220,12 +220,12 @@ def _ended_within(
     if not (shows and sys.stderr.isatty()):
         return command.wait(timeout) is not State.RUNNING
     end = None if timeout is None else time.monotonic() + timeout
-    with click.progressbar(length=1000, label=label, file=sys.stderr, show_eta=False) as bar:
+    with click.progressbar(length=1000, label=label, file=sys.stderr, show_eta=False) as drawn:
         while command.wait(_REDRAW) is State.RUNNING:
-            bar.update(max(0, int(command.progress().fraction * 1000) - bar.pos))
+            drawn.update(max(0, int(command.progress().fraction * 1000) - drawn.pos))
             if end is not None and time.monotonic() >= end:
                 return False
-        bar.update(1000 - bar.pos if command.state is State.FINISHED else 0)
+        drawn.update(1000 - drawn.pos if command.state is State.FINISHED else 0)
     return True
 
 
