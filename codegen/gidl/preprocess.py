@@ -118,7 +118,7 @@ class _Preprocessor:
     def _directive(self, token: Token) -> None:
         match = _DIRECTIVE.match(token.text)
         assert match is not None
-        word, rest = match.group(1), match.group(2).replace("\\\n", " ").strip()
+        word, rest = match.group(1), match.group(2).strip()
         if word in ("if", "ifdef", "ifndef", "elif", "else", "endif"):
             self._conditional(word, rest, token)
         elif not self._active or not word:

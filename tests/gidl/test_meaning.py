@@ -1,5 +1,6 @@
 """What annotations, comments and includes come to mean in the model."""
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,7 @@ from gidl.policy import Access, OnLoss, OnNew, QualityClass, Reliability, Stream
 
 HERE = Path(__file__).parent
 IDL = HERE.parents[1] / "idl"
+PREPROCESSOR = sorted((HERE / "preprocessor").glob("*.gidl"))
 
 
 def test_a_char_is_one_of_256_characters() -> None:
@@ -324,6 +326,30 @@ class TestFiles:
             (tmp_path / f"{name}.gidl").write_text(text)
         files = [str(tmp_path / "a.gidl"), str(tmp_path / "b.gidl")]
         assert not compile_files(files, [str(tmp_path)]).findings
+
+    @pytest.mark.parametrize("file", PREPROCESSOR, ids=lambda p: p.stem)
+    def test_windows_line_ends_change_nothing(self, tmp_path: Path, file: Path) -> None:
+        shutil.copytree(file.parent / "parts", tmp_path / "parts")
+        for place in tmp_path.rglob("*.gidl"):
+            place.write_bytes(place.read_bytes().replace(b"\n", b"\r\n"))
+        (tmp_path / file.name).write_bytes(file.read_bytes().replace(b"\n", b"\r\n"))
+        found = compile_files([str(tmp_path / file.name)])
+        assert not found.findings
+        before = compile_files([str(file)]).model
+        assert [d.name for d in found.model.declarations()] == [
+            d.name for d in before.declarations()
+        ]
+
+    def test_comments_in_preprocessor_lines_are_spaces(self) -> None:
+        file = HERE / "preprocessor/comments_and_continued_lines.gidl"
+        declared = compile_files([str(file)]).model.declarations()
+        constants = {d.name: d.value for d in declared if isinstance(d, Constant)}
+        assert constants == {
+            "VALUE": 1 + 2 + 3 + 7 + 5 + 6 + 9,
+            "TEXT": 'a\tb // no comment, /* nor " this',
+            "LINE": "\n",
+            "RIGHT": "/",
+        }
 
     def test_windows_line_ends_and_a_byte_order_mark_are_fine(self, tmp_path: Path) -> None:
         model_of(tmp_path, "\ufeff#pragma once\r\nstruct S {\r\n  double x;  // one\r\n};\r\n")
