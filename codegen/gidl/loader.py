@@ -364,6 +364,14 @@ def _checked(data: bytes, shown: str, findings: Findings) -> bytes | None:
             "G0002", shown, f"this file is not text: it has a NUL byte in line {line}"
         )
         return None
+    if b"\r" in data.strip() and b"\n" not in data:
+        findings.file_error(
+            "G0002",
+            shown,
+            "the lines of this file end with CR alone",
+            "end lines with LF or CR LF; to convert: tr '\\r' '\\n' < FILE > NEW_FILE",
+        )
+        return None
     return data
 
 

@@ -43,6 +43,8 @@ class Preprocessed:
     includes: list[Include] = field(default_factory=list)
     skipped: list[tuple[int, int]] = field(default_factory=list)  # offsets of inactive text
     first_directive: int | None = None
+    # Tokens of active `//@` comments after code, as in `Lexed`, but with their macros expanded.
+    trailing: dict[int, list[Token]] = field(default_factory=dict)
 
 
 def preprocess(
@@ -94,13 +96,20 @@ class _Preprocessor:
                 if skipped_from is not None:
                     self._result.skipped.append((skipped_from, token.end))
                 out.append(token)
-            elif not self._active:
-                continue
-            elif token.kind == "id" and token.text in self._macros:
-                out.extend(self._expand(token))
-            else:
-                out.append(token)
+            elif self._active:
+                out.extend(self._expanded(token))
+            if self._active and token.start in self._lexed.trailing:
+                self._result.trailing[token.start] = [
+                    expanded
+                    for written in self._lexed.trailing[token.start]
+                    for expanded in self._expanded(written)
+                ]
         return self._result
+
+    def _expanded(self, token: Token) -> list[Token]:
+        if token.kind == "id" and token.text in self._macros:
+            return self._expand(token)
+        return [token]
 
     @property
     def _active(self) -> bool:
@@ -129,7 +138,7 @@ class _Preprocessor:
             self._define(rest, token)
             self._protected |= self._guard is not None and self._guard in self._macros
         elif word == "undef":
-            self._macros.pop(rest, None)
+            self._undefine(rest, token)
         elif word == "pragma":
             self._pragma(rest, token)
         elif word == "error":
@@ -194,6 +203,13 @@ class _Preprocessor:
         if quiet.found:
             self._findings.error("G0005", self._span(token), f"'{body}' cannot be read")
         self._macros[name] = tuple(t for t in lexed.tokens if t.kind not in ("eof", "directive"))
+
+    def _undefine(self, rest: str, token: Token) -> None:
+        match = _DEFINE.match(rest)
+        if match is None:
+            self._findings.error("G0005", self._span(token), "'#undef' needs a name")
+        else:
+            self._macros.pop(match.group(1), None)
 
     def _expand(self, use: Token) -> list[Token]:
         """Tokens of the macro that `use` names; macros inside it are expanded. All tokens get the

@@ -15,6 +15,7 @@ from gidl.model import (
     Operation,
     Primitive,
     PrimitiveType,
+    Range,
     SequenceType,
     Struct,
     Union,
@@ -326,6 +327,21 @@ class TestFiles:
             (tmp_path / f"{name}.gidl").write_text(text)
         files = [str(tmp_path / "a.gidl"), str(tmp_path / "b.gidl")]
         assert not compile_files(files, [str(tmp_path)]).findings
+
+    def test_undef_undefines_whatever_follows_the_name(self, tmp_path: Path) -> None:
+        text = "#define A 1\n#undef A it is old\n#ifndef A\nconst long X = 1;\n#endif\n"
+        assert [d.name for d in model_of(tmp_path, text).declarations()] == ["X"]
+
+    def test_macros_are_expanded_in_annotation_comments(self, tmp_path: Path) -> None:
+        """Also after code: as they are in the annotation that the comment stands for."""
+        text = "#define LIMIT 5\nstruct S { @max(LIMIT) long a;\n long b; //@max(LIMIT)\n};\n"
+        shown = model_of(tmp_path, "const long LIMIT_ = 100;\n" + text).find("S")
+        assert isinstance(shown, Struct)
+        assert [m.range for m in shown.members] == [Range(None, 5), Range(None, 5)]
+
+    def test_skipped_annotation_comments_annotate_nothing(self, tmp_path: Path) -> None:
+        text = "struct S {\n#if 0\n long b; //@max(4)\n#endif\n long c;\n};\n"
+        assert not compiled_text(tmp_path, text).findings
 
     @pytest.mark.parametrize("file", PREPROCESSOR, ids=lambda p: p.stem)
     def test_windows_line_ends_change_nothing(self, tmp_path: Path, file: Path) -> None:
