@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from gidl.conditions import Macros
 from gidl.diagnostics import Findings
 from gidl.docs_text import DocReader, joined
 from gidl.interface_parser import InterfaceParser
 from gidl.lexer import Token, lex
-from gidl.preprocess import Macros, Preprocessed, preprocess
+from gidl.preprocess import Preprocessed, preprocess
 from gidl.source import Source
 from gidl.syntax import (
     AnnotationParameterSyntax,
