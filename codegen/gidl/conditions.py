@@ -20,6 +20,10 @@ _CONDITION = re.compile(
 )
 
 
+class RefusedError(ValueError):
+    """The condition uses a macro with parameters, which is reported already."""
+
+
 def is_true(text: str, macros: Macros) -> bool:
     """Whether a condition holds. Raises ValueError or ZeroDivisionError if `text` is no valid
     condition."""
@@ -62,6 +66,8 @@ def _expanded(text: str, macros: Macros) -> list[str]:
                 if work:
                     result.append(work.pop()[0])
         elif word in macros and word not in open_names:
+            if macros[word][:1] and macros[word][0].kind == "macro":
+                raise RefusedError
             inner = open_names | {word}
             work.extend((w, inner) for w in reversed(_words(_body_text(macros[word]))))
         else:

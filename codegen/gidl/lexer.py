@@ -20,7 +20,8 @@ from gidl.source import Source, Span
 
 class Token(NamedTuple):
     kind: str  # "id" "escaped" "op" "directive" "eof", or for literals: "int" "float" "fixed"
-    # "string" "char" "wide_string" "wide_char"
+    # "string" "char" "wide_string" "wide_char". The preprocessor gives "macro": the use of a macro
+    # with parameters, which is reported already
     text: str  # identifiers without the escaping underscore, literals with quotes
     start: int
     end: int

@@ -158,6 +158,11 @@ class Parser(InterfaceParser):
             found = self._type_declaration(extras)
             if found is not None:
                 return [found]
+        if token.kind == "macro":
+            self._advance()
+            if not self._accept(";") and not self._starts_line():
+                raise Skip
+            return []
         if self._is(";"):
             self._findings.error(
                 "G0100", self._span(token), "this ';' ends no declaration", "leave it out"

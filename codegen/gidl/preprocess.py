@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from gidl.conditions import MAX_EXPANSION, Macros, is_true
+from gidl.conditions import MAX_EXPANSION, Macros, RefusedError, is_true
 from gidl.diagnostics import Findings
 from gidl.lexer import Lexed, Token, lex
 from gidl.source import Source, Span
@@ -92,11 +92,14 @@ class _Preprocessor:
             elif self._active:
                 out.extend(self._expanded(token))
             if self._active and token.start in self._lexed.trailing:
-                self._result.trailing[token.start] = [
-                    expanded
-                    for written in self._lexed.trailing[token.start]
-                    for expanded in self._expanded(written)
-                ]
+                self._result.trailing[token.start] = _without_arguments(
+                    [
+                        expanded
+                        for written in self._lexed.trailing[token.start]
+                        for expanded in self._expanded(written)
+                    ]
+                )
+        self._result.tokens = _without_arguments(out)
         return self._result
 
     def _expanded(self, token: Token) -> list[Token]:
@@ -183,7 +186,7 @@ class _Preprocessor:
             return
         name, parenthesis, body = match.groups()
         if parenthesis:
-            self._macros[name] = (Token("int", "1", 0, 0),)
+            self._macros[name] = (Token("macro", name, 0, 0),)
             self._findings.error(
                 "G0211",
                 self._span(token),
@@ -259,6 +262,8 @@ class _Preprocessor:
     def _evaluate(self, text: str, token: Token) -> bool:
         try:
             return is_true(text, self._macros)
+        except RefusedError:
+            return False
         except (ValueError, ZeroDivisionError, RecursionError):
             self._findings.error(
                 "G0005",
@@ -267,3 +272,22 @@ class _Preprocessor:
                 "a condition may contain numbers, constants, defined(X), comparisons, !, && and ||",
             )
             return False
+
+
+def _without_arguments(tokens: list[Token]) -> list[Token]:
+    """Leaves out the arguments of macros with parameters. The name of such a macro without
+    arguments is a name like any other, as in C++."""
+    result: list[Token] = []
+    depth: int | None = None  # of the brackets, in arguments
+    for index, token in enumerate(tokens):
+        if depth is not None and token.kind != "eof":
+            depth += {"(": 1, ")": -1}.get(token.text, 0) if token.kind == "op" else 0
+            depth = depth or None
+        elif token.kind != "macro":
+            result.append(token)
+        elif tokens[index + 1 : index + 2] and tokens[index + 1].text == "(":
+            result.append(token)
+            depth = 0
+        else:
+            result.append(token._replace(kind="id"))
+    return result
