@@ -45,7 +45,7 @@ class Lexed:
 
 TOKEN = re.compile(
     r"""
-      (?P<space>(?:[ \t\r\n\f\v\ufeff]|\\[ \t\r\f\v]*\n)+)  # continued lines, too
+      (?P<space>(?:[ \t\r\n\f\v\ufeff]+|\\[ \t\r\f\v]*\n)+)  # continued lines, too
     | (?P<comment>//[^\n]*|/\*.*?\*/)
     | (?P<open_comment>/\*)
     | (?P<wide_string>L"(?:[^"\\\n]|\\[^\n])*")
