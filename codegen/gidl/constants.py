@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from gidl.diagnostics import Findings
 from gidl.model import EnumValue, Value
 from gidl.source import Span
-from gidl.syntax import Binary, Expression, Literal, NameUse, ScopedName, Unary
+from gidl.syntax import Binary, Expression, Literal, NameUse, RefusedValue, ScopedName, Unary
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +88,8 @@ class _Calculator:
                 if isinstance(value, float) and not math.isfinite(value):
                     raise self._fail("G0301", span, "this number is too large for a double")
                 return Computed(kind, value)
+            case RefusedValue():
+                raise _Failed
             case NameUse(name, _):
                 found = self._look_up(name)
                 if found is None:

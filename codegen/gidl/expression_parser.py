@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gidl.lexer import Token
 from gidl.source import Span
-from gidl.syntax import Binary, Expression, Literal, NameUse, Unary
+from gidl.syntax import Binary, Expression, Literal, NameUse, RefusedValue, Unary
 from gidl.token_reader import Skip, TokenReader
 
 _LEVELS = (("|",), ("^",), ("&",), ("<<", ">>"), ("+", "-"), ("*", "/", "%"))
@@ -76,6 +76,9 @@ class ExpressionParser(TokenReader):
                 return self._lower_case_boolean()
             name = self._scoped_name("a value")
             return NameUse(name, name.span)
+        if token.kind == "macro":
+            self._advance()
+            return RefusedValue(self._span(token))
         self._syntax_error("a value")
         raise Skip
 

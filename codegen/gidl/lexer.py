@@ -20,7 +20,8 @@ from gidl.source import Source, Span
 
 class Token(NamedTuple):
     kind: str  # "id" "escaped" "op" "directive" "eof", or for literals: "int" "float" "fixed"
-    # "string" "char" "wide_string" "wide_char"
+    # "string" "char" "wide_string" "wide_char". The preprocessor gives "macro": the use of a macro
+    # with parameters, which is reported already
     text: str  # identifiers without the escaping underscore, literals with quotes
     start: int
     end: int
@@ -44,14 +45,14 @@ class Lexed:
 
 TOKEN = re.compile(
     r"""
-      (?P<space>[ \t\r\n\f\v\ufeff]+)
+      (?P<space>(?:[ \t\r\n\f\v\ufeff]+|\\[ \t\r\f\v]*\n)+)  # continued lines, too
     | (?P<comment>//[^\n]*|/\*.*?\*/)
     | (?P<open_comment>/\*)
     | (?P<wide_string>L"(?:[^"\\\n]|\\[^\n])*")
     | (?P<wide_char>L'(?:[^'\\\n]|\\[^\n])[^'\n]{0,7}')
     | (?P<escaped>_[A-Za-z][A-Za-z0-9_]*)
     | (?P<id>[A-Za-z][A-Za-z0-9_]*)
-    | (?P<fixed>(?:[0-9]+\.?[0-9]*|\.[0-9]+)[dD](?![A-Za-z0-9_]))
+    | (?P<fixed>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)[dD](?![A-Za-z0-9_]))
     | (?P<float>(?:[0-9]+\.[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|[0-9]+[eE][+-]?[0-9]+)
     | (?P<int>0[xX][0-9A-Fa-f]+|[0-9]+)
     | (?P<string>"(?:[^"\\\n]|\\[^\n])*")
@@ -61,7 +62,18 @@ TOKEN = re.compile(
     """,
     re.VERBOSE | re.DOTALL,
 )
-DIRECTIVE_LINE = re.compile(r"[^\n\\]*(?:\\\r?\n[^\n\\]*|\\[^\n])*")
+_DIRECTIVE_PART = re.compile(
+    r"""
+      (?P<splice>\\[ \t\r\f\v]*\n)  # GCC and Clang allow white space after the backslash, too
+    | (?P<comment>/\*.*?\*/)
+    | (?P<end>//|/\*|\n)  # an unclosed comment is reported by the lexer
+    | (?P<space>[ \t\r\f\v]+)
+    | (?P<text>\#[ \t]*include[ \t]*<[^>\n]*>|"(?:[^"\\\n]|\\(?:\r\n|.))*"
+        |'(?:[^'\\\n]|\\(?:\r\n|.))*'
+        |[^\\\n"'/ \t\r\f\v]+|\\[^\n]|.)
+    """,
+    re.VERBOSE | re.DOTALL,
+)
 _FOREIGN_COMMENT = re.compile(r"//@[ \t]*([A-Za-z_]\w*)(?:[ \t]*-|[ \t]+(?!//)[^\s@(])")
 _ALPHABET = "names are ASCII letters, digits and '_'; other characters only in comments and strings"
 _IDENTIFIER_TAIL = re.compile(r"[A-Za-z0-9_]+")
@@ -225,15 +237,11 @@ class _Lexer:
     def _directive(self, at: int) -> int:
         text = self._source.text
         line_start = text.rfind("\n", 0, at) + 1
-        match = DIRECTIVE_LINE.match(text, at)
-        stop = match.end() if match else at + 1
         if text[line_start:at].strip(" \t\ufeff"):
             self._error("G0008", at, at + 1, "'#' is allowed only at the beginning of a line")
             return at + 1
-        comment = re.search(r"//|/\*", text[at:stop])
-        if comment is not None and not _inside_quotes(text[at:stop], comment.start()):
-            stop = at + comment.start()
-        self._lexed.tokens.append(Token("directive", text[at:stop].rstrip(), at, stop))
+        line, stop = directive_line(text, at)
+        self._lexed.tokens.append(Token("directive", line, at, stop))
         return stop
 
     def _comment(self, comment: str, start: int, end: int) -> None:
@@ -309,5 +317,21 @@ class _Lexer:
             self._lexed.trailing.setdefault(tokens[-1].start, []).extend(found)
 
 
-def _inside_quotes(line: str, at: int) -> bool:
-    return line[:at].count('"') % 2 == 1
+def directive_line(text: str, at: int) -> tuple[str, int]:
+    """Reads the preprocessor line that begins with the `#` at `at`. Returns what the line says,
+    with each comment as one space and continued lines joined, and the offset where it ends. The
+    comments after its last word are not part of the line; they may be documentation."""
+    said = ""
+    stop = at
+    words = 0  # length of `said` up to the end of its last word
+    for part in _DIRECTIVE_PART.finditer(text, at):
+        kind = part.lastgroup
+        if kind == "end":
+            break
+        if kind in ("space", "comment"):
+            said += part.group() if kind == "space" else " "
+        elif kind == "text":
+            said += part.group().replace("\\\r\n", "").replace("\\\n", "")
+            words = len(said)
+            stop = part.end()
+    return said[:words], stop

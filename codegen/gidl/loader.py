@@ -10,12 +10,13 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path, PurePosixPath
 
+from gidl.conditions import Macros
 from gidl.diagnostics import Findings, Severity
 from gidl.file_names import is_interface
 from gidl.installed import installed_folders
 from gidl.lexer import lex
 from gidl.parser import parse
-from gidl.preprocess import Macros, preprocess
+from gidl.preprocess import preprocess
 from gidl.source import MAX_BYTES, Source, Span
 from gidl.syntax import FileSyntax, Include
 
@@ -362,6 +363,14 @@ def _checked(data: bytes, shown: str, findings: Findings) -> bytes | None:
         line = data.count(b"\n", 0, data.index(b"\0")) + 1
         findings.file_error(
             "G0002", shown, f"this file is not text: it has a NUL byte in line {line}"
+        )
+        return None
+    if b"\r" in data.strip() and b"\n" not in data:
+        findings.file_error(
+            "G0002",
+            shown,
+            "the lines of this file end with CR alone",
+            "end lines with LF or CR LF; to convert: tr '\\r' '\\n' < FILE > NEW_FILE",
         )
         return None
     return data

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from gidl.conditions import Macros
 from gidl.diagnostics import Findings
 from gidl.docs_text import DocReader, joined
 from gidl.interface_parser import InterfaceParser
-from gidl.lexer import Lexed, Token, lex
-from gidl.preprocess import Macros, preprocess
+from gidl.lexer import Token, lex
+from gidl.preprocess import Preprocessed, preprocess
 from gidl.source import Source
 from gidl.syntax import (
     AnnotationParameterSyntax,
@@ -63,7 +64,7 @@ def parse(
     lexed = lex(source, of_tokens)
     done = preprocess(lexed, findings, macros, on_include)
     findings.take(of_tokens, [_lines(source, *stretch) for stretch in done.skipped])
-    parser = Parser(lexed, done.tokens, DocReader(lexed, done.skipped), findings)
+    parser = Parser(source, done, DocReader(lexed, done.skipped), findings)
     parser._wide = wide
     tree = parser.file()
     tree.uses_object = parser._uses_object
@@ -80,11 +81,11 @@ def _lines(source: Source, start: int, end: int) -> range:
 
 class Parser(InterfaceParser):
     def __init__(
-        self, lexed: Lexed, tokens: list[Token], docs: DocReader, findings: Findings
+        self, source: Source, done: Preprocessed, docs: DocReader, findings: Findings
     ) -> None:
-        super().__init__(lexed.source, tokens, findings)
+        super().__init__(source, done.tokens, findings)
         self._docs = docs
-        self._trailing = dict(lexed.trailing)
+        self._trailing = dict(done.trailing)
 
     # -- specification -------------------------------------------------------------------------
 
@@ -157,6 +158,11 @@ class Parser(InterfaceParser):
             found = self._type_declaration(extras)
             if found is not None:
                 return [found]
+        if token.kind == "macro":
+            self._advance()
+            if not self._accept(";") and not self._starts_line():
+                raise Skip
+            return []
         if self._is(";"):
             self._findings.error(
                 "G0100", self._span(token), "this ';' ends no declaration", "leave it out"

@@ -10,23 +10,16 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from gidl.conditions import MAX_EXPANSION, Macros, RefusedError, is_true
 from gidl.diagnostics import Findings
 from gidl.lexer import Lexed, Token, lex
 from gidl.source import Source, Span
 from gidl.syntax import Include
 
-Macros = dict[str, tuple[Token, ...]]
-
 _DIRECTIVE = re.compile(r"#[ \t]*(\w*)[ \t]*(.*)", re.DOTALL)
 _INCLUDE = re.compile(r'(?:"([^"\n]+)"|<([^>\n]+)>)\s*$')
 _DEFINE = re.compile(r"([A-Za-z_]\w*)(\(?)(.*)", re.DOTALL)
-_CONDITION = re.compile(
-    r"\s*(defined\b|[A-Za-z_]\w*|(?:0[xX][0-9A-Fa-f]+|\d+)[uUlL]*|&&|\|\||<<|>>|[=!<>]="
-    r"|[()!<>+*/%~&|^-])"
-)
 _GUARD = re.compile(r"#[ \t]*(?:ifndef[ \t]+|if[ \t]*![ \t]*defined[ \t]*\(?[ \t]*)([A-Za-z_]\w*)")
-_MAX_NUMBER = 1 << 64
-_MAX_EXPANSION = 10_000  # maximum number of tokens for one use of a macro
 
 
 @dataclass(slots=True)
@@ -43,6 +36,8 @@ class Preprocessed:
     includes: list[Include] = field(default_factory=list)
     skipped: list[tuple[int, int]] = field(default_factory=list)  # offsets of inactive text
     first_directive: int | None = None
+    # Tokens of active `//@` comments after code, as in `Lexed`, but with their macros expanded.
+    trailing: dict[int, list[Token]] = field(default_factory=dict)
 
 
 def preprocess(
@@ -94,13 +89,23 @@ class _Preprocessor:
                 if skipped_from is not None:
                     self._result.skipped.append((skipped_from, token.end))
                 out.append(token)
-            elif not self._active:
-                continue
-            elif token.kind == "id" and token.text in self._macros:
-                out.extend(self._expand(token))
-            else:
-                out.append(token)
+            elif self._active:
+                out.extend(self._expanded(token))
+            if self._active and token.start in self._lexed.trailing:
+                self._result.trailing[token.start] = _without_arguments(
+                    [
+                        expanded
+                        for written in self._lexed.trailing[token.start]
+                        for expanded in self._expanded(written)
+                    ]
+                )
+        self._result.tokens = _without_arguments(out)
         return self._result
+
+    def _expanded(self, token: Token) -> list[Token]:
+        if token.kind == "id" and token.text in self._macros:
+            return self._expand(token)
+        return [token]
 
     @property
     def _active(self) -> bool:
@@ -118,7 +123,7 @@ class _Preprocessor:
     def _directive(self, token: Token) -> None:
         match = _DIRECTIVE.match(token.text)
         assert match is not None
-        word, rest = match.group(1), match.group(2).replace("\\\n", " ").strip()
+        word, rest = match.group(1), match.group(2).strip()
         if word in ("if", "ifdef", "ifndef", "elif", "else", "endif"):
             self._conditional(word, rest, token)
         elif not self._active or not word:
@@ -129,7 +134,7 @@ class _Preprocessor:
             self._define(rest, token)
             self._protected |= self._guard is not None and self._guard in self._macros
         elif word == "undef":
-            self._macros.pop(rest, None)
+            self._undefine(rest, token)
         elif word == "pragma":
             self._pragma(rest, token)
         elif word == "error":
@@ -181,7 +186,7 @@ class _Preprocessor:
             return
         name, parenthesis, body = match.groups()
         if parenthesis:
-            self._macros[name] = (Token("int", "1", 0, 0),)
+            self._macros[name] = (Token("macro", name, 0, 0),)
             self._findings.error(
                 "G0211",
                 self._span(token),
@@ -194,6 +199,13 @@ class _Preprocessor:
         if quiet.found:
             self._findings.error("G0005", self._span(token), f"'{body}' cannot be read")
         self._macros[name] = tuple(t for t in lexed.tokens if t.kind not in ("eof", "directive"))
+
+    def _undefine(self, rest: str, token: Token) -> None:
+        match = _DEFINE.match(rest)
+        if match is None:
+            self._findings.error("G0005", self._span(token), "'#undef' needs a name")
+        else:
+            self._macros.pop(match.group(1), None)
 
     def _expand(self, use: Token) -> list[Token]:
         """Tokens of the macro that `use` names; macros inside it are expanded. All tokens get the
@@ -208,11 +220,11 @@ class _Preprocessor:
             else:
                 inner = open_names | {token.text}
                 work.extend((t, inner) for t in reversed(body))
-            if len(result) + len(work) > _MAX_EXPANSION:
+            if len(result) + len(work) > MAX_EXPANSION:
                 self._findings.error(
                     "G0005",
                     self._span(use),
-                    f"macro '{use.text}' expands to more than {_MAX_EXPANSION} tokens",
+                    f"macro '{use.text}' expands to more than {MAX_EXPANSION} tokens",
                 )
                 return [Token("int", "1", use.start, use.end)]
         return result
@@ -249,7 +261,9 @@ class _Preprocessor:
 
     def _evaluate(self, text: str, token: Token) -> bool:
         try:
-            return bool(_ConditionReader(text, self._macros).value())
+            return is_true(text, self._macros)
+        except RefusedError:
+            return False
         except (ValueError, ZeroDivisionError, RecursionError):
             self._findings.error(
                 "G0005",
@@ -260,178 +274,20 @@ class _Preprocessor:
             return False
 
 
-def _words(text: str) -> list[str]:
-    """The tokens of a condition. Raises ValueError if it has others than those of conditions."""
-    words: list[str] = []
-    at = 0
-    stripped = text.rstrip()
-    while at < len(stripped):
-        match = _CONDITION.match(stripped, at)
-        if match is None:
-            raise ValueError(text)
-        words.append(match.group(1))
-        at = match.end()
-    return words
-
-
-def _body_text(body: tuple[Token, ...]) -> str:
-    """The text of a macro's body, with one space where it has any."""
-    text, end = "", 0
-    for token in body:
-        text += (" " if token.start > end else "") + token.text
-        end = token.end
-    return text
-
-
-def _expanded(text: str, macros: Macros) -> list[str]:
-    """The tokens of a condition with its macros expanded, but not the operands of `defined`."""
-    result: list[str] = []
-    open_names: frozenset[str] = frozenset()
-    work = [(word, open_names) for word in reversed(_words(text))]
-    while work:
-        word, open_names = work.pop()
-        if word == "defined":
-            result.append(word)
-            for _ in range(3 if work and work[-1][0] == "(" else 1):
-                if work:
-                    result.append(work.pop()[0])
-        elif word in macros and word not in open_names:
-            inner = open_names | {word}
-            work.extend((w, inner) for w in reversed(_words(_body_text(macros[word]))))
+def _without_arguments(tokens: list[Token]) -> list[Token]:
+    """Leaves out the arguments of macros with parameters. The name of such a macro without
+    arguments is a name like any other, as in C++."""
+    result: list[Token] = []
+    depth: int | None = None  # of the brackets, in arguments
+    for index, token in enumerate(tokens):
+        if depth is not None and token.kind != "eof":
+            depth += {"(": 1, ")": -1}.get(token.text, 0) if token.kind == "op" else 0
+            depth = depth or None
+        elif token.kind != "macro":
+            result.append(token)
+        elif tokens[index + 1 : index + 2] and tokens[index + 1].text == "(":
+            result.append(token)
+            depth = 0
         else:
-            result.append(word)
-        if len(result) + len(work) > _MAX_EXPANSION:
-            raise ValueError("the macros of the condition expand to too many tokens")
+            result.append(token._replace(kind="id"))
     return result
-
-
-class _ConditionReader:
-    """Computes `#if` conditions, in 64 bits. Raises ValueError if the text is no condition."""
-
-    _LEVELS = (
-        ("||",), ("&&",), ("|",), ("^",), ("&",), ("==", "!="), ("<", ">", "<=", ">="),
-        ("<<", ">>"), ("+", "-"), ("*", "/", "%"),
-    )  # fmt: skip
-
-    def __init__(self, text: str, macros: Macros) -> None:
-        self._words = _expanded(text, macros)
-        self._macros = macros
-        self._at = 0
-        self._depth = 0
-        self._unneeded = 0  # above 0: in an operand of && or || that does not matter
-
-    def value(self) -> int:
-        result = self._binary(0)
-        if self._at != len(self._words):
-            raise ValueError("text after the condition")
-        return result
-
-    def _next(self) -> str:
-        if self._at >= len(self._words):
-            raise ValueError("condition ends early")
-        self._at += 1
-        return self._words[self._at - 1]
-
-    def _peek(self) -> str:
-        return self._words[self._at] if self._at < len(self._words) else ""
-
-    def _binary(self, level: int) -> int:
-        if level == len(self._LEVELS):
-            return self._primary()
-        left = self._binary(level + 1)
-        while self._peek() in self._LEVELS[level]:
-            operator = self._next()
-            decided = (operator == "&&" and not left) or (operator == "||" and bool(left))
-            self._unneeded += decided
-            right = self._binary(level + 1)
-            self._unneeded -= decided
-            left = 0 if self._unneeded else _apply(operator, left, right)
-        return left
-
-    def _primary(self) -> int:
-        self._depth += 1
-        if self._depth > 50:
-            raise ValueError("nested too deep")
-        word = self._next()
-        if word in ("!", "-", "+", "~"):
-            inner = self._primary()
-            result = {"!": int(not inner), "-": -inner, "+": inner, "~": ~inner}[word]
-        elif word == "(":
-            result = self._binary(0)
-            if self._next() != ")":
-                raise ValueError("')' is missing")
-        elif word == "defined":
-            name = self._next()
-            if name == "(":
-                name = self._next()
-                if self._next() != ")":
-                    raise ValueError("')' is missing")
-            result = int(name in self._macros)
-        elif word[0].isdigit():
-            result = _number(word)
-        elif word[0].isalpha() or word[0] == "_":
-            result = int(word == "true")  # any other name that is no macro is 0
-        else:
-            raise ValueError(word)
-        self._depth -= 1
-        return result
-
-
-def _number(word: str) -> int:
-    digits = word.rstrip("uUlL")
-    if digits[:2] in ("0x", "0X"):
-        return int(digits, 16)
-    return int(digits, 8 if digits[0] == "0" else 10)
-
-
-def _apply(operator: str, left: int, right: int) -> int:
-    result = _applied(operator, left, right)
-    if abs(result) > _MAX_NUMBER:
-        raise ValueError("the result does not fit 64 bits")
-    return result
-
-
-def _applied(operator: str, left: int, right: int) -> int:
-    match operator:
-        case "|":
-            return left | right
-        case "^":
-            return left ^ right
-        case "&":
-            return left & right
-        case "<<" | ">>":
-            if not 0 <= right < 64:
-                raise ValueError("shift too far")
-            return left << right if operator == "<<" else left >> right
-        case "||":
-            return int(bool(left or right))
-        case "&&":
-            return int(bool(left and right))
-        case "==":
-            return int(left == right)
-        case "!=":
-            return int(left != right)
-        case "<":
-            return int(left < right)
-        case ">":
-            return int(left > right)
-        case "<=":
-            return int(left <= right)
-        case ">=":
-            return int(left >= right)
-        case "+":
-            return left + right
-        case "-":
-            return left - right
-        case "*":
-            return left * right
-        case "/":
-            return _quotient(left, right)
-        case _:
-            return left - _quotient(left, right) * right
-
-
-def _quotient(left: int, right: int) -> int:
-    """Rounds towards zero, as C++ does."""
-    size = abs(left) // abs(right)
-    return size if (left < 0) == (right < 0) else -size

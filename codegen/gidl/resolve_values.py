@@ -389,21 +389,28 @@ class ValueResolver(ABC):
     # -- annotations ---------------------------------------------------------------------------
 
     def _marks(self, extras: Extras, place: str, scope: Scope) -> Marks:
-        """Checks and computes the annotations of one declaration."""
+        """Checks and computes the annotations of one declaration. An annotation that is written
+        twice, or in the wrong place, gets one finding, however often it is repeated."""
         applied: dict[str, Applied] = {}
+        reported: set[str] = set()
         kept: list[Annotation] = []
         for use in map(_plain, extras.annotations):
             found = self._apply(use, scope)
             if found is None:
                 continue
             one, is_ours = found
+            if one.name in reported:
+                continue
             if not self._vocabulary.check_repeated(one, applied.get(one.name)):
+                reported.add(one.name)
                 continue
             if not is_ours:
                 arguments = tuple(one.arguments.items())
                 kept.append(Annotation(one.name, arguments, one.span.location))
             elif self._vocabulary.check_place(one, place):
                 applied[one.name] = one
+            else:
+                reported.add(one.name)
         return Marks(applied, tuple(kept))
 
     def _apply(self, use: AnnotationUse, scope: Scope) -> tuple[Applied, bool] | None:

@@ -191,6 +191,11 @@ class StructParser(TypeParser):
                     self._syntax_error(item_name)
                 break
             inner = self._extras()
+            if self._now.kind == "macro":
+                self._advance()
+                if self._accept(","):
+                    continue
+                break
             item = NamedItem(self._identifier(item_name), inner)
             items.append(item)
             if self._is("="):

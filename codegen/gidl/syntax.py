@@ -58,7 +58,14 @@ class Binary:
     span: Span
 
 
-Expression = Literal | NameUse | Unary | Binary
+@dataclass(frozen=True, slots=True)
+class RefusedValue:
+    """A use of a macro with parameters; the preprocessor has reported the macro."""
+
+    span: Span
+
+
+Expression = Literal | NameUse | Unary | Binary | RefusedValue
 
 
 @dataclass(frozen=True, slots=True)

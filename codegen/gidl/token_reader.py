@@ -78,10 +78,17 @@ class TokenReader:
         self._syntax_error(f"'{text}'", where)
         raise Skip
 
+    def _starts_line(self) -> bool:
+        """Whether the next token is on a later line than the token before it."""
+        return self._source.line_of(self._now.start) > self._source.line_of(self._previous.start)
+
     def _expect_semicolon(self, where: str) -> None:
         """Reads a `;`. If it is missing, reports this, and parsing continues as if it were
         there."""
         if self._accept(";"):
+            return
+        if self._now.kind == "macro":
+            self._skip_statement()
             return
         end = self._previous.end
         at = Span(self._source, end, end + 1)
@@ -94,6 +101,8 @@ class TokenReader:
 
     def _syntax_error(self, expected: str, where: str = "", *help_lines: str) -> None:
         token = self._now
+        if token.kind == "macro":
+            return  # its definition is reported
         found = "the end of the file" if token.kind == "eof" else f"'{_short(token.text)}'"
         if token.kind == "escaped":
             found = f"'_{token.text}'"
@@ -231,6 +240,8 @@ class TokenReader:
             return
         note = Note("opened here", self._source.location(opened.start))
         token = self._now
+        if token.kind == "macro":
+            raise Skip
         end = self._previous.end if token.kind == "eof" else token.start
         at = Span(self._source, max(0, end - 1), max(1, end))
         self._findings.error("G0100", at, f"'}}' is missing at the end of {what}", notes=(note,))

@@ -119,9 +119,19 @@ class TypeParser(ExpressionParser):
     def _declares_here(self) -> bool:
         return self._ahead.text in ("{", "switch") or self._token_at(2).text in ("{", "switch", ":")
 
+    def _type_of_macro(self) -> RefusedType:
+        """Reads the use of a macro with parameters as a type if a name follows on its line. Else
+        the use stands for more than a type."""
+        token = self._advance()
+        if self._now.kind not in ("id", "escaped") or self._starts_line():
+            raise Skip
+        return RefusedType(self._span(token))
+
     def _type(self, what: str = "a type") -> TypeSyntax:
         with self._nested():
             token = self._now
+            if token.kind == "macro":
+                return self._type_of_macro()
             if token.kind == "id":
                 if token.text in _SIMPLE_TYPES:
                     self._advance()

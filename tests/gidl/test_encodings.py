@@ -45,6 +45,18 @@ def test_other_bytes_are_an_error_at_their_place(
     assert ("G0002", *place) in said(compiled(tmp_path, data))
 
 
+def test_line_ends_of_an_old_mac_are_one_error(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "a.idl"
+    file.write_bytes(b"struct A {\r // the place\r double x;\r};\r")
+    for verb in ("check", "fmt"):
+        assert main([verb, str(file)]) != 0
+        said = capsys.readouterr().err
+        assert "error[G0002]: the lines of this file end with CR alone" in said
+        assert said.count("error[") == 1
+
+
 def test_what_conditions_leave_out_is_not_judged(tmp_path: Path) -> None:
     found = compiled(tmp_path, b'#if 0\nconst string S = "\xe4";\n#endif\nstruct A { long x; };\n')
     assert found.findings == ()

@@ -1,5 +1,6 @@
 """What annotations, comments and includes come to mean in the model."""
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from gidl.model import (
     Operation,
     Primitive,
     PrimitiveType,
+    Range,
     SequenceType,
     Struct,
     Union,
@@ -22,6 +24,7 @@ from gidl.policy import Access, OnLoss, OnNew, QualityClass, Reliability, Stream
 
 HERE = Path(__file__).parent
 IDL = HERE.parents[1] / "idl"
+PREPROCESSOR = sorted((HERE / "preprocessor").glob("*.gidl"))
 
 
 def test_a_char_is_one_of_256_characters() -> None:
@@ -324,6 +327,45 @@ class TestFiles:
             (tmp_path / f"{name}.gidl").write_text(text)
         files = [str(tmp_path / "a.gidl"), str(tmp_path / "b.gidl")]
         assert not compile_files(files, [str(tmp_path)]).findings
+
+    def test_undef_undefines_whatever_follows_the_name(self, tmp_path: Path) -> None:
+        text = "#define A 1\n#undef A it is old\n#ifndef A\nconst long X = 1;\n#endif\n"
+        assert [d.name for d in model_of(tmp_path, text).declarations()] == ["X"]
+
+    def test_macros_are_expanded_in_annotation_comments(self, tmp_path: Path) -> None:
+        """Also after code: as they are in the annotation that the comment stands for."""
+        text = "#define LIMIT 5\nstruct S { @max(LIMIT) long a;\n long b; //@max(LIMIT)\n};\n"
+        shown = model_of(tmp_path, "const long LIMIT_ = 100;\n" + text).find("S")
+        assert isinstance(shown, Struct)
+        assert [m.range for m in shown.members] == [Range(None, 5), Range(None, 5)]
+
+    def test_skipped_annotation_comments_annotate_nothing(self, tmp_path: Path) -> None:
+        text = "struct S {\n#if 0\n long b; //@max(4)\n#endif\n long c;\n};\n"
+        assert not compiled_text(tmp_path, text).findings
+
+    @pytest.mark.parametrize("file", PREPROCESSOR, ids=lambda p: p.stem)
+    def test_windows_line_ends_change_nothing(self, tmp_path: Path, file: Path) -> None:
+        shutil.copytree(file.parent / "parts", tmp_path / "parts")
+        for place in tmp_path.rglob("*.gidl"):
+            place.write_bytes(place.read_bytes().replace(b"\n", b"\r\n"))
+        (tmp_path / file.name).write_bytes(file.read_bytes().replace(b"\n", b"\r\n"))
+        found = compile_files([str(tmp_path / file.name)])
+        assert not found.findings
+        before = compile_files([str(file)]).model
+        assert [d.name for d in found.model.declarations()] == [
+            d.name for d in before.declarations()
+        ]
+
+    def test_comments_in_preprocessor_lines_are_spaces(self) -> None:
+        file = HERE / "preprocessor/comments_and_continued_lines.gidl"
+        declared = compile_files([str(file)]).model.declarations()
+        constants = {d.name: d.value for d in declared if isinstance(d, Constant)}
+        assert constants == {
+            "VALUE": 1 + 2 + 3 + 7 + 5 + 6 + 9,
+            "TEXT": 'a\tb // no comment, /* nor " this',
+            "LINE": "\n",
+            "RIGHT": "/",
+        }
 
     def test_windows_line_ends_and_a_byte_order_mark_are_fine(self, tmp_path: Path) -> None:
         model_of(tmp_path, "\ufeff#pragma once\r\nstruct S {\r\n  double x;  // one\r\n};\r\n")

@@ -73,6 +73,9 @@ def test_files_with_a_piece_cut_out_doubled_or_replaced(
         "const long X = " + "(" * 5000,
         "const long X = " + "-" * 5000 + "1;",
         "const long X = 1" + " + 1" * 50_000 + ";",
+        "const long X = " + "1" * 500_000 + ";",  # in linear time
+        "const double X = 1." + "1" * 500_000 + ";",
+        "#define X " + '\\"' * 200_000 + "\n",
         "struct S { " + "sequence<" * 3000,
         "typedef " + "map<long, " * 1000,
         "@a" * 5000,

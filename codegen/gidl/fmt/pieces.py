@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 
 from gidl.keywords import USED_BY_LOWER
-from gidl.lexer import DIRECTIVE_LINE, TOKEN
+from gidl.lexer import TOKEN, directive_line
 
 _KEYWORDS = frozenset(USED_BY_LOWER.values())
 _TEMPLATES = frozenset(("sequence", "map", "string", "wstring", "bitfield"))
@@ -61,8 +61,7 @@ def scan(text: str) -> list[Piece]:
             if kind == "directive":
                 if newlines == 0:  # text in a part that '#if' skips: on its own line it would act
                     raise UnreadableError(line, "has a '#' that does not begin its line")
-                found = DIRECTIVE_LINE.match(text, at)
-                body = _directive(found.group() if found else body)
+                body = text[at : directive_line(text, at)[1]]
             shown = re.sub(r"[ \t\r\f\v]+(?=\n|$)", "", body)
             if kind == "directive":
                 shown = re.sub(r"^#[ \t]*(\w+)[ \t]*(?=[^ \t\w]|\b)", r"#\1 ", shown).rstrip(" ")
@@ -84,14 +83,6 @@ def scan(text: str) -> list[Piece]:
             line_start = at - len(body) + body.rindex("\n") + 1
     _Spacing(pieces).run()
     return pieces
-
-
-def _directive(text: str) -> str:
-    """A preprocessor line without the comment after it."""
-    for comment in re.finditer(r"//|/\*", text):
-        if text.count('"', 0, comment.start()) % 2 == 0:
-            return text[: comment.start()]
-    return text
 
 
 def _adjoins(piece: Piece, following: Piece) -> bool:
