@@ -264,7 +264,7 @@ class Loader:
         names: dict[str, str] = {}
         for folder in folders[:-1]:
             for place in sorted(folder.glob("*")) + sorted(folder.glob("*/*")):
-                if not is_interface(place.name):
+                if not is_interface(place.name) or place.is_dir():
                     continue
                 names.setdefault(place.stem, place.relative_to(folder).as_posix())
         close = get_close_matches(wanted, list(names), n=1, cutoff=0.7)

@@ -1,15 +1,19 @@
 """Names of generated files and modules, and .idl files in the place of .gidl files."""
 
+import errno
 import importlib.util
 import json
 import keyword
+import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from gidl.cli import main
-from gidl.file_names import python_stem, same_modules, source_stem
+from gidl.file_names import interfaces_below, python_stem, same_modules, source_stem
 from gidl.standard_modules import STANDARD
 
 STRUCT = "@final struct {} {{ double x; }};\n"
@@ -115,6 +119,54 @@ class TestIdl:
         (here / "idl" / ".venv" / "wrong.idl").write_text("struct {\n")
         (here / "idl" / "lamp.idl").write_text(STRUCT.format("Lamp"))
         assert main(["check"]) == 0
+
+    @pytest.mark.parametrize("verb", ["check", "gen", "breaking"])
+    def test_a_folder_that_cannot_be_read_ends_the_run(
+        self,
+        here: Path,
+        verb: str,
+        monkeypatch: pytest.MonkeyPatch,
+        capsys: pytest.CaptureFixture[str],
+    ) -> None:
+        (here / "idl" / "lab").mkdir()
+        (here / "idl" / "lab" / "lamp.gidl").write_text(STRUCT.format("Lamp"))
+        (here / "idl" / "oven.gidl").write_text(STRUCT.format("Oven"))
+        shutil.copytree(here / "idl", here / "was")
+        assert main(["gen"]) == 0
+        before = sorted(Path("generated").rglob("*"))
+        real = os.scandir
+
+        def locked(folder: Path) -> Any:
+            if Path(folder).name == "lab" and Path(folder).parent.name == "idl":
+                raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(folder))
+            return real(folder)
+
+        monkeypatch.setattr("os.scandir", locked)
+        capsys.readouterr()
+        assert main([verb, *(["--against", "was"] if verb == "breaking" else [])]) == 1
+        assert capsys.readouterr() == ("", "gidl: idl/lab: Permission denied\n")
+        monkeypatch.undo()
+        monkeypatch.chdir(here)
+        assert sorted(Path("generated").rglob("*")) == before
+
+    def test_links_to_folders_are_followed_once(
+        self, here: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        (here / "far" / "lamp").mkdir(parents=True)
+        (here / "far" / "lamp" / "lamp.gidl").write_text(STRUCT.format("Lamp"))
+        (here / "idl" / "again").symlink_to(here / "far")
+        (here / "idl" / "lab").symlink_to(here / "far")
+        (here / "far" / "back").symlink_to(here / "idl")
+        assert interfaces_below(Path("idl")) == [Path("idl/again/lamp/lamp.gidl")]
+        (here / "far" / "wrong.gidl").write_text("struct {\n")
+        assert main(["check"]) == 100
+        assert "idl/again/wrong.gidl:1:" in capsys.readouterr().err
+
+    def test_a_folder_with_the_ending_of_a_file_is_searched(self, here: Path) -> None:
+        (here / "idl" / "acme.idl").mkdir()
+        (here / "idl" / "acme.idl" / "lamp.gidl").write_text(STRUCT.format("Lamp"))
+        assert main(["gen"]) == 0
+        assert Path("generated/cpp/acme.idl/lamp_types.hpp").is_file()
 
     def test_a_name_declared_in_one_is_found(
         self, here: Path, capsys: pytest.CaptureFixture[str]
