@@ -120,7 +120,7 @@ class TestDeleting:
         oven.write_text(oven.read_text() + INTERFACE)
         (here / "idl" / "lab" / "stage.gidl").unlink()
         assert main(["gen"]) == 0
-        (here / "idl" / "other.gidl").write_text(STRUCT.format("other", "Other"))
+        (here / "idl" / "other.gidl").write_text(STRUCT.format("shop", "Other"))
         oven.unlink()
         assert main(["gen"]) == 0
         assert not [path for path in files(here / "generated") if "lab" in path]
