@@ -264,6 +264,39 @@ def test_units_and_ranges_inside_a_type_are_compared(
     assert found == sorted(expected)
 
 
+EXACT = [
+    ("union U switch (E) { case P: long x; case Q: string y; };", True),
+    ("union U switch (E) { case P: long x; default: string y; };", True),
+    ("typedef E T; union U switch (T) { case P: long x; };", True),
+    ("@final struct S { map<E, long> m; };", True),
+    ("typedef E T; typedef map<long, sequence<map<T, long>>> M;", True),
+    ("interface I { @sensor void put(in sequence<map<E, long>> m); };", True),
+    ("interface I { @sensor readonly attribute map<E, long> m; };", True),
+    ("@final struct S { map<long, E> m; };", False),
+    ("interface I { @sensor E get(); };", False),
+]
+
+
+@pytest.mark.parametrize(("use", "is_broken"), EXACT)
+def test_tags_and_keys_take_no_literal_for_the_default(
+    use: str, is_broken: bool, tmp_path: Path
+) -> None:
+    small = compiled(tmp_path, "old", "enum E { @default_literal P, Q };\n" + use)
+    large = compiled(tmp_path, "new", "enum E { @default_literal P, Q, R };\n" + use)
+    grown = [(f.code, f.message) for f in compare(small.model, large.model)]
+    assert grown == ([("G1004", "WIRE: 'R' of 'E' is new")] if is_broken else [])
+    (shrunk,) = compare(large.model, small.model)
+    assert shrunk.code == ("G1004" if is_broken else "G1101")
+
+
+def test_a_new_map_with_an_old_enum_as_key_breaks_nothing(tmp_path: Path) -> None:
+    old = compiled(tmp_path, "old", "enum E { @default_literal P, Q };\n")
+    new = compiled(
+        tmp_path, "new", "enum E { @default_literal P, Q, R };\nstruct S { map<E, long> m; };\n"
+    )
+    assert compare(old.model, new.model) == []
+
+
 def test_a_range_that_every_value_is_in_is_none(tmp_path: Path) -> None:
     old = compiled(
         tmp_path, "old", "struct S { @range(min=0, max=255) octet x; @max(5) octet y; };"
