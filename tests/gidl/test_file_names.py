@@ -194,6 +194,34 @@ class TestIdl:
         assert main(["gen", "idl/lamp.idl"]) == 0
 
 
+@pytest.mark.parametrize(
+    ("name", "told", "what"),
+    [
+        ('la"mp.gidl', 'la"mp.gidl', "'\"'"),
+        ("la\\mp.gidl", "la\\mp.gidl", r"'\\'"),
+        ("la\nmp.gidl", r"la\nmp.gidl", "the control character U+000A"),
+        ("la\x1bmp.idl", r"la\x1bmp.idl", "the control character U+001B"),
+        ("la\u2028mp.idl", r"la\u2028mp.idl", "the control character U+2028"),
+    ],
+)
+def test_a_name_that_ends_an_include_or_a_line_is_refused(
+    here: Path, name: str, told: str, what: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here / "idl" / name).write_text(STRUCT.format("Lamp"))
+    assert main(["gen"]) == 100
+    said = capsys.readouterr().err
+    assert f"idl/{told}: error[G0001]: the name of this file has {what}, which" in said
+    assert not Path("generated").exists()
+
+
+def test_a_folder_above_the_roots_may_be_called_anything(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (here / 'o"h' / "idl").mkdir(parents=True)
+    (here / 'o"h' / "idl" / "lamp.gidl").write_text(STRUCT.format("Lamp"))
+    assert main(["gen", 'o"h/idl/lamp.gidl']) == 0
+
+
 def test_two_files_of_one_module_are_refused_where_python_is_wanted(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
