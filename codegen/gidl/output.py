@@ -116,9 +116,19 @@ def _head(place: Path) -> str:
 
 
 def not_ours(outputs: Outputs, difference: Difference) -> list[Path]:
-    """Files on disk that gidl did not generate, but that have the path of a generated file."""
-    places = (outputs.place(path) for path in difference.changed)
-    return [place for place in places if (head := _head(place).strip()) and not _MARK.search(head)]
+    """Files on disk that gidl did not generate, but that have the path of a generated file. Pipes
+    and devices are among them: gidl would write to them."""
+    places = [outputs.place(path) for path in difference.changed]
+    return [
+        place
+        for place in places
+        if _is_special(place) or ((head := _head(place).strip()) and not _MARK.search(head))
+    ]
+
+
+def _is_special(place: Path) -> bool:
+    """Whether the path is a pipe or a device. To open a pipe would wait for a writer."""
+    return place.exists() and not (place.is_file() or place.is_dir())
 
 
 def write(outputs: Outputs, files: Mapping[str, str], difference: Difference) -> None:
@@ -217,6 +227,8 @@ def first_difference(old: str, new: str) -> int:
 
 def read_output(place: Path) -> str | None:
     """Text of a file, newlines unchanged; None if the file does not exist, "" if it is no text."""
+    if _is_special(place):
+        return ""
     try:
         return place.read_bytes().decode("utf-8")
     except FileNotFoundError:

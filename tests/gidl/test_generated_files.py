@@ -75,6 +75,18 @@ class TestDeleting:
         mine.write_text("")  # an empty file is nobody's
         assert main(["gen", "--lang", "cpp"]) == 0
 
+    @pytest.mark.timeout(60)
+    def test_a_pipe_in_the_place_of_an_output_is_named(
+        self, here: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        pipe = here / "generated" / "lcm" / "lab" / "oven.lcm"
+        pipe.parent.mkdir(parents=True)
+        os.mkfifo(pipe)
+        assert main(["gen", "--lang", "lcm"]) == 100
+        assert "generated/lcm/lab/oven.lcm: error[G1404]" in capsys.readouterr().err
+        assert main(["gen", "--check", "--lang", "lcm"]) == 100
+        assert pipe.is_fifo()
+
     @pytest.mark.parametrize("words", [[], ["--prune", "idl/lab/oven.gidl"]])
     def test_the_whole_tree_and_prune_clean_up(
         self, here: Path, words: list[str], capsys: pytest.CaptureFixture[str]
