@@ -10,6 +10,7 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 from gidl import __version__, cli_breaking, cli_fmt, cli_gen, cli_lint, cli_new, not_yet
 from gidl.cli_shared import (
@@ -69,9 +70,20 @@ def _status(arguments: Sequence[str]) -> int:
     except SystemExit as ended:
         return ended.code if isinstance(ended.code, int) else USAGE
     command: Callable[[argparse.Namespace], int] = chosen.command
+    if command is not _explain:
+        _find_current_folder()
     if chosen.settles and not settle(chosen):
         return USAGE
     return command(chosen)
+
+
+def _find_current_folder() -> None:
+    """Raises an OSError that names the current folder if it was deleted."""
+    try:
+        Path.cwd()
+    except OSError as problem:
+        problem.filename = "the current folder"
+        raise
 
 
 def _replace_closed_streams() -> None:

@@ -1,6 +1,7 @@
 # ruff: noqa: E501 (a table)
 """`gidl breaking`: edits and their verdicts, the texts of one whole report, and the command."""
 
+import json
 import os
 import re
 import shutil
@@ -435,6 +436,18 @@ class TestCommand:
         (here / "empty").mkdir()
         assert main(["breaking", "--against", against]) == 1
         assert capsys.readouterr().err.startswith("gidl: --against: ")
+
+    @pytest.mark.parametrize("against", ["nowhere", "git#ref=nowhere"])
+    def test_what_cannot_be_compared_with_is_a_finding_for_other_tools(
+        self, here: Path, against: str, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        command = ["breaking", "--against", against, "--error-format"]
+        assert main([*command, "json"]) == 1
+        (found,) = json.loads(capsys.readouterr().out)
+        assert (found["code"], found["file"]) == ("G0025", against)
+        assert main([*command, "sarif"]) == 1
+        (result,) = json.loads(capsys.readouterr().out)["runs"][0]["results"]
+        assert result["ruleId"] == "G0025"
 
     def test_wrong_interfaces_before_are_told_apart(
         self, here: Path, capsys: pytest.CaptureFixture[str]

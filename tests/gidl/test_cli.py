@@ -135,6 +135,19 @@ def test_a_closed_standard_stream_is_one_message(
     assert run.stdout == ""
 
 
+def test_a_deleted_current_folder_is_named(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here / "gone").mkdir()
+    monkeypatch.chdir(here / "gone")
+    (here / "gone").rmdir()
+    for words in (["check"], ["gen"], ["fmt"], ["new", "lamp"]):
+        assert main(words) == 1
+        said = capsys.readouterr()
+        assert said == ("", "gidl: the current folder: No such file or directory\n")
+    assert main(["explain", "G0001"]) == 0
+
+
 def test_each_file_that_cannot_be_read_is_named(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
