@@ -22,12 +22,9 @@ MAX_CHAIN = 64
 
 
 def check(model: Model, findings: Findings) -> None:
-    lengths: dict[str, int] = {}  # a type is declared after the types that it uses
+    lengths = _lengths(model)
     for declaration in model.declarations():
-        used = [lengths.get(name, 0) for each in _used(declaration) for name in _names(each)]
-        if isinstance(declaration, Struct) and declaration.base is not None:
-            used.append(lengths.get(declaration.base, 0))
-        length = lengths[declaration.name] = 1 + max(used, default=0)
+        length = lengths[declaration.name]
         if length == MAX_CHAIN + 1:
             findings.error(
                 "G0322",
@@ -38,7 +35,33 @@ def check(model: Model, findings: Findings) -> None:
             )
 
 
-def _used(declaration: AnyDeclaration) -> Iterator[Type]:
+def _lengths(model: Model) -> dict[str, int]:
+    """The length of the longest chain from each declaration; a type that contains itself counts
+    once. Not recursive, since the chain may be longer than Python's stack."""
+    used = {each.name: _used(each) for each in model.declarations()}
+    lengths: dict[str, int] = {}
+    for first in used:
+        work, begun = [first], set[str]()
+        while work:
+            name = work[-1]
+            if name not in lengths and name not in begun:
+                begun.add(name)
+                work += [n for n in used[name] if n in used and n not in begun]
+                continue
+            work.pop()
+            lengths.setdefault(name, 1 + max((lengths.get(n, 0) for n in used[name]), default=0))
+    return lengths
+
+
+def _used(declaration: AnyDeclaration) -> list[str]:
+    """The names of the declared types that a declaration uses."""
+    names = [name for used in _types(declaration) for name in _names(used)]
+    if isinstance(declaration, Struct) and declaration.base is not None:
+        names.append(declaration.base)
+    return names
+
+
+def _types(declaration: AnyDeclaration) -> Iterator[Type]:
     match declaration:
         case Struct(members=members):
             yield from (member.type for member in members)
