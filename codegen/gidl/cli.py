@@ -10,6 +10,7 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 from gidl import __version__, cli_breaking, cli_fmt, cli_gen, cli_lint, cli_new, not_yet
 from gidl.cli_shared import (
@@ -36,17 +37,9 @@ def run() -> None:
 
 def main(arguments: Sequence[str]) -> int:
     """Runs one command and gives its exit status."""
-    parser = _parser()
+    _replace_closed_streams()
     try:
-        chosen = parser.parse_args(arguments)
-        chosen.words = tuple(arguments)
-    except SystemExit as ended:
-        return ended.code if isinstance(ended.code, int) else USAGE
-    command: Callable[[argparse.Namespace], int] = chosen.command
-    try:
-        if chosen.settles and not settle(chosen):
-            return USAGE
-        status = command(chosen)
+        status = _status(arguments)
         sys.stdout.flush()
         return status
     except BrokenPipeError:
@@ -67,6 +60,41 @@ def main(arguments: Sequence[str]) -> int:
         return FAILED
     except KeyboardInterrupt:
         return FAILED
+
+
+def _status(arguments: Sequence[str]) -> int:
+    parser = _parser()
+    try:
+        chosen = parser.parse_args(arguments)
+        chosen.words = tuple(arguments)
+    except SystemExit as ended:
+        return ended.code if isinstance(ended.code, int) else USAGE
+    command: Callable[[argparse.Namespace], int] = chosen.command
+    if command is not _explain:
+        _find_current_folder()
+    if chosen.settles and not settle(chosen):
+        return USAGE
+    return command(chosen)
+
+
+def _find_current_folder() -> None:
+    """Raises an OSError that names the current folder if it was deleted."""
+    try:
+        Path.cwd()
+    except OSError as problem:
+        problem.filename = "the current folder"
+        raise
+
+
+def _replace_closed_streams() -> None:
+    """Python has no object for a standard stream that was closed before the start. Reading stdin
+    and writing stdout then fail as for any closed file; what goes to stderr is lost."""
+    if sys.stdin is None:
+        sys.stdin = os.fdopen(os.open(os.devnull, os.O_WRONLY))
+    if sys.stdout is None:
+        sys.stdout = os.fdopen(os.open(os.devnull, os.O_RDONLY), "w")
+    if sys.stderr is None:
+        sys.stderr = os.fdopen(os.open(os.devnull, os.O_WRONLY), "w")
 
 
 def _no_more_output() -> None:

@@ -19,6 +19,7 @@ from gidl.cli_shared import (
     strictly,
 )
 from gidl.compile import compile_files
+from gidl.diagnostics import Findings
 from gidl.file_names import source_stem
 from gidl.loader import default_search
 from gidl.source import Source
@@ -68,6 +69,10 @@ def run(chosen: argparse.Namespace) -> int:
                 for path, source in old.sources.items()
             }
     except AgainstError as problem:
+        if chosen.error_format != "text":
+            unread = Findings()
+            unread.file_error("G0025", chosen.against, str(problem))
+            show(chosen, unread.found, {})
         print(f"gidl: --against: {problem}", file=sys.stderr)
         return FAILED
     if old.has_errors:

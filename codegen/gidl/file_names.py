@@ -6,6 +6,7 @@ file must use this module.
 
 from __future__ import annotations
 
+import os
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from gidl.standard_modules import OURS, STANDARD
 SUFFIXES = (".gidl", ".idl")
 _PACKAGES = {"gecos": "gecos_idl"}  # the package gecos is the runtime
 _SHARED = frozenset(("robcl", "gecos_idl"))  # packages that may contain generated modules
+_CPP_PARTS = ("types", "json", "interface", "client", "server")
 _SPECIAL = frozenset(("__init__", "__main__", "__pycache__"))
 
 
@@ -27,13 +29,36 @@ def is_interface(path: str) -> bool:
 
 
 def interfaces_below(folder: Path) -> list[Path]:
-    """Interface files in a folder and its subfolders, sorted; without hidden folders (.venv)."""
-    return sorted(
-        place
-        for place in folder.rglob("*")
-        if is_interface(place.name)
-        and not any(part.startswith(".") for part in place.relative_to(folder).parts[:-1])
-    )
+    """Interface files in a folder and its subfolders, sorted; without hidden folders (.venv). Links
+    to folders are followed, but each folder is read once. Raises OSError, naming the folder, if a
+    folder cannot be read."""
+    found: list[Path] = []
+    read: set[Path] = set()
+    starts = [folder] if folder.is_dir() else []
+    while starts:
+        links: list[Path] = []  # read later, so that a file has its path without links if possible
+        for start in sorted(starts):
+            _collect(start, found, read, links)
+        starts = links
+    return sorted(found)
+
+
+def _collect(start: Path, found: list[Path], read: set[Path], links: list[Path]) -> None:
+    work = [start]
+    while work:
+        folder = work.pop()
+        real = folder.resolve()
+        if real in read:
+            continue
+        read.add(real)
+        with os.scandir(folder) as entries:
+            for entry in entries:
+                place = folder / entry.name
+                if not entry.is_dir():
+                    if is_interface(entry.name):
+                        found.append(place)
+                elif not entry.name.startswith("."):
+                    (links if entry.is_symlink() else work).append(place)
 
 
 def source_stem(path: str) -> str:
@@ -61,6 +86,18 @@ def python_stem(path: str) -> str:
 def python_module(path: str) -> str:
     """Dotted name of the Python module of an interface file, such as "robcl.geometry"."""
     return python_stem(path).replace("/", ".")
+
+
+def outputs_of(path: str) -> dict[str, frozenset[str]]:
+    """For each language, the paths of all files that gidl may generate from an interface file,
+    whatever the file declares."""
+    stem, module = source_stem(path), python_stem(path)
+    return {
+        "cpp": frozenset(f"{stem}_{part}.{kind}" for part in _CPP_PARTS for kind in ("hpp", "cpp")),
+        "python": frozenset((f"{module}.py", f"{module}_types.py")),
+        "lcm": frozenset((f"{stem}.lcm",)),
+        "model": frozenset((f"{stem}.json",)),
+    }
 
 
 def _identifier(part: str) -> str:

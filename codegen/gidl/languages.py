@@ -24,7 +24,7 @@ def _names_of_headers() -> tuple[frozenset[str], frozenset[str]]:
 
 
 _MACROS, _GLOBALS = _names_of_headers()
-CPP_WORDS = CPP | {"std", "tl"} | _MACROS
+CPP_WORDS = CPP | {"std", "tl", "nlohmann"} | _MACROS
 """Keywords, the namespaces that generated code uses, and the macros that headers define."""
 
 # Members that generated code adds to every struct. A declared member cannot keep such a name.

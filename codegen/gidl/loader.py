@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import sys
+import unicodedata
 from collections.abc import Iterable, Set
 from dataclasses import dataclass, field
 from difflib import get_close_matches
@@ -140,6 +141,19 @@ class Loader:
                 "G0001", name, "the name of this file is not UTF-8", "rename the file"
             )
             return None
+        odd = next((character for character in path if _not_printed(character)), None)
+        if odd is not None:
+            what = f"{odd!r}" if odd in '"\\' else f"the control character U+{ord(odd):04X}"
+            name = "".join(
+                c if c.isprintable() else c.encode("unicode_escape").decode() for c in shown
+            )
+            self.findings.file_error(
+                "G0001",
+                name,
+                f"the name of this file has {what}, which generated code cannot contain",
+                "rename the file or its folder",
+            )
+            return None
         data = _read(place, shown, self.findings)
         if data is None:
             return None
@@ -265,7 +279,7 @@ class Loader:
         names: dict[str, str] = {}
         for folder in folders[:-1]:
             for place in sorted(folder.glob("*")) + sorted(folder.glob("*/*")):
-                if not is_interface(place.name):
+                if not is_interface(place.name) or place.is_dir():
                     continue
                 names.setdefault(place.stem, place.relative_to(folder).as_posix())
         close = get_close_matches(wanted, list(names), n=1, cutoff=0.7)
@@ -352,6 +366,11 @@ def _read(place: Path, shown: str, findings: Findings) -> bytes | None:
 def _not_text(name: str) -> bool:
     """Whether a file name is not UTF-8: generated files could not contain such a name."""
     return any("\udc80" <= character <= "\udcff" for character in name)
+
+
+def _not_printed(character: str) -> bool:
+    """Whether a character ends the path in `#include "lab/lamp_types.hpp"`, or its line."""
+    return character in '"\\' or unicodedata.category(character) in ("Cc", "Zl", "Zp")
 
 
 def _checked(data: bytes, shown: str, findings: Findings) -> bytes | None:

@@ -46,7 +46,11 @@ def _homes(folders: Sequence[Path]) -> dict[str, str]:
     """Maps each declared name to the path, as in `#include`, of the first file that declares it."""
     homes: dict[str, str] = {}
     for folder in folders:
-        for place in interfaces_below(folder)[:_MOST_FILES]:
+        try:
+            places = interfaces_below(folder)[:_MOST_FILES]
+        except OSError:
+            continue  # only the help line is lost
+        for place in places:
             try:
                 if not place.is_file() or place.stat().st_size > _MOST_BYTES:
                     continue

@@ -21,6 +21,8 @@ def wrong_with(keys: tuple[str, ...], value: object, folder: Path) -> tuple[str,
     """The mistake in a value, and the correction; None if the value is right. Paths are relative to
     `folder`. `keys` is the path of the key, such as ("roots",) or ("outputs", "cpp")."""
     written = ".".join(keys)
+    if written == OUTPUTS:
+        return f"{OUTPUTS}: a table is expected", 'write for example cpp = "src" below [outputs]'
     if written not in _KEYS:
         near = get_close_matches(written, list(_KEYS), n=1)
         known = f"did you mean '{near[0]}'?" if near else f"known keys are {', '.join(_KEYS)}"

@@ -101,6 +101,7 @@ def test_a_type_is_never_called_as_its_members(tmp_path: Path) -> None:
           interface set_x { attribute double x; };
         };
         module gecos { struct wire { long x; }; };
+        module nlohmann { struct json { long x; }; };
         """
     )
     generate(tmp_path, "--lang", "cpp", tmp_path / "same.gidl")

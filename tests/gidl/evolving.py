@@ -10,7 +10,10 @@ from random import Random
 _DEFAULTS = {"long": "7", "double": "2.5", "string": '"d"', "boolean": "TRUE"}
 _MODES = ("required", "required", "default", "optional")
 _PLAIN = ("long", "short", "double", "string", "boolean")
-_KINDS = (*_PLAIN, "Gear", "Inner", "Pick", "sequence<long>", "sequence<Inner>", "map<long, Gear>")
+_KINDS = (
+    *_PLAIN, "Gear", "Inner", "Pick", "sequence<long>", "sequence<Inner>", "map<long, Gear>",
+    "map<Gear, long>",
+)  # fmt: skip
 _RANGES = ((0.0, 10.0), (2.0, 20.0))  # of doubles; the default lies in both
 
 

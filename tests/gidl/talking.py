@@ -83,7 +83,7 @@ class Side:
             case list():
                 return [self.made(each) for each in value]
             case dict():
-                return {key: self.made(each) for key, each in value.items()}
+                return {self.made(key): self.made(each) for key, each in value.items()}
         return value
 
     def plain(self, value: Any) -> Any:
@@ -100,7 +100,7 @@ class Side:
             case "list":
                 return [self.plain(each) for each in value]
             case "dict":
-                return {key: self.plain(each) for key, each in value.items()}
+                return {self.plain(key): self.plain(each) for key, each in value.items()}
         return value.tolist() if hasattr(value, "tolist") else value
 
 
@@ -157,6 +157,8 @@ def _random_value(slot: Slot, lab: Lab, random: Random) -> object:
             return [random.randint(1000, 30_000) for _ in range(random.randint(1, 3))]
         case "map<long, Gear>":
             return {random.randrange(99): _random_value(Slot("", "Gear"), lab, random)}
+        case "map<Gear, long>":  # with every key, so that two unknown ones would be the same
+            return {Literal(name): random.randint(1000, 30_000) for name in lab.literals}
         case "string":
             return "".join(random.choices("abcäöü ", k=random.randint(1, 9)))
         case "boolean":
@@ -184,7 +186,13 @@ def understood(said: Any, sender: Lab, receiver: Lab) -> Any:
         case list():
             return [understood(each, sender, receiver) for each in said]
         case dict():
-            return {key: understood(each, sender, receiver) for key, each in said.items()}
+            read = {
+                understood(key, sender, receiver): understood(each, sender, receiver)
+                for key, each in said.items()
+            }
+            if len(read) < len(said):
+                raise LostError("two keys are the same")
+            return read
     return said
 
 

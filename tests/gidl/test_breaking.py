@@ -1,6 +1,7 @@
 # ruff: noqa: E501 (a table)
 """`gidl breaking`: edits and their verdicts, the texts of one whole report, and the command."""
 
+import json
 import os
 import re
 import shutil
@@ -264,6 +265,39 @@ def test_units_and_ranges_inside_a_type_are_compared(
     assert found == sorted(expected)
 
 
+EXACT = [
+    ("union U switch (E) { case P: long x; case Q: string y; };", True),
+    ("union U switch (E) { case P: long x; default: string y; };", True),
+    ("typedef E T; union U switch (T) { case P: long x; };", True),
+    ("@final struct S { map<E, long> m; };", True),
+    ("typedef E T; typedef map<long, sequence<map<T, long>>> M;", True),
+    ("interface I { @sensor void put(in sequence<map<E, long>> m); };", True),
+    ("interface I { @sensor readonly attribute map<E, long> m; };", True),
+    ("@final struct S { map<long, E> m; };", False),
+    ("interface I { @sensor E get(); };", False),
+]
+
+
+@pytest.mark.parametrize(("use", "is_broken"), EXACT)
+def test_tags_and_keys_take_no_literal_for_the_default(
+    use: str, is_broken: bool, tmp_path: Path
+) -> None:
+    small = compiled(tmp_path, "old", "enum E { @default_literal P, Q };\n" + use)
+    large = compiled(tmp_path, "new", "enum E { @default_literal P, Q, R };\n" + use)
+    grown = [(f.code, f.message) for f in compare(small.model, large.model)]
+    assert grown == ([("G1004", "WIRE: 'R' of 'E' is new")] if is_broken else [])
+    (shrunk,) = compare(large.model, small.model)
+    assert shrunk.code == ("G1004" if is_broken else "G1101")
+
+
+def test_a_new_map_with_an_old_enum_as_key_breaks_nothing(tmp_path: Path) -> None:
+    old = compiled(tmp_path, "old", "enum E { @default_literal P, Q };\n")
+    new = compiled(
+        tmp_path, "new", "enum E { @default_literal P, Q, R };\nstruct S { map<E, long> m; };\n"
+    )
+    assert compare(old.model, new.model) == []
+
+
 def test_a_range_that_every_value_is_in_is_none(tmp_path: Path) -> None:
     old = compiled(
         tmp_path, "old", "struct S { @range(min=0, max=255) octet x; @max(5) octet y; };"
@@ -402,6 +436,18 @@ class TestCommand:
         (here / "empty").mkdir()
         assert main(["breaking", "--against", against]) == 1
         assert capsys.readouterr().err.startswith("gidl: --against: ")
+
+    @pytest.mark.parametrize("against", ["nowhere", "git#ref=nowhere"])
+    def test_what_cannot_be_compared_with_is_a_finding_for_other_tools(
+        self, here: Path, against: str, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        command = ["breaking", "--against", against, "--error-format"]
+        assert main([*command, "json"]) == 1
+        (found,) = json.loads(capsys.readouterr().out)
+        assert (found["code"], found["file"]) == ("G0025", against)
+        assert main([*command, "sarif"]) == 1
+        (result,) = json.loads(capsys.readouterr().out)["runs"][0]["results"]
+        assert result["ruleId"] == "G0025"
 
     def test_wrong_interfaces_before_are_told_apart(
         self, here: Path, capsys: pytest.CaptureFixture[str]

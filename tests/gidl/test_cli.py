@@ -107,6 +107,47 @@ def test_a_header_of_c_is_one_finding_however_many_files_include_it(
     assert "a.gidl:1:1: error[G0216]" in said and "gidl: 1 error, 0 warnings" in said
 
 
+@pytest.mark.parametrize(
+    ("command", "status", "told"),
+    [
+        ("check - <&-", 100, "-: error[G0001]: stdin cannot be read: Bad file descriptor\n"),
+        ("dump idl/good.gidl >&-", 1, "gidl: standard output: Bad file descriptor\n"),
+        ("gen --lang lcm >&-", 1, "gidl: standard output: Bad file descriptor\n"),
+        ("--version >&-", 1, "gidl: standard output: Bad file descriptor\n"),
+        ("check idl/good.gidl >&-", 0, ""),
+        ("check missing.gidl 2>&-", 100, ""),
+    ],
+)
+def test_a_closed_standard_stream_is_one_message(
+    here: Path, command: str, status: int, told: str
+) -> None:
+    run = subprocess.run(
+        ["sh", "-c", f"{sys.executable} -m gidl {command}"],
+        env={"PYTHONPATH": os.pathsep.join(sys.path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (run.returncode, run.stderr.removesuffix("gidl: 1 error, 0 warnings\n")) == (
+        status,
+        told,
+    )
+    assert run.stdout == ""
+
+
+def test_a_deleted_current_folder_is_named(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here / "gone").mkdir()
+    monkeypatch.chdir(here / "gone")
+    (here / "gone").rmdir()
+    for words in (["check"], ["gen"], ["fmt"], ["new", "lamp"]):
+        assert main(words) == 1
+        said = capsys.readouterr()
+        assert said == ("", "gidl: the current folder: No such file or directory\n")
+    assert main(["explain", "G0001"]) == 0
+
+
 def test_each_file_that_cannot_be_read_is_named(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

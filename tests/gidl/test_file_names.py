@@ -1,15 +1,19 @@
 """Names of generated files and modules, and .idl files in the place of .gidl files."""
 
+import errno
 import importlib.util
 import json
 import keyword
+import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from gidl.cli import main
-from gidl.file_names import python_stem, same_modules, source_stem
+from gidl.file_names import interfaces_below, python_stem, same_modules, source_stem
 from gidl.standard_modules import STANDARD
 
 STRUCT = "@final struct {} {{ double x; }};\n"
@@ -116,6 +120,54 @@ class TestIdl:
         (here / "idl" / "lamp.idl").write_text(STRUCT.format("Lamp"))
         assert main(["check"]) == 0
 
+    @pytest.mark.parametrize("verb", ["check", "gen", "breaking"])
+    def test_a_folder_that_cannot_be_read_ends_the_run(
+        self,
+        here: Path,
+        verb: str,
+        monkeypatch: pytest.MonkeyPatch,
+        capsys: pytest.CaptureFixture[str],
+    ) -> None:
+        (here / "idl" / "lab").mkdir()
+        (here / "idl" / "lab" / "lamp.gidl").write_text(STRUCT.format("Lamp"))
+        (here / "idl" / "oven.gidl").write_text(STRUCT.format("Oven"))
+        shutil.copytree(here / "idl", here / "was")
+        assert main(["gen"]) == 0
+        before = sorted(Path("generated").rglob("*"))
+        real = os.scandir
+
+        def locked(folder: Path) -> Any:
+            if Path(folder).name == "lab" and Path(folder).parent.name == "idl":
+                raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(folder))
+            return real(folder)
+
+        monkeypatch.setattr("os.scandir", locked)
+        capsys.readouterr()
+        assert main([verb, *(["--against", "was"] if verb == "breaking" else [])]) == 1
+        assert capsys.readouterr() == ("", "gidl: idl/lab: Permission denied\n")
+        monkeypatch.undo()
+        monkeypatch.chdir(here)
+        assert sorted(Path("generated").rglob("*")) == before
+
+    def test_links_to_folders_are_followed_once(
+        self, here: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        (here / "far" / "lamp").mkdir(parents=True)
+        (here / "far" / "lamp" / "lamp.gidl").write_text(STRUCT.format("Lamp"))
+        (here / "idl" / "again").symlink_to(here / "far")
+        (here / "idl" / "lab").symlink_to(here / "far")
+        (here / "far" / "back").symlink_to(here / "idl")
+        assert interfaces_below(Path("idl")) == [Path("idl/again/lamp/lamp.gidl")]
+        (here / "far" / "wrong.gidl").write_text("struct {\n")
+        assert main(["check"]) == 100
+        assert "idl/again/wrong.gidl:1:" in capsys.readouterr().err
+
+    def test_a_folder_with_the_ending_of_a_file_is_searched(self, here: Path) -> None:
+        (here / "idl" / "acme.idl").mkdir()
+        (here / "idl" / "acme.idl" / "lamp.gidl").write_text(STRUCT.format("Lamp"))
+        assert main(["gen"]) == 0
+        assert Path("generated/cpp/acme.idl/lamp_types.hpp").is_file()
+
     def test_a_name_declared_in_one_is_found(
         self, here: Path, capsys: pytest.CaptureFixture[str]
     ) -> None:
@@ -140,6 +192,34 @@ class TestIdl:
             )
             assert "as does idl/lamp.gidl\n" in said
         assert main(["gen", "idl/lamp.idl"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "told", "what"),
+    [
+        ('la"mp.gidl', 'la"mp.gidl', "'\"'"),
+        ("la\\mp.gidl", "la\\mp.gidl", r"'\\'"),
+        ("la\nmp.gidl", r"la\nmp.gidl", "the control character U+000A"),
+        ("la\x1bmp.idl", r"la\x1bmp.idl", "the control character U+001B"),
+        ("la\u2028mp.idl", r"la\u2028mp.idl", "the control character U+2028"),
+    ],
+)
+def test_a_name_that_ends_an_include_or_a_line_is_refused(
+    here: Path, name: str, told: str, what: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here / "idl" / name).write_text(STRUCT.format("Lamp"))
+    assert main(["gen"]) == 100
+    said = capsys.readouterr().err
+    assert f"idl/{told}: error[G0001]: the name of this file has {what}, which" in said
+    assert not Path("generated").exists()
+
+
+def test_a_folder_above_the_roots_may_be_called_anything(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (here / 'o"h' / "idl").mkdir(parents=True)
+    (here / 'o"h' / "idl" / "lamp.gidl").write_text(STRUCT.format("Lamp"))
+    assert main(["gen", 'o"h/idl/lamp.gidl']) == 0
 
 
 def test_two_files_of_one_module_are_refused_where_python_is_wanted(

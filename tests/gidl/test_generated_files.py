@@ -75,6 +75,18 @@ class TestDeleting:
         mine.write_text("")  # an empty file is nobody's
         assert main(["gen", "--lang", "cpp"]) == 0
 
+    @pytest.mark.timeout(60)
+    def test_a_pipe_in_the_place_of_an_output_is_named(
+        self, here: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        pipe = here / "generated" / "lcm" / "lab" / "oven.lcm"
+        pipe.parent.mkdir(parents=True)
+        os.mkfifo(pipe)
+        assert main(["gen", "--lang", "lcm"]) == 100
+        assert "generated/lcm/lab/oven.lcm: error[G1404]" in capsys.readouterr().err
+        assert main(["gen", "--check", "--lang", "lcm"]) == 100
+        assert pipe.is_fifo()
+
     @pytest.mark.parametrize("words", [[], ["--prune", "idl/lab/oven.gidl"]])
     def test_the_whole_tree_and_prune_clean_up(
         self, here: Path, words: list[str], capsys: pytest.CaptureFixture[str]
@@ -93,6 +105,37 @@ class TestDeleting:
             f"gidl: deleted {path}" for path in stale
         ]
         assert main([*command, "--check"]) == 0
+
+    @pytest.mark.parametrize(
+        ("made", "mine"),
+        [
+            ("python/lab/oven.py", "python/lab/oven_server.py"),
+            ("cpp/lab/oven_types.hpp", "cpp/lab/oven_types_old.hpp"),
+            ("lcm/lab/oven.lcm", "lcm/lab/oven2.lcm"),
+            ("model/lab/oven.json", "model/lab/oven/copy.json"),
+        ],
+    )
+    def test_a_copy_under_a_name_of_its_own_stays(self, here: Path, made: str, mine: str) -> None:
+        assert main(["gen"]) == 0
+        copy = here / "generated" / mine
+        copy.parent.mkdir(exist_ok=True)
+        shutil.copy(here / "generated" / made, copy)
+        assert main(["gen"]) == 0
+        assert copy.exists()
+        (here / "idl" / "lab" / "oven.gidl").unlink()
+        assert main(["gen"]) == 0
+        assert copy.exists()
+        assert not (here / "generated" / made).exists()
+
+    def test_everything_that_an_interface_gives_goes_with_it(self, here: Path) -> None:
+        oven = here / "idl" / "lab" / "oven.gidl"
+        oven.write_text(oven.read_text() + INTERFACE)
+        (here / "idl" / "lab" / "stage.gidl").unlink()
+        assert main(["gen"]) == 0
+        (here / "idl" / "other.gidl").write_text(STRUCT.format("shop", "Other"))
+        oven.unlink()
+        assert main(["gen"]) == 0
+        assert not [path for path in files(here / "generated") if "lab" in path]
 
     def test_another_run_may_delete_them_first(self, here: Path) -> None:
         assert main(["gen", "--lang", "lcm"]) == 0

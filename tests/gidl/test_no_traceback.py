@@ -1,5 +1,6 @@
 """Whatever the input, there are findings and no traceback."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -103,9 +104,22 @@ def test_ten_megabytes_are_refused(tmp_path: Path) -> None:
 def test_too_long_a_chain_of_declarations(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """What is laid out by recursion is refused in a sentence."""
     file = tmp_path / "chain.gidl"
-    types = "".join(f"typedef T{i} T{i + 1};\n" for i in range(2000))
-    file.write_text(f"typedef long T0;\n{types}struct S {{ T2000 x; }};\n")
-    assert main(["gen", "--lang", "lcm", "--out", str(tmp_path / "made"), str(file)]) == 1
-    assert "refer to each other in too long a chain" in capsys.readouterr().err
+    types = "".join(f"typedef T{i} T{i + 1};\n" for i in range(600))
+    file.write_text(f"typedef long T0;\n{types}struct S {{ T600 x; }};\n")
+    command = ["--error-format", "json", str(file)]
+    for verb in (["check"], ["gen", "--lang", "lcm", "--out", str(tmp_path / "made")]):
+        assert main([*verb, *command]) == 100
+        (found,) = json.loads(capsys.readouterr().out)
+        assert (found["code"], found["line"]) == ("G0322", 65)
+
+
+def test_too_long_a_chain_of_forward_declarations(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "chain.gidl"
+    declared = "".join(f"struct T{i};\n" for i in range(600))
+    types = "".join(f"struct T{i} {{ sequence<T{i + 1}> x; }};\n" for i in range(599))
+    file.write_text(f"{declared}{types}struct T599 {{ long x; }};\n")
+    assert main(["check", str(file)]) == 100
+    assert "chain.gidl:1136:8: error[G0322]: 'T535'" in capsys.readouterr().err

@@ -24,7 +24,9 @@ from gidl.model import (
     StringType,
     Type,
     Typedef,
+    Union,
 )
+from gidl.rules.walk import slots
 from gidl.wire_layout import node_of
 from gidl.wire_nodes import ArrayNode, MapNode, Node, ScalarNode, SequenceNode
 
@@ -128,6 +130,33 @@ def _ranges(node: Node, part: str) -> Iterator[tuple[str, Range]]:
         case MapNode(key, value):
             yield from _ranges(key, f"the keys of {part}")
             yield from _ranges(value, f"the values of {part}")
+
+
+def read_exactly(model: Model) -> dict[str, str]:
+    """The enums of which a reader takes no unknown literal for the @default_literal, and why: a
+    union does not say what its arm would be, and a map has each key once."""
+    found: dict[str, str] = {}
+    for slot in slots(model):
+        for key in _keys(model, slot.type):
+            found[key] = "a map has it as key"
+    for declaration in model.declarations():
+        if isinstance(declaration, Union):
+            tag = model.target(declaration.discriminator)
+            if isinstance(tag, NamedType):
+                found[tag.name] = f"the union '{declaration.name}' is switched by it"
+    return found
+
+
+def _keys(model: Model, used: Type) -> Iterator[str]:
+    """The declared types of the keys of maps in the text of a type."""
+    match used:
+        case MapType(key, value):
+            named = model.target(key)
+            if isinstance(named, NamedType):
+                yield named.name
+            yield from _keys(model, value)
+        case SequenceType(element=element) | ArrayType(element=element):
+            yield from _keys(model, element)
 
 
 def reached(model: Model, used: Type | None, into: set[str]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gidl.breaking import slots
 from gidl.breaking.report import Report
-from gidl.breaking.sides import Sides, wire_text
+from gidl.breaking.sides import Sides, read_exactly, wire_text
 from gidl.file_names import source_stem
 from gidl.model import (
     AnyDeclaration,
@@ -25,6 +25,7 @@ _NO_BUILD = "programs that use the old name do not build any more"
 
 
 def compare(sides: Sides, report: Report) -> None:
+    exact = read_exactly(sides.old), read_exactly(sides.new)
     for old, new in sides.declarations():
         if new is None:
             _gone(old, report)
@@ -36,6 +37,10 @@ def compare(sides: Sides, report: Report) -> None:
         else:
             _moved(sides, old, new, report)
             _one(sides, old, new, report)
+            if isinstance(old, EnumDeclaration) and isinstance(new, EnumDeclaration):
+                # Only values that both versions have are sent from one to the other.
+                used = exact[1].get(new.name, "") if old.name in exact[0] else ""
+                _enum(old, new, used, report)
 
 
 def _kind(declaration: AnyDeclaration) -> str:
@@ -83,8 +88,6 @@ def _one(sides: Sides, old: AnyDeclaration, new: AnyDeclaration, report: Report)
     match old, new:
         case Struct(), Struct():
             _struct(sides, old, new, report)
-        case EnumDeclaration(), EnumDeclaration():
-            _enum(old, new, report)
         case Bitmask(), Bitmask():
             flags = [{f.name: f.position for f in m.flags} for m in (old, new)]
             if flags[0] != flags[1] or old.bit_bound != new.bit_bound:
@@ -129,7 +132,9 @@ def _refused(old: AnyDeclaration, new: AnyDeclaration, what: str, report: Report
                "keep the type, and declare another one", new=new.facts, old=old.facts)  # fmt: skip
 
 
-def _enum(old: EnumDeclaration, new: EnumDeclaration, report: Report) -> None:
+def _enum(old: EnumDeclaration, new: EnumDeclaration, exact: str, report: Report) -> None:
+    """Compares enums. `exact` says why readers refuse unknown literals although there is a
+    @default_literal, or is empty."""
     if old.default_literal != new.default_literal:
         report.add("G1004", old.name,
                    f"unknown literals of '{old.name}' were read as "
@@ -138,7 +143,9 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, report: Report) -> None:
                    "the hash of every operation that uses the enum differs, so old and new "
                    "programs refuse each other", "keep @default_literal as it was", new=new.facts,
                    old=old.facts)  # fmt: skip
-    grows = old.default_literal is not None and new.default_literal is not None
+    default = old.default_literal is not None and new.default_literal is not None
+    grows = default and not exact
+    refuse = f"refuse it, because {exact}" if default else "refuse it"
     before = {e.name: e for e in old.enumerators}
     after = {e.name: e for e in new.enumerators}
     numbers = {e.number: e for e in new.enumerators}
@@ -152,7 +159,7 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, report: Report) -> None:
                        new=now.facts, old=was.facts)  # fmt: skip
         elif now is None and not grows:
             report.add("G1004", old.name, f"'{name}' of '{old.name}' is gone",
-                       "old programs still send the literal, and new programs refuse it",
+                       f"old programs still send the literal, and new programs {refuse}",
                        "keep the declaration, marked @deprecated", new=new.facts,
                        old=was.facts)  # fmt: skip
         elif now is None and was.number in numbers:
@@ -170,11 +177,12 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, report: Report) -> None:
                        old=was.facts)  # fmt: skip
     for name, now in after.items():
         if name not in before and not grows:
+            instead = "declare a new enum with @default_literal, which readers use for unknown"
             report.add("G1004", old.name, f"'{name}' of '{old.name}' is new",
+                       f"old programs {refuse}" if default else
                        "old programs refuse the new literal",
-                       "declare a new enum with @default_literal, which readers use for unknown "
-                       "literals",
-                       new=now.facts)  # fmt: skip
+                       "declare a new enum, and a new union or member with it" if default else
+                       f"{instead} literals", new=now.facts)  # fmt: skip
 
 
 def _bitset(sides: Sides, old: Bitset, new: Bitset, report: Report) -> None:

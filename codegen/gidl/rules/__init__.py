@@ -9,6 +9,7 @@ from gidl.model import Model
 from gidl.rules import (
     accessors,
     call_terms,
+    chains,
     codes,
     defaults,
     directions,
@@ -40,6 +41,7 @@ ALL: tuple[Rule, ...] = (
     quality.check,
     quality_below.check,
     recursion.check,
+    chains.check,
     struct_bases.check,
     defaults.check,
     directions.check,

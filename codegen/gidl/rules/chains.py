@@ -1,0 +1,82 @@
+"""Rule: at most 64 types use each other in a chain, so that computing a layout or a hash ends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from gidl.diagnostics import Findings
+from gidl.model import (
+    AnyDeclaration,
+    ArrayType,
+    MapType,
+    Model,
+    NamedType,
+    SequenceType,
+    Struct,
+    Type,
+    Typedef,
+    Union,
+)
+
+MAX_CHAIN = 64
+
+
+def check(model: Model, findings: Findings) -> None:
+    lengths = _lengths(model)
+    for declaration in model.declarations():
+        length = lengths[declaration.name]
+        if length == MAX_CHAIN + 1:
+            findings.error(
+                "G0322",
+                declaration.facts.location,
+                f"'{declaration.simple_name}' is the end of a chain of {length} types that use "
+                f"each other, at most {MAX_CHAIN} are allowed",
+                "use the type at the beginning of the chain, or declare fewer types in between",
+            )
+
+
+def _lengths(model: Model) -> dict[str, int]:
+    """The length of the longest chain from each declaration; a type that contains itself counts
+    once. Not recursive, since the chain may be longer than Python's stack."""
+    used = {each.name: _used(each) for each in model.declarations()}
+    lengths: dict[str, int] = {}
+    for first in used:
+        work, begun = [first], set[str]()
+        while work:
+            name = work[-1]
+            if name not in lengths and name not in begun:
+                begun.add(name)
+                work += [n for n in used[name] if n in used and n not in begun]
+                continue
+            work.pop()
+            lengths.setdefault(name, 1 + max((lengths.get(n, 0) for n in used[name]), default=0))
+    return lengths
+
+
+def _used(declaration: AnyDeclaration) -> list[str]:
+    """The names of the declared types that a declaration uses."""
+    names = [name for used in _types(declaration) for name in _names(used)]
+    if isinstance(declaration, Struct) and declaration.base is not None:
+        names.append(declaration.base)
+    return names
+
+
+def _types(declaration: AnyDeclaration) -> Iterator[Type]:
+    match declaration:
+        case Struct(members=members):
+            yield from (member.type for member in members)
+        case Union(cases=cases):
+            yield from (case.member.type for case in cases)
+        case Typedef():
+            yield declaration.type
+
+
+def _names(used: Type) -> Iterator[str]:
+    match used:
+        case NamedType(name):
+            yield name
+        case SequenceType(element=element) | ArrayType(element=element):
+            yield from _names(element)
+        case MapType(key, value):
+            yield from _names(key)
+            yield from _names(value)
