@@ -81,7 +81,7 @@ def served_models(robot: Object) -> list[str]:
 @cache
 def _without_members(name: str, hash: int) -> type[Object]:
     table = Interface(name=name, hash=hash)
-    return type("Anything", (Object,), {"_gecos_interface": table})
+    return type("ObjectWithoutMembers", (Object,), {"_gecos_interface": table})
 
 
 @cache

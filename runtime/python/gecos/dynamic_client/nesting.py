@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import prod
 
-from gecos.dynamic_client.entries import Malformed
+from gecos.dynamic_client.json_object import Malformed
 from gecos.dynamic_client.model import Declaration, Model, Struct, Typedef, Union
 from gecos.dynamic_client.type_text import Type
 

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 from gecos.command import Command
 from gecos.dynamic_client.docs import attribute_doc, operation_doc, setter_doc
-from gecos.dynamic_client.entries import Malformed
+from gecos.dynamic_client.json_object import Malformed
 from gecos.dynamic_client.model import Attribute, Member, Model, ModelError, Operation, Struct
 from gecos.dynamic_client.names import METHOD_WORDS, escaped, simple
 from gecos.dynamic_client.read import read_model

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-from gecos.dynamic_client.entries import Entries, Malformed, parse_object
+from gecos.dynamic_client.json_object import JsonObject, Malformed, parse_object
 from gecos.dynamic_client.model import (
     Attribute,
     AttributeStream,
@@ -67,7 +67,7 @@ class _Reader:
         check_nesting(model)
         return model
 
-    def _read(self, text: Entries) -> None:
+    def _read(self, text: JsonObject) -> None:
         declared = text.inner("interface")
         if declared is None:
             raise Malformed(f"{text.place} has no 'interface'")
@@ -96,102 +96,98 @@ class _Reader:
 # -- types -----------------------------------------------------------------------------------------
 
 
-def _declaration(entries: Entries) -> Declaration:
-    entries.place = f"type {entries.scoped()}"
-    return _DECLARATIONS[entries.one_of("kind", _DECLARATIONS)](entries)
+def _declaration(data: JsonObject) -> Declaration:
+    data.place = f"type {data.scoped()}"
+    return _DECLARATIONS[data.one_of("kind", _DECLARATIONS)](data)
 
 
-def _struct(entries: Entries) -> Struct:
-    members = entries.list_of("members", _value)
-    entries.distinct("members", [each.name for each in members])
+def _struct(data: JsonObject) -> Struct:
+    members = data.list_of("members", _value)
+    data.distinct("members", [each.name for each in members])
     return Struct(
-        entries.scoped(),
+        data.scoped(),
         members,
-        entries.scoped_or_none("base"),
-        entries.one_of("extensibility", _EXTENSIBILITY, "final") == "appendable",
-        _fingerprint(entries),
-        entries.text("kind") == "exception",
-        _doc(entries),
+        data.scoped_or_none("base"),
+        data.one_of("extensibility", _EXTENSIBILITY, "final") == "appendable",
+        _fingerprint(data),
+        data.text("kind") == "exception",
+        _doc(data),
     )
 
 
-def _enumeration(entries: Entries) -> Enumeration:
-    bits = entries.whole("bit_bound", 1, 64, 32)
+def _enumeration(data: JsonObject) -> Enumeration:
+    bits = data.whole("bit_bound", 1, 64, 32)
     most = (1 << (63 if bits > 32 else 31)) - 1
-    found = entries.list_of(
+    found = data.list_of(
         "enumerators", lambda each: (each.name(), each.whole("value", -most - 1, most))
     )
-    names = entries.distinct("enumerators", [name for name, _ in found])
+    names = data.distinct("enumerators", [name for name, _ in found])
     if not found or len({number for _, number in found}) != len(found):
-        raise Malformed(f"{entries.place} has no enumerators, or two with the same number")
-    otherwise = entries.one_of("default_literal", names) if entries.has("default_literal") else None
-    return Enumeration(entries.scoped(), found, otherwise, bits, _doc(entries))
+        raise Malformed(f"{data.place} has no enumerators, or two with the same number")
+    otherwise = data.one_of("default_literal", names) if data.has("default_literal") else None
+    return Enumeration(data.scoped(), found, otherwise, bits, _doc(data))
 
 
-def _bitmask(entries: Entries) -> Bitmask:
-    bits = entries.whole("bit_bound", 1, 64)
-    flags = entries.list_of(
-        "flags", lambda each: (each.name(), each.whole("position", 0, bits - 1))
-    )
-    entries.distinct("flags", [name for name, _ in flags])
+def _bitmask(data: JsonObject) -> Bitmask:
+    bits = data.whole("bit_bound", 1, 64)
+    flags = data.list_of("flags", lambda each: (each.name(), each.whole("position", 0, bits - 1)))
+    data.distinct("flags", [name for name, _ in flags])
     if not flags or len({position for _, position in flags}) != len(flags):
-        raise Malformed(f"{entries.place} has no flags, or two at the same position")
-    return Bitmask(entries.scoped(), flags, bits, _doc(entries))
+        raise Malformed(f"{data.place} has no flags, or two at the same position")
+    return Bitmask(data.scoped(), flags, bits, _doc(data))
 
 
-def _bitset(entries: Entries) -> Bitset:
-    bits = entries.whole("bit_size", 1, 64)
+def _bitset(data: JsonObject) -> Bitset:
+    bits = data.whole("bit_size", 1, 64)
 
-    def field(each: Entries) -> tuple[str, int, int, str]:
+    def field(each: JsonObject) -> tuple[str, int, int, str]:
         name = each.name() if each.has("name") else ""  # without a name: unused bits
         position = each.whole("position", 0, bits - 1)
         kind = each.one_of("type", _WHOLE | {"boolean"})
         return name, position, each.whole("width", 1, bits - position), kind
 
-    fields = entries.list_of("fields", field)
-    base = entries.scoped_or_none("base")
-    return Bitset(entries.scoped(), fields, base, bits, _doc(entries))
+    fields = data.list_of("fields", field)
+    base = data.scoped_or_none("base")
+    return Bitset(data.scoped(), fields, base, bits, _doc(data))
 
 
 _WHOLE = CODES.keys() - {"boolean", "char", "float", "double"}
 
 
-def _union(entries: Entries) -> Union:
-    cases = entries.list_of("cases", _case)
-    entries.distinct("cases", [case.member.name for case in cases])
+def _union(data: JsonObject) -> Union:
+    cases = data.list_of("cases", _case)
+    data.distinct("cases", [case.member.name for case in cases])
     labels = [repr(label) for case in cases for label in case.labels]
     if len(set(labels)) != len(labels) or sum(not case.labels for case in cases) > 1:
-        raise Malformed(f"a value of the discriminator selects two members of {entries.place}")
+        raise Malformed(f"a value of the discriminator selects two members of {data.place}")
     return Union(
-        entries.scoped(),
-        _type(entries, "discriminator"),
+        data.scoped(),
+        _type(data, "discriminator"),
         cases,
-        entries.one_of("extensibility", _EXTENSIBILITY, "final") == "appendable",
-        _fingerprint(entries),
-        _doc(entries),
+        data.one_of("extensibility", _EXTENSIBILITY, "final") == "appendable",
+        _fingerprint(data),
+        _doc(data),
     )
 
 
-def _case(entries: Entries) -> Case:
-    member = entries.inner("member")
+def _case(data: JsonObject) -> Case:
+    member = data.inner("member")
     if member is None:
-        raise Malformed(f"{entries.place} has no 'member'")
-    labels = entries.raw("labels") or []
+        raise Malformed(f"{data.place} has no 'member'")
+    labels = data.raw("labels") or []
     if type(labels) is not list or any(type(each) not in (bool, int, str) for each in labels):
-        raise Malformed(f"'labels' of {entries.place} is not a list of values")
-    is_default = entries.flag("default")
+        raise Malformed(f"'labels' of {data.place} is not a list of values")
+    is_default = data.flag("default")
     if not (labels or is_default):
-        raise Malformed(f"{entries.place} has no label")
+        raise Malformed(f"{data.place} has no label")
     return Case(() if is_default else tuple(labels), _value(member))
 
 
-def _typedef(entries: Entries) -> Typedef:
-    return Typedef(
-        entries.scoped(), _type(entries, "type"), _limits(entries, "range"), _doc(entries)
-    )
+def _typedef(data: JsonObject) -> Typedef:
+    return Typedef(data.scoped(), _type(data, "type"), _limits(data, "range"), _doc(data))
 
 
-_DECLARATIONS: dict[str, Callable[[Entries], Declaration]] = {
+_DECLARATIONS: dict[str, Callable[[JsonObject], Declaration]] = {
     "struct": _struct,
     "exception": _struct,
     "enum": _enumeration,
@@ -205,70 +201,70 @@ _DECLARATIONS: dict[str, Callable[[Entries], Declaration]] = {
 # -- values ----------------------------------------------------------------------------------------
 
 
-def _value(entries: Entries) -> Value:
+def _value(data: JsonObject) -> Value:
     """A member of a type, or a parameter."""
     return Value(
-        name=entries.name(),
-        type=entries.text("type"),
-        use=_type(entries, "type"),
-        direction=entries.one_of("direction", ("in", "out", "inout"), "in"),
-        unit=entries.text("unit", ""),
-        limits=_limits(entries, "range"),
-        default=_literal(entries, "default"),
-        optional=entries.flag("optional"),
-        secret=entries.flag("secret"),
-        doc=_doc(entries),
+        name=data.name(),
+        type=data.text("type"),
+        use=_type(data, "type"),
+        direction=data.one_of("direction", ("in", "out", "inout"), "in"),
+        unit=data.text("unit", ""),
+        limits=_limits(data, "range"),
+        default=_literal(data, "default"),
+        optional=data.flag("optional"),
+        secret=data.flag("secret"),
+        doc=_doc(data),
     )
 
 
-def _result(entries: Entries, name: str, key: str, prefix: str) -> Value:
+def _result(data: JsonObject, name: str, key: str, prefix: str) -> Value:
     """The result of an operation, or the value of an attribute."""
     return Value(
         name=name,
-        type=entries.text(key),
-        use=_type(entries, key),
+        type=data.text(key),
+        use=_type(data, key),
         direction="out",
-        unit=entries.text(f"{prefix}unit", ""),
-        limits=_limits(entries, f"{prefix}range"),
-        optional=entries.flag(f"{prefix}optional"),
-        secret=entries.flag(f"{prefix}secret"),
+        unit=data.text(f"{prefix}unit", ""),
+        limits=_limits(data, f"{prefix}range"),
+        optional=data.flag(f"{prefix}optional"),
+        secret=data.flag(f"{prefix}secret"),
     )
 
 
-def _type(entries: Entries, key: str) -> Type:
+def _type(data: JsonObject, key: str) -> Type:
     try:
-        return parse_type(entries.text(key))
+        return parse_type(data.text(key))
     except Malformed:
         raise
     except ValueError as error:
-        raise Malformed(f"'{key}' of {entries.place}: {error}") from None
+        raise Malformed(f"'{key}' of {data.place}: {error}") from None
 
 
-def _limits(entries: Entries, key: str) -> Limits | None:
-    found = entries.inner(key)
+def _limits(data: JsonObject, key: str) -> Limits | None:
+    found = data.inner(key)
     return None if found is None else Limits(found.number("min"), found.number("max"))
 
 
-def _literal(entries: Entries, key: str) -> Any:
-    value = entries.raw(key)
+def _literal(data: JsonObject, key: str) -> Any:
+    value = data.raw(key)
     if value is not None and type(value) not in (bool, int, float, str):
-        raise Malformed(f"'{key}' of {entries.place} is not a number, boolean or text")
+        raise Malformed(f"'{key}' of {data.place} is not a number, boolean or text")
     return value
 
 
-def _fingerprint(entries: Entries) -> int:
-    wire = entries.inner("wire")
+def _fingerprint(data: JsonObject) -> int:
+    wire = data.inner("wire")
     if wire is None:
-        raise Malformed(f"{entries.place} has no 'wire'")
+        raise Malformed(f"{data.place} has no 'wire'")
     return wire.hash("fingerprint")
 
 
-def _doc(entries: Entries) -> str:
-    lines = [entries.text("doc")] if entries.has("doc") else []
-    if entries.has("since"):
-        lines.append(f"Since {entries.text('since')}.")
-    if entries.has("deprecated"):
-        why = entries.raw("deprecated")
+def _doc(data: JsonObject) -> str:
+    lines = [data.text("doc")] if data.has("doc") else []
+    if data.has("since"):
+        lines.append(f"Since {data.text('since')}.")
+    if data.has("deprecated"):
+        why = data.raw("deprecated")
         lines.append(f"Deprecated: {why}" if isinstance(why, str) and why else "Deprecated.")
     return "\n".join(lines)
 
@@ -276,63 +272,63 @@ def _doc(entries: Entries) -> str:
 # -- interfaces ------------------------------------------------------------------------------------
 
 
-def _interface(entries: Entries) -> Interface:
-    name = entries.scoped()
-    entries.place = f"interface {name}"
-    members = entries.list_of("members", lambda each: _member(each, name))
-    entries.distinct("members", [each.name for each in members])
+def _interface(data: JsonObject) -> Interface:
+    name = data.scoped()
+    data.place = f"interface {name}"
+    members = data.list_of("members", lambda each: _member(each, name))
+    data.distinct("members", [each.name for each in members])
     return Interface(
         name=name,
-        version=entries.text("version", ""),
-        doc=_doc(entries),
-        bases=entries.scoped_names("bases"),
+        version=data.text("version", ""),
+        doc=_doc(data),
+        bases=data.scoped_names("bases"),
         members=members,
-        quality=_quality(entries),
-        hash=entries.hash("hash"),
+        quality=_quality(data),
+        hash=data.hash("hash"),
     )
 
 
-def _member(entries: Entries, interface: str) -> Member:
-    entries.place = f"{interface}::{entries.name()}"
-    kind = entries.one_of("kind", ("operation", "event", "attribute"))
-    return _attribute(entries, interface) if kind == "attribute" else _operation(entries, interface)
+def _member(data: JsonObject, interface: str) -> Member:
+    data.place = f"{interface}::{data.name()}"
+    kind = data.one_of("kind", ("operation", "event", "attribute"))
+    return _attribute(data, interface) if kind == "attribute" else _operation(data, interface)
 
 
-def _operation(entries: Entries, interface: str) -> Operation:
-    parameters = entries.list_of("parameters", _value)
-    entries.distinct("parameters", [each.name for each in parameters])
+def _operation(data: JsonObject, interface: str) -> Operation:
+    parameters = data.list_of("parameters", _value)
+    data.distinct("parameters", [each.name for each in parameters])
     result = None
-    if entries.has("result"):
+    if data.has("result"):
         name, taken = "result", {each.name for each in parameters if each.direction != "in"}
         while name in taken:
             name += "_"
-        result = _result(entries, name, "result", "result_")
+        result = _result(data, name, "result", "result_")
     return Operation(
-        kind=entries.text("kind"),
-        name=entries.name(),
+        kind=data.text("kind"),
+        name=data.name(),
         interface=interface,
-        doc=_doc(entries),
+        doc=_doc(data),
         parameters=parameters,
         result=result,
-        feedback=entries.scoped_or_none("feedback"),
-        raises=entries.scoped_names("raises"),
-        access=_access(entries, "access", "actor"),
-        safety=entries.flag("safety"),
-        presence=entries.flag("needs_presence", True),
-        idempotent=entries.flag("idempotent"),
-        cancelable=entries.flag("cancelable"),
-        parallel=entries.flag("parallel"),
-        ordered=entries.flag("ordered"),
-        on_new=_ON_NEW[entries.one_of("on_new", _ON_NEW, "queue")],
-        on_loss=_ON_LOSS[entries.one_of("on_loss", _ON_LOSS, "stop")],
-        quality=_quality(entries),
-        code=entries.whole("code", 0, _MAX_CODE),
-        hash=entries.hash("hash"),
+        feedback=data.scoped_or_none("feedback"),
+        raises=data.scoped_names("raises"),
+        access=_access(data, "access", "actor"),
+        safety=data.flag("safety"),
+        presence=data.flag("needs_presence", True),
+        idempotent=data.flag("idempotent"),
+        cancelable=data.flag("cancelable"),
+        parallel=data.flag("parallel"),
+        ordered=data.flag("ordered"),
+        on_new=_ON_NEW[data.one_of("on_new", _ON_NEW, "queue")],
+        on_loss=_ON_LOSS[data.one_of("on_loss", _ON_LOSS, "stop")],
+        quality=_quality(data),
+        code=data.whole("code", 0, _MAX_CODE),
+        hash=data.hash("hash"),
     )
 
 
-def _attribute(entries: Entries, interface: str) -> Attribute:
-    declared = entries.inner("stream")
+def _attribute(data: JsonObject, interface: str) -> Attribute:
+    declared = data.inner("stream")
     stream = None
     if declared is not None:
         stream = AttributeStream(
@@ -340,38 +336,38 @@ def _attribute(entries: Entries, interface: str) -> Attribute:
             float(declared.number("rate_hz") or 0.0),
             declared.whole("largest", 0, _MAX_NS, 0),
         )
-    readonly = entries.flag("readonly")
+    readonly = data.flag("readonly")
     inward = stream is not None and stream.direction == "in"
-    codes = entries.inner("codes") or Entries({}, f"'codes' of {entries.place}")
+    codes = data.inner("codes") or JsonObject({}, f"'codes' of {data.place}")
     return Attribute(
-        name=entries.name(),
+        name=data.name(),
         interface=interface,
-        result=_result(entries, "value", "type", ""),
-        doc=_doc(entries),
+        result=_result(data, "value", "type", ""),
+        doc=_doc(data),
         readonly=readonly,
         stream=stream,
-        access=_access(entries, "read_access", "sensor"),
-        write_access=_access(entries, "write_access", "actor"),
-        write_presence=entries.flag("write_needs_presence", True),
-        idempotent=entries.flag("idempotent"),
-        parallel=entries.flag("parallel"),
-        on_new=_ON_NEW[entries.one_of("on_new", _ON_NEW, "queue")],
-        on_loss=_ON_LOSS[entries.one_of("on_loss", _ON_LOSS, "stop")],
-        raises=entries.scoped_names("get_raises"),
-        set_raises=entries.scoped_names("set_raises"),
-        quality=_quality(entries),
+        access=_access(data, "read_access", "sensor"),
+        write_access=_access(data, "write_access", "actor"),
+        write_presence=data.flag("write_needs_presence", True),
+        idempotent=data.flag("idempotent"),
+        parallel=data.flag("parallel"),
+        on_new=_ON_NEW[data.one_of("on_new", _ON_NEW, "queue")],
+        on_loss=_ON_LOSS[data.one_of("on_loss", _ON_LOSS, "stop")],
+        raises=data.scoped_names("get_raises"),
+        set_raises=data.scoped_names("set_raises"),
+        quality=_quality(data),
         code=0 if inward else codes.whole("get", 0, _MAX_CODE),
         set_code=0 if readonly or inward else codes.whole("set", 0, _MAX_CODE),
-        hash=entries.hash("hash"),
+        hash=data.hash("hash"),
     )
 
 
-def _access(entries: Entries, key: str, otherwise: str) -> Access:
-    return _ACCESS[entries.one_of(key, _ACCESS, otherwise)]
+def _access(data: JsonObject, key: str, otherwise: str) -> Access:
+    return _ACCESS[data.one_of(key, _ACCESS, otherwise)]
 
 
-def _quality(entries: Entries) -> Quality:
-    qos = entries.inner("qos")
+def _quality(data: JsonObject) -> Quality:
+    qos = data.inner("qos")
     if qos is None:
         return Quality()
     media = Media(0)

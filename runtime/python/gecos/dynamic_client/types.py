@@ -11,7 +11,7 @@ from dataclasses import field, make_dataclass
 from enum import IntEnum, IntFlag
 from typing import Any
 
-from gecos.dynamic_client.entries import Malformed
+from gecos.dynamic_client.json_object import Malformed
 from gecos.dynamic_client.model import (
     Bitmask,
     Bitset,

@@ -1,4 +1,4 @@
-"""Checked access to the entries of JSON that comes from another program."""
+"""Checked access to the entries of JSON objects that comes from another program."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ class Malformed(ValueError):
     """An entry is missing or wrong; the text names its place."""
 
 
-def parse_object(text: str, place: str) -> Entries:
+def parse_object(text: str, place: str) -> JsonObject:
     try:
         data = json.loads(text, object_pairs_hook=_once, parse_constant=_refuse)
     except (ValueError, RecursionError) as error:  # ValueError: not JSON, or a number too long
         raise Malformed(f"{place} is not JSON: {str(error)[:200]}") from None
-    return Entries(data, place)
+    return JsonObject(data, place)
 
 
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -38,7 +38,7 @@ def _refuse(constant: str) -> Any:
     raise ValueError(f"{constant} is not a number of JSON")
 
 
-class Entries:
+class JsonObject:
     """A JSON object. Each method reads one entry, and raises `Malformed` if it is of another type,
     or missing without an `otherwise`."""
 
@@ -111,16 +111,16 @@ class Entries:
             raise Malformed(f"'{key}' of {self.place} is none of {', '.join(known)}")
         return value
 
-    def inner(self, key: str) -> Entries | None:
+    def inner(self, key: str) -> JsonObject | None:
         if key not in self._data:
             return None
-        return Entries(self._data[key], f"'{key}' of {self.place}")
+        return JsonObject(self._data[key], f"'{key}' of {self.place}")
 
-    def list_of(self, key: str, read: Callable[[Entries], T]) -> tuple[T, ...]:
+    def list_of(self, key: str, read: Callable[[JsonObject], T]) -> tuple[T, ...]:
         """The elements of a list of objects; empty if the entry is missing."""
         found: list[Any] = self._typed(key, "a list", (list,), [])
         named = f"'{key}' of {self.place}"
-        return tuple(read(Entries(each, f"{named}[{i}]")) for i, each in enumerate(found))
+        return tuple(read(JsonObject(each, f"{named}[{i}]")) for i, each in enumerate(found))
 
     def scoped_names(self, key: str) -> tuple[str, ...]:
         found: list[Any] = self._typed(key, "a list", (list,), [])
