@@ -32,7 +32,7 @@ def _gidl(*names: str) -> str:
 _FOUNDATION = ("source", "diagnostics")
 _MODEL = ("model", "policy")
 _WORDS = ("keywords", "places", "file_names", "standard_modules")
-_TEXT = (*_WORDS, "lexer", "preprocess", "docs_text", "token_reader", "syntax")
+_TEXT = (*_WORDS, "lexer", "conditions", "preprocess", "docs_text", "token_reader", "syntax")
 _PARSER = ("parser", r"\w+_parser")
 _LAYOUT = (
     "wire_layout",

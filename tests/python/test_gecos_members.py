@@ -196,7 +196,7 @@ def test_a_value_out_of_range_is_refused_before_it_is_sent(arm: Arm, run: Run) -
         (("call", "ARM", "fly"), "has no operation 'fly'; it has mount, move"),
         (("watch", "ARM", "tol"), "has no attribute 'tol'; did you mean tool?"),
         (("hz", "ARM", "posture"), "has no stream 'posture'; it has tool, flange"),
-        (("call", "ARM", "move", "{"), "not a JSON object: Expecting property name"),
+        (("call", "ARM", "move", "{"), "not JSON: Expecting property name"),
         (("call", "ARM", "move", "fast"), "'fast' is neither a JSON object nor PARAMETER=VALUE"),
         (("call", "ARM", "move"), "move() needs its parameter goal"),
         (("call", "ARM", "move", "gaol={}"), "move() has no parameter gaol"),
@@ -294,6 +294,36 @@ def test_describe_shows_members_with_units_ranges_and_access(arm: Arm, run: Run)
         "robcl::Device",
         "robcl::Manipulator",
     }
+
+
+def test_describe_shows_the_members_and_enumerators_of_types(arm: Arm, run: Run) -> None:
+    _, out, _ = run("describe", "ARM")
+    assert "  robcl::PathType: STRAIGHT, JOINT\n" in out
+    assert "  robcl::Vector: x: double [m], y: double [m], z: double [m]\n" in out
+    assert "  robcl::Trajectory: speed: double [0.01 to 1.0] = 1.0, " in out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("call", "ARM", "move", '{"goal": {}, "goal": {}}'), "the member occurs twice"),
+        (("call", "ARM", "move", '{"goal": {"position": {"x": 1e999}}}'), "beyond what a number"),
+        (("call", "ARM", "move", 'goal={"position": {"x": NaN}}'), "not JSON: NaN"),
+        (("call", "ARM", "move", "goal=" + 3000 * "[" + 3000 * "]"), "nested deeper than 100"),
+        (
+            ("set", "ARM", "tool_offset", '{"position": {"x": 1' + 400 * "0" + "}}"),
+            "is beyond what a",
+        ),
+        (("watch", "ARM", "posture", "--every", "inf"), "inf is not from 0.01 to 1e+06"),
+        (("hz", "ARM", "tool", "--window", "nan"), "nan is not from 0.1 to 1e+06"),
+        (("wait", "ARM", "--timeout", "nan"), "nan is not from 0 to 1e+06"),
+    ],
+)
+def test_odd_values_exit_with_2(arm: Arm, run: Run, words: tuple[str, ...], said: str) -> None:
+    code, out, err = run(*words)
+    assert (code, out) == (2, "")
+    assert said in err
+    assert not arm.moving.is_set()
 
 
 def test_stop_stops_all(arm: Arm, run: Run) -> None:

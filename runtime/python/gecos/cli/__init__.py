@@ -5,6 +5,9 @@ from __future__ import annotations
 
 def main() -> int:
     """Runs the command line. `gecos.cli.exit_codes` explains the exit codes."""
-    from gecos.cli.app import run
+    try:
+        from gecos.cli.app import run
 
-    return run()
+        return run()
+    except KeyboardInterrupt:  # before `run` handles it
+        return 130

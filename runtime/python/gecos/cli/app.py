@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import sys
 import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import click
 
-from gecos.cli import members, report
+from gecos.cli import members
 from gecos.cli.exit_codes import ExitCode, exit_code, failure_json
 from gecos.cli.options import (
+    Number,
     broker_option,
     json_option,
     name_argument,
@@ -73,6 +73,8 @@ def list_objects(broker: str | None, as_json: bool) -> None:
     if as_json:
         print_json([plain(entry) for entry in found])
     else:
+        from gecos.cli import report
+
         report.objects(found)
 
 
@@ -94,6 +96,8 @@ def describe(name: str, broker: str | None, as_json: bool) -> None:
     if as_json:
         print_json(plain(state) | {"models": [json.loads(text) for text in models]})
         return
+    from gecos.cli import report
+
     report.description(state)
     if model is not None:
         report.members(model)
@@ -113,6 +117,8 @@ def holders(name: str, broker: str | None, as_json: bool) -> None:
     if as_json:
         print_json([plain(holder) for holder in found])
     else:
+        from gecos.cli import report
+
         report.holders(name, found)
 
 
@@ -123,11 +129,13 @@ def holders(name: str, broker: str | None, as_json: bool) -> None:
 @json_option
 def stop(names: tuple[str, ...], everything: bool, broker: str | None, as_json: bool) -> None:
     """Stops objects for all clients: ends all leases, drops the queues, interrupts handlers."""
+    from concurrent.futures import ThreadPoolExecutor
+
     import gecos
     from gecos.dynamic_client.connect import entries, find
 
     if bool(names) == everything:
-        raise click.UsageError("name the objects to stop, or give --all")
+        raise click.UsageError("give either the names of the objects to stop, or --all")
     with gecos.Lab(broker) as lab:
         wanted = [entry.name for entry in entries(lab)] if everything else list(names)
 
@@ -155,7 +163,7 @@ def stop(names: tuple[str, ...], everything: bool, broker: str | None, as_json: 
 
 @app.command()
 @name_argument
-@click.option("--timeout", type=click.FloatRange(min=0), help="Seconds; the default is no limit.")
+@click.option("--timeout", type=Number(), help="Seconds; the default is no limit.")
 @broker_option
 @json_option
 def wait(name: str, timeout: float | None, broker: str | None, as_json: bool) -> None:
@@ -170,9 +178,8 @@ def wait(name: str, timeout: float | None, broker: str | None, as_json: bool) ->
             try:
                 found = find(lab, name, patience=min(_PATIENCE, left))
                 break
-            except gecos.CreateError as error:
-                missing = {a.detail for a in error.attempts} == {gecos.Detail.NO_SERVER}
-                if not missing or time.monotonic() >= end:
+            except (gecos.CreateError, gecos.ConnectionFailed) as error:
+                if exit_code(error) is ExitCode.NO_ACCESS or time.monotonic() >= end:
                     raise
                 time.sleep(_BETWEEN)
     if as_json:
@@ -184,6 +191,8 @@ def wait(name: str, timeout: float | None, broker: str | None, as_json: bool) ->
 @app.command()
 def schema() -> None:
     """Prints the JSON Schema of what `--json` prints: a definition for each verb."""
+    from pathlib import Path
+
     print((Path(__file__).parent / "output.schema.json").read_text(encoding="utf-8"), end="")
 
 
@@ -236,8 +245,12 @@ def _tell(error: Exception) -> None:
     words = sys.argv[1:]
     options = words[: words.index("--")] if "--" in words else words
     if "--json" in options:
-        print_json(failure_json(error))
-    elif isinstance(error, click.ClickException):
+        with contextlib.suppress(OSError):  # else standard output is full
+            print_json(failure_json(error))
+            return
+    if isinstance(error, click.ClickException):
         error.show()
     elif not isinstance(error, click.Abort):
-        print(f"gecos: {report.printable(str(error))}", file=sys.stderr)
+        from gecos.cli.report import printable
+
+        print(f"gecos: {printable(str(error))}", file=sys.stderr)

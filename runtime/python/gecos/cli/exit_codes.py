@@ -21,7 +21,7 @@ from gecos.errors import (
     LeaseRefused,
     State,
 )
-from gecos.wire import EncodeError
+from gecos.wire import EncodeError, JsonError
 
 
 class ExitCode(IntEnum):
@@ -51,7 +51,7 @@ def exit_code(error: BaseException) -> ExitCode:
         return ExitCode.COMMAND_FAILED
     if isinstance(error, ConnectionError):
         return ExitCode.CONNECTION_FAILED
-    if isinstance(error, click.ClickException | EncodeError | UsageFailure):
+    if isinstance(error, click.ClickException | EncodeError | JsonError | UsageFailure):
         return ExitCode.USAGE
     return ExitCode.ENVIRONMENT
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import time
 from collections.abc import Iterator
@@ -11,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gecos.cli import report
 from gecos.cli.exit_codes import UsageFailure
 from gecos.cli.options import (
+    Number,
     broker_option,
     json_option,
     members,
@@ -32,9 +31,7 @@ if TYPE_CHECKING:
 password_option = click.option(
     "--password", default="", help="Share the status of clients that give the same password."
 )
-timeout_option = click.option(
-    "--timeout", type=click.FloatRange(min=0), help="Seconds; the default is no limit."
-)
+timeout_option = click.option("--timeout", type=Number(), help="Seconds; the default is no limit.")
 attribute_argument = click.argument(
     "attribute", shell_complete=members(lambda m: m.kind == "attribute" and m.offered)
 )
@@ -96,6 +93,8 @@ def get(name: str, attribute: str, password: str, broker: str | None, as_json: b
     if as_json:
         print_json({"name": name, "attribute": attribute, "value": value, "unit": unit})
     else:
+        from gecos.cli import report
+
         report.value(value, unit)
 
 
@@ -164,19 +163,21 @@ def call(
     if as_json:
         print_json({"name": name, "operation": operation, "state": "FINISHED", "result": value})
     elif called.outputs:
+        from gecos.cli import report
+
         report.value(value, called.outputs[0].unit if len(called.outputs) == 1 else "")
     else:
         print(f"{name}.{operation}: FINISHED")
 
 
 def _arguments(words: tuple[str, ...]) -> dict[str, Any]:
+    from gecos.wire import json as gecos_json
+
     if len(words) == 1 and words[0].lstrip().startswith("{"):
         try:
-            given: dict[str, Any] = json.loads(words[0])
-        except ValueError as error:
-            raise click.BadParameter(
-                f"not a JSON object: {error}: {words[0]}", param_hint="arguments"
-            ) from None
+            given: dict[str, Any] = gecos_json.plain(words[0])
+        except gecos_json.JsonError as error:
+            raise UsageFailure(f"arguments: {error}") from None
         return given
     found: dict[str, Any] = {}
     for word in words:
@@ -235,7 +236,7 @@ def _ended_within(
 @click.option("--count", type=click.IntRange(min=1), help="End after so many values.")
 @click.option(
     "--every",
-    type=click.FloatRange(min=0.01),
+    type=Number(0.01),
     default=1.0,
     show_default=True,
     help="Seconds between two readings of an attribute that is not a stream.",
@@ -256,6 +257,7 @@ def watch(
 
     On a terminal the newest value is drawn in place; into a pipe, each value is a line.
     """
+    from gecos.cli import report
     from gecos.dynamic_client import by_name
 
     with ExitStack() as opened:
@@ -309,7 +311,7 @@ def _sample_json(sample: Sample[Any]) -> dict[str, Any]:
 @click.option("--count", type=click.IntRange(min=1), help="End after so many lines.")
 @click.option(
     "--window",
-    type=click.FloatRange(min=0.1),
+    type=Number(0.1),
     default=1.0,
     show_default=True,
     help="Seconds that each line counts.",
@@ -332,6 +334,8 @@ def hz(
             if as_json:
                 print_json(line)
             else:
+                from gecos.cli import report
+
                 report.rate(line)
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable
 from typing import Any
 
 import click
 from click.shell_completion import CompletionItem
 
+_MOST = 1e6  # s
 _MOMENT = 0.5  # s that a completion waits for a broker and for a server
 
 
@@ -75,8 +77,31 @@ def plain(value: Any) -> Any:
 
 
 def value_of(text: str) -> Any:
-    """A value on the command line: JSON, else the text itself, as the name of an enumerator."""
+    """A value on the command line: JSON, else the text itself, as the name of an enumerator.
+    Raises JsonError for JSON that says one thing twice, or is beyond what a value can be."""
+    from gecos.wire import json as gecos_json
+
     try:
-        return json.loads(text)
-    except ValueError:
+        return gecos_json.plain(text)
+    except gecos_json.NotJsonError:
         return text
+
+
+class Number(click.ParamType):
+    """A finite number from `least` on."""
+
+    name = "number"
+
+    def __init__(self, least: float = 0.0) -> None:
+        self.least = least
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, context: click.Context | None
+    ) -> float:
+        try:
+            number = float(value)
+        except ValueError:
+            self.fail(f"{value!r} is not a number", param, context)
+        if not (math.isfinite(number) and self.least <= number <= _MOST):
+            self.fail(f"{value} is not from {self.least:g} to {_MOST:g}", param, context)
+        return number

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from shutil import get_terminal_size
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from gecos_idl.object_types import Description, Holder, RunningHandler
 
     from gecos.dynamic_client import Attribute, Member, Model, Operation, Value
+    from gecos.dynamic_client.model import Declaration
 
 
 def objects(entries: Sequence[Entry]) -> None:
@@ -88,7 +89,8 @@ def holders(name: str, who: Sequence[Holder]) -> None:
 
 
 def members(model: Model) -> None:
-    """The attributes and operations of an interface, with units, ranges and access."""
+    """The attributes, operations and types of an interface, with units, ranges and access."""
+
     from gecos.dynamic_client import Attribute
 
     shown = list(dict.fromkeys(model.members))
@@ -107,6 +109,36 @@ def members(model: Model) -> None:
         gives = f" -> {outputs}" if outputs else ""
         print(f"  {operation.name}({inputs}){gives}{_how_called(operation)}")
         _doc(operation)
+
+    _types(model)
+
+
+def _types(model: Model) -> None:
+    """The members, enumerators, flags and arms of the types that the interface uses."""
+    shown = [(name, list(_parts(model, declared))) for name, declared in model.types.items()]
+    if shown:
+        print("\ntypes")
+    for name, parts in shown:
+        print(f"  {name}: {', '.join(parts)}")
+
+
+def _parts(model: Model, declared: Declaration) -> Iterator[str]:
+    from gecos.dynamic_client.model import Bitmask, Bitset, Enumeration, Struct, Typedef, Union
+
+    match declared:
+        case Struct():
+            for member in model.all_members(declared):
+                yield f"{member.name}: {_typed(member)}{_default(member)}"
+        case Enumeration(enumerators=named) | Bitmask(flags=named):
+            yield from (name for name, _ in named)
+        case Bitset():
+            for name, _, width, _ in model.all_fields(declared):
+                yield f"{name}: {width} bits"
+        case Union(cases=cases):
+            for case in cases:
+                yield f"{case.member.name}: {_typed(case.member)}"
+        case Typedef(use=use, limits=limits):
+            yield str(use) + ("" if limits is None else f" [{limits}]")
 
 
 def _doc(member: Member) -> None:
@@ -183,7 +215,7 @@ class Samples:
 
     def __init__(self, as_json: bool) -> None:
         self._as_json = as_json
-        self._in_place = sys.stdout.isatty() and not as_json
+        self._in_place = sys.stdout is not None and sys.stdout.isatty() and not as_json
         self._lines = 0
 
     def __enter__(self) -> Self:

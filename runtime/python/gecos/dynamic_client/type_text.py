@@ -34,6 +34,17 @@ class Type:
     bound: int | None = None  # largest size of a string, sequence or map
     sizes: tuple[int, ...] = ()  # dimensions of an array
 
+    def __str__(self) -> str:
+        """The type as in .gidl, without the units of elements."""
+        inner = [str(each) for each in self.inner]
+        if self.kind == "array":
+            return inner[0] + "".join(f"[{size}]" for size in self.sizes)
+        bound = [] if self.bound is None else [str(self.bound)]
+        if self.kind in ("string", "sequence", "map"):
+            terms = ", ".join(inner + bound)
+            return f"{self.kind}<{terms}>" if terms else self.kind
+        return self.name
+
     def named(self) -> set[str]:
         """Names of all declarations in the text of the type."""
         own = {self.name} if self.kind == "named" else set()

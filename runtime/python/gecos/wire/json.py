@@ -15,22 +15,37 @@ from gecos.wire.contents import Contents, to_bytes
 from gecos.wire.errors import EncodeError, JsonError
 from gecos.wire.kinds import kind_of
 
-__all__ = ["JsonError", "dumps", "loads"]
+__all__ = ["JsonError", "NotJsonError", "dumps", "loads", "plain"]
 
 _ContentsT = TypeVar("_ContentsT", bound=Contents)
 MAX_DEPTH = 100
 _LONGEST_DOUBLE = 308  # greatest number of digits; a longer number may exceed the range of a double
 
 
+class NotJsonError(JsonError):
+    """The text is not JSON at all."""
+
+
 def dumps(value: Contents, indent: int | None = None) -> str:
-    plain = kind_of(type(value)).plain(value)
-    return json.dumps(plain, indent=indent, ensure_ascii=False, allow_nan=False)
+    data = kind_of(type(value)).plain(value)
+    return json.dumps(data, indent=indent, ensure_ascii=False, allow_nan=False)
 
 
 def loads(kind: type[_ContentsT], text: str | bytes) -> _ContentsT:
     """Reads a value from JSON. Omitted members get their default values. Raises JsonError, which
     names the member, also for a value that cannot be encoded: a number out of range, a text too
     long."""
+    value: _ContentsT = kind_of(kind).made(plain(text), "")
+    try:
+        to_bytes(value)
+    except EncodeError as error:
+        raise JsonError(error.field, error.why) from None
+    return value
+
+
+def plain(text: str | bytes) -> Any:
+    """Reads JSON as plain data. Raises JsonError for a member that occurs twice, for a number that
+    no double can be, and for a text that is nested too deep."""
     try:
         data = json.loads(
             text,
@@ -40,17 +55,12 @@ def loads(kind: type[_ContentsT], text: str | bytes) -> _ContentsT:
             object_pairs_hook=_once,
         )
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise JsonError("", f"not JSON: {error}") from None
+        raise NotJsonError("", f"not JSON: {error}") from None
     except RecursionError:
         raise JsonError("", f"nested deeper than {MAX_DEPTH}") from None
     if _is_deeper(data, MAX_DEPTH):
         raise JsonError("", f"nested deeper than {MAX_DEPTH}")
-    value: _ContentsT = kind_of(kind).made(data, "")
-    try:
-        to_bytes(value)
-    except EncodeError as error:
-        raise JsonError(error.field, error.why) from None
-    return value
+    return data
 
 
 def _refuse(constant: str) -> Any:

@@ -8,6 +8,7 @@ extension does not support the kind.
 from __future__ import annotations
 
 import math
+import struct
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from enum import IntEnum, IntFlag
@@ -117,8 +118,8 @@ class Number(Kind):
         try:
             WRITERS[self.code].pack(data)
             return float(data)
-        except OverflowError:
-            raise JsonError(path, f"{data} is not {CODE_MEANING[self.code]}") from None
+        except (OverflowError, struct.error):  # the latter for a whole number of 309 digits
+            raise JsonError(path, f"{str(data)[:40]} is not {CODE_MEANING[self.code]}") from None
 
 
 def limits_of(code: str) -> tuple[int, int]:
