@@ -14,6 +14,8 @@ from gecos.dynamic_client import DynamicObject, ModelError, description_of, prox
 from gecos.dynamic_client import names as dynamic_names
 from gecos.interface import Method
 from gecos.wire import Decoder, EncodeError, to_bytes
+from gidl.languages import PYTHON_WORDS
+from gidl.type_names import escaped
 from robcl.frames import Frame
 from robcl.laser_distance_sensor import Distance, LaserDistanceSensorServant, SensorFault
 from served_models import load, names, served
@@ -76,8 +78,8 @@ def sensor_class() -> type[DynamicObject]:
 def test_a_call_gives_plain_data(lab: gecos.Lab, server: gecos.Server) -> None:
     server.add("LASER", Lds(), simulated=True)
     sensor: Any = lab.create(sensor_class(), "LASER")
-    expected = {"value": 0.25, "in_range": True, "minimum": 0.1, "maximum": 1.0, "stamp": 100.0}
-    assert list(sensor.measure().result().values()) == list(expected.values())
+    expected = {"value": 0.25, "valid": True, "lower": 0.1, "upper": 1.0, "stamp": 100.0}
+    assert sensor.measure().result() == expected
     with gecos.actor(sensor):
         sensor.mount("RX90", offset=GOAL).result()
         sensor.power(False).result()
@@ -211,17 +213,28 @@ def test_docstrings_are_those_of_generated_code() -> None:
         assert next(words) == next(words)
 
 
-def test_names_are_escaped_as_in_generated_code() -> None:
-    for here, there in (
-        ("METHOD_WORDS", names.METHOD_WORDS),
-        ("STRUCT_WORDS", names.STRUCT_WORDS),
-        ("EXCEPTION_WORDS", names.EXCEPTION_WORDS),
-        ("ENUM_WORDS", names.ENUM_WORDS),
-    ):
-        assert getattr(dynamic_names, here) == there
+WORDS = {
+    "PARAMETER_WORDS": PYTHON_WORDS,
+    "METHOD_WORDS": names.METHOD_WORDS,
+    "STRUCT_WORDS": names.STRUCT_WORDS,
+    "BITSET_WORDS": names.STRUCT_WORDS | {"pack", "unpack"},  # as gidl.targets.python.values.file
+    "EXCEPTION_WORDS": names.EXCEPTION_WORDS,
+    "ENUM_WORDS": names.ENUM_WORDS,
+}
 
 
-def test_numpy_is_not_imported() -> None:
+@pytest.mark.parametrize("words", sorted(WORDS))
+def test_names_are_escaped_as_in_generated_code(words: str) -> None:
+    reserved = WORDS[words]
+    assert getattr(dynamic_names, words) == reserved
+    reserved |= {"held_"}
+    for plain in (*reserved, "held", "width", "class_of"):
+        for name in (plain, f"{plain}_", f"{plain}__"):
+            assert dynamic_names.escaped(name, reserved) == escaped(name, reserved)
+            assert dynamic_names.member_name(name, reserved) == names.member_name(name, reserved)
+
+
+def test_slow_modules_are_not_imported() -> None:
     name = "robcl::Rx90"
     code = (
         "import json, sys; from gecos.dynamic_client import proxy_class;"
@@ -231,7 +244,7 @@ def test_numpy_is_not_imported() -> None:
         "types = Types(kind._gecos_model);"
         "joints = next(m for m in kind._gecos_model.members if m.name == 'joints');"
         "made = kind_of(types.step(joints.result)).made({}, '');"
-        "assert not {'numpy', 'typer', 'asyncio', 'gidl'} & sys.modules.keys()"
+        "assert not {'numpy', 'click', 'rich', 'asyncio', 'gidl'} & sys.modules.keys()"
     )
     subprocess.run(
         [sys.executable, "-c", code],
@@ -240,6 +253,15 @@ def test_numpy_is_not_imported() -> None:
         input=json.dumps(texts(name)),
         text=True,
     )
+
+
+def test_the_errors_of_dynamic_are_found_in_the_package() -> None:
+    assert gecos.ModelError is ModelError
+    assert "ModelError" in dir(gecos)
+    told = gecos.Lab.dynamic.__doc__ or ""
+    for name in ("CreateError", "ModelError", "CommandFailed", "ConnectionFailed"):
+        assert name in told
+        assert hasattr(gecos, name)
 
 
 # -- malformed models ------------------------------------------------------------------------------
