@@ -290,6 +290,24 @@ def struct(name: str, *members: str, **more: Any) -> Any:
 
 CHAIN = [struct(f"S{i}", f"S{i + 1}") for i in range(5000)]
 LAUGHS = [struct("S", *["S1"] * 9), *(struct(f"S{i}", *[f"S{i + 1}"] * 9) for i in range(1, 9))]
+EMPTY = struct("E")
+NO_BYTES = "values that take no bytes"
+
+
+def typedef(name: str, type: str) -> Any:
+    return {"kind": "typedef", "name": name, "type": type}
+
+
+def optional(name: str, type: str) -> Any:
+    return struct(name, members=[{"name": "m", "type": type, "optional": True}])
+
+
+def operation(*results: str) -> Any:
+    """An operation that sets one parameter of each type in `results`."""
+    listed = [{"name": f"p{i}", "type": t, "direction": "out"} for i, t in enumerate(results)]
+    return {"kind": "operation", "name": "o", "code": 1, "hash": "0x1", "parameters": listed}
+
+
 LISTS = [struct(f"S{i or ''}", f"sequence<S{i + 1}>") for i in range(5000)]
 
 
@@ -313,6 +331,17 @@ LISTS = [struct(f"S{i or ''}", f"sequence<S{i + 1}>") for i in range(5000)]
         (model_with([*CHAIN, struct("S5000"), struct("S", "S0")]), "64 levels"),
         (model_with([*LISTS, struct("S5000")]), "more than 64 levels of types"),
         (model_with([{"kind": "typedef", "name": "S", "type": "S"}]), "type S contains itself"),
+        (model_with([EMPTY], "E[65537]"), NO_BYTES),
+        (model_with([EMPTY], "E[300][300]"), NO_BYTES),
+        (model_with([EMPTY], "sequence<E[2000000000]>"), NO_BYTES),
+        (model_with([EMPTY], "map<string, E[300000]>"), NO_BYTES),
+        (model_with([EMPTY, typedef("A", "E[3000]")], "A[3000]"), NO_BYTES),
+        (model_with([EMPTY, typedef("A", "E[3000]")], "sequence<A>"), NO_BYTES),
+        (model_with([EMPTY, struct("A", "E[3000]")], "map<string, A[3000]>"), NO_BYTES),
+        (model_with([EMPTY, optional("S", "E[300000]")]), NO_BYTES),
+        (model_with([EMPTY, struct("A", "E[3000]"), optional("S", "A[3000]")]), NO_BYTES),
+        (model_with([EMPTY, typedef("A", "sequence<E>"), struct("S", *["A"] * 65)]), NO_BYTES),
+        (model_with([EMPTY], members=[operation(*["E[65536]"] * 65)]), NO_BYTES),
         (model_with([], "sequence<" * 9000), "nested deeper than 16"),
         (model_with([], "sequence<double"), "'>' is expected"),
         (model_with([], "double x"), "unexpected text after the type"),
@@ -334,6 +363,26 @@ def test_a_malformed_model_is_refused(served_texts: list[str], why: str) -> None
         proxy_class(served_texts, "I")
     assert why in caught.value.why
     assert len(str(caught.value)) < 400
+
+
+@pytest.mark.parametrize(
+    ("types", "used", "reply", "size"),
+    [
+        ([EMPTY], "E[65536]", b"", 65536),
+        ([EMPTY], "sequence<E>", b"\0\1\0\0", 65536),
+        ([EMPTY, struct("A", "E[16]")], "sequence<A, 9>", b"\0\0\0\2", 2),
+        ([struct("S", "sequence<T>"), struct("T", "S[2]")], "S[3]", b"\0" * 12, 3),
+        ([], "double[70000]", b"\0" * 560_000, 70_000),
+    ],
+)
+def test_values_without_bytes_are_limited(
+    types: list[Any], used: str, reply: bytes, size: int
+) -> None:
+    class Proxy(proxy_class(model_with(types, used), "I")):  # type: ignore[misc]
+        def _gecos_call(self, table: Method[Any, Any], arguments: Any) -> Any:
+            return table.result(Decoder(reply))
+
+    assert len(Proxy(None).a()) == size
 
 
 def test_a_changed_model_is_refused_or_makes_a_class() -> None:
