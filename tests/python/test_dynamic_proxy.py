@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from contextlib import suppress
 from random import Random
 from typing import Any
 
@@ -12,8 +13,9 @@ import gecos
 import pytest
 from gecos.dynamic_client import DynamicObject, ModelError, description_of, proxy_class
 from gecos.dynamic_client import names as dynamic_names
+from gecos.dynamic_client.proxy import _Builder
 from gecos.interface import Method
-from gecos.wire import Decoder, EncodeError, to_bytes
+from gecos.wire import DecodeError, Decoder, EncodeError, to_bytes
 from gidl.languages import PYTHON_WORDS
 from gidl.type_names import escaped
 from robcl.frames import Frame
@@ -342,6 +344,11 @@ LISTS = [struct(f"S{i or ''}", f"sequence<S{i + 1}>") for i in range(5000)]
         (model_with([EMPTY, struct("A", "E[3000]"), optional("S", "A[3000]")]), NO_BYTES),
         (model_with([EMPTY, typedef("A", "sequence<E>"), struct("S", *["A"] * 65)]), NO_BYTES),
         (model_with([EMPTY], members=[operation(*["E[65536]"] * 65)]), NO_BYTES),
+        (model_with([], "map<sequence<double>, double>"), "sequence cannot be the key of a map"),
+        (model_with([EMPTY], "map<E, double>"), "E cannot be the key of a map"),
+        (model_with([], "map<double, double>"), "double cannot be the key of a map"),
+        (model_with([typedef("A", "float")], "map<A, string>"), "A cannot be the key of a map"),
+        (model_with([], "map<map<char, char>, double>"), "map cannot be the key of a map"),
         (model_with([], "sequence<" * 9000), "nested deeper than 16"),
         (model_with([], "sequence<double"), "'>' is expected"),
         (model_with([], "double x"), "unexpected text after the type"),
@@ -385,18 +392,40 @@ def test_values_without_bytes_are_limited(
     assert len(Proxy(None).a()) == size
 
 
-def test_a_changed_model_is_refused_or_makes_a_class() -> None:
+def test_a_changed_model_is_refused_or_decodes_any_reply(monkeypatch: pytest.MonkeyPatch) -> None:
+    tables: list[Method[Any, Any]] = []
+    make = _Builder._table
+
+    def kept(*given: Any) -> Any:
+        tables.append(make(*given))
+        return tables[-1]
+
+    monkeypatch.setattr(_Builder, "_table", kept)
     dice = Random(5)
     given = [json.loads(text) for text in texts("everything::Deep")]
-    refused = 0
+    refused = read = 0
     for _ in range(150):
         copy = json.loads(json.dumps(given))
         change(copy, dice)
+        tables.clear()
         try:
             proxy_class([json.dumps(each) for each in copy], "everything::Deep")
         except ModelError:
             refused += 1
+            continue
+        read += sum(decodes(each, dice) for each in tables)
     assert refused > 30
+    assert read > 30
+
+
+def decodes(table: Method[Any, Any], dice: Random) -> bool:
+    """Whether random bytes are a valid reply."""
+    read = False
+    for decode in (table.result, *(each.decode for each in table.raises)):
+        with suppress(DecodeError):
+            decode(Decoder(bytes(dice.choices((0, 0, 0, 0, 1, 2, 97, 255), k=dice.randrange(400)))))
+            read = True
+    return read
 
 
 def change(data: Any, dice: Random) -> None:

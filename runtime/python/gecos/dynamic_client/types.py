@@ -50,6 +50,7 @@ _LARGEST: dict[str, int | float] = {
     "d": 1.7e308,
 }
 """The largest limit of a number of each code, on both sides."""
+_FLOATING = ("float", "double")
 _ZEROS = {"boolean": False, "char": "\0", "float": 0.0, "double": 0.0}
 
 
@@ -107,12 +108,21 @@ class Types:
                     step = layout.fixed_items(step, size)
                 return step
             case "map":
+                self._check_key(use.inner[0])
                 key, value = (self._bare(each, None) for each in use.inner)
                 most = MAX_COUNT if use.bound is None else use.bound
                 return PlainMap(kind_of(key), kind_of(value), most)
             case _:
                 named: layout.Step = self.named(use.name)
                 return named
+
+    def _check_key(self, key: Type) -> None:
+        """The rule of `gidl.rules.maps`: other values do not compare exactly."""
+        use, _ = self._model.resolved(key)
+        if use.kind == "string" or (use.kind == "primitive" and use.name not in _FLOATING):
+            return
+        if not isinstance(self._model.types.get(use.name), Enumeration):
+            raise Malformed(f"{key.name or key.kind} cannot be the key of a map")
 
     def _octet_limits(self, use: Type, limits: Limits | None) -> tuple[Any, Any] | None:
         """The limits of the elements if they are octets, which are kept in a bytes object."""
@@ -265,7 +275,7 @@ class Types:
 
     def _selects(self, use: Type) -> bool:
         if use.kind == "primitive":
-            return use.name not in ("float", "double")
+            return use.name not in _FLOATING
         declared = self._model.types.get(use.name) if use.kind == "named" else None
         return isinstance(declared, Enumeration | Bitmask)
 
