@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from contextlib import suppress
 from random import Random
 from typing import Any
 
@@ -12,8 +13,11 @@ import gecos
 import pytest
 from gecos.dynamic_client import DynamicObject, ModelError, description_of, proxy_class
 from gecos.dynamic_client import names as dynamic_names
+from gecos.dynamic_client.proxy import _Builder
 from gecos.interface import Method
-from gecos.wire import Decoder, EncodeError, to_bytes
+from gecos.wire import DecodeError, Decoder, EncodeError, to_bytes
+from gidl.languages import PYTHON_WORDS
+from gidl.type_names import escaped
 from robcl.frames import Frame
 from robcl.laser_distance_sensor import Distance, LaserDistanceSensorServant, SensorFault
 from served_models import load, names, served
@@ -76,8 +80,8 @@ def sensor_class() -> type[DynamicObject]:
 def test_a_call_gives_plain_data(lab: gecos.Lab, server: gecos.Server) -> None:
     server.add("LASER", Lds(), simulated=True)
     sensor: Any = lab.create(sensor_class(), "LASER")
-    expected = {"value": 0.25, "in_range": True, "minimum": 0.1, "maximum": 1.0, "stamp": 100.0}
-    assert list(sensor.measure().result().values()) == list(expected.values())
+    expected = {"value": 0.25, "valid": True, "lower": 0.1, "upper": 1.0, "stamp": 100.0}
+    assert sensor.measure().result() == expected
     with gecos.actor(sensor):
         sensor.mount("RX90", offset=GOAL).result()
         sensor.power(False).result()
@@ -211,17 +215,28 @@ def test_docstrings_are_those_of_generated_code() -> None:
         assert next(words) == next(words)
 
 
-def test_names_are_escaped_as_in_generated_code() -> None:
-    for here, there in (
-        ("METHOD_WORDS", names.METHOD_WORDS),
-        ("STRUCT_WORDS", names.STRUCT_WORDS),
-        ("EXCEPTION_WORDS", names.EXCEPTION_WORDS),
-        ("ENUM_WORDS", names.ENUM_WORDS),
-    ):
-        assert getattr(dynamic_names, here) == there
+WORDS = {
+    "PARAMETER_WORDS": PYTHON_WORDS,
+    "METHOD_WORDS": names.METHOD_WORDS,
+    "STRUCT_WORDS": names.STRUCT_WORDS,
+    "BITSET_WORDS": names.STRUCT_WORDS | {"pack", "unpack"},  # as gidl.targets.python.values.file
+    "EXCEPTION_WORDS": names.EXCEPTION_WORDS,
+    "ENUM_WORDS": names.ENUM_WORDS,
+}
 
 
-def test_numpy_is_not_imported() -> None:
+@pytest.mark.parametrize("words", sorted(WORDS))
+def test_names_are_escaped_as_in_generated_code(words: str) -> None:
+    reserved = WORDS[words]
+    assert getattr(dynamic_names, words) == reserved
+    reserved |= {"held_"}
+    for plain in (*reserved, "held", "width", "class_of"):
+        for name in (plain, f"{plain}_", f"{plain}__"):
+            assert dynamic_names.escaped(name, reserved) == escaped(name, reserved)
+            assert dynamic_names.member_name(name, reserved) == names.member_name(name, reserved)
+
+
+def test_slow_modules_are_not_imported() -> None:
     name = "robcl::Rx90"
     code = (
         "import json, sys; from gecos.dynamic_client import proxy_class;"
@@ -231,7 +246,7 @@ def test_numpy_is_not_imported() -> None:
         "types = Types(kind._gecos_model);"
         "joints = next(m for m in kind._gecos_model.members if m.name == 'joints');"
         "made = kind_of(types.step(joints.result)).made({}, '');"
-        "assert not {'numpy', 'typer', 'asyncio', 'gidl'} & sys.modules.keys()"
+        "assert not {'numpy', 'click', 'rich', 'asyncio', 'gidl'} & sys.modules.keys()"
     )
     subprocess.run(
         [sys.executable, "-c", code],
@@ -240,6 +255,15 @@ def test_numpy_is_not_imported() -> None:
         input=json.dumps(texts(name)),
         text=True,
     )
+
+
+def test_the_errors_of_dynamic_are_found_in_the_package() -> None:
+    assert gecos.ModelError is ModelError
+    assert "ModelError" in dir(gecos)
+    told = gecos.Lab.dynamic.__doc__ or ""
+    for name in ("CreateError", "ModelError", "CommandFailed", "ConnectionFailed"):
+        assert name in told
+        assert hasattr(gecos, name)
 
 
 # -- malformed models ------------------------------------------------------------------------------
@@ -268,6 +292,24 @@ def struct(name: str, *members: str, **more: Any) -> Any:
 
 CHAIN = [struct(f"S{i}", f"S{i + 1}") for i in range(5000)]
 LAUGHS = [struct("S", *["S1"] * 9), *(struct(f"S{i}", *[f"S{i + 1}"] * 9) for i in range(1, 9))]
+EMPTY = struct("E")
+NO_BYTES = "values that take no bytes"
+
+
+def typedef(name: str, type: str) -> Any:
+    return {"kind": "typedef", "name": name, "type": type}
+
+
+def optional(name: str, type: str) -> Any:
+    return struct(name, members=[{"name": "m", "type": type, "optional": True}])
+
+
+def operation(*results: str) -> Any:
+    """An operation that sets one parameter of each type in `results`."""
+    listed = [{"name": f"p{i}", "type": t, "direction": "out"} for i, t in enumerate(results)]
+    return {"kind": "operation", "name": "o", "code": 1, "hash": "0x1", "parameters": listed}
+
+
 LISTS = [struct(f"S{i or ''}", f"sequence<S{i + 1}>") for i in range(5000)]
 
 
@@ -291,6 +333,22 @@ LISTS = [struct(f"S{i or ''}", f"sequence<S{i + 1}>") for i in range(5000)]
         (model_with([*CHAIN, struct("S5000"), struct("S", "S0")]), "64 levels"),
         (model_with([*LISTS, struct("S5000")]), "more than 64 levels of types"),
         (model_with([{"kind": "typedef", "name": "S", "type": "S"}]), "type S contains itself"),
+        (model_with([EMPTY], "E[65537]"), NO_BYTES),
+        (model_with([EMPTY], "E[300][300]"), NO_BYTES),
+        (model_with([EMPTY], "sequence<E[2000000000]>"), NO_BYTES),
+        (model_with([EMPTY], "map<string, E[300000]>"), NO_BYTES),
+        (model_with([EMPTY, typedef("A", "E[3000]")], "A[3000]"), NO_BYTES),
+        (model_with([EMPTY, typedef("A", "E[3000]")], "sequence<A>"), NO_BYTES),
+        (model_with([EMPTY, struct("A", "E[3000]")], "map<string, A[3000]>"), NO_BYTES),
+        (model_with([EMPTY, optional("S", "E[300000]")]), NO_BYTES),
+        (model_with([EMPTY, struct("A", "E[3000]"), optional("S", "A[3000]")]), NO_BYTES),
+        (model_with([EMPTY, typedef("A", "sequence<E>"), struct("S", *["A"] * 65)]), NO_BYTES),
+        (model_with([EMPTY], members=[operation(*["E[65536]"] * 65)]), NO_BYTES),
+        (model_with([], "map<sequence<double>, double>"), "sequence cannot be the key of a map"),
+        (model_with([EMPTY], "map<E, double>"), "E cannot be the key of a map"),
+        (model_with([], "map<double, double>"), "double cannot be the key of a map"),
+        (model_with([typedef("A", "float")], "map<A, string>"), "A cannot be the key of a map"),
+        (model_with([], "map<map<char, char>, double>"), "map cannot be the key of a map"),
         (model_with([], "sequence<" * 9000), "nested deeper than 16"),
         (model_with([], "sequence<double"), "'>' is expected"),
         (model_with([], "double x"), "unexpected text after the type"),
@@ -314,18 +372,60 @@ def test_a_malformed_model_is_refused(served_texts: list[str], why: str) -> None
     assert len(str(caught.value)) < 400
 
 
-def test_a_changed_model_is_refused_or_makes_a_class() -> None:
+@pytest.mark.parametrize(
+    ("types", "used", "reply", "size"),
+    [
+        ([EMPTY], "E[65536]", b"", 65536),
+        ([EMPTY], "sequence<E>", b"\0\1\0\0", 65536),
+        ([EMPTY, struct("A", "E[16]")], "sequence<A, 9>", b"\0\0\0\2", 2),
+        ([struct("S", "sequence<T>"), struct("T", "S[2]")], "S[3]", b"\0" * 12, 3),
+        ([], "double[70000]", b"\0" * 560_000, 70_000),
+    ],
+)
+def test_values_without_bytes_are_limited(
+    types: list[Any], used: str, reply: bytes, size: int
+) -> None:
+    class Proxy(proxy_class(model_with(types, used), "I")):  # type: ignore[misc]
+        def _gecos_call(self, table: Method[Any, Any], arguments: Any) -> Any:
+            return table.result(Decoder(reply))
+
+    assert len(Proxy(None).a()) == size
+
+
+def test_a_changed_model_is_refused_or_decodes_any_reply(monkeypatch: pytest.MonkeyPatch) -> None:
+    tables: list[Method[Any, Any]] = []
+    make = _Builder._table
+
+    def kept(*given: Any) -> Any:
+        tables.append(make(*given))
+        return tables[-1]
+
+    monkeypatch.setattr(_Builder, "_table", kept)
     dice = Random(5)
     given = [json.loads(text) for text in texts("everything::Deep")]
-    refused = 0
+    refused = read = 0
     for _ in range(150):
         copy = json.loads(json.dumps(given))
         change(copy, dice)
+        tables.clear()
         try:
             proxy_class([json.dumps(each) for each in copy], "everything::Deep")
         except ModelError:
             refused += 1
+            continue
+        read += sum(decodes(each, dice) for each in tables)
     assert refused > 30
+    assert read > 30
+
+
+def decodes(table: Method[Any, Any], dice: Random) -> bool:
+    """Whether random bytes are a valid reply."""
+    read = False
+    for decode in (table.result, *(each.decode for each in table.raises)):
+        with suppress(DecodeError):
+            decode(Decoder(bytes(dice.choices((0, 0, 0, 0, 1, 2, 97, 255), k=dice.randrange(400)))))
+            read = True
+    return read
 
 
 def change(data: Any, dice: Random) -> None:

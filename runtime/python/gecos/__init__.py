@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from gecos.command import Command as Command
     from gecos.command import Progress as Progress
     from gecos.dynamic_client import DynamicObject as DynamicObject
+    from gecos.dynamic_client import ModelError as ModelError
     from gecos.dynamic_client.connect import dynamic as dynamic
     from gecos.errors import Attempt as Attempt
     from gecos.errors import CommandFailed as CommandFailed
@@ -60,7 +61,7 @@ if TYPE_CHECKING:
 _NAMES = {
     "broker": "Broker",
     "command": "Command Progress",
-    "dynamic_client": "DynamicObject",
+    "dynamic_client": "DynamicObject ModelError",
     "dynamic_client.connect": "dynamic",
     "errors": "Attempt CommandFailed ConnectionFailed CreateError DeclaredError Detail "
     "DroppedLeaseWarning Interrupted LeaseRefused Rejected ServeError State StreamLost "

@@ -71,7 +71,9 @@ class Lab:
             with gecos.actor(gripper):
                 gripper.open(width=0.05).result()
 
-        Raises CreateError like `create`, and ModelError if the object serves no valid model.
+        Raises CreateError like `create`, ModelError if the object serves no model or one that is
+        not valid, and CommandFailed or ConnectionFailed if the broker or the object does not answer
+        when it is asked for its list or its model.
         """
         from gecos.dynamic_client.connect import connect
 

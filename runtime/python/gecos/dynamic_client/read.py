@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
+from gecos.dynamic_client.free_values import check_free_values
 from gecos.dynamic_client.json_object import JsonObject, Malformed, parse_object
 from gecos.dynamic_client.model import (
     Attribute,
@@ -65,6 +66,7 @@ class _Reader:
         _check_types(model)
         _check_members(model)
         check_nesting(model)
+        check_free_values(model)
         return model
 
     def _read(self, text: JsonObject) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import field, make_dataclass
 from enum import IntEnum, IntFlag
+from math import prod
 from typing import Any
 
 from gecos.dynamic_client.json_object import Malformed
@@ -36,10 +37,10 @@ from gecos.dynamic_client.plain import PlainMap
 from gecos.dynamic_client.type_text import CODES, Type
 from gecos.errors import DeclaredError
 from gecos.wire import layout
-from gecos.wire.codes import MAX_COUNT, MAX_TEXT
+from gecos.wire.codes import MAX_COUNT, MAX_TEXT, MAX_ZERO_WIDTH
 from gecos.wire.errors import EncodeError, JsonError
+from gecos.wire.kinds import Later, Ranged, kind_of
 from gecos.wire.kinds import Limits as WireLimits
-from gecos.wire.kinds import Ranged, kind_of
 
 _MAX_LEVELS = 64  # of types in each other, sequences included
 _LARGEST: dict[str, int | float] = {
@@ -49,6 +50,7 @@ _LARGEST: dict[str, int | float] = {
     "d": 1.7e308,
 }
 """The largest limit of a number of each code, on both sides."""
+_FLOATING = ("float", "double")
 _ZEROS = {"boolean": False, "char": "\0", "float": 0.0, "double": 0.0}
 
 
@@ -101,16 +103,26 @@ class Types:
                 if octets is not None and len(use.sizes) == 1:
                     return layout.fixed_octets(use.sizes[0], *octets)
                 step = self._bare(use.inner[0], limits)
+                _check_size(step, prod(use.sizes))
                 for size in reversed(use.sizes):
                     step = layout.fixed_items(step, size)
                 return step
             case "map":
+                self._check_key(use.inner[0])
                 key, value = (self._bare(each, None) for each in use.inner)
                 most = MAX_COUNT if use.bound is None else use.bound
                 return PlainMap(kind_of(key), kind_of(value), most)
             case _:
                 named: layout.Step = self.named(use.name)
                 return named
+
+    def _check_key(self, key: Type) -> None:
+        """The rule of `gidl.rules.maps`: other values do not compare exactly."""
+        use, _ = self._model.resolved(key)
+        if use.kind == "string" or (use.kind == "primitive" and use.name not in _FLOATING):
+            return
+        if not isinstance(self._model.types.get(use.name), Enumeration):
+            raise Malformed(f"{key.name or key.kind} cannot be the key of a map")
 
     def _octet_limits(self, use: Type, limits: Limits | None) -> tuple[Any, Any] | None:
         """The limits of the elements if they are octets, which are kept in a bytes object."""
@@ -263,7 +275,7 @@ class Types:
 
     def _selects(self, use: Type) -> bool:
         if use.kind == "primitive":
-            return use.name not in ("float", "double")
+            return use.name not in _FLOATING
         declared = self._model.types.get(use.name) if use.kind == "named" else None
         return isinstance(declared, Enumeration | Bitmask)
 
@@ -346,6 +358,14 @@ def _number(name: str, limits: Limits | None) -> layout.Step:
             raise Malformed(f"the range {limits} is beyond the type {name}")
     binding = WireLimits(code, limits.low, limits.high).effective(code) != (None, None)
     return Ranged(code, limits.low, limits.high) if binding else code
+
+
+def _check_size(element: layout.Step, count: int) -> None:
+    """Refuses an array of very many elements that take no bytes, so that nothing limits it."""
+    kind = kind_of(element)
+    takes_bytes = isinstance(kind, Later) or kind.least  # Later: contains itself in a sequence
+    if count > MAX_ZERO_WIDTH and not takes_bytes:
+        raise Malformed(f"an array of {count} values that take no bytes")
 
 
 def _missing(values: tuple[Value, ...]) -> int:
