@@ -227,13 +227,13 @@ WORDS = {
 
 @pytest.mark.parametrize("words", sorted(WORDS))
 def test_names_are_escaped_as_in_generated_code(words: str) -> None:
-    reserved = WORDS[words]
-    assert getattr(dynamic_names, words) == reserved
-    reserved |= {"held_"}
-    for plain in (*reserved, "held", "width", "class_of"):
+    taken = WORDS[words]
+    assert getattr(dynamic_names, words) == taken
+    taken |= {"held_"}
+    for plain in (*taken, "held", "width", "class_of"):
         for name in (plain, f"{plain}_", f"{plain}__"):
-            assert dynamic_names.escaped(name, reserved) == escaped(name, reserved)
-            assert dynamic_names.member_name(name, reserved) == names.member_name(name, reserved)
+            assert dynamic_names.escaped(name, taken) == escaped(name, taken)
+            assert dynamic_names.member_name(name, taken) == names.member_name(name, taken)
 
 
 def test_slow_modules_are_not_imported() -> None:
