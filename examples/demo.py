@@ -13,13 +13,13 @@ import signal
 import subprocess
 import sys
 import tempfile
-import threading
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 
 import gecos
+from gecos.laboratory import LaboratoryDescription, LaboratoryError, Program, running
 from robcl.frames import mm
 from robcl.world import World
 
@@ -35,7 +35,7 @@ SERVERS = (
     "devices/laser_distance_sensor/robcl-lds",
 )
 PROGRAM = "examples/grip_block"
-PATIENCE_S = 60.0  # for a process to get ready, or for the program to end
+PATIENCE_S = 60.0  # for the program to end
 
 
 class DemoError(RuntimeError):
@@ -47,38 +47,7 @@ def with_us(command: Sequence[str | Path]) -> list[str]:
     return ["setpriv", "--pdeathsig", "TERM", "--", *map(str, command)]
 
 
-def start_server(command: Sequence[str | Path], env: dict[str, str]) -> subprocess.Popen[str]:
-    """Starts a server and returns once it says that it is ready; passes its lines on."""
-    name = Path(command[0]).name
-    process = subprocess.Popen(
-        with_us(command),
-        env=env,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        start_new_session=True,  # Ctrl-C is for this program, which ends the others in order
-    )
-    assert process.stdout is not None
-    ready = threading.Event()
-
-    def pass_on() -> None:
-        assert process.stdout is not None
-        for line in process.stdout:
-            print(f"  [{name}] {line}", end="", flush=True)
-            if "ready" in line:
-                ready.set()
-        ready.set()
-
-    threading.Thread(target=pass_on, daemon=True).start()
-    in_time = ready.wait(PATIENCE_S)
-    if process.poll() is not None or not in_time:
-        end(process)
-        raise DemoError(f"{name} did not get ready; its own words are above")
-    return process
-
-
-def end(process: subprocess.Popen[str]) -> None:
+def end(process: subprocess.Popen[bytes]) -> None:
     """Asks a process to end, insists after 5 s."""
     if process.poll() is None:
         process.terminate()
@@ -93,14 +62,13 @@ def end(process: subprocess.Popen[str]) -> None:
 @contextmanager
 def laboratory(build: Path) -> Iterator[None]:
     """Broker, world and devices as processes of their own; all gone when the block ends."""
-    with ExitStack() as running:
-        folder = running.enter_context(tempfile.TemporaryDirectory(prefix="gecos-"))
+    servers = [build / server for server in SERVERS]
+    programs = tuple(Program(server.name, (str(server.resolve()),)) for server in servers)
+    with tempfile.TemporaryDirectory(prefix="gecos-") as folder:
         os.environ["GECOS_RUNTIME_DIR"] = folder
         os.environ.pop("GECOS_BROKER", None)
-        for server in SERVERS:
-            process = start_server([build / server], dict(os.environ))
-            running.callback(end, process)
-        yield
+        with running(LaboratoryDescription(programs, starts_broker=False)):
+            yield
 
 
 def block_height(world: World) -> float:
@@ -155,7 +123,7 @@ def main() -> int:
     try:
         lift("02_grip_block in C++", [cpp, *medium], words.build)
         lift("02_grip_block in Python", [sys.executable, python, *medium], words.build)
-    except (DemoError, gecos.CreateError, gecos.CommandFailed, gecos.ConnectionFailed) as error:
+    except (DemoError, LaboratoryError, gecos.CommandFailed, ConnectionError) as error:
         print(f"\ndemo: failed: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from gecos.laboratory import read_laboratory
 from processes import Laboratory
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "command-line.md").read_text()
@@ -62,3 +63,11 @@ def test_an_arm_that_another_program_moves_ends_with_5(lab_with_devices: Laborat
     offset = '{"position": {"z": 0.1}}'
     done = lab_with_devices.run(*GECOS, "set", "RX90", "tool_offset", offset)
     assert done.finish() == 5, str(done)
+
+
+def test_the_laboratory_of_the_page_is_read(tmp_path: Path) -> None:
+    (text,) = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    (tmp_path / "lab.toml").write_text(text)
+    found = read_laboratory(tmp_path / "lab.toml")
+    assert [program.name for program in found.programs] == ["WORLD", "GRIPPER", "THERMOMETER"]
+    assert found.starts_broker

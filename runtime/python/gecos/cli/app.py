@@ -11,7 +11,7 @@ import time
 
 import click
 
-from gecos.cli import members
+from gecos.cli import members, up
 from gecos.cli.exit_codes import ExitCode, exit_code, failure_json
 from gecos.cli.options import (
     Number,
@@ -222,7 +222,7 @@ def run_broker() -> None:
         others.join()
 
 
-for verb in (members.get, members.set_, members.call, members.watch, members.hz):
+for verb in (up.up, members.get, members.set_, members.call, members.watch, members.hz):
     app.add_command(verb)
 
 

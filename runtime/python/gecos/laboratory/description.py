@@ -1,0 +1,162 @@
+"""What belongs to a laboratory: its broker and its programs, as `lab.toml` says it."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+
+class LaboratoryFileError(ValueError):
+    """`lab.toml` cannot be read, or says what cannot be. The text begins with file and line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """A program of the laboratory."""
+
+    name: str  # for people: "RX90"
+    run: tuple[str, ...]  # the program and its arguments
+    restart: bool = False  # starts again when it ends by itself
+    ready: str = "ready"  # a line with this text says that it is ready; "": at once
+    environment: Mapping[str, str] = field(default_factory=dict)
+    line: int = 0  # in lab.toml; 0 if it is not from a file
+
+
+@dataclass(frozen=True, slots=True)
+class LaboratoryDescription:
+    programs: tuple[Program, ...]  # in the order in which they start
+    starts_broker: bool = True
+    broker_address: str = ""  # where programs look for the broker; "": on this host
+    folder: Path = Path()  # relative paths of programs begin here
+    file: str = ""  # "lab.toml"; "" if it is not from a file
+
+
+def simulated_laboratory() -> LaboratoryDescription:
+    """The simulated devices of robcl: world, arm, gripper and laser distance sensor."""
+    programs = {
+        "WORLD": "robcl-world",
+        "RX90": "robcl-rx90",
+        "GRIPPER": "robcl-gripper",
+        "LDS": "robcl-lds",
+    }
+    return LaboratoryDescription(tuple(Program(name, (run,)) for name, run in programs.items()))
+
+
+def read_laboratory(path: Path) -> LaboratoryDescription:
+    """Reads a laboratory from `lab.toml`. Raises LaboratoryFileError."""
+    try:
+        text = path.read_text(encoding="utf-8")
+        data = tomllib.loads(text)
+    except OSError as error:
+        raise LaboratoryFileError(f"{path}: {error.strerror}") from None
+    except ValueError as error:  # not UTF-8, or not TOML; the latter says line and column
+        raise LaboratoryFileError(f"{path}: {error}") from None
+    return _Reader(path, text).laboratory(data)
+
+
+_TABLES = ("broker", "programs")
+_BROKER_KEYS = ("start", "address")
+_PROGRAM_KEYS = ("run", "restart", "ready", "environment")
+
+
+class _Reader:
+    def __init__(self, path: Path, text: str) -> None:
+        self._path = path
+        self._lines = text.splitlines()
+
+    def laboratory(self, data: dict[str, Any]) -> LaboratoryDescription:
+        self._known(data, "", _TABLES)
+        broker = self._table(data, "broker", "")
+        self._known(broker, "broker", _BROKER_KEYS)
+        starts = self._value(broker, "broker", "start", bool, "true or false", not broker)
+        address = self._value(broker, "broker", "address", str, "a text", "")
+        if "start" not in broker:
+            starts = not address
+        if starts and address:
+            self._refuse(
+                "broker.address", "says where a broker runs already, so `start = true` is a "
+                "contradiction; leave out one of them",
+            )  # fmt: skip
+        programs = self._table(data, "programs", "")
+        if not programs:
+            self._refuse("programs", "no program is named; add [programs.NAME] with run = […]")
+        return LaboratoryDescription(
+            tuple(self._program(programs, name) for name in programs),
+            starts,
+            address,
+            self._path.resolve().parent,
+            str(self._path),
+        )
+
+    def _program(self, programs: dict[str, Any], name: str) -> Program:
+        place = f"programs.{name}"
+        table = self._table(programs, name, "programs")
+        self._known(table, place, _PROGRAM_KEYS)
+        run = self._value(table, place, "run", list, "a list of words", [])
+        if not run or not all(isinstance(word, str) and word for word in run):
+            self._refuse(f"{place}.run", 'a list of words is needed: ["robcl-rx90", "--name", "A"]')
+        environment = self._value(table, place, "environment", dict, "a table", {})
+        if not all(isinstance(value, str) for value in environment.values()):
+            self._refuse(f"{place}.environment", 'the values are texts: { GECOS_LCM_TTL = "0" }')
+        return Program(
+            name,
+            tuple(run),
+            self._value(table, place, "restart", bool, "true or false", False),
+            self._value(table, place, "ready", str, "a text", "ready"),
+            environment,
+            self._line(place),
+        )
+
+    def _table(self, data: dict[str, Any], key: str, within: str) -> dict[str, Any]:
+        found: dict[str, Any] = data.get(key, {})
+        if not isinstance(found, dict):
+            self._refuse(f"{within}.{key}" if within else key, "a table is expected")
+        return found
+
+    def _value(
+        self, table: dict[str, Any], place: str, key: str, kind: type, wanted: str, otherwise: Any
+    ) -> Any:
+        value = table.get(key, otherwise)
+        if not isinstance(value, kind):
+            self._refuse(f"{place}.{key}", f"{wanted} is expected")
+        return value
+
+    def _known(self, table: dict[str, Any], place: str, keys: tuple[str, ...]) -> None:
+        for key in table:
+            if key not in keys:
+                near = get_close_matches(key, keys, n=1)
+                instead = f"did you mean {near[0]}?" if near else f"there are {', '.join(keys)}"
+                self._refuse(f"{place}.{key}" if place else key, f"this key is unknown; {instead}")
+
+    def _refuse(self, place: str, why: str) -> None:
+        raise LaboratoryFileError(f"{self._path}:{self._line(place)}: {place}: {why}")
+
+    def _line(self, place: str) -> int:
+        """The line of a key or of the header of a table, from 1; that of the innermost table around
+        the key if the key is written in another form, such as a dotted key."""
+        place = _bare(place)
+        table, best, best_size = "", 1, 0
+        for number, line in enumerate(self._lines, 1):
+            header = re.match(r"\s*\[\s*([^\]#]+?)\s*\]", line)
+            key = re.match(r"\s*([\w.\"'-]+)\s*=", line)
+            if header:
+                here = table = _bare(header[1])
+            elif key:
+                here = f"{table}.{_bare(key[1])}" if table else _bare(key[1])
+            else:
+                continue
+            if here == place:
+                return number
+            if place.startswith(f"{here}.") and len(here) > best_size:
+                best, best_size = number, len(here)
+        return best
+
+
+def _bare(name: str) -> str:
+    """A key without quotes and blanks, so that all ways to write it are equal."""
+    return re.sub(r"[\"'\s]", "", name)

@@ -1,0 +1,135 @@
+"""`gecos up` starts a laboratory, restarts what is to be restarted, and leaves nothing."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import uuid
+from pathlib import Path
+
+import pytest
+from gecos.laboratory import LaboratoryFileError, Program, read_laboratory
+from processes import Laboratory, await_ends
+from test_demo import alive_with
+
+GECOS = [sys.executable, "-m", "gecos.cli"]
+
+
+def test_the_simulated_laboratory_in_one_command(lab: Laboratory) -> None:
+    marker = f"up-{uuid.uuid4()}"
+    lab.env["GECOS_TEST_MARKER"] = marker
+    up = lab.start(*GECOS, "up", "--programs", lab.build)
+    up.wait_for("up: WORLD, RX90, GRIPPER, LDS are ready; Ctrl-C ends them")
+    moved = lab.run(*GECOS, "call", "GRIPPER", "open", "width=0.04")
+    assert moved.finish() == 0, str(moved)
+    up.signal(signal.SIGINT)
+    assert up.finish() == 0, str(up)
+    assert "up: ending" in up.output()
+    assert alive_with(marker) == {}
+
+
+def test_a_program_that_is_killed_starts_again(lab: Laboratory) -> None:
+    marker = f"up-{uuid.uuid4()}"
+    lab.env["GECOS_TEST_MARKER"] = marker
+    up = lab.start(*GECOS, "up", "--restart", "--programs", lab.build)
+    up.wait_for("are ready; Ctrl-C")
+    (gripper,) = (pid for pid, words in alive_with(marker).items() if "robcl-gripper" in words)
+    os.kill(gripper, signal.SIGKILL)
+    up.wait_for("GRIPPER was ended by signal 9; starts again in 0.5 s")
+    up.wait_for("[GRIPPER]")
+    asked = lab.run(*GECOS, "wait", "GRIPPER", "--timeout", "20")
+    assert asked.finish() == 0, str(asked)
+    up.signal(signal.SIGTERM)
+    assert up.finish() == 0, str(up)
+    assert alive_with(marker) == {}
+
+
+def test_a_program_that_ends_is_told_of_and_the_others_go_on(
+    lab: Laboratory, tmp_path: Path
+) -> None:
+    file = tmp_path / "lab.toml"
+    file.write_text(
+        '[programs.SHORT]\nrun = ["sh", "-c", "echo ready; exit 3"]\nready = ""\n'
+        '[programs.LONG]\nrun = ["sh", "-c", "echo is $PLACE; exec sleep 1000"]\n'
+        'ready = "is here"\nenvironment = { PLACE = "here" }\n'
+    )
+    up = lab.start(*GECOS, "up", file)
+    up.wait_for("SHORT ended with status 3; the others go on")
+    up.signal(signal.SIGINT)
+    assert up.finish() == 0, str(up)
+
+
+def test_killed_it_leaves_nothing_running(lab: Laboratory) -> None:
+    marker = f"up-{uuid.uuid4()}"
+    lab.env["GECOS_TEST_MARKER"] = marker
+    up = lab.start(*GECOS, "up", "--programs", lab.build)
+    up.wait_for("are ready")
+    alive = alive_with(marker)
+    assert len(alive) >= 6, "gecos up, the broker and four devices"
+    up.signal(signal.SIGKILL)
+    assert up.finish() == -signal.SIGKILL
+    await_ends(alive | alive_with(marker))
+    assert alive_with(marker) == {}
+
+
+@pytest.mark.parametrize(
+    ("run", "said"),
+    [
+        ('["no-such-program"]', "lab.toml:2: ARM: there is no program no-such-program"),
+        ('["sh", "-c", "exit 7"]', "ARM ended with status 7 before it was ready"),
+    ],
+)
+def test_a_laboratory_that_cannot_start_says_why(
+    run: str, said: str, lab: Laboratory, tmp_path: Path
+) -> None:
+    file = tmp_path / "lab.toml"
+    file.write_text(f"# a laboratory\n[programs.ARM]\nrun = {run}\n")
+    up = lab.run(*GECOS, "up", file)
+    assert up.finish() == 1, str(up)
+    assert said in up.output()
+    assert "Traceback" not in up.output()
+
+
+def test_a_file_is_read(tmp_path: Path) -> None:
+    file = tmp_path / "lab.toml"
+    file.write_text(
+        '[broker]\naddress = "lcm:239.255.76.67:7667"\n'
+        '[programs."left arm"]\nrun = ["./arm", "--name", "LEFT"]\nrestart = true\n'
+    )
+    found = read_laboratory(file)
+    assert not found.starts_broker
+    assert found.broker_address == "lcm:239.255.76.67:7667"
+    assert found.folder == tmp_path
+    assert found.programs == (Program("left arm", ("./arm", "--name", "LEFT"), True, line=3),)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "1: programs: no program is named; add [programs.NAME] with run = […]"),
+        ("programs = 3", "1: programs: a table is expected"),
+        ("\n[brokr]\n", "2: brokr: this key is unknown; did you mean broker?"),
+        ('[programs.A]\nrum = ["x"]', "2: programs.A.rum: this key is unknown; did you mean run?"),
+        ("[programs.A]\nrestart = true", "1: programs.A.run: a list of words is needed"),
+        ("[programs.A]\nrun = []", "2: programs.A.run: a list of words is needed"),
+        ('[programs.A]\nrun = "x"', "2: programs.A.run: a list of words is expected"),
+        ('[programs.A]\nrun = ["x"]\nrestart = 1', "3: programs.A.restart: true or false is"),
+        ("[programs]\nA = 3", "2: programs.A: a table is expected"),
+        (
+            '[broker]\nstart = true\naddress = "lcm:1"\n[programs.A]\nrun = ["x"]',
+            "3: broker.address: says where a broker runs already",
+        ),
+        ('[programs.A]\nrun = ["x"]\nenvironment = { B = 1 }', "3: programs.A.environment: the"),
+        ("[programs.A\n", "Expected ']'"),
+    ],
+)
+def test_a_file_that_says_what_cannot_be_is_refused_with_its_line(
+    text: str, said: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "lab.toml"
+    file.write_text(text)
+    with pytest.raises(LaboratoryFileError) as refused:
+        read_laboratory(file)
+    assert said in str(refused.value)
+    assert str(refused.value).startswith(f"{file}")
