@@ -98,7 +98,7 @@ class _Reader:
         table = self._table(programs, name, "programs")
         self._known(table, place, _PROGRAM_KEYS)
         run = self._value(table, place, "run", list, "a list of words", [])
-        if not run or not all(isinstance(word, str) and word for word in run):
+        if not run or not all(isinstance(word, str) for word in run) or not run[0]:
             self._refuse(f"{place}.run", 'a list of words is needed: ["robcl-rx90", "--name", "A"]')
         environment = self._value(table, place, "environment", dict, "a table", {})
         if not all(isinstance(value, str) for value in environment.values()):

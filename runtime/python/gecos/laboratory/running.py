@@ -71,7 +71,7 @@ class _Process:
         in_time = self._ready.wait(READY_WITHIN)
         if not in_time:
             raise LaboratoryError(f"{self.program.name} is not ready after {READY_WITHIN:g} s")
-        if self.status is not None:
+        if self.program.ready and self.status is not None:
             raise LaboratoryError(f"{self.program.name} {self.how_ended()} before it was ready")
 
     @property
