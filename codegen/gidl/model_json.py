@@ -65,7 +65,7 @@ def model_text(model: Model, layout: Layout, whole: bool = False) -> str:
 
 
 def declaration_json(model: Model, layout: Layout, declaration: AnyDeclaration) -> Json:
-    """A declaration as it stands in both."""
+    """One declaration, as in generated/model and in the output of `gidl dump`."""
     return _Dumper(model, layout).declaration(declaration)
 
 

@@ -1,4 +1,4 @@
-"""`gecos up` starts a laboratory, restarts what is to be restarted, and leaves nothing."""
+"""`gecos up` starts a laboratory, restarts programs on request, and leaves no process behind."""
 
 from __future__ import annotations
 

@@ -121,7 +121,7 @@ def generate(given: Set) -> Generated:
         raise Rejected(f"gen: {error}") from None
     broken = [e for p, text in texts.items() if p.endswith(".py") for e in _syntax_error(p, text)]
     if broken:
-        raise Rejected("\n".join(broken))  # mypy would stop at it
+        raise Rejected("\n".join(broken))  # mypy would check no file after a syntax error
     stems = [source_stem(f.path) for f in compiled.model.files if f.asked_for]
     return Generated(given, compiled.model, layout, stems, texts)
 

@@ -156,9 +156,10 @@ def running(
     folders: Sequence[Path] = (),
     restart: bool = False,
 ) -> Iterator[RunningLaboratory]:
-    """Starts a laboratory; all that it started has ended when the block ends. Programs are looked
-    up in `folders`, beside this command and in PATH. With `restart`, each program is started again
-    when it ends by itself. Raises LaboratoryError, after ending what was started."""
+    """Starts a laboratory, and ends all its programs when the block ends. Programs are looked up in
+    `folders`, beside this command and in PATH. With `restart`, each program is started again when
+    it ends by itself. If a program is missing or does not get ready, all programs that run are
+    ended, and LaboratoryError is raised."""
     commands = [(p, _command(laboratory, p, folders)) for p in laboratory.programs]
     variables = dict(os.environ if environment is None else environment)
     if laboratory.broker_address:
