@@ -16,6 +16,7 @@ CPP_BEFORE = """\
 #include "oven_client.hpp"
 #include "oven_server.hpp"
 
+using namespace std::chrono_literals;
 template <class Error>
 int fail(const Error& error) {
   std::cerr << error << std::endl;

@@ -80,6 +80,46 @@ def test_a_released_lease_may_be_released_again(lamp: Lamp) -> None:
     lease.release_now()
 
 
+def test_a_status_is_waited_for_in_line(lamp: Lamp, other: Lamp) -> None:
+    places: list[int] = []
+    lease = gecos.actor(lamp)
+
+    def on_position(before: int) -> None:
+        places.append(before)
+        lease.release()
+
+    with gecos.actor(other, timeout=60, on_position=on_position):
+        other.dim(1.0).result()
+    assert places == [0]
+
+
+def test_a_wait_in_line_ends_in_time(held: Lamp, other: Lamp) -> None:
+    with pytest.raises(gecos.LeaseRefused, match=r"not free within 0\.05 s") as caught:
+        gecos.master(other, timeout=0.05)
+    assert len(caught.value.holders) == 1
+
+
+def test_a_program_that_is_interrupted_leaves_the_line(lamp: Lamp, other: Lamp) -> None:
+    lease = gecos.actor(lamp)
+
+    def on_position(before: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        gecos.actor(other, timeout=None, on_position=on_position)
+    lease.release()
+    with gecos.actor(lamp, timeout=60):  # not kept by the other, even if it was granted meanwhile
+        lamp.dim(1.0).result()
+
+
+def test_stop_ends_the_line(lamp: Lamp, other: Lamp) -> None:
+    with (
+        gecos.actor(lamp),
+        pytest.raises(gecos.LeaseRefused, match="the line for the status was ended: stopped by"),
+    ):
+        gecos.actor(other, timeout=None, on_position=lambda before: gecos.stop(lamp).detach())
+
+
 def test_holders_lists_who_has_status(held: Lamp, other: Lamp) -> None:
     (holder,) = gecos.holders(other).result()
     assert holder.status.name == "ACTOR"

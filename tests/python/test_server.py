@@ -337,3 +337,17 @@ def test_a_server_waits_for_a_broker_that_is_starting(
             adding.join()
             assert theirs.create(Lamp, "EARLY").label().result() == "a lamp"
             server.close()
+
+
+def test_create_waits_for_an_object_that_comes_online(lab: gecos.Lab, servant: PlainLamp) -> None:
+    with ThreadPoolExecutor() as pool, gecos.Server(lab) as server:
+        created = pool.submit(lab.create, Lamp, ["TORCH", "LAMP"], wait=300)
+        with pytest.raises(TimeoutError):
+            created.result(timeout=0.3)
+        server.add("LAMP", servant)
+        assert created.result().label().result() == "a lamp"
+
+
+def test_create_waits_no_longer_than_it_is_told(lab: gecos.Lab) -> None:
+    with pytest.raises(gecos.CreateError, match="no object is called LAMP"):
+        lab.create(Lamp, "LAMP", wait=0.05)

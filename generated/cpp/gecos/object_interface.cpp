@@ -33,7 +33,7 @@ constinit const gecos::OperationDescription GecosObjectInterface::operations[] =
 constinit const gecos::InterfaceDescription GecosObjectInterface::description{
     .name = "gecos::GecosObject",
     .version = "1.0",
-    .hash = 0x4d43d839b958b58cU,
+    .hash = 0xa21120267bf83094U,
     .operations = operations,
 };
 
@@ -89,7 +89,7 @@ std::string gecos_violation(const GecosObject_describe_result& value) {
 }
 
 std::size_t GecosObject_acquire_arguments::encoded_size() const {
-  std::size_t size = 5;
+  std::size_t size = 13;
   if (password) {
     size += 5;
     size += password->size();
@@ -102,15 +102,20 @@ void GecosObject_acquire_arguments::encode(gecos::wire::Encoder& to) const {
   if (password) {
     to.put_string(*password);
   }
+  to.put(patience);
 }
 
 bool GecosObject_acquire_arguments::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   password = std::nullopt;
+  patience = 0.0;
   return ::gecos::decode_enum(from, wanted, "acquire.wanted") &&
          (from.at_end() ||
           gecos::wire::get_optional(from, password, "acquire.password", [&](auto& value) {
             return from.get_string(value, 1024, "acquire.password");
           })) &&
+         (from.at_end() ||
+          (from.get(patience, "acquire.patience") &&
+          gecos::wire::in_range(from, (patience >= 0.0), 8, "acquire.patience"))) &&
          gecos::wire::skip_rest(from);
 }
 
@@ -122,6 +127,9 @@ std::string gecos_violation(const GecosObject_acquire_arguments& value) {
     if (!gecos::wire::valid_text(*value.password)) {
       return gecos::wire::bad_text("acquire.password");
     }
+  }
+  if (!(value.patience >= 0.0)) {
+    return gecos::wire::out_of_range("acquire.patience", value.patience, "[0.0, inf]");
   }
   return {};
 }

@@ -61,6 +61,8 @@ struct GecosObject_acquire_arguments {
   ::gecos::Status wanted = ::gecos::Status::SENSOR;
   /// [at most 1024, optional]
   std::optional<std::string> password{};
+  /// [s, at least 0.0]
+  double patience = 0.0;
 
   static constexpr std::string_view type_name() { return "gecos::GecosObject_acquire_arguments"; }
   std::size_t encoded_size() const;

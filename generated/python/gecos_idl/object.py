@@ -83,10 +83,11 @@ _GECOS_OBJECT_DESCRIBE: _Method[Description, None] = _method(
 _GECOS_OBJECT_ACQUIRE: _Method[Grant, None] = _method(
     _Operation(0x00000005, "acquire", _Access.SENSOR, presence=False, hash=0x0D62D737597BCAEA),
     takes=_values(
-        "wanted password",
+        "wanted password patience",
         Status,
         _layout.secret(_layout.optional(_layout.text(1024))),
-        defaults=(None,),
+        _layout.ranged("d", 0.0),
+        defaults=(None, 0.0),
     ),
     gives=Grant,
     raises=(StatusRefused,),
@@ -130,7 +131,7 @@ _GECOS_OBJECT_MODEL: _Method[list[str], None] = _method(
 _GECOS_OBJECT = _interface(
     "gecos::GecosObject",
     "1.0",
-    0x4D43D839B958B58C,
+    0xA21120267BF83094,
     (),
     (
         _GECOS_OBJECT_HOLDERS,
@@ -170,14 +171,24 @@ class GecosObject(_Object):
         """What the object is and what state it is in."""
         return self._gecos_call(_GECOS_OBJECT_DESCRIBE, [])
 
-    def acquire(self, wanted: Status, password: str | None = None) -> _Command[Grant]:
-        """Asks for a status. It stays the caller's while the session lives and is heard of.
+    def acquire(
+        self,
+        wanted: Status,
+        password: str | None = None,
+        patience: float = 0.0,
+    ) -> _Command[Grant]:
+        """Asks for a status. It stays the caller's while the session lives and is heard of. A
+        status that others hold is
+        refused after `patience`; until then the request waits in line, in the order of
+        arrival.
+        A `stop` ends the line.
 
+        patience: [s, at least 0.0]
         May raise StatusRefused.
         """
         return self._gecos_call(
             _GECOS_OBJECT_ACQUIRE,
-            _GECOS_OBJECT_ACQUIRE.request(wanted, password),
+            _GECOS_OBJECT_ACQUIRE.request(wanted, password, patience),
         )
 
     def release(self, epoch: int, now: bool) -> _Command[None]:
@@ -236,9 +247,14 @@ class GecosObjectServant(_Servant):
         """What the object is and what state it is in."""
 
     @_abstractmethod
-    def acquire(self, wanted: Status, password: str | None) -> Grant:
-        """Asks for a status. It stays the caller's while the session lives and is heard of.
+    def acquire(self, wanted: Status, password: str | None, patience: float) -> Grant:
+        """Asks for a status. It stays the caller's while the session lives and is heard of. A
+        status that others hold is
+        refused after `patience`; until then the request waits in line, in the order of
+        arrival.
+        A `stop` ends the line.
 
+        patience: [s, at least 0.0]
         May raise StatusRefused.
         """
 

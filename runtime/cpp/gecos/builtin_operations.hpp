@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -51,13 +53,30 @@ struct LeaseRefusal {
 };
 std::ostream& operator<<(std::ostream& out, const LeaseRefusal& refusal);
 
+/// How a status is acquired.
+struct LeaseOptions {
+  std::string password{};  ///< clients that pass the same password share the status
+  /// How long to wait in line while others hold the status, in the order of arrival. Zero: not at
+  /// all. Duration::max(): without limit.
+  Duration timeout{};
+  /// Called on the calling thread with the number of requests before this one, when the wait begins
+  /// and whenever the number changes.
+  std::function<void(std::uint32_t before)> on_position{};
+};
+
 /// Acquires actor status, which allows commands that move or change the device. Clients that pass
 /// the same `password` share the status.
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 actor(const Object& object, std::string password = {});
+/// Waits in line while others hold the status: `gecos::actor(*robot, {.timeout = 10s})`. A `stop`
+/// of the object ends the line. A server that is older than this option refuses at once.
+[[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
+actor(const Object& object, const LeaseOptions& options);
 /// Acquires master status: like actor status, and the calls of other clients are refused.
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 master(const Object& object, std::string password = {});
+[[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
+master(const Object& object, const LeaseOptions& options);
 
 /// Stops the device for every holder: ends every lease, drops the queue, interrupts commands.
 Command<void> stop(const Object& object);

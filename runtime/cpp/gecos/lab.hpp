@@ -33,6 +33,9 @@ struct CreateOptions {
   std::optional<media::Kind> medium{};
   /// Longest wait for an answer of the broker and of the server.
   Duration patience = std::chrono::seconds(2);
+  /// How long to try again while no object of the names is online, or no broker answers.
+  /// Duration::max(): without limit. An object of another type is not waited for.
+  Duration wait{};
   /// Required incarnation of the server process, as in an ObjectRef; 0: any.
   std::uint64_t incarnation = 0;
 };
@@ -68,6 +71,11 @@ using LabOrWhyNot = tl::expected<std::shared_ptr<Context>, NoLab>;
 /// The error text when a resource is missing: "this process has no resources left for a Lab:
 /// eventfd (see `ulimit -n` …): Too many open files".
 std::string nothing_left(std::string_view what_for, const std::system_error& why);
+/// Tries once, whatever `options.wait` is.
+tl::expected<Created, CreateError> try_create(const LabOrWhyNot& lab,
+                                              const InterfaceDescription& wanted,
+                                              const std::vector<std::string>& names,
+                                              const CreateOptions& options);
 tl::expected<Created, CreateError> create(const LabOrWhyNot& lab,
                                           const InterfaceDescription& wanted,
                                           const std::vector<std::string>& names,

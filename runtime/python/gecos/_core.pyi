@@ -14,6 +14,7 @@ class Lab:
         medium: str | None,
         patience: float,
         incarnation: int,
+        wait: float,
     ) -> Session | list[tuple[str, int, str]]:
         """Returns a session, or the name, detail and reason of each failed attempt."""
     def broker(self, interface: Interface, patience: float) -> Session | str:
@@ -33,7 +34,13 @@ class Session:
         """Calls an operation of the object's interface or a built-in operation."""
     def subscribe(self, code: int) -> Stream | tuple[int, str]: ...
     def outcome(self, command: str) -> Command: ...
-    def acquire(self, status: int, password: str) -> Lease | tuple[int, str, str, bytes]: ...
+    def ask_for_status(self, status: int, password: str, timeout: float) -> Command:
+        """Requests a status; the command is QUEUED while the request waits in line."""
+    def lease(self, asked: Command) -> Lease | tuple[int, str, str, bytes]:
+        """The lease that a request for a status was granted, once the request has ended, or its
+        failure."""
+    def decline_status(self, asked: Command) -> None:
+        """Withdraws a request for a status, and releases the status if it is granted anyhow."""
     def close(self) -> None: ...
 
 class Command:

@@ -37,12 +37,15 @@ class Lab:
         *,
         medium: str | None = None,
         patience: float = 2.0,
+        wait: float = 0.0,
     ) -> P:
         """Connects to the first of `names` that is online and of the right type.
 
         `medium` names the medium to use ("inproc", "shm", "lcm"); the default is the best one that
-        meets the interface's quality. `patience` in s bounds the wait for the broker and for each
-        server. Raises CreateError with a reason for each name.
+        meets the interface's quality. `patience` in s bounds the wait for an answer of the broker
+        and of each server. `wait` says how many s to try again while none of the objects is online
+        or no broker answers, `math.inf` without limit; an object of another type is not waited for.
+        Raises CreateError with a reason for each name.
 
         A reference may be given instead of names (`lab.create(Tool, changer.current().result())`).
         A reference is valid only while the server process that it refers to serves the object,
@@ -55,7 +58,7 @@ class Lab:
             wanted = list(names)
         else:
             wanted, incarnation = [names.name], names.boot
-        created = self._core.create(table, wanted, medium, patience, incarnation)
+        created = self._core.create(table, wanted, medium, patience, incarnation, wait)
         if isinstance(created, list):
             raise CreateError([Attempt(name, Detail(d), reason) for name, d, reason in created])
         return interface(created)

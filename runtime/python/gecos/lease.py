@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import warnings
+from collections.abc import Callable
 from types import TracebackType
 from typing import Self
 
@@ -77,24 +79,53 @@ class _Untouched(Lease):
             )
 
 
-def actor(robot: Object, password: str = "") -> Lease:
+def actor(
+    robot: Object,
+    password: str = "",
+    *,
+    timeout: float | None = 0.0,
+    on_position: Callable[[int], object] | None = None,
+) -> Lease:
     """Acquires actor status, for commands that move or change the device. Clients with the same
     `password` may join.
 
+    While others hold the status, the request waits in line for `timeout` s, in the order of
+    arrival; None waits without limit, and 0 not at all. `on_position(before)` is called with the
+    number of requests before this one, when the wait begins and whenever the number changes. A
+    `stop` of the object ends the line. A server that is older than `timeout` refuses at once.
+
     Raises LeaseRefused, which lists the holders, or ConnectionFailed.
     """
-    return _acquire(robot, Access.ACTOR, password)
+    return _acquire(robot, Access.ACTOR, password, timeout, on_position)
 
 
-def master(robot: Object, password: str = "") -> Lease:
+def master(
+    robot: Object,
+    password: str = "",
+    *,
+    timeout: float | None = 0.0,
+    on_position: Callable[[int], object] | None = None,
+) -> Lease:
     """Acquires master status: like actor status, but the object refuses the calls of all other
     clients."""
-    return _acquire(robot, Access.MASTER, password)
+    return _acquire(robot, Access.MASTER, password, timeout, on_position)
 
 
-def _acquire(robot: Object, access: Access, password: str) -> Lease:
+def _acquire(
+    robot: Object,
+    access: Access,
+    password: str,
+    timeout: float | None,
+    on_position: Callable[[int], object] | None,
+) -> Lease:
     session = robot._gecos_session
-    got = session.acquire(access, password)
+    asked = session.ask_for_status(access, password, math.inf if timeout is None else timeout)
+    try:
+        _await_reply(asked, on_position)
+    except BaseException:
+        session.decline_status(asked)
+        raise
+    got = session.lease(asked)
     if isinstance(got, _core.Lease):
         return Lease(got, session.object_name)
     number, text, exception, evidence = got
@@ -103,6 +134,19 @@ def _acquire(robot: Object, access: Access, password: str) -> Lease:
     if detail.state is State.CONNECTION_FAILED:
         raise ConnectionFailed(detail, f"{where}: {text}")
     raise _refusal(where, text, exception, evidence)
+
+
+def _await_reply(asked: _core.Command, on_position: Callable[[int], object] | None) -> None:
+    """Waits until `asked` has a reply, and reports its place in line meanwhile."""
+    if on_position is None:
+        asked.wait(None)
+        return
+    reported = None
+    while not asked.wait(0.05):  # progress wakes no thread
+        detail, position, _ = asked.progress()
+        if detail == Detail.QUEUED and position != reported:
+            reported = position
+            on_position(position)
 
 
 def _refusal(where: str, text: str, exception: str, evidence: bytes) -> LeaseRefused:

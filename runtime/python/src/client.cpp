@@ -31,9 +31,17 @@ nb::tuple as_tuple(const Failure& failure) {
 
 // Lab --------------------------------------------------------------------------------------------
 
+nb::list attempts_of(const CreateError& error) {
+  nb::list attempts;
+  for (const CreateError::Attempt& attempt : error.attempts) {
+    attempts.append(nb::make_tuple(attempt.name, static_cast<int>(attempt.detail), attempt.reason));
+  }
+  return attempts;
+}
+
 nb::object create(LabHandle& self, nb::handle interface, const std::vector<std::string>& names,
                   const std::optional<std::string>& medium, double patience,
-                  std::uint64_t incarnation) {
+                  std::uint64_t incarnation, double wait) {
   CreateOptions options;
   options.incarnation = incarnation;
   options.patience = patience_of(patience);
@@ -45,18 +53,20 @@ nb::object create(LabHandle& self, nb::handle interface, const std::vector<std::
     }
   }
   const InterfaceDescription& wanted = description_of(interface);
-  auto created = run_interruptibly([lab = self.get(), &wanted, names, options] {
-    return session::create(session::LabAccess::context(*lab), wanted, names, options);
-  });
-  if (created) {
-    return nb::cast(
-        self.keep(std::make_shared<SessionHandle>(std::move(created->session), wanted)));
+  const auto now = [] { return SystemClock().now(); };
+  session::CreateWait retries(names, patience_of(wait), now());
+  for (;;) {
+    auto created = run_interruptibly([lab = self.get(), &wanted, names, options] {
+      return session::try_create(session::LabAccess::context(*lab), wanted, names, options);
+    });
+    if (created) {
+      return nb::cast(
+          self.keep(std::make_shared<SessionHandle>(std::move(created->session), wanted)));
+    }
+    const auto again = retries.next(created.error(), now());
+    if (!again) return attempts_of(created.error());
+    sleep_in_slices(*again);
   }
-  nb::list attempts;
-  for (const CreateError::Attempt& attempt : created.error().attempts) {
-    attempts.append(nb::make_tuple(attempt.name, static_cast<int>(attempt.detail), attempt.reason));
-  }
-  return attempts;
 }
 
 /// The lab's own session with its broker, or the reason why there is none.
@@ -119,12 +129,15 @@ nb::object subscribe(SessionHandle& self, std::uint32_t code) {
   return nb::make_tuple(static_cast<int>(opened.error().detail), opened.error().text);
 }
 
-nb::object acquire(SessionHandle& self, int status, const std::string& password) {
-  auto got = run_interruptibly([session = self.get(), status, password] {
-    const AnyObject object(session);
-    return static_cast<access::Status>(status) == access::Status::Master ? master(object, password)
-                                                                         : actor(object, password);
-  });
+CommandHandle ask_for_status(SessionHandle& self, int status, const std::string& password,
+                             double timeout) {
+  return CommandHandle(session::ask_for_status(*self.get(), static_cast<Status>(status), password,
+                                               patience_of(timeout)));
+}
+
+/// The lease that `asked` was granted, or why it was refused. `asked` must have ended.
+nb::object lease(SessionHandle& self, const CommandHandle& asked) {
+  auto got = session::lease_from(self.get(), asked.core());
   if (got) return nb::cast(LeaseHandle(std::move(*got)));
   return as_tuple(got.error().failure);
 }
@@ -202,7 +215,7 @@ void bind_client(nb::module_& module) {
           },
           nb::arg("broker"), nb::arg("program"))
       .def("create", &create, nb::arg("interface"), nb::arg("names"), nb::arg("medium").none(),
-           nb::arg("patience"), nb::arg("incarnation"))
+           nb::arg("patience"), nb::arg("incarnation"), nb::arg("wait"))
       .def("broker", &broker, nb::arg("interface"), nb::arg("patience"))
       .def("close", &LabHandle::close);
 
@@ -217,7 +230,15 @@ void bind_client(nb::module_& module) {
       .def("call", &call, nb::arg("code"), nb::arg("arguments"), nb::arg("deadline").none())
       .def("subscribe", &subscribe, nb::arg("code"))
       .def("outcome", &outcome, nb::arg("command"))
-      .def("acquire", &acquire, nb::arg("status"), nb::arg("password"))
+      .def("ask_for_status", &ask_for_status, nb::arg("status"), nb::arg("password"),
+           nb::arg("timeout"))
+      .def("lease", &lease, nb::arg("asked"))
+      .def(
+          "decline_status",
+          [](SessionHandle& self, const CommandHandle& asked) {
+            session::decline_status(self.get(), asked.shared());
+          },
+          nb::arg("asked"))
       .def("close", &SessionHandle::close);
 
   nb::class_<CommandHandle>(module, "Command")

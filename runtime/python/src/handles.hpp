@@ -133,6 +133,7 @@ class CommandHandle {
   }
 
   session::CommandCore& core() const { return *core_; }
+  const std::shared_ptr<session::CommandCore>& shared() const { return core_; }
   /// Throws in a forked child.
   session::CommandCore& awaited() const {
     owner_.demand("this command");

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include "gecos/base/clock.hpp"
@@ -49,6 +50,15 @@ bool wait_in_slices(std::optional<double> seconds, Wait wait, GivenUp given_up) 
 template <class Wait>
 bool wait_in_slices(std::optional<double> seconds, Wait wait) {
   return wait_in_slices(seconds, std::move(wait), [] { return false; });
+}
+
+/// Waits until `until`, without the GIL.
+inline void sleep_in_slices(TimePoint until) {
+  const double left = std::chrono::duration<double>(until - SystemClock().now()).count();
+  wait_in_slices(left, [](TimePoint slice) {
+    std::this_thread::sleep_until(std::chrono::steady_clock::time_point(slice.time_since_epoch()));
+    return false;
+  });
 }
 
 /// Runs `work`, which blocks and must not touch Python, on a thread of its own, so that a signal

@@ -65,8 +65,9 @@ TEST(BuiltInOperations, KeepTheirBytes) {
                "00002a0000000a636f6e6669726d6564000000000100000033000000056d6f7665003fe000000000"
                "00000000000465766100000000046c6162000000000564656d6f000000002b0000000100");
   expect_bytes(GecosObject_acquire_arguments{Status::ACTOR, "two hands"},
-               "00000001010000000a74776f2068616e647300");
-  expect_bytes(GecosObject_acquire_arguments{Status::MASTER, {}}, "0000000200");
+               "00000001010000000a74776f2068616e6473000000000000000000");
+  expect_bytes(GecosObject_acquire_arguments{Status::MASTER, {}, 2.5},
+               "00000002004004000000000000");
   expect_bytes(GecosObject_acquire_result{{Status::ACTOR, 11}}, "0000000c00000001000000000000000b");
   expect_bytes(GecosObject_release_arguments{11, true}, "000000000000000b01");
   expect_bytes(GecosObject_subscribe_arguments{0x6755a361}, "6755a361");

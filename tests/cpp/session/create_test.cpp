@@ -36,6 +36,48 @@ TEST_F(Create, TakesTheFirstThatIsThereAndSaysWhyNotTheOthers) {
   EXPECT_EQ(created->passed_over.attempts[0].reason, "no object is called REAL; known are SIM");
 }
 
+TEST_F(Create, WaitsForAnObjectThatComesOnline) {
+  auto created = std::async(std::launch::async, [&] {
+    return lab_.create<probe::Probe>({"LATE", "LATER"}, {.wait = std::chrono::minutes(5)});
+  });
+  EXPECT_EQ(created.wait_for(std::chrono::milliseconds(300)), std::future_status::timeout);
+  serve("LATER", servant_);
+  const auto late = created.get();
+  ASSERT_TRUE(late) << late.error();
+  EXPECT_EQ(session_of(*late)->object_name(), "LATER");
+}
+
+TEST_F(Create, DoesNotWaitForAnObjectOfAnotherType) {
+  serve("PROBE", servant_);
+  static constexpr gecos::InterfaceDescription other{.name = "test::Other"};
+  const auto created = gecos::session::create(LabAccess::context(lab_), other, {"PROBE"},
+                                              {.wait = std::chrono::hours(1)});
+  ASSERT_FALSE(created);
+  EXPECT_EQ(created.error().attempts[0].detail, Detail::Refused);
+  EXPECT_FALSE(lab_.create<probe::Probe>("", {.wait = std::chrono::hours(1)})) << "a nil name";
+}
+
+TEST_F(Create, WaitsNoLongerThanTheLabIsOpen) {
+  gecos::Lab lab(probe::patient());
+  auto created = std::async(std::launch::async, [&] {
+    return lab.create<probe::Probe>("NOBODY", {.wait = gecos::Duration::max()});
+  });
+  lab.close();
+  EXPECT_FALSE(created.get());
+}
+
+TEST(CreateWait, TriesAgainAfterGrowingPausesUntilItsEnd) {
+  using std::chrono::milliseconds;
+  const gecos::TimePoint begin{std::chrono::hours(1)};
+  gecos::session::CreateWait wait({"RX90"}, milliseconds(500), begin);
+  const gecos::CreateError offline{{{"RX90", Detail::NoServer, ""}}};
+  std::vector<long> tries;
+  for (auto again = wait.next(offline, begin); again; again = wait.next(offline, *again)) {
+    tries.push_back((*again - begin) / milliseconds(1));
+  }
+  EXPECT_EQ(tries, (std::vector<long>{20, 60, 140, 300, 460, 500}));
+}
+
 TEST(CreateWithoutBroker, WaitsNoLongerThanAskedThoughAnotherThreadLooksLonger) {
   gecos::LabOptions options;
   options.broker = "lcm:239.255.76.67:7679/GOnobody";

@@ -1,10 +1,14 @@
 // Who may command: leases through sessions, over every medium.
 #include <unistd.h>
 
+#include <condition_variable>
 #include <future>
 #include <latch>
+#include <memory>
+#include <mutex>
 
 #include "await_detail.hpp"
+#include "gecos/binding.hpp"
 #include "over_media.hpp"
 
 namespace {
@@ -141,6 +145,136 @@ TEST_P(Leases, AreNotGrantedWhileAHandlerOfTheLastHolderStillRuns) {
   EXPECT_EQ(refused.error().holders[0].pid, getpid());
   EXPECT_TRUE(held) << "as soon as it has returned";
   EXPECT_EQ(events, (std::vector<std::string>{"start 1", "interrupted 1"}));
+}
+
+/// Acquires actor status on a thread of its own, waiting in line, and keeps each place that it was
+/// told.
+class Waiter {
+ public:
+  Waiter(const probe::Probe& robot, gecos::LeaseOptions options) {
+    options.on_position = [this](std::uint32_t before) {
+      const std::lock_guard lock(mutex_);
+      places_.push_back(before);
+      changed_.notify_all();
+    };
+    lease_ =
+        std::async(std::launch::async, [robot, options] { return gecos::actor(robot, options); });
+  }
+  void await_place(std::uint32_t before) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return !places_.empty() && places_.back() == before; });
+  }
+  gecos::Checked<gecos::Lease, gecos::LeaseRefusal> lease() { return lease_.get(); }
+  bool waits() const {
+    return lease_.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
+  }
+  std::vector<std::uint32_t> places() {
+    const std::lock_guard lock(mutex_);
+    return places_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<std::uint32_t> places_;
+  std::future<gecos::Checked<gecos::Lease, gecos::LeaseRefusal>> lease_;
+};
+
+const gecos::LeaseOptions patient{.timeout = std::chrono::minutes(5)};
+
+TEST_P(Leases, AreWaitedForInTheOrderOfArrivalAndTellThePlace) {
+  gecos::Lab third_lab(probe::patient());
+  const auto holder = connect(lab_);
+  auto held = gecos::actor(holder);
+  ASSERT_TRUE(held) << held.error();
+  Waiter first(connect(second_lab_), patient);
+  first.await_place(0);
+  Waiter second(connect(third_lab), patient);
+  second.await_place(1);
+  held->release();
+  auto got = first.lease();
+  ASSERT_TRUE(got) << got.error();
+  second.await_place(0);
+  EXPECT_TRUE(second.waits());
+  got->release();
+  EXPECT_TRUE(second.lease());
+  EXPECT_EQ(second.places(), (std::vector<std::uint32_t>{1, 0}));
+}
+
+TEST_P(Leases, AreGrantedToTheLineOnlyWhenTheLastCommandHasEnded) {
+  const auto first = connect(lab_);
+  auto held = gecos::actor(first);
+  ASSERT_TRUE(held) << held.error();
+  const auto move = first.move(1);
+  servant_.await_moves(1);
+  Waiter next(connect(second_lab_), patient);
+  next.await_place(0);
+  held->release();
+  EXPECT_FALSE(gecos::actor(first)) << "who has released it comes after those who wait";
+  EXPECT_TRUE(next.waits());
+  servant_.open_gate();
+  EXPECT_TRUE(next.lease());
+  EXPECT_TRUE(move.get());
+}
+
+TEST_P(Leases, AreGrantedToTheLineWhenTheirHolderIsGone) {
+  auto gone = std::make_unique<gecos::Lab>(probe::patient());
+  auto held = gecos::actor(connect(*gone));
+  ASSERT_TRUE(held) << held.error();
+  Waiter next(connect(second_lab_), patient);
+  next.await_place(0);
+  gone->close();
+  EXPECT_TRUE(next.lease());
+}
+
+TEST_P(Leases, AreRefusedWhenTheWaitIsOver) {
+  const auto held = gecos::actor(connect(lab_));
+  ASSERT_TRUE(held) << held.error();
+  const auto refused =
+      gecos::actor(connect(second_lab_), {.timeout = std::chrono::milliseconds(50)});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().holders.size(), 1u);
+  EXPECT_NE(refused.error().failure.text.find(
+                "it was not free within 0.05 s, with 0 requests before this one"),
+            std::string::npos)
+      << refused.error();
+}
+
+TEST_P(Leases, AreNotWaitedForAfterAStop) {
+  const auto held = gecos::actor(connect(lab_));
+  ASSERT_TRUE(held) << held.error();
+  Waiter next(connect(second_lab_), patient);
+  next.await_place(0);
+  ASSERT_TRUE(gecos::stop(connect(lab_)).get());
+  const auto refused = next.lease();
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().failure.detail, Detail::Stopped) << refused.error();
+}
+
+TEST_P(Leases, AreNotGivenToAProgramThatHasLeftTheLine) {
+  gecos::Lab third_lab(probe::patient());
+  auto held = gecos::actor(connect(lab_));
+  ASSERT_TRUE(held) << held.error();
+  const auto impatient = connect(second_lab_);
+  const auto asked = gecos::session::ask_for_status(*session_of(impatient), gecos::Status::ACTOR,
+                                                    {}, std::chrono::minutes(5));
+  probe::await_detail(gecos::Command<void>(asked), Detail::Queued);
+  Waiter next(connect(third_lab), patient);
+  next.await_place(1);
+  gecos::session::decline_status(session_of(impatient), asked);
+  next.await_place(0);
+  EXPECT_EQ(gecos::Command<void>(asked).get().error().detail, Detail::Canceled);
+  held->release();
+  EXPECT_TRUE(next.lease());
+}
+
+TEST_P(Leases, ThatAreGrantedToAProgramThatLeavesAreReleased) {
+  const auto robot = connect(lab_);
+  const auto asked =
+      gecos::session::ask_for_status(*session_of(robot), gecos::Status::ACTOR, {}, {});
+  ASSERT_TRUE(gecos::Command<void>(asked).get());
+  gecos::session::decline_status(session_of(robot), asked);
+  EXPECT_TRUE(gecos::actor(connect(second_lab_), patient)) << "as soon as it is released";
 }
 
 TEST_P(Leases, DrainWhenTheProgramEndsInOrderWithoutWaiting) {

@@ -66,6 +66,12 @@ LeaseRefusal LeaseTable::refuse(LeaseRefusal::Reason reason, std::string_view wh
   return refusal;
 }
 
+LeaseRefusal LeaseTable::refusal_to_return(Status wanted, TimePoint now) const {
+  return refuse(LeaseRefusal::Reason::HeldByOther,
+                std::string(to_string(wanted)) + " status refused: others wait for it in line",
+                now);
+}
+
 tl::expected<Grant, LeaseRefusal> LeaseTable::acquire(SessionId session, const Client& client,
                                                       Status wanted, const Proof& password,
                                                       TimePoint now) {

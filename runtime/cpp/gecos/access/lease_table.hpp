@@ -79,6 +79,9 @@ class LeaseTable {
   tl::expected<Grant, LeaseRefusal> acquire(SessionId session, const Client& client, Status wanted,
                                             const Proof& password, TimePoint now);
 
+  /// Why a session that has released its status does not get `wanted` again yet: others wait.
+  LeaseRefusal refusal_to_return(Status wanted, TimePoint now) const;
+
   /// Called at each sign of life of `session`. Does nothing when the session is no holder.
   void renew(SessionId session, TimePoint now);
 

@@ -1,6 +1,7 @@
 #include <ostream>
 
 #include "gecos/base/log.hpp"
+#include "gecos/binding.hpp"
 #include "gecos/builtin_operations.hpp"
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/client/own_call.hpp"
@@ -12,27 +13,34 @@ namespace {
 using session::own_call;
 using session::read_result;
 
+/// Waits until `asked` has a reply, and reports its place in line meanwhile.
+void await_reply(session::CommandCore& asked,
+                 const std::function<void(std::uint32_t)>& on_position) {
+  if (!on_position) {
+    asked.wait_until(TimePoint::max());
+    return;
+  }
+  constexpr Duration between_looks = std::chrono::milliseconds(50);  // progress wakes no thread
+  std::optional<std::uint32_t> reported;
+  while (!asked.wait_until(deadline_after(between_looks))) {
+    const Progress progress = asked.progress();
+    if (progress.detail != Detail::Queued || reported == progress.position) continue;
+    reported = progress.position;
+    on_position(progress.position);
+  }
+}
+
 tl::expected<Lease, LeaseRefusal> acquire(const Object& object, Status wanted,
-                                          const std::string& password) {
+                                          const LeaseOptions& options) {
   const auto& session = session_of(object);
-  GecosObject_acquire_arguments arguments{wanted, {}};
-  if (!password.empty()) arguments.password = password;
-  const auto command = own_call(*session, GecosObjectInterface::acquire, arguments);
-  command->wait_until(TimePoint::max());
-  if (command->progress().detail != Detail::Done) {
-    LeaseRefusal refusal{command->failure(), {}};
-    if (auto refused = refusal.failure.as<StatusRefused>()) {
-      refusal.holders = std::move(refused->holders);
-    }
-    return tl::unexpected(std::move(refusal));
+  const auto asked = session::ask_for_status(*session, wanted, options.password, options.timeout);
+  try {
+    await_reply(*asked, options.on_position);
+  } catch (...) {
+    session::decline_status(session, asked);
+    throw;
   }
-  Grant grant;
-  wire::Decoder from(command->result());
-  if (!read_result<GecosObject_acquire_result>(from, grant)) {
-    return tl::unexpected(LeaseRefusal{
-        {Detail::Fault, "the reply does not decode: " + from.error().message(), {}, {}}, {}});
-  }
-  return Lease(session, grant);
+  return session::lease_from(session, *asked);
 }
 
 }  // namespace
@@ -91,11 +99,19 @@ std::ostream& operator<<(std::ostream& out, const LeaseRefusal& refusal) {
 }
 
 Checked<Lease, LeaseRefusal> actor(const Object& object, std::string password) {
-  return acquire(object, Status::ACTOR, password);
+  return acquire(object, Status::ACTOR, {.password = std::move(password)});
+}
+
+Checked<Lease, LeaseRefusal> actor(const Object& object, const LeaseOptions& options) {
+  return acquire(object, Status::ACTOR, options);
 }
 
 Checked<Lease, LeaseRefusal> master(const Object& object, std::string password) {
-  return acquire(object, Status::MASTER, password);
+  return acquire(object, Status::MASTER, {.password = std::move(password)});
+}
+
+Checked<Lease, LeaseRefusal> master(const Object& object, const LeaseOptions& options) {
+  return acquire(object, Status::MASTER, options);
 }
 
 Command<void> stop(const Object& object) {

@@ -36,11 +36,20 @@ bool Context::closed() const {
   return closed_;
 }
 
+bool Context::closed_by(TimePoint deadline) {
+  MutexLock lock(keeping_);
+  return closing_.wait_until(lock, deadline, [this] {
+    keeping_.assert_held();
+    return closed_;
+  });
+}
+
 void Context::close(Duration patience) {
   std::vector<std::shared_ptr<Closable>> open;
   {
     const MutexLock lock(keeping_);
     closed_ = true;
+    closing_.notify_all();
     for (const auto& known : kept_) {
       if (auto session = known.lock()) open.push_back(std::move(session));
     }

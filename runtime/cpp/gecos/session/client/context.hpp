@@ -29,6 +29,8 @@ class Context : public std::enable_shared_from_this<Context> {
   /// `close` was called.
   bool keep(const std::shared_ptr<ClientConnection>& session);
   bool closed() const;
+  /// Waits until the lab is closed, or until `deadline`. Returns whether it is closed.
+  bool closed_by(TimePoint deadline);
   /// Says goodbye in every kept session, within about `patience`; commands that wait in these
   /// sessions end. After it, no session is kept. Servers and the session with the broker continue.
   void close(Duration patience);
@@ -54,6 +56,7 @@ class Context : public std::enable_shared_from_this<Context> {
 
   mutable Mutex keeping_;
   std::vector<std::weak_ptr<ClientConnection>> kept_ GECOS_GUARDED_BY(keeping_);
+  ConditionVariable closing_;
   bool closed_ GECOS_GUARDED_BY(keeping_) = false;
 };
 

@@ -4,6 +4,7 @@
 #include <ostream>
 
 #include "gecos/base/log.hpp"
+#include "gecos/binding.hpp"
 #include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/connect.hpp"
 #include "gecos/session/client/context.hpp"
@@ -112,6 +113,20 @@ tl::expected<Created, CreateError> create(const LabOrWhyNot& lab,
                                           const InterfaceDescription& wanted,
                                           const std::vector<std::string>& names,
                                           const CreateOptions& options) {
+  const auto now = [] { return system_clock().now(); };
+  CreateWait wait(names, options.wait, now());
+  for (;;) {
+    auto created = try_create(lab, wanted, names, options);
+    if (created || !lab) return created;
+    const auto again = wait.next(created.error(), now());
+    if (!again || (*lab)->closed_by(*again)) return created;
+  }
+}
+
+tl::expected<Created, CreateError> try_create(const LabOrWhyNot& lab,
+                                              const InterfaceDescription& wanted,
+                                              const std::vector<std::string>& names,
+                                              const CreateOptions& options) {
   CreateError passed_over;
   for (const auto& name : names) {
     auto session = lab ? open_object(**lab, wanted, name, options)

@@ -21,7 +21,7 @@ void HostState::commands_ended(SessionId client) {
 
 void HostState::finished(ServerCall& call) {
   mutex.assert_held();
-  statuses.reply_to_waiting();
+  statuses.serve_line();
   ServerSession& session = *call.session;
   if (--session.unreturned != 0 || !session.closed) return;
   user_callbacks.post(

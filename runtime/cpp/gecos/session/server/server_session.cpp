@@ -60,12 +60,20 @@ void ServerSession::reply(std::uint64_t counter, const Failure& failure) {
 ReplyCache* ServerSession::kept() const { return repeats_ || closed ? replies.get() : nullptr; }
 
 bool ServerSession::report(const ServerCall& call, Detail detail, std::size_t position) {
-  const ProgressBody body{static_cast<std::uint32_t>(position), call.reported.fraction(),
-                          call.reported.feedback()};
+  return send_progress(
+      call.counter_in(*this), detail,
+      {static_cast<std::uint32_t>(position), call.reported.fraction(), call.reported.feedback()});
+}
+
+bool ServerSession::report_queued(std::uint64_t counter, std::size_t position) {
+  return send_progress(counter, Detail::Queued, {static_cast<std::uint32_t>(position), 0, {}});
+}
+
+bool ServerSession::send_progress(std::uint64_t counter, Detail detail, const ProgressBody& body) {
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Progress;
   header.flags = static_cast<std::int8_t>(detail);
-  header.counter = call.counter_in(*this);
+  header.counter = counter;
   header.session = id_;
   // Sent without a wake-up: a caller that sleeps until its call ends must not be woken by progress.
   return sender_.send_quietly(header, body.encoded_size(),

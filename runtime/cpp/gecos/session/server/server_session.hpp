@@ -9,6 +9,7 @@
 #include "gecos/access/lease_table.hpp"
 #include "gecos/media/medium.hpp"
 #include "gecos/session/protocol/call_table.hpp"
+#include "gecos/session/protocol/handshake.hpp"
 #include "gecos/session/protocol/peer_liveness.hpp"
 #include "gecos/session/protocol/receive_window.hpp"
 #include "gecos/session/server/intake.hpp"
@@ -51,6 +52,9 @@ class ServerSession {
   /// Sends the latest progress of `call`, or drops it when the connection has no room. Returns true
   /// when the progress was sent.
   bool report(const ServerCall& call, Detail detail, std::size_t position);
+  /// Tells the client that its call `counter` waits, with `position` others before it. Returns as
+  /// `report`.
+  bool report_queued(std::uint64_t counter, std::size_t position);
 
   // Any thread may call the functions below.
   /// Sends a packet now, or as soon as the connection has room. Packets, replies included, are sent
@@ -102,6 +106,7 @@ class ServerSession {
 
  private:
   ReplyCache* kept() const;
+  bool send_progress(std::uint64_t counter, Detail detail, const ProgressBody& body);
 
   const std::unique_ptr<media::Connection> connection_;
   const std::shared_ptr<ObjectHost> object_;

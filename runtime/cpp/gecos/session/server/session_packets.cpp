@@ -100,6 +100,7 @@ void SessionPackets::withdraw(ServerSession& session) {
 }
 
 void SessionPackets::cancel(ServerSession& session, std::uint64_t counter) {
+  if (statuses_.cancel(session, counter)) return;
   if (session.intake.is_aside(counter)) {
     return end_early(session, counter, Detail::Canceled, "canceled before it started");
   }
@@ -131,12 +132,16 @@ void SessionPackets::cancel(ServerSession& session, std::uint64_t counter) {
 
 void SessionPackets::answer_again(ServerSession& session, std::uint64_t counter) {
   if (const Bytes* kept = session.replies->find(counter)) return session.sender().send_again(*kept);
+  if (const auto before = statuses_.place_in_line(session, counter)) {
+    session.report_queued(counter, *before);
+    return;
+  }
   const auto* found = session.calls.find(counter);
   if (found == nullptr) {
     // Some queries are not answered. The call never arrived: the client sends it again. Its reply
-    // was acknowledged: the query is late. The call is deferred or waits for a status: to its
-    // caller it must appear as not arrived.
-    if (session.intake.is_aside(counter) || statuses_.is_waiting(session, counter)) return;
+    // was acknowledged: the query is late. The call is deferred: to its caller it must appear as
+    // not arrived.
+    if (session.intake.is_aside(counter)) return;
     if (!session.intake.seen(counter) || !session.replies->awaited(counter)) return;
     return session.reply(counter,
                          Failure{Detail::OutcomeUnknown,

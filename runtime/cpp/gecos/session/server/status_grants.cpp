@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <utility>
 
 #include "gecos/base/log.hpp"
@@ -11,16 +12,21 @@
 namespace gecos::session {
 namespace {
 
-/// Maximum time that a request for a status waits. Must be shorter than a client waits for a reply.
-constexpr Duration longest_wait = std::chrono::seconds(1);
+/// How long a request for a status without patience waits for a handler to return.
+constexpr Duration longest_wait_for_handler = std::chrono::seconds(1);
 /// Maximum number of requests for a status that wait at one object. A correct client has one such
 /// request at a time.
-constexpr std::size_t most_waiting = 64;
+constexpr std::size_t longest_line = 64;
 
 access::Status status_of(Status status) { return static_cast<access::Status>(status); }
 Status status_of(access::Status status) { return static_cast<Status>(status); }
 
 double seconds(Duration duration) { return std::chrono::duration<double>(duration).count(); }
+/// Longer durations than 30 years, infinity included, count as 30 years.
+Duration duration(double seconds) {
+  return std::chrono::duration_cast<Duration>(
+      std::chrono::duration<double>(std::min(seconds, 1e9)));
+}
 
 std::string cut(std::string text, std::size_t longest) {
   while (text.size() > longest) text.pop_back();
@@ -45,6 +51,16 @@ std::vector<Holder> shown(const std::vector<access::Holder>& roster, TimePoint n
   std::vector<Holder> lines;
   for (const auto& holder : roster) lines.push_back(shown(holder, now));
   return lines;
+}
+
+/// What a refusal adds for a request that waited in line.
+std::string waited_in_vain(double patience, std::size_t before) {
+  if (patience <= 0) return {};
+  char text[96];
+  std::snprintf(text, sizeof text,
+                "; it was not free within %g s, with %zu request%s before this one", patience,
+                before, before == 1 ? "" : "s");
+  return text;
 }
 
 Failure refusal(std::string reason, std::vector<Holder> holders) {
@@ -77,70 +93,118 @@ void StatusGrants::request(const std::shared_ptr<ServerSession>& session, std::u
                                   {},
                                   {}});
   }
-  if (outlives_its_status() == nullptr) return grant(*session, counter, asked);
-  if (waiting_.size() >= most_waiting) {
+  Duration patience = duration(asked.patience);
+  const bool handler_runs = outlives_its_status() != nullptr;
+  if (handler_runs) patience = std::max(patience, longest_wait_for_handler);
+  Request request{session, counter, std::move(asked), setup_.clock().now() + patience};
+  if (!handler_runs && answer(request, line_.size())) return;
+  if (line_.size() >= longest_line) {
     return session->reply(
-        counter, Failure{Detail::QueueFull,
-                         setup_.name + ": " + std::to_string(waiting_.size()) +
-                             " requests for a status already wait for a handler to end; try again",
-                         {},
-                         {}});
+        counter,
+        Failure{Detail::QueueFull,
+                setup_.name + ": " + std::to_string(line_.size()) +
+                    " requests for a status already wait in line; try again when it is shorter",
+                {},
+                {}});
   }
-  waiting_.push_back({session, counter, std::move(asked), setup_.clock().now() + longest_wait});
+  line_.push_back(std::move(request));
+  tell_places();
 }
 
-void StatusGrants::grant(ServerSession& session, std::uint64_t counter,
-                         const GecosObject_acquire_arguments& asked) {
+/// Replies to `request` unless it has to wait on. `before`: the number of requests before it, which
+/// could not be granted.
+bool StatusGrants::answer(const Request& request, std::size_t before) {
+  const auto& [session, counter, asked, give_up, reported] = request;
   if (claim_.standing() == NameClaim::Standing::Taken) {
-    return session.reply(counter, refusal(setup_.name + ": " + claim_.text(), {}));
+    session->reply(counter, refusal(setup_.name + ": " + claim_.text(), {}));
+    return true;
   }
   const TimePoint now = clock_.now();
-  const bool held_before = leases_.status_of(session.id()) != access::Status::Sensor;
-  auto granted = leases_.acquire(session.id(), session.client(), status_of(asked.wanted),
-                                 access::plain_proof(asked.password.value_or("")), now);
+  const access::Status wanted = status_of(asked.wanted);
+  const bool held_before = leases_.status_of(session->id()) != access::Status::Sensor;
+  // Who has released the status must not have it again before those who wait for it.
+  const bool returns = before > 0 && leases_.releasing(session->id());
+  auto granted = returns ? tl::unexpected(leases_.refusal_to_return(wanted, now))
+                         : leases_.acquire(session->id(), session->client(), wanted,
+                                           access::plain_proof(asked.password.value_or("")), now);
+  if (!granted && setup_.clock().now() < give_up) return false;
   if (log_enabled(LogLevel::Info)) {
-    log_info("server", setup_.name + ": " + who(session.caller()) +
+    log_info("server", setup_.name + ": " + who(session->caller()) +
                            (granted ? " has " : " is refused ") +
                            std::string(to_string(asked.wanted)) + " status" +
                            (granted ? "" : ": " + granted.error().text));
   }
   if (granted) {
-    if (!held_before) session.held_from = number(granted->epoch);
+    if (!held_before) session->held_from = number(granted->epoch);
     const Grant given{status_of(granted->status), number(granted->epoch)};
-    return session.reply(counter, wire::encoded(GecosObject_acquire_result{given}));
+    session->reply(counter, wire::encoded(GecosObject_acquire_result{given}));
+  } else {
+    session->reply(counter, refusal(setup_.name + ": " + granted.error().text +
+                                        waited_in_vain(asked.patience, before),
+                                    shown(granted.error().holders, now)));
   }
-  session.reply(counter, refusal(setup_.name + ": " + granted.error().text,
-                                 shown(granted.error().holders, now)));
+  return true;
 }
 
-/// Returns a command that has ended for its caller while its handler continues; null when there is
-/// no such command or a client holds a status. While it exists, no client may be granted a status.
+/// Returns a command that runs although the status under which it was issued has ended, and that
+/// does not have to finish (`@on_loss("finish")`); null when there is no such command or a client
+/// holds a status. While it exists, no client may be granted a status.
 const ServerCall* StatusGrants::outlives_its_status() const {
   if (!leases_.roster().empty()) return nullptr;
   for (const QueueEntry* const entry : calls_.queue().running()) {
     const auto& call = static_cast<const ServerCall&>(*entry);
-    if (call.state.ended() && call.operation().status != access::Status::Sensor) return &call;
+    const bool finishes = call.operation().on_loss == OnLoss::Finish && !call.state.ended();
+    if (call.operation().status != access::Status::Sensor && !finishes) return &call;
   }
   return nullptr;
 }
 
-bool StatusGrants::is_waiting(const ServerSession& session, std::uint64_t counter) const {
-  return std::ranges::any_of(waiting_, [&](const Waiting& waiting) {
-    return waiting.session.get() == &session && waiting.counter == counter;
+StatusGrants::Line::const_iterator StatusGrants::find(const ServerSession& session,
+                                                      std::uint64_t counter) const {
+  return std::ranges::find_if(line_, [&](const Request& request) {
+    return request.session.get() == &session && request.counter == counter;
   });
 }
 
-void StatusGrants::reply_to_waiting() {
-  if (waiting_.empty() || outlives_its_status() != nullptr) return;
-  for (const auto& waiting : std::exchange(waiting_, {})) {
-    grant(*waiting.session, waiting.counter, waiting.asked);
+std::optional<std::size_t> StatusGrants::place_in_line(const ServerSession& session,
+                                                       std::uint64_t counter) const {
+  const auto found = find(session, counter);
+  if (found == line_.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - line_.begin());
+}
+
+bool StatusGrants::cancel(ServerSession& session, std::uint64_t counter) {
+  const auto found = find(session, counter);
+  if (found == line_.end()) return false;
+  session.reply(counter, Failure{Detail::Canceled, "canceled while it waited in line", {}, {}});
+  line_.erase(found);
+  tell_places();
+  return true;
+}
+
+void StatusGrants::serve_line() {
+  if (line_.empty() || outlives_its_status() != nullptr) return;
+  std::size_t before = 0;
+  std::erase_if(line_, [&](const Request& request) {
+    if (answer(request, before)) return true;
+    ++before;
+    return false;
+  });
+  tell_places();
+}
+
+void StatusGrants::tell_places() {
+  for (std::size_t before = 0; before < line_.size(); ++before) {
+    Request& request = line_[before];
+    if (request.reported == before) continue;
+    if (request.session->report_queued(request.counter, before)) request.reported = before;
   }
 }
 
 void StatusGrants::refuse_late(TimePoint now) {
   const ServerCall* const runs = outlives_its_status();
-  if (runs == nullptr) return reply_to_waiting();
-  std::erase_if(waiting_, [&](const Waiting& waiting) {
+  if (runs == nullptr) return serve_line();
+  std::erase_if(line_, [&](const Request& waiting) {
     if (now < waiting.give_up) return false;
     access::Holder last;
     last.client = runs->session->client();
@@ -157,13 +221,17 @@ void StatusGrants::refuse_late(TimePoint now) {
                 shown(std::vector{last}, clock_.now())));
     return true;
   });
+  tell_places();
+}
+
+void StatusGrants::end_line(const Failure& failure) {
+  for (const auto& waiting : std::exchange(line_, {})) {
+    waiting.session->reply(waiting.counter, failure);
+  }
 }
 
 void StatusGrants::close() {
-  for (const auto& waiting : std::exchange(waiting_, {})) {
-    waiting.session->reply(waiting.counter,
-                           Failure{Detail::Rejected, "the server is about to end", {}, {}});
-  }
+  end_line(Failure{Detail::Rejected, "the server is about to end", {}, {}});
 }
 
 // How a status ends
@@ -181,6 +249,7 @@ void StatusGrants::release(ServerSession& session, const GecosObject_release_arg
   }
   leases_.release(session.id(), Epoch{epoch},
                   session.commands != 0 && !asked.now ? Commands::Pending : Commands::None);
+  serve_line();
   if (log_enabled(LogLevel::Info)) {
     log_info("server", setup_.name + ": " + who(session.caller()) + " releases its status" +
                            (asked.now ? ", and stops the commands issued under it" : ""));
@@ -194,16 +263,28 @@ void StatusGrants::release_all(ServerSession& session) {
     leases_.release(session.id(), leases_.epoch(),
                     session.commands != 0 ? Commands::Pending : Commands::None);
   }
+  serve_line();
+}
+
+void StatusGrants::commands_ended(SessionId session) {
+  leases_.drained(session);
+  serve_line();
+}
+
+void StatusGrants::stop(SessionId by, const std::string& why) {
+  end_line(Failure{Detail::Stopped, "the line for the status was ended: " + why, {}, {}});
+  leases_.stop(by, why);
 }
 
 void StatusGrants::depart(ServerSession& session, bool in_order) {
   leases_.forget(session.id());
-  std::erase_if(waiting_,
-                [&](const Waiting& waiting) { return waiting.session.get() == &session; });
+  std::erase_if(line_, [&](const Request& waiting) { return waiting.session.get() == &session; });
+  tell_places();
   if (in_order) return release_all(session);
   if (!leases_.lose(session.id())) return;
   lose(session.id(), "its holder (" + session.caller().program + ", pid " +
                          std::to_string(session.caller().pid) + ") is gone");
+  serve_line();
 }
 
 void StatusGrants::on_tick(TimePoint now) {
@@ -211,7 +292,7 @@ void StatusGrants::on_tick(TimePoint now) {
     const auto ttl = setup_.runtime->options().lease_ttl / std::chrono::milliseconds(1);
     lose(holder.session, "its holder has been silent for " + std::to_string(ttl) + " ms");
   }
-  if (!waiting_.empty()) refuse_late(now);
+  if (!line_.empty()) refuse_late(now);
 }
 
 void StatusGrants::lose(SessionId session, const std::string& why) {

@@ -32,14 +32,20 @@ class StatusGrants {
   /// The holders as clients see them.
   std::vector<Holder> holders() const;
 
-  /// Replies to a request for a status. A request waits briefly while the handler of a command
-  /// still runs whose status has ended: two clients must not command the object at once.
+  /// Replies to a request for a status. A request with `patience` waits in line while others hold
+  /// the status. Any request waits briefly while the handler of a command still runs whose status
+  /// has ended: two clients must not command the object at once.
   void request(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
                GecosObject_acquire_arguments asked);
-  /// True when the request `counter` of `session` has no reply yet.
-  bool is_waiting(const ServerSession& session, std::uint64_t counter) const;
-  /// Must be called when a handler has returned: replies to the requests that wait for it.
-  void reply_to_waiting();
+  /// The number of requests before the request `counter` of `session`; nullopt when that request
+  /// does not wait.
+  std::optional<std::size_t> place_in_line(const ServerSession& session,
+                                           std::uint64_t counter) const;
+  /// Takes the request `counter` of `session` out of the line. Returns false when it does not wait.
+  bool cancel(ServerSession& session, std::uint64_t counter);
+  /// Grants the status to the requests that can have it now, in the order of their arrival. Must be
+  /// called when a handler has returned; the functions below that end a status call it.
+  void serve_line();
   /// Refuses the requests that wait: the server is about to end.
   void close();
 
@@ -47,27 +53,32 @@ class StatusGrants {
   void release(ServerSession& session, const GecosObject_release_arguments& asked);
   /// Must be called when no command of `session` is open any more: a status that it has released
   /// ends.
-  void commands_ended(SessionId session) { leases_.drained(session); }
+  void commands_ended(SessionId session);
   /// Releases the status of `session` however often it was acquired; it ends with the last command.
   void release_all(ServerSession& session);
   /// The connection of `session` has ended. After `in_order` its status ends with its last command.
   void depart(ServerSession& session, bool in_order);
-  /// Ends every status except that of `by`, which gets a new epoch.
-  void stop(SessionId by, const std::string& why) { leases_.stop(by, why); }
+  /// Ends every status except that of `by`, which gets a new epoch, and the line: after a stop no
+  /// program may command the object because it had asked before.
+  void stop(SessionId by, const std::string& why);
   /// Ends the status of holders that were silent for too long, and refuses requests that have
   /// waited for too long.
   void on_tick(TimePoint now);
 
  private:
-  struct Waiting {
+  struct Request {
     std::shared_ptr<ServerSession> session;
     std::uint64_t counter = 0;
     GecosObject_acquire_arguments asked;
     TimePoint give_up{};
+    std::optional<std::size_t> reported{};  ///< the place in line that its client knows
   };
+  using Line = std::vector<Request>;
 
-  void grant(ServerSession& session, std::uint64_t counter,
-             const GecosObject_acquire_arguments& asked);
+  Line::const_iterator find(const ServerSession& session, std::uint64_t counter) const;
+  bool answer(const Request& request, std::size_t before);
+  void end_line(const Failure& failure);
+  void tell_places();
   const ServerCall* outlives_its_status() const;
   void refuse_late(TimePoint now);
   void lose(SessionId session, const std::string& why);
@@ -76,8 +87,8 @@ class StatusGrants {
   const NameClaim& claim_;
   ObjectCalls& calls_;
   access::LeaseTable leases_;
-  SuspendAwareClock clock_;       ///< for leases and peer time-outs
-  std::vector<Waiting> waiting_;  ///< in order of request
+  SuspendAwareClock clock_;  ///< for leases and peer time-outs
+  Line line_;                ///< in order of arrival
 };
 
 }  // namespace gecos::session
