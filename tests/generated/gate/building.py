@@ -45,6 +45,7 @@ SANITIZERS = (
     "-fno-sanitize-recover=undefined",
 )
 FIRST = "first.hpp"  # precompiled
+LIBRARY = "libsupport.so"
 OURS = ("gecos/", "robcl/")
 
 
@@ -167,10 +168,11 @@ class Compiler:
         if os.environ.get("GECOS_WERROR", "ON") == "ON":
             warnings.append("-Werror")
         self._flags = [
-            "-std=c++20", "-O0", *warnings, *SANITIZERS,
+            "-std=c++20", "-O0", "-fPIC", *warnings, *SANITIZERS,
             f"-I{GENERATED}", f"-I{RUNTIME}", f"-I{HERE}",
             "-isystem", "/usr/include/eigen3",
         ]  # fmt: skip
+        self._common: list[str] = []  # objects of the precompiled header
         self._environment = {**os.environ, "CCACHE_SLOPPINESS": "pch_defines,time_macros"}
 
     def first(self) -> None:
@@ -183,19 +185,25 @@ class Compiler:
         )
         first = "".join(f'#include "{header}"\n' for header in common)
         (self.folder / FIRST).write_text(first, encoding="utf-8")
-        # With its templates instantiated, once instead of in every program.
-        whole = ["-fpch-instantiate-templates", "-Xclang", "-fno-pch-timestamp"]
-        extra = whole if "clang" in self._command else []
-        self._run(
-            [self._command, *self._flags, *extra, "-x", "c++-header", FIRST, "-o", f"{FIRST}.gch"]
-        )
+        header = [self._command, *self._flags, "-x", "c++-header", FIRST, "-o"]
+        if "clang" not in self._command:
+            self._run([*header, f"{FIRST}.gch"])
+            return
+        # Its templates are instantiated and its functions compiled once, not in every program.
+        once = ["-fpch-instantiate-templates", "-fpch-codegen", "-Xclang", "-fno-pch-timestamp"]
+        self._run([*header, f"{FIRST}.pch", *once])
+        quiet = "-Wno-unused-command-line-argument"  # the folders of headers
+        self._run([self._command, *self._flags, quiet, "-c", f"{FIRST}.pch", "-o", "first.o"])
+        self._common = ["first.o"]
 
     def support(self) -> None:
-        """What every program is linked with, as one source: the headers are read once."""
+        """The library of every program, from one source: the headers are read once."""
         text = "".join(f'#include "{source}"\n' for source in SUPPORT)
         (self.folder / "support.cpp").write_text(text, encoding="utf-8")
         compiled = [self._command, *self._flags, "-c", "support.cpp", "-o", "support.o"]
         self._run([*self._cache, *compiled])
+        objects = [*self._common, "support.o"]
+        self._run([self._linker, *SANITIZERS, "-shared", *objects, "-o", LIBRARY])
 
     def program(
         self, made: Generated, shelf: Path, supported: Future[None]
@@ -211,7 +219,8 @@ class Compiler:
         except CompilerCrashed:  # clang 14 does on some valid programs
             self._run([*self._cache, "c++", *rest])
         supported.result()
-        self._run([self._linker, *SANITIZERS, f"{name}.o", "support.o", "-o", name])
+        linked = [f"{name}.o", LIBRARY, "-Wl,-rpath,$ORIGIN", "-o", name]
+        self._run([self._linker, *SANITIZERS, *linked])
         return program, self.folder / name
 
     def _run(self, command: list[str]) -> None:

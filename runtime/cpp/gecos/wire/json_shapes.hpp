@@ -207,6 +207,36 @@ struct JsonStruct {
   static bool visit(JsonMembers& each, T& value);
 };
 
+/// The shape of an enum: a name. A generated `<file>_json.cpp` lists the names.
+template <class T>
+struct JsonEnum {
+  static void write(JsonWriter to, T value) {
+    to.put_name(names(), static_cast<std::uint64_t>(value));
+  }
+  static bool read(const JsonReader& from, T& value) {
+    std::uint64_t number = 0;
+    if (!from.get_name(names(), number)) return false;
+    value = static_cast<T>(number);
+    return true;
+  }
+  static JsonNames names();
+};
+
+/// The shape of a bitmask: a list of names. A generated `<file>_json.cpp` lists the names.
+template <class T>
+struct JsonFlags {
+  static void write(JsonWriter to, T value) {
+    to.put_flags(names(), static_cast<std::uint64_t>(value));
+  }
+  static bool read(const JsonReader& from, T& value) {
+    std::uint64_t bits = 0;
+    if (!from.get_flags(names(), bits)) return false;
+    value = static_cast<T>(bits);
+    return true;
+  }
+  static JsonNames names();
+};
+
 template <class T>
 void write_json_of(JsonWriter to, const void* value) {
   JsonShape<T>::write(to, *static_cast<const T*>(value));

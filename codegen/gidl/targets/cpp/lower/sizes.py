@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from itertools import dropwhile
 
 from gidl.targets.cpp.lower.statements import (
     block,
     loop,
     of,
+    rows,
 )
 from gidl.targets.cpp.lower.types import Slot, Types
 from gidl.targets.cpp.names import Locals
@@ -40,10 +42,15 @@ class Sizes(Types):
             constant += always
             lines += more
         head = f"{total} += "
-        if all(line.startswith(head) for line in lines):
-            terms = [line.removeprefix(head).removesuffix(";") for line in lines]
-            return [], " + ".join([str(constant)] * bool(constant or not terms) + terms)
-        return [f"std::size_t {total} = {constant};", *lines], total
+        rest = list(dropwhile(lambda line: line.startswith(head), lines))
+        first = lines[: len(lines) - len(rest)]
+        terms = [line.removeprefix(head).removesuffix(";") for line in first]
+        terms = [str(constant)] * bool(constant or not terms) + terms
+        if not rest:
+            return [], " + ".join(terms)
+        begun, *more = rows([f"std::size_t {total} = {terms[0]}", *(f"+ {t}" for t in terms[1:])])
+        lines = [begun, *(f"    {line}" for line in more)]
+        return [*lines[:-1], f"{lines[-1]};", *rest], total
 
     def size(self, slot: Slot, total: str, local: Locals) -> tuple[int, list[str]]:
         """The constant part of the encoded size in bytes, and statements that add the rest to

@@ -14,11 +14,25 @@ def quoted(text: str) -> str:
     return f'"{text}"'
 
 
+def rows(words: list[str]) -> list[str]:
+    """`words` in lines of at most 90 characters."""
+    lines: list[str] = []
+    for word in words:
+        if lines and len(lines[-1]) + len(word) < 90:
+            lines[-1] += f" {word}"
+        else:
+            lines.append(word)
+    return lines
+
+
 def indented(lines: list[str]) -> list[str]:
     return [f"  {line}" for line in lines]
 
 
 def block(head: str, lines: list[str]) -> list[str]:
+    """`head` with its statements; a single short one stands on the line of `head`."""
+    if len(lines) == 1 and len(head) + len(lines[0]) < 80:
+        return [f"{head} {lines[0]}"]
     return [f"{head} {{", *indented(lines), "}"]
 
 

@@ -11,7 +11,7 @@ from gidl.model import (
 )
 from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.lower import PRIMITIVES
-from gidl.targets.cpp.lower.statements import block, quoted
+from gidl.targets.cpp.lower.statements import block, quoted, rows
 from gidl.targets.cpp.values.names import ValueNames
 from gidl.targets.cpp.values.views import (
     BitsView,
@@ -42,6 +42,7 @@ class Enums(ValueNames):
             ),
             "" if enum.default_literal is None else word(enum.default_literal),
             tuple((word(e.name), e.name) for e in enum.enumerators),
+            tuple(rows([f"case {e.number}:" for e in enum.enumerators])),
         )
 
     def _mask(self, mask: Bitmask) -> MaskView:

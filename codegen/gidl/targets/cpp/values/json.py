@@ -31,10 +31,8 @@ class NamesShape:
 
     kind: str  # always "names"
     type: str
-    argument: str
+    base: str  # class template of the runtime: "JsonEnum" or "JsonFlags"
     names: tuple[tuple[str, str], ...]  # pairs of IDL name and C++ name
-    put: str  # name of the JsonWriter function
-    get: str  # name of the JsonReader function
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,10 +95,10 @@ class _Shapes(Structs):
             match declaration:
                 case EnumDeclaration(enumerators=enumerators):
                     words = [each.name for each in enumerators]
-                    yield self._names(declaration, words, "put_name", "get_name")
+                    yield self._names(declaration, words, "JsonEnum")
                 case Bitmask(flags=flags):
                     words = [each.name for each in flags]
-                    yield self._names(declaration, words, "put_flags", "get_flags")
+                    yield self._names(declaration, words, "JsonFlags")
                 case Bitset():
                     yield self._bitset(declaration)
                 case Struct() if names.hand_written(declaration):
@@ -111,12 +109,10 @@ class _Shapes(Structs):
                 case _:
                     pass
 
-    def _names(
-        self, declaration: AnyDeclaration, words: list[str], put: str, get: str
-    ) -> NamesShape:
+    def _names(self, declaration: AnyDeclaration, words: list[str], base: str) -> NamesShape:
         type_name = self._lowering.named(declaration.name)
         known = tuple((word, escaped(word, CPP_WORDS)) for word in words)
-        return NamesShape("names", type_name, type_name, known, put, get)
+        return NamesShape("names", type_name, base, known)
 
     def _bitset(self, bitset: Bitset) -> MembersShape:
         reserved = CPP_BITSET_WORDS

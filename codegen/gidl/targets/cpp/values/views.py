@@ -27,6 +27,7 @@ class EnumView:
     enumerators: tuple[EnumeratorView, ...]
     unknown: str  # enumerator that replaces an unknown number; "" if such a number is refused
     words: tuple[tuple[str, str], ...]  # pairs of enumerator and its IDL name
+    cases: tuple[str, ...]  # lines of the labels of the known numbers
 
 
 @dataclass(frozen=True, slots=True)
