@@ -65,6 +65,7 @@ class Arm(ManipulatorServant):
         return self.offset
 
     def set_tool_offset(self, value: Frame) -> None:
+        self.mounts.wait(30)
         self.offset = value
 
     def move(
@@ -220,6 +221,13 @@ def test_a_timeout_cancels_the_call(arm: Arm, run: Run) -> None:
     assert (code, out) == (3, "")
     assert err == "gecos: ARM.move has not ended within 0.2 s and was canceled\n"
     assert arm.canceled.wait(10)
+
+
+def test_a_timeout_ends_the_wait_for_an_attribute(arm: Arm, run: Run) -> None:
+    arm.mounts.clear()
+    code, _, err = run("set", "ARM", "tool_offset", json.dumps(GOAL), "--timeout", "0.1")
+    arm.mounts.set()
+    assert (code, err) == (3, "gecos: ARM.tool_offset has not ended within 0.1 s and goes on\n")
 
 
 def test_a_timeout_of_an_operation_that_is_not_cancelable_says_that_it_goes_on(

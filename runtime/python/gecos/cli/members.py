@@ -103,18 +103,29 @@ def get(name: str, attribute: str, password: str, broker: str | None, as_json: b
 @settable_argument
 @click.argument("value")
 @password_option
+@timeout_option
 @broker_option
 @json_option
 def set_(
-    name: str, attribute: str, value: str, password: str, broker: str | None, as_json: bool
+    name: str,
+    attribute: str,
+    value: str,
+    password: str,
+    timeout: float | None,
+    broker: str | None,
+    as_json: bool,
 ) -> None:
-    """Sets an attribute. VALUE is JSON, or the name of an enumerator."""
+    """Sets an attribute. VALUE is JSON, or the name of an enumerator.
+
+    Ctrl-C, or the end of --timeout, cancels the command if it has not begun.
+    """
     from gecos.dynamic_client import by_name
 
     with _connected(broker, name) as robot:
         needed = by_name.attribute(robot, attribute).write_access
         with _status(robot, needed, password):
-            by_name.write(robot, attribute, value_of(value)).result()
+            command = by_name.write(robot, attribute, value_of(value))
+            _ends(command, f"{name}.{attribute}", timeout, shows=False).result(0)
     if as_json:
         print_json({"name": name, "attribute": attribute, "state": "FINISHED"})
     else:
