@@ -7,7 +7,7 @@ C++; `_core` reads the Python tables by the names of their attributes.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from enum import IntEnum, IntFlag
 from typing import Any, Generic, TypeVar
@@ -185,12 +185,19 @@ class Handler:
     result: Callable[[Any], Parts]
     # exceptions that may be sent; None: every DeclaredError
     raises: tuple[type[DeclaredError], ...] | None = None
+    parameters: Sequence[str] | None = None  # their names; None: not known
+    feedback: type | None = None  # None: not known, or the operation has none
 
 
-def values(names: str, *steps: Step, defaults: tuple[Any, ...] = ()) -> tuple[Any, ...]:
+def values(
+    names: str,
+    *steps: Step,
+    defaults: tuple[Any, ...] = (),
+    units: Mapping[str, str] | None = None,
+) -> tuple[Any, ...]:
     """The parameters of an operation: their names, and a layout step for each. `defaults` are for
-    the last parameters, which an older caller may omit."""
-    return names.split(), steps, defaults
+    the last parameters, which an older caller may omit; `units` of parameters are for messages."""
+    return names.split(), steps, defaults, units or {}
 
 
 def method(
@@ -292,7 +299,13 @@ def interface(
     handlers = {code: each for base in inherited for code, each in base.handlers.items()}
     for each in own:
         handlers[each.operation.code] = Handler(
-            each.operation, each.handler, each.arguments.decode, each.body, each.raises
+            each.operation,
+            each.handler,
+            each.arguments.decode,
+            each.body,
+            each.raises,
+            each.arguments.names,
+            getattr(each.feedback, "__self__", None),  # `feedback` is the class method `decode`
         )
     names = dict.fromkeys(n for base in inherited for n in (*base.bases, base.name))
     operations = [o for base in inherited for o in base.operations]

@@ -25,6 +25,7 @@ class Lease:
     def __init__(self, core: _core.Lease, object_name: str) -> None:
         self._core = core
         self._object_name = object_name
+        self._released = False
         self.__class__ = _Untouched
         shutdown.at_exit(self, shutdown.Turn.LEASES)
 
@@ -37,6 +38,7 @@ class Lease:
         """Releases the status; queued and running commands still finish. A second call has no
         effect."""
         self.__class__ = Lease
+        self._released = True
         self._core.release()
 
     close = release
@@ -44,6 +46,7 @@ class Lease:
     def release_now(self) -> None:
         """Releases the status and stops the commands queued and running under it."""
         self.__class__ = Lease
+        self._released = True
         self._core.release_now()
 
     def __enter__(self) -> Self:
@@ -59,7 +62,9 @@ class Lease:
         self.release()
 
     def __repr__(self) -> str:
-        return f"<Lease {Access(self._core.status).name} epoch {self.epoch:#x}>"
+        status = Access(self._core.status).name
+        state = "released" if self._released else "acquired"
+        return f"<Lease {status} of {self._object_name}: {state}, epoch {self.epoch:#x}>"
 
 
 class _Untouched(Lease):
@@ -93,6 +98,12 @@ def master(robot: Object, password: str = "") -> Lease:
 
 
 def _acquire(robot: Object, access: Access, password: str) -> Lease:
+    if not isinstance(robot, Object):
+        name = robot if isinstance(robot, str) else "NAME"
+        raise TypeError(
+            f"gecos.{access.name.lower()} takes a proxy, not {robot!r}: write "
+            f"`robot = gecos.dynamic({name!r})` and `with gecos.{access.name.lower()}(robot):`"
+        )
     session = robot._gecos_session
     got = session.acquire(access, password)
     if isinstance(got, _core.Lease):
