@@ -103,7 +103,11 @@ def run(chosen: argparse.Namespace) -> int:
         show(chosen, found, compiled.sources)
         return FINDINGS
     outputs = Outputs(chosen.out, chosen.outputs)
-    difference = compare(outputs, texts, chosen.lang, _sources(chosen, compiled))
+    try:
+        difference = compare(outputs, texts, chosen.lang, _sources(chosen, compiled))
+    except OSError as problem:
+        show(chosen, [*found, _not_written(problem)], compiled.sources)
+        return FAILED
     if chosen.check:
         if chosen.error_format != "text":
             found += differing(outputs, texts, difference, _mend(chosen)).found

@@ -63,8 +63,7 @@ def laboratory(place: Path) -> Iterator[gecos.Lab]:
         server.add("GRIPPER", Jaws(), simulated=True)
         server.add("HELD", Jaws(), simulated=True)
         server.add("LASER", Laser(), simulated=True)
-        with gecos.Lab() as others_lab:
-            gecos.master(others_lab.create(Gripper, "HELD"))
+        with gecos.Lab() as other, gecos.master(other.create(Gripper, "HELD")):
             yield lab
 
 

@@ -3,7 +3,7 @@
 Each table is a TOML file with entries `[[mistake]]`:
 
     name     what the user did wrong, in a few words
-    python | gecos | gidl | program | cpp     what makes the mistake; see `Kind`
+    python | gecos | gidl | program     what makes the mistake; see `Kind`
     says     the golden message; <…> stands for what differs between two runs
     what, where, do   the parts of `says` that tell what is wrong, where, and what to do;
              empty where the message does not tell it
@@ -24,9 +24,9 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 TREE = HERE.parents[1]
-KINDS = ("python", "gecos", "gidl", "program", "cpp")
+KINDS = ("python", "gecos", "gidl", "program")
 """`python`: code for the test's own process, which has a laboratory; `gecos` and `gidl`: the words
-of a command; `program`: code for a Python of its own; `cpp`: a function of mistakes_program."""
+of a command; `program`: code for a Python of its own."""
 PARTS = ("what", "where", "do")
 
 
@@ -72,12 +72,18 @@ def settled(text: str, *folders: Path) -> str:
     """`text` with <…> for what differs between two runs and machines."""
     for place in folders:
         text = text.replace(str(place), "<folder>")
-    text = text.replace(str(TREE), "<tree>").replace(sys.executable, "<python>")
+    text = text.replace(sys.executable, "<python>").replace(str(TREE), "<tree>")
     runtime = os.environ.get("GECOS_RUNTIME_DIR")
     text = text.replace(runtime, "<runtime>") if runtime else text
     text = re.sub(rf"\b{os.getpid()}\b", "<pid>", text)
     text = text.replace(f"{getpass.getuser()}@{socket.gethostname()}", "<user>@<host>")
     text = text.replace(socket.gethostname(), "<host>")
     text = re.sub(r"\(pid \d+\)|\bpid \d+", "pid <pid>", text)
-    text = re.sub(r"\b\d+(\.\d+)? m?s ago|for \d+(\.\d+)? s\b", "<time>", text)
+    text = re.sub(r"\b\d+(\.\d+)? m?s ago|(for|since|in) \d+(\.\d+)? m?s\b", "<time>", text)
+    text = re.sub(
+        rf"\b{re.escape(getpass.getuser())} on <host> \([^,)]*,",
+        "<user> on <host> (<program>,",
+        text,
+    )
+    text = text.replace(f"of {getpass.getuser()} on <host>", "of <user> on <host>")
     return "\n".join(line.rstrip() for line in text.strip("\n").splitlines())

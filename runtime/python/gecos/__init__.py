@@ -11,16 +11,20 @@ Names are imported at first use: `gecos.wire` and generated types work without t
 
 from __future__ import annotations
 
-import sys
+import sys as _sys
 from importlib import import_module
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-if sys.version_info < (3, 11):
-    raise ImportError(
-        f"gecos needs Python 3.11 or newer, and {sys.executable} is Python "
-        f"{sys.version_info[0]}.{sys.version_info[1]}; run the program with a newer Python"
-    )
+
+def _check_python() -> None:
+    if _sys.version_info < (3, 11):  # noqa: UP036  # a source tree is used without an installer
+        raise ImportError(
+            f"gecos needs Python 3.11 or newer, and {_sys.executable} is Python "
+            f"{_sys.version_info[0]}.{_sys.version_info[1]}; run the program with a newer Python"
+        )
+
+
+_check_python()
 
 if TYPE_CHECKING:
     from gecos.broker import Broker as Broker
@@ -105,7 +109,9 @@ def _extension() -> Any:
     except ModuleNotFoundError as error:
         if error.name != "gecos._core":
             raise
-    folder, this = Path(__file__).parent, f"{sys.version_info[0]}.{sys.version_info[1]}"
+    from pathlib import Path
+
+    folder, this = Path(__file__).parent, f"{_sys.version_info[0]}.{_sys.version_info[1]}"
     built = sorted(each.name for each in folder.glob("_core.*.so"))
     if built:
         text = f"{folder} has {', '.join(built)}, which is not for this Python {this}"

@@ -138,8 +138,8 @@ class DeclaredError(CommandFailed):
         units = self._gecos_units
         shown = f"{self._gecos_name}({shown_members(values, units)})"
         if {"value", "lower", "upper"} <= units.keys():
-            limits = (getattr(self, name) for name in ("value", "lower", "upper"))
-            shown += mistaken_unit(*limits, units["value"])
+            value, low, high = (getattr(self, name) for name in ("value", "lower", "upper"))
+            shown += mistaken_unit(value, low, high, units["value"])
         return shown
 
     def __reduce__(self) -> tuple[Any, ...]:

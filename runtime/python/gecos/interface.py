@@ -172,6 +172,7 @@ class Method(Generic[T, F]):
     body: Callable[[Any], Parts] = no_result  # encodes the value that `result` decodes
     stream: OutwardStream | None = None
     handler: str = ""  # name of the servant's method
+    reports: type | None = None  # type of the feedback; None: not known, or no feedback
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,6 +238,7 @@ def method(
         body,
         outward,
         handler or (name if name == sender else f"set_{sender}"),
+        feedback,
     )
 
 
@@ -305,7 +307,7 @@ def interface(
             each.body,
             each.raises,
             each.arguments.names,
-            getattr(each.feedback, "__self__", None),  # `feedback` is the class method `decode`
+            each.reports,
         )
     names = dict.fromkeys(n for base in inherited for n in (*base.bases, base.name))
     operations = [o for base in inherited for o in base.operations]

@@ -66,15 +66,15 @@ class Object:
 
     else:
 
-        def __init__(self, gecos_session=None, *more):
-            if gecos_session is None or isinstance(gecos_session, str) or more:
-                name = gecos_session if isinstance(gecos_session, str) else "NAME"
+        def __init__(self, *given):
+            if len(given) != 1 or isinstance(given[0], str):
+                name = given[0] if given and isinstance(given[0], str) else "NAME"
                 kind = type(self).__name__
                 raise TypeError(
                     f"{kind} is a client class; a Lab makes its objects: "
                     f"`gecos.Lab().create({kind}, {name!r})`"
                 )
-            self._gecos_session = gecos_session
+            self._gecos_session = given[0]
             self._gecos_deadline = None
 
         # A type checker that saw __setattr__ would allow every assignment.

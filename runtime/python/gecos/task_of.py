@@ -17,7 +17,7 @@ _steps: WeakKeyDictionary[asyncio.Task[Any], Coroutine[Any, Any, Any]] = WeakKey
 
 
 class TaskOf(Coroutine[Any, Any, T]):
-    """A base class of awaitables. `asyncio` calls `send` and `throw`; call none of them yourself."""
+    """A base class of awaitables. `asyncio` calls `send` and `throw`, programs do not."""
 
     __slots__ = ()
 

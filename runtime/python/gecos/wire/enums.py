@@ -11,8 +11,8 @@ _EnumT = TypeVar("_EnumT", bound=type[IntEnum])
 def printed_by_name(kind: _EnumT) -> _EnumT:
     """Makes `str` and `format` of an enumerator give its name. A format such as "03d" still formats
     the number."""
-    kind.__str__ = _name  # type: ignore[method-assign]
-    kind.__format__ = _formatted  # type: ignore[method-assign]
+    kind.__str__ = _name  # type: ignore[method-assign, assignment]
+    kind.__format__ = _formatted  # type: ignore[method-assign, assignment]
     return kind
 
 

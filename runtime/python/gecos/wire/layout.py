@@ -181,8 +181,8 @@ def struct(
     An older writer may omit the last `missing` members, which then get their default values. In an
     `open` struct, members added by a newer writer are skipped. A `deep` struct may contain values
     of its own type. `label` is the struct's name in messages, if its class has another name.
-    `names` maps Python names of members to names in the interface where the two differ. `units` maps
-    names in the interface to units, which errors show.
+    `names` maps Python names of members to names in the interface where the two differ. `units`
+    maps names in the interface to units, which errors show.
     """
 
     def tell(kind: _KindT) -> _KindT:
@@ -207,9 +207,7 @@ def result(
     extensible like an @appendable struct, but needs no block because it is a whole reply."""
 
     def tell(kind: _KindT) -> _KindT:
-        layout = StructLayout(
-            kind, None, steps, missing, True, False, "", names or {}, units or {}
-        )
+        layout = StructLayout(kind, None, steps, missing, True, False, "", names or {}, units or {})
         layout.in_block = False
         _describe(kind, layout)
         return kind

@@ -106,8 +106,8 @@ def renamed(names: Iterable[tuple[str, str]]) -> list[str]:
 
 
 def units_of(units: Iterable[tuple[str, str | None]]) -> list[str]:
-    """The argument `units` of a layout: pairs of interface name and unit, for the values that have a
-    unit. Empty if none has."""
+    """The argument `units` of a layout: pairs of interface name and unit, for the values that have
+    a unit. Empty if none has."""
     pairs = [f"{quoted(name)}: {quoted(unit)}" for name, unit in units if unit]
     return [f"units={group(pairs, '{', '}')}"] if pairs else []
 
