@@ -83,7 +83,7 @@ ROWS = (
     ),
     _row(
         r"gecos\.errors",
-        r"gecos\.wire|gecos_idl\.object_types",
+        r"gecos\.wire(\.enums|\.units)?|gecos_idl\.object_types",
         "gecos.errors stands beside the codec: declared exceptions are generated types",
     ),
     _row(

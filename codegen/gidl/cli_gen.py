@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import shlex
 import sys
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
 from gidl.cli_shared import (
+    FAILED,
     FINDINGS,
     FINE,
     USAGE,
     add_files,
+    as_errors,
     compiled_from,
     count,
     files_of,
@@ -22,6 +25,7 @@ from gidl.cli_shared import (
 from gidl.compile import Compiled
 from gidl.diagnostics import Finding, Findings, Severity
 from gidl.file_names import same_modules, source_stem
+from gidl.loader import absolute
 from gidl.model import Location
 from gidl.output import (
     LANGUAGES,
@@ -79,7 +83,8 @@ def run(chosen: argparse.Namespace) -> int:
     if files is None:
         return USAGE
     compiled = strictly(chosen, compiled_from(chosen, files))
-    found = list(compiled.findings)
+    homeless = _without_folder(compiled)
+    found = [*compiled.findings, *(as_errors(homeless) if chosen.strict else homeless)]
     texts: dict[str, str] | None = None
     if not compiled.has_errors and "python" in chosen.lang:
         found += _modules_of_two(compiled)
@@ -98,21 +103,30 @@ def run(chosen: argparse.Namespace) -> int:
         show(chosen, found, compiled.sources)
         return FINDINGS
     outputs = Outputs(chosen.out, chosen.outputs)
-    difference = compare(outputs, texts, chosen.lang, _sources(chosen, compiled))
+    try:
+        difference = compare(outputs, texts, chosen.lang, _sources(chosen, compiled))
+    except OSError as problem:
+        show(chosen, [*found, _not_written(problem)], compiled.sources)
+        return FAILED
     if chosen.check:
         if chosen.error_format != "text":
             found += differing(outputs, texts, difference, _mend(chosen)).found
         show(chosen, found, compiled.sources)
         return _told(chosen, outputs, texts, difference)
-    in_the_way = _in_the_way(outputs, difference)
-    show(chosen, found + in_the_way, compiled.sources)
-    if in_the_way:
+    found += _in_the_way(outputs, difference)
+    if any(finding.severity is Severity.ERROR for finding in found):
+        show(chosen, found, compiled.sources)
         return FINDINGS
-    write(outputs, texts, difference)
-    if chosen.depfile is not None:
-        project = [chosen.project.file] if chosen.project.file is not None else []
-        made = [outputs.place(path) for path in texts]
-        replace_texts({chosen.depfile: depfile_text(made, compiled.sources, project)})
+    try:
+        write(outputs, texts, difference)
+        if chosen.depfile is not None:
+            project = [chosen.project.file] if chosen.project.file is not None else []
+            made = [outputs.place(path) for path in texts]
+            replace_texts({chosen.depfile: depfile_text(made, compiled.sources, project)})
+    except OSError as problem:
+        show(chosen, [*found, _not_written(problem)], compiled.sources)
+        return FAILED
+    show(chosen, found, compiled.sources)
     deleted = "".join(f"gidl: deleted {place}\n" for place in difference.stale)
     written = len(difference.changed) + len(difference.missing)
     stale = f", {len(difference.stale)} deleted" if difference.stale else ""
@@ -133,6 +147,33 @@ def _modules_of_two(compiled: Compiled) -> list[Finding]:
     return wrong.found
 
 
+def _without_folder(compiled: Compiled) -> list[Finding]:
+    """Warns of a file named on the command line that lies in a folder with the name of its module,
+    but below no search folder: its output gets no such folder, and its Python module no package."""
+    findings = Findings()
+    for file in compiled.model.files:
+        shown = compiled.sources[file.path].shown
+        folder = absolute(Path(shown)).parent
+        stem = source_stem(file.path)
+        inside = next((m for m in file.modules if m.name == folder.name), None)
+        if not file.asked_for or "/" in file.path or inside is None:
+            continue
+        findings.warning(
+            "G0026",
+            inside.facts.location,
+            f"the output is named {stem}, not {folder.name}/{stem}: no search folder contains "
+            f"'{folder.name}'",
+            f"to generate {folder.name}/{stem}, add: -I {shlex.quote(_above(Path(shown).parent))}",
+        )
+    return findings.found
+
+
+def _above(folder: Path) -> str:
+    """The folder that contains `folder`, as a text for the command line."""
+    above = folder.parent if folder.name not in ("", "..") else folder / ".."
+    return above.as_posix()
+
+
 def _in_the_way(outputs: Outputs, difference: Difference) -> list[Finding]:
     """Returns a finding for each hand-written file that `gidl gen` would overwrite."""
     findings = Findings()
@@ -142,6 +183,30 @@ def _in_the_way(outputs: Outputs, difference: Difference) -> list[Finding]:
             "G1404", place.as_posix(), message, "move or delete the file; gidl wrote nothing"
         )
     return findings.found
+
+
+_ADVICE = {
+    errno.ENOSPC: "free space on that disk",
+    errno.EDQUOT: "free space within your quota",
+    errno.EFBIG: "raise the limit for the size of files, see `ulimit -f`",
+    errno.EROFS: "choose a folder on another file system with --out",
+    errno.EACCES: "make the folder writable, or choose another one with --out",
+    errno.EPERM: "make the folder writable, or choose another one with --out",
+    errno.ENOTDIR: "a file has the name of the folder; choose another folder with --out",
+}
+
+
+def _not_written(problem: OSError) -> Finding:
+    """The finding for an output that cannot be written. The files on disk are as before."""
+    findings = Findings()
+    advice = _ADVICE.get(problem.errno or 0, "choose another folder with --out")
+    findings.file_error(
+        "G1405",
+        Path(str(problem.filename)).as_posix(),
+        f"this output cannot be written: {problem.strerror or problem}",
+        f"{advice}, and run gidl again",
+    )
+    return findings.found[0]
 
 
 def texts_of(compiled: Compiled, languages: Collection[str]) -> dict[str, str]:

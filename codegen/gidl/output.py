@@ -111,7 +111,7 @@ def _head(place: Path) -> str:
     try:
         with place.open("rb") as stream:
             return stream.read(_MARK_WITHIN).decode("utf-8", "ignore")
-    except FileNotFoundError:  # another process has deleted the file
+    except (FileNotFoundError, NotADirectoryError):  # the latter: a file is in place of the folder
         return ""
 
 

@@ -264,8 +264,11 @@ class TestWriting:
         capsys.readouterr()
         assert main(["gen", "--lang", "cpp"]) == 1
         said = capsys.readouterr().err
-        assert said.startswith("gidl: generated/cpp/lab/")
-        assert said.endswith(": No space left on device\n")
+        assert said.startswith("generated/cpp/lab/")
+        assert (
+            ": error[G1405]: this output cannot be written: No space left on device\n"
+            "      = help: free space on that disk, and run gidl again\n"
+        ) in said
         assert {p: p.read_text() for p in (here / "generated").rglob("*") if p.is_file()} == before
 
     def test_a_pipe_is_written_to_and_stays_one(self, here: Path) -> None:

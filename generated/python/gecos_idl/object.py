@@ -87,6 +87,7 @@ _GECOS_OBJECT_ACQUIRE: _Method[Grant, None] = _method(
         _layout.secret(_layout.optional(_layout.text(1024))),
         _layout.ranged("d", 0.0),
         defaults=(None, 0.0),
+        units={"patience": "s"},
     ),
     gives=Grant,
     raises=(StatusRefused,),

@@ -83,7 +83,12 @@ class OutOfReach(_layout.Struct, _DeclaredError):
     """[at most 160]"""
 
 
-@_layout.exception("robcl::JointLimit", 0x5E97B6D7D7AED1BF, "Iddd")
+@_layout.exception(
+    "robcl::JointLimit",
+    0x5E97B6D7D7AED1BF,
+    "Iddd",
+    units={"value": "rad", "lower": "rad", "upper": "rad"},
+)
 @_dataclass(slots=True, eq=False)
 class JointLimit(_layout.Struct, _DeclaredError):
     axis: int = 0

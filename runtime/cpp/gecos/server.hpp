@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <iosfwd>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,6 +28,7 @@ struct ObjectOptions {
 struct ServeError {
   std::string text;
 };
+std::ostream& operator<<(std::ostream& out, const ServeError& error);
 
 /// Runs objects in this process: registers them with the lab's broker (and again when a new broker
 /// comes up), accepts clients, queues commands, keeps leases. One I/O thread polls and runs short

@@ -11,8 +11,20 @@ Names are imported at first use: `gecos.wire` and generated types work without t
 
 from __future__ import annotations
 
+import sys as _sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+
+def _check_python() -> None:
+    if _sys.version_info < (3, 11):  # noqa: UP036  # a source tree is used without an installer
+        raise ImportError(
+            f"gecos needs Python 3.11 or newer, and {_sys.executable} is Python "
+            f"{_sys.version_info[0]}.{_sys.version_info[1]}; run the program with a newer Python"
+        )
+
+
+_check_python()
 
 if TYPE_CHECKING:
     from gecos.broker import Broker as Broker
@@ -79,12 +91,35 @@ _HOME = {name: module for module, names in _NAMES.items() for name in names.spli
 
 
 def __getattr__(name: str) -> Any:
+    if name == "_core":
+        return _extension()
     home = _HOME.get(name)
     if home is None:
         raise AttributeError(f"module 'gecos' has no attribute {name!r}")
     value = getattr(import_module(f"gecos.{home}"), name)
     globals()[name] = value
     return value
+
+
+def _extension() -> Any:
+    """The C++ part. Raises ImportError, which says what to do, if it is not there for this
+    Python."""
+    try:
+        return import_module("gecos._core")
+    except ModuleNotFoundError as error:
+        if error.name != "gecos._core":
+            raise
+    from pathlib import Path
+
+    folder, this = Path(__file__).parent, f"{_sys.version_info[0]}.{_sys.version_info[1]}"
+    built = sorted(each.name for each in folder.glob("_core.*.so"))
+    if built:
+        text = f"{folder} has {', '.join(built)}, which is not for this Python {this}"
+        advice = f"run the program with the Python that it was built for, or build with {this}"
+    else:
+        text = f"the C++ part of gecos is not built: {folder} has no _core.*.so"
+        advice = "run `make build` in the source tree, or `pip install robcl`"
+    raise ImportError(f"{text}; {advice}", name="gecos._core")
 
 
 def __dir__() -> list[str]:

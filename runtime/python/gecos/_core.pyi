@@ -59,6 +59,8 @@ class Command:
         """Waits for the end of the command. Returns the encoded result, or the detail if there is
         no result."""
     def failure(self) -> tuple[int, str, str, bytes]: ...
+    def peek_failure(self) -> tuple[int, str, str, bytes]:
+        """Like failure(), but does not mark the command as observed."""
     def descriptor(self) -> int: ...
 
 class Stream:

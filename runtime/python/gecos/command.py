@@ -18,6 +18,7 @@ from gecos.errors import (
     State,
     UnobservedCommandWarning,
 )
+from gecos.task_of import TaskOf
 from gecos.wire import DecodeError, Decoder
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ class Progress:
     fraction: float  # 0 to 1, as the server last reported
 
 
-class Command(Generic[T, F]):
+class Command(TaskOf[T], Generic[T, F]):
     """An issued call. T is the type of its result, F the type of the feedback of the handler.
 
     Issuing a call never blocks; only waiting does. A dropped command keeps running. A warning is
@@ -180,6 +181,8 @@ class Command(Generic[T, F]):
         detail, position, fraction = self._core.peek()
         more = f", {position} before it" if detail == Detail.QUEUED else ""
         more += f", {fraction:.0%}" if detail == Detail.EXECUTING else ""
+        if Detail(detail).state in (State.COMMAND_FAILED, State.CONNECTION_FAILED):
+            more = f": {self._core.peek_failure()[1]}"
         return f"<Command {self._name}: {Detail(detail).name}{more}>"
 
     def _observe(self) -> None:

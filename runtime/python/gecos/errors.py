@@ -5,12 +5,14 @@ Generated exceptions derive from `DeclaredError`; generated types import this mo
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import Field, dataclass, fields, is_dataclass
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from gecos.wire import HIDDEN
+from gecos.wire.enums import printed_by_name
+from gecos.wire.units import mistaken_unit, shown_members
 
 if TYPE_CHECKING:
     from gecos_idl.object_types import Holder
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from gecos.wire import Decoder, Parts
 
 
+@printed_by_name
 class State(IntEnum):
     """The four states of a command. A command reaches exactly one of the last three, and then its
     state never changes."""
@@ -28,6 +31,7 @@ class State(IntEnum):
     CONNECTION_FAILED = 3  # proves that the command did not start: sending it again is safe
 
 
+@printed_by_name
 class Detail(IntEnum):
     """The detailed state of a command; `state` maps it to one of the four states. The numbers equal
     those of `gecos::Detail` in C++."""
@@ -112,6 +116,7 @@ class DeclaredError(CommandFailed):
     """
 
     _gecos_name: ClassVar[str] = ""  # scoped name: "robcl::OutOfReach"
+    _gecos_units: ClassVar[Mapping[str, str]] = {}  # of the members that have a unit
 
     if TYPE_CHECKING:
         # mypy does not see the constructor that @dataclass makes for an exception without members.
@@ -126,13 +131,16 @@ class DeclaredError(CommandFailed):
         return str(self)
 
     def __str__(self) -> str:  # must not use `text`: the exception may have a member `text`
-        shown = (
-            f"{member.name}={getattr(self, member.name)!r}"
-            if member.repr
-            else f"{member.name}={HIDDEN}"
+        values = {
+            member.name: repr(getattr(self, member.name)) if member.repr else HIDDEN
             for member in self._gecos_members()
-        )
-        return f"{self._gecos_name}({', '.join(shown)})"
+        }
+        units = self._gecos_units
+        shown = f"{self._gecos_name}({shown_members(values, units)})"
+        if {"value", "lower", "upper"} <= units.keys():
+            value, low, high = (getattr(self, name) for name in ("value", "lower", "upper"))
+            shown += mistaken_unit(value, low, high, units["value"])
+        return shown
 
     def __reduce__(self) -> tuple[Any, ...]:
         members = {m.name: getattr(self, m.name) for m in self._gecos_members()}

@@ -27,10 +27,11 @@ class Caller:
 class Execution(Generic[F]):
     """A running call of a cancelable operation with feedback F. Valid while its handler runs."""
 
-    __slots__ = ("_core",)
+    __slots__ = ("_core", "_feedback")
 
-    def __init__(self, core: _core.IncomingCall) -> None:
+    def __init__(self, core: _core.IncomingCall, feedback: type | None = None) -> None:
         self._core = core
+        self._feedback = feedback
 
     @property
     def interrupted(self) -> bool:
@@ -44,7 +45,13 @@ class Execution(Generic[F]):
 
     def progress(self, fraction: float, feedback: F | None = None) -> None:
         """Reports progress, 0 to 1, to the caller. Only the latest report is kept: call it as often
-        as you like."""
+        as you like. Raises TypeError for a feedback of another type than the operation declares."""
+        expected = self._feedback
+        if feedback is not None and expected is not None and not isinstance(feedback, expected):
+            raise TypeError(
+                f"the feedback of run.progress must be a {expected.__name__}, not {feedback!r}: "
+                f"`run.progress({fraction}, {expected.__name__}(…))`"
+            )
         self._core.progress(fraction, b"" if feedback is None else _encoded(feedback))
 
     @property

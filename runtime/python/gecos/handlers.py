@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import threading
 import traceback
 from typing import TYPE_CHECKING, Literal
@@ -68,6 +69,28 @@ class Lane(threading.Thread):
         )
 
 
+def check_handlers(servant: Servant) -> None:
+    """Raises TypeError for a handler that does not take the parameters of its operation."""
+    for handler in servant._gecos_handlers.values():
+        if handler.parameters is None:
+            continue
+        words = [*handler.parameters, *(["run"] if handler.operation.cancelable else [])]
+        try:
+            takes = inspect.signature(getattr(servant, handler.method))
+        except ValueError:  # of a callable that is not written in Python
+            continue
+        try:
+            takes.bind(*words)
+        except TypeError:
+            declared = ", ".join(["self", *words])
+            why = "; its operation is @cancelable, so `run` is its last parameter"
+            raise TypeError(
+                f"{type(servant).__name__}.{handler.method} takes {takes}, which does not fit its "
+                f"operation: write `def {handler.method}({declared})`"
+                f"{why if handler.operation.cancelable else ''}"
+            ) from None
+
+
 def _answer(servant: Servant, call: _core.IncomingCall, name: str) -> None:
     """Runs the handler of `call` and replies. An exception ends the call, not the lane's thread."""
     handler = servant._gecos_handlers.get(call.code)
@@ -92,7 +115,7 @@ def _answer(servant: Servant, call: _core.IncomingCall, name: str) -> None:
         )
         return
     if handler.operation.cancelable:
-        arguments = (*arguments, Execution(call))
+        arguments = (*arguments, Execution(call, handler.feedback))
     try:
         value = getattr(servant, handler.method)(*arguments)
     except BaseException as error:

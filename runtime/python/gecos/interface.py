@@ -7,7 +7,7 @@ C++; `_core` reads the Python tables by the names of their attributes.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
 from enum import IntEnum, IntFlag
 from typing import Any, Generic, TypeVar
@@ -172,6 +172,7 @@ class Method(Generic[T, F]):
     body: Callable[[Any], Parts] = no_result  # encodes the value that `result` decodes
     stream: OutwardStream | None = None
     handler: str = ""  # name of the servant's method
+    reports: type | None = None  # type of the feedback; None: not known, or no feedback
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,12 +186,19 @@ class Handler:
     result: Callable[[Any], Parts]
     # exceptions that may be sent; None: every DeclaredError
     raises: tuple[type[DeclaredError], ...] | None = None
+    parameters: Sequence[str] | None = None  # their names; None: not known
+    feedback: type | None = None  # None: not known, or the operation has none
 
 
-def values(names: str, *steps: Step, defaults: tuple[Any, ...] = ()) -> tuple[Any, ...]:
+def values(
+    names: str,
+    *steps: Step,
+    defaults: tuple[Any, ...] = (),
+    units: Mapping[str, str] | None = None,
+) -> tuple[Any, ...]:
     """The parameters of an operation: their names, and a layout step for each. `defaults` are for
-    the last parameters, which an older caller may omit."""
-    return names.split(), steps, defaults
+    the last parameters, which an older caller may omit; `units` of parameters are for messages."""
+    return names.split(), steps, defaults, units or {}
 
 
 def method(
@@ -230,6 +238,7 @@ def method(
         body,
         outward,
         handler or (name if name == sender else f"set_{sender}"),
+        feedback,
     )
 
 
@@ -292,7 +301,13 @@ def interface(
     handlers = {code: each for base in inherited for code, each in base.handlers.items()}
     for each in own:
         handlers[each.operation.code] = Handler(
-            each.operation, each.handler, each.arguments.decode, each.body, each.raises
+            each.operation,
+            each.handler,
+            each.arguments.decode,
+            each.body,
+            each.raises,
+            each.arguments.names,
+            each.reports,
         )
     names = dict.fromkeys(n for base in inherited for n in (*base.bases, base.name))
     operations = [o for base in inherited for o in base.operations]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Self, TypeVar
@@ -28,6 +29,8 @@ class Lab:
     def __init__(self, broker: str | None = None) -> None:
         check_environment()
         self._core = _core.Lab(broker or "", program_name())
+        self._broker = broker or os.environ.get("GECOS_BROKER") or "of this host"
+        self._closed = False
         shutdown.at_exit(self, shutdown.Turn.LABS)
 
     def create(
@@ -100,7 +103,11 @@ class Lab:
         Proxies of this Lab are unusable afterwards; servers of this Lab keep running. Takes at most
         about one second, and 0.2 s more for each server over lcm that does not answer.
         """
+        self._closed = True
         self._core.close()
+
+    def __repr__(self) -> str:
+        return f"<Lab: {'closed' if self._closed else 'open'}, broker {self._broker}>"
 
     def __enter__(self) -> Self:
         return self

@@ -27,6 +27,7 @@ class Lease:
     def __init__(self, core: _core.Lease, object_name: str) -> None:
         self._core = core
         self._object_name = object_name
+        self._released = False
         self.__class__ = _Untouched
         shutdown.at_exit(self, shutdown.Turn.LEASES)
 
@@ -39,6 +40,7 @@ class Lease:
         """Releases the status; queued and running commands still finish. A second call has no
         effect."""
         self.__class__ = Lease
+        self._released = True
         self._core.release()
 
     close = release
@@ -46,6 +48,7 @@ class Lease:
     def release_now(self) -> None:
         """Releases the status and stops the commands queued and running under it."""
         self.__class__ = Lease
+        self._released = True
         self._core.release_now()
 
     def __enter__(self) -> Self:
@@ -61,7 +64,9 @@ class Lease:
         self.release()
 
     def __repr__(self) -> str:
-        return f"<Lease {Access(self._core.status).name} epoch {self.epoch:#x}>"
+        status = Access(self._core.status).name
+        state = "released" if self._released else "acquired"
+        return f"<Lease {status} of {self._object_name}: {state}, epoch {self.epoch:#x}>"
 
 
 class _Untouched(Lease):
@@ -118,6 +123,12 @@ def _acquire(
     timeout: float | None,
     on_position: Callable[[int], object] | None,
 ) -> Lease:
+    if not isinstance(robot, Object):
+        name = robot if isinstance(robot, str) else "NAME"
+        raise TypeError(
+            f"gecos.{access.name.lower()} takes a proxy, not {robot!r}: write "
+            f"`robot = gecos.dynamic({name!r})` and `with gecos.{access.name.lower()}(robot):`"
+        )
     session = robot._gecos_session
     asked = session.ask_for_status(access, password, math.inf if timeout is None else timeout)
     try:

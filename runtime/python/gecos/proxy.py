@@ -27,7 +27,9 @@ from __future__ import annotations
 
 import copy
 import math
-from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
+from functools import partial
+from types import FunctionType
+from typing import TYPE_CHECKING, ClassVar, Generic, NoReturn, TypeVar
 
 from gecos.command import Command
 from gecos.errors import CommandFailed, ConnectionFailed, Detail, State
@@ -50,11 +52,32 @@ class Object:
 
     _gecos_interface: ClassVar[Interface] = Interface(name="gecos::Object")
 
-    def __init__(self, gecos_session: _core.Session) -> None:
-        self._gecos_session = gecos_session
-        self._gecos_deadline: float | None = None
+    _gecos_session: _core.Session
+    _gecos_deadline: float | None
 
-    if not TYPE_CHECKING:  # a type checker that saw __setattr__ would allow every assignment
+    def __init_subclass__(cls) -> None:
+        for name, member in vars(cls).items():
+            if isinstance(member, FunctionType) and not name.startswith("_"):
+                member.stream = partial(_no_stream, cls, name)  # type: ignore[attr-defined]
+
+    if TYPE_CHECKING:
+
+        def __init__(self, gecos_session: _core.Session) -> None: ...
+
+    else:
+
+        def __init__(self, *given):
+            if len(given) != 1 or isinstance(given[0], str):
+                name = given[0] if given and isinstance(given[0], str) else "NAME"
+                kind = type(self).__name__
+                raise TypeError(
+                    f"{kind} is a client class; a Lab makes its objects: "
+                    f"`gecos.Lab().create({kind}, {name!r})`"
+                )
+            self._gecos_session = given[0]
+            self._gecos_deadline = None
+
+        # A type checker that saw __setattr__ would allow every assignment.
 
         def __setattr__(self, name: str, value: object) -> None:
             if not name.startswith("_gecos"):
@@ -73,6 +96,16 @@ class Object:
     def __repr__(self) -> str:
         session = self._gecos_session
         return f"<{session.interface_name} {session.object_name!r} over {session.medium}>"
+
+
+def _no_stream(kind: type[Object], name: str) -> NoReturn:
+    """What `.stream()` does for a method of a proxy, which is not a StreamAttribute."""
+    streams = ", ".join(each.name for each in kind._gecos_interface.streams)
+    raise TypeError(
+        f"{kind.__name__}.{name} is not published as a stream; ask for its value with "
+        f"`.{name}(…).result()`, or add @stream to its attribute in the interface. "
+        f"Streams of {kind.__name__}: {streams or 'none'}"
+    )
 
 
 class StreamAttribute(Generic[T]):

@@ -10,7 +10,7 @@ from typing import Self
 
 from gecos import _core, shutdown
 from gecos.errors import ServeError
-from gecos.handlers import LANES, Lane
+from gecos.handlers import LANES, Lane, check_handlers
 from gecos.lab import Lab
 from gecos.servant import Servant
 from gecos.termination_signals import TerminationSignals
@@ -51,7 +51,8 @@ class Server:
     ) -> None:
         """Serves `servant` under `name` from now on. Clients may use `media`; empty: all media.
 
-        Raises ServeError when no broker answers, the name is taken or no medium can be opened.
+        Raises ServeError when no broker answers, the name is taken or no medium can be opened, and
+        TypeError when a handler does not take the parameters of its operation.
         """
         if not isinstance(servant, Servant):
             given = f"the class {servant.__name__}" if isinstance(servant, type) else repr(servant)
@@ -59,6 +60,9 @@ class Server:
                 f"{name}: the servant must be an object of a class that derives from a generated "
                 f"…Servant, not {given}"
             )
+        if isinstance(media, str):
+            raise TypeError(f"{name}: media must be a list of names: `media=[{media!r}]`")
+        check_handlers(servant)
         self.await_broker()
         with self._adding:
             prepared = self._core.prepare(servant._gecos_interface)

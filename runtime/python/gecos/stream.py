@@ -55,6 +55,7 @@ class Stream(Generic[T]):
         self._waits = False  # True while a reader waits for a sample
         self._turn: Turn[T] | None = None  # the awaiting reader in an `async for`
         self._closed = False
+        self._is_lost = False
         self._read = 0
         self._measured_ns = 0  # time stamp of the last sample that was read
         self._returned: deque[Sample[T]] = deque()  # samples whose readers were cancelled
@@ -177,7 +178,12 @@ class Stream(Generic[T]):
         sample, self._unread = self._unread, None
         return replace(sample, age=_age(self._measured_ns))
 
+    def __repr__(self) -> str:
+        state = "closed" if self._closed else "lost" if self._is_lost else "open"
+        return f"<Stream {self._name}: {state}, last sample read: {self._read or 'none'}>"
+
     def _lost(self) -> StreamLost:
+        self._is_lost = True
         return StreamLost(
             f"stream {self._name}: its server is gone, silent or has closed the session, or its "
             "Lab is closed; create a new proxy and open the stream again"

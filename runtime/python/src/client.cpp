@@ -256,6 +256,7 @@ void bind_client(nb::module_& module) {
              c.core().observe();
              return as_tuple(c.core().failure());
            })
+      .def("peek_failure", [](const CommandHandle& c) { return as_tuple(c.core().failure()); })
       .def("descriptor", [](const CommandHandle& c) { return c.core().descriptor(); });
 
   nb::class_<StreamHandle>(module, "Stream")

@@ -9,7 +9,7 @@ from typing import Any
 from gecos.dynamic_client.model import Model, Value
 from gecos.dynamic_client.names import PARAMETER_WORDS, member_name
 from gecos.dynamic_client.plain import place_of_error, plain_data
-from gecos.dynamic_client.types import Types
+from gecos.dynamic_client.types import Types, units_of
 from gecos.wire import EncodeError, JsonError, Parts
 from gecos.wire.members import Arguments
 
@@ -30,7 +30,8 @@ class Request:
         }
         first = self._first_missing()
         self.defaults = tuple(self._defaults[i] for i in range(first, len(values)))
-        self.arguments = Arguments(name, [v.name for v in values], steps, self.defaults)
+        names = [each.name for each in values]
+        self.arguments = Arguments(name, names, steps, self.defaults, units_of(values))
 
     def _first_missing(self) -> int:
         """Index of the first parameter that an older caller may leave out, with all after it."""

@@ -6,7 +6,7 @@ One thing differs: sequences and arrays of numbers are lists, because importing 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import field, make_dataclass
 from enum import IntEnum, IntFlag
 from math import prod
@@ -224,6 +224,7 @@ class Types:
             "open": declared.appendable,
             "label": simple(declared.name),
             "names": _renamed(attributes, members),
+            "units": units_of(members),
         }
         steps = [self.step(each) for each in members]
         bases = (layout.Struct, DeclaredError) if declared.is_exception else (layout.Struct,)
@@ -249,7 +250,7 @@ class Types:
         )
         steps = [self.step(each) for each in values]
         missing, names = _missing(values), _renamed(attributes, values)
-        return layout.result(*steps, missing=missing, names=names)(kind)
+        return layout.result(*steps, missing=missing, names=names, units=units_of(values))(kind)
 
     def _union(self, declared: Union) -> Any:
         use, _ = self._model.resolved(declared.discriminator)
@@ -366,6 +367,11 @@ def _check_size(element: layout.Step, count: int) -> None:
     takes_bytes = isinstance(kind, Later) or kind.least  # Later: contains itself in a sequence
     if count > MAX_ZERO_WIDTH and not takes_bytes:
         raise Malformed(f"an array of {count} values that take no bytes")
+
+
+def units_of(values: Sequence[Value]) -> dict[str, str]:
+    """The units of values, for messages. That of a secret is left out with its value."""
+    return {each.name: each.unit for each in values if each.unit and not each.secret}
 
 
 def _missing(values: tuple[Value, ...]) -> int:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from gecos.wire.codes import CODE_MEANING, MAX_COUNT, WRITERS, arrays
-from gecos.wire.errors import HIDDEN, EncodeError, expect, expect_boolean, out_of_range
+from gecos.wire.errors import HIDDEN, EncodeError, brief, expect, expect_boolean, out_of_range
 from gecos.wire.values import as_array, first
 
 if TYPE_CHECKING:
@@ -124,8 +124,10 @@ def number(value: Any, code: str, field: str = "") -> bytes:
         expect_boolean(value, field)
     try:
         return WRITERS[code].pack(value)
-    except (struct.error, OverflowError, TypeError):
-        raise EncodeError(field, f"{value!r} is not {CODE_MEANING[code]}") from None
+    except (struct.error, OverflowError, TypeError) as error:
+        too_large = isinstance(error, OverflowError) and code in "fd"
+        why = "too large" if too_large else f"not {CODE_MEANING[code]}"
+        raise EncodeError(field, f"{brief(value)} is {why}") from None
 
 
 def char(letter: str, field: str = "") -> bytes:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from enum import Enum, IntEnum
 from typing import Any
 
+from gecos.wire.units import mistaken_unit
+
 HIDDEN = "***"
 """The text that replaces a secret."""
 
@@ -79,6 +81,15 @@ class WrongTypeError(EncodeError, TypeError):
         return WrongTypeError, self._given
 
 
+def brief(value: object) -> str:
+    """`repr(value)`; of a whole number that Python does not print, its size."""
+    try:
+        return repr(value)
+    except ValueError:  # more than 4300 digits
+        assert isinstance(value, int)
+        return f"a number of {value.bit_length()} bits"
+
+
 def expect(value: object, kind: type, field: str) -> None:
     if not isinstance(value, kind):
         raise WrongTypeError(field, value, kind)
@@ -97,5 +108,26 @@ def expect_enumerator(value: Any, kind: type[IntEnum], field: str) -> None:
         raise EncodeError(field, f"{value!r} is no {kind.__name__}; there are {known}")
 
 
-def out_of_range(field: str, value: object, limits: str) -> EncodeError:
-    return EncodeError(field, f"{value} is outside {limits}")
+class RangeError(EncodeError):
+    """A number is outside the range of its field."""
+
+    def __init__(self, field: str, value: object, limits: str) -> None:
+        super().__init__(field, f"{value} is outside {limits}")
+        self.value = value
+        self.limits = limits  # "[0.01, 1.0]", with a unit behind it if the field has one
+
+    def with_unit(self, unit: str) -> RangeError:
+        """The same error with the unit of the field, and a question if the value fits in degrees or
+        millimetres."""
+        low, high = self.limits.strip("[]").split(", ")
+        error = RangeError(self.field, self.value, f"{self.limits} {unit}")
+        error.why += mistaken_unit(self.value, float(low), float(high), unit)
+        error.args = (f"{error.field}: {error.why}",)
+        return error
+
+    def __reduce__(self) -> tuple[type[EncodeError], tuple[str, str]]:
+        return EncodeError, (self.field, self.why)
+
+
+def out_of_range(field: str, value: object, limits: str) -> RangeError:
+    return RangeError(field, value, limits)

@@ -23,6 +23,7 @@ from gecos.wire.errors import (
     DecodeError,
     EncodeError,
     JsonError,
+    brief,
     expect_enumerator,
     out_of_range,
 )
@@ -107,7 +108,7 @@ class Number(Kind):
         expect_json(int, data, path, "a whole number")
         low, high = limits_of(self.code)
         if not low <= data <= high:
-            raise JsonError(path, f"{data} is not {CODE_MEANING[self.code]}")
+            raise JsonError(path, f"{brief(data)} is not {CODE_MEANING[self.code]}")
         return data
 
     def _floating(self, data: Any, path: str) -> float:
@@ -119,7 +120,7 @@ class Number(Kind):
             WRITERS[self.code].pack(data)
             return float(data)
         except (OverflowError, struct.error):  # the latter for a whole number of 309 digits
-            raise JsonError(path, f"{str(data)[:40]} is not {CODE_MEANING[self.code]}") from None
+            raise JsonError(path, f"{brief(data)[:40]} is too large") from None
 
 
 def limits_of(code: str) -> tuple[int, int]:

@@ -23,6 +23,7 @@ from gecos.wire import plans
 from gecos.wire.codes import MAX_COUNT, MAX_TEXT
 from gecos.wire.decode import Decoder
 from gecos.wire.encode import Parts
+from gecos.wire.enums import printed_by_name
 from gecos.wire.kinds import (
     Char,
     Enumerators,
@@ -173,17 +174,21 @@ def struct(
     deep: bool = False,
     label: str = "",
     names: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
     """Declares the members of a dataclass, in the order of its constructor.
 
     An older writer may omit the last `missing` members, which then get their default values. In an
     `open` struct, members added by a newer writer are skipped. A `deep` struct may contain values
     of its own type. `label` is the struct's name in messages, if its class has another name.
-    `names` maps Python names of members to names in the interface where the two differ.
+    `names` maps Python names of members to names in the interface where the two differ. `units`
+    maps names in the interface to units, which errors show.
     """
 
     def tell(kind: _KindT) -> _KindT:
-        layout = StructLayout(kind, fingerprint, steps, missing, open, deep, label, names or {})
+        layout = StructLayout(
+            kind, fingerprint, steps, missing, open, deep, label, names or {}, units or {}
+        )
         _describe(kind, layout)
         if plans.COMPILED:
             plans.compile_struct(layout, fingerprint)
@@ -193,13 +198,16 @@ def struct(
 
 
 def result(
-    *steps: Step, missing: int = 0, names: Mapping[str, str] | None = None
+    *steps: Step,
+    missing: int = 0,
+    names: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
     """Declares the members of the result of an operation with several results. Such a result is
     extensible like an @appendable struct, but needs no block because it is a whole reply."""
 
     def tell(kind: _KindT) -> _KindT:
-        layout = StructLayout(kind, None, steps, missing, True, False, "", names or {})
+        layout = StructLayout(kind, None, steps, missing, True, False, "", names or {}, units or {})
         layout.in_block = False
         _describe(kind, layout)
         return kind
@@ -215,14 +223,18 @@ def exception(
     open: bool = False,
     label: str = "",
     names: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
     """Declares the members of an exception with the scoped name `name`, compared by identity."""
 
     def tell(kind: _KindT) -> _KindT:
-        kind._gecos_name = name
-        _describe(
-            kind, StructLayout(kind, fingerprint, steps, missing, open, False, label, names or {})
+        layout = StructLayout(
+            kind, fingerprint, steps, missing, open, False, label, names or {}, units or {}
         )
+        named = zip(layout.attributes, layout.names, strict=True)
+        kind._gecos_name = name
+        kind._gecos_units = {here: layout.units[n] for here, n in named if n in layout.units}
+        _describe(kind, layout)
         return kind
 
     return tell
@@ -235,11 +247,15 @@ def twin(
     open: bool = False,
     label: str = "",
     names: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
     """Declares the members of a struct whose encoding equals that of the hand-written type `of`."""
 
     def tell(kind: _KindT) -> _KindT:
-        _describe(kind, StructLayout(kind, None, steps, missing, open, False, label, names or {}))
+        layout = StructLayout(
+            kind, None, steps, missing, open, False, label, names or {}, units or {}
+        )
+        _describe(kind, layout)
         twins[of] = Twin(of, kind)
         return kind
 
@@ -289,7 +305,7 @@ def enumeration(
     def tell(kind: _EnumT) -> _EnumT:
         unknown = None if otherwise is None else kind[otherwise]
         kind._gecos_layout = Enumerators(kind, code, unknown, names or {})  # type: ignore[attr-defined]
-        return kind
+        return printed_by_name(kind)
 
     return tell
 

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 
 from gecos.wire.decode import Decoder
 from gecos.wire.encode import Parts, number
-from gecos.wire.errors import JsonError, expect, out_of_range
+from gecos.wire.errors import JsonError, RangeError, expect, out_of_range
 from gecos.wire.fields import Fields
 from gecos.wire.kinds import Kind, Number, Secret, below, expect_json, kind_of
 from gecos.wire.values import same, signed
@@ -17,20 +17,28 @@ from gecos.wire.values import same, signed
 _Group: TypeAlias = tuple[int, int, Callable[..., Any], Callable[..., Any], str]
 """First and end index of a group of members, the functions that encode and decode the group, and
 its label. A group is a run of numbers with the label "", or one member with its own label."""
+_NO_UNITS: Mapping[str, str] = {}
 
 
 class Members:
     """Members in the order of their encoding. `names` are their names in the interface; messages
     call a member `label.name`. `defaults` are for the last members, which an older writer may omit.
+    `units` are the units of members, for messages.
     """
 
-    __slots__ = ("_groups", "_needed", "defaults", "kinds", "label", "names")
+    __slots__ = ("_groups", "_needed", "defaults", "kinds", "label", "names", "units")
 
     def __init__(
-        self, label: str, names: Sequence[str], steps: Sequence[Any], defaults: Sequence[Any]
+        self,
+        label: str,
+        names: Sequence[str],
+        steps: Sequence[Any],
+        defaults: Sequence[Any],
+        units: Mapping[str, str] = _NO_UNITS,
     ) -> None:
         self.label = label
         self.names = names
+        self.units = units
         self.kinds = [kind_of(each) for each in _single(steps)]
         if len(self.kinds) != len(names):
             raise TypeError(f"{label}: {len(self.kinds)} steps for {len(names)} members")
@@ -64,7 +72,9 @@ class Members:
                 yield at, end, run.pack, run.unpack, ""
                 at = end
             else:
-                yield at, at + 1, kinds[at].put, kinds[at].take, labels[at]
+                unit = self.units.get(self.names[at])
+                put = kinds[at].put if unit is None else _naming_unit(kinds[at].put, unit)
+                yield at, at + 1, put, kinds[at].take, labels[at]
                 at += 1
 
     def write(self, values: Sequence[Any], out: Parts) -> None:
@@ -106,6 +116,18 @@ class Members:
         ]
 
 
+def _naming_unit(put: Callable[..., None], unit: str) -> Callable[..., None]:
+    """`put`, whose range errors name the unit of the value."""
+
+    def put_with_unit(value: Any, out: Parts, label: str) -> None:
+        try:
+            put(value, out, label)
+        except RangeError as error:
+            raise error.with_unit(unit) from None
+
+    return put_with_unit
+
+
 def _single(steps: Sequence[Any]) -> Iterator[Any]:
     for step in steps:
         if isinstance(step, str):
@@ -138,12 +160,13 @@ class StructLayout(Members):
         deep: bool,
         label: str,
         names: Mapping[str, str],
+        units: Mapping[str, str] = _NO_UNITS,
     ) -> None:
         members = fields(kind)
         self.attributes = [member.name for member in members]
         called = [names.get(name, name) for name in self.attributes]
         defaults = [member.default for member in members[len(members) - missing :]]
-        super().__init__(label or kind.__name__, called, steps, defaults)
+        super().__init__(label or kind.__name__, called, steps, defaults, units)
         self.kind = kind
         self.fingerprint = fingerprint
         self.open = open

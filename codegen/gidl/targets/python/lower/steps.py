@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from gidl.model import Model, Primitive, Range
+from gidl.model import Model, Primitive, Range, SequenceType, Type
 from gidl.targets.groups import call, group
 from gidl.targets.python.homes import ModuleNames
 from gidl.targets.python.lower.types import CODES, Types, bulk_code, is_octet, quoted
@@ -103,6 +103,29 @@ def renamed(names: Iterable[tuple[str, str]]) -> list[str]:
     differ. Empty if none differ."""
     pairs = [f"{quoted(here)}: {quoted(there)}" for here, there in names if here != there]
     return [f"names={group(pairs, '{', '}')}"] if pairs else []
+
+
+def units_of(units: Iterable[tuple[str, str | None]]) -> list[str]:
+    """The argument `units` of a layout: pairs of interface name and unit, for the values that have
+    a unit. Empty if none has."""
+    pairs = [f"{quoted(name)}: {quoted(unit)}" for name, unit in units if unit]
+    return [f"units={group(pairs, '{', '}')}"] if pairs else []
+
+
+def unit_of(unit: str | None, used: Type) -> str | None:
+    """The unit of a value, or of its elements."""
+    return unit or (used.unit if isinstance(used, SequenceType) else None)
+
+
+def has_range(node: Node) -> bool:
+    """Whether a number, or an element of a sequence or array, has a range."""
+    match node:
+        case ScalarNode(limits=limits):
+            return limits is not None
+        case OptionalNode(element) | SequenceNode(element) | ArrayNode(element):
+            return has_range(element)
+        case _:
+            return False
 
 
 def _bound(bound: int | None) -> list[str]:

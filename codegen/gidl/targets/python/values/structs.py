@@ -9,7 +9,7 @@ from gidl.targets.calls import result_struct
 from gidl.targets.groups import call
 from gidl.targets.naming import value_note
 from gidl.targets.python import names
-from gidl.targets.python.lower.steps import renamed
+from gidl.targets.python.lower.steps import has_range, renamed, unit_of, units_of
 from gidl.targets.python.lower.types import quoted
 from gidl.targets.python.values.names import ValueNames, may_be_missing, type_doc
 from gidl.targets.python.values.views import FieldView, StructView
@@ -77,7 +77,12 @@ class Structs(ValueNames):
         steps = self._lowering.steps(zip(nodes, (m.secret for m in printed.members), strict=True))
         label = [f"label={quoted(printed.label)}"] if printed.label != printed.name else []
         declared = zip(attributes, (m.name for m in printed.members), strict=True)
-        described = [*first, *steps, *terms, *label, *renamed(declared)]
+        units = [
+            (member.name, unit_of(member.unit, member.type))
+            for member, node in zip(printed.members, nodes, strict=True)
+            if not member.secret and (kind == "exception" or has_range(node))
+        ]
+        described = [*first, *steps, *terms, *label, *renamed(declared), *units_of(units)]
         return StructView(
             "struct",
             printed.name,

@@ -95,6 +95,8 @@ void Lease::send_release(bool now) {
 }
 
 std::ostream& operator<<(std::ostream& out, const LeaseRefusal& refusal) {
+  // A refusal is the declared exception StatusRefused; "FAULT" would look like a broken server.
+  if (refusal.failure.as<StatusRefused>()) return out << refusal.failure.text;
   return out << refusal.failure;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <ostream>
 #include <system_error>
 
 #include "gecos/base/descriptors.hpp"
@@ -217,6 +218,8 @@ void Server::Core::run() {
 }
 
 void Server::Core::shut_down() { ended_.notify(); }
+
+std::ostream& operator<<(std::ostream& out, const ServeError& error) { return out << error.text; }
 
 Server::Server(Lab& lab) : core_(Core::make(session::LabAccess::context(lab))) {}
 Server::~Server() {
