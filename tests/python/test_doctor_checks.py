@@ -9,9 +9,9 @@ from gecos.cli.doctor.extension import extension
 from gecos.cli.doctor.finding import Finding, Level
 
 NO_ROUTE = (
-    "no broker answers; start `gecos broker`, or say where it is in GECOS_BROKER (tried lcm: cannot "
-    "send to 239.255.76.67: Network is unreachable (no multicast route? run as root:  ip link set "
-    "lo multicast on && ip route add 239.255.76.67/32 dev lo))"
+    "no broker answers; start `gecos broker`, or say where it is in GECOS_BROKER (tried lcm: "
+    "cannot send to 239.255.76.67: Network is unreachable (no multicast route? run as root:  "
+    "ip link set lo multicast on && ip route add 239.255.76.67/32 dev lo))"
 )
 
 
@@ -77,7 +77,8 @@ def test_a_foreign_directory_is_replaced_and_an_open_one_closed() -> None:
         'export GECOS_RUNTIME_DIR="$HOME/.gecos-run"',
     )
     open_to_all = (
-        "shm: other users may write to /tmp/gecos-0 and could listen in; run:  chmod go-w /tmp/gecos-0"
+        "shm: other users may write to /tmp/gecos-0 and could listen in; run:  "
+        "chmod go-w /tmp/gecos-0"
     )
     found = places.runtime_directory(open_to_all, where)
     assert found.mend == "chmod go-w /tmp/gecos-0"

@@ -88,9 +88,9 @@ def test_with_the_commands_that_it_gives_the_route_is_there(lab_with_broker: Lab
         pytest.skip("needs root, to add a route")
     _, findings = examined(lab_with_broker, *NETWORK_OF_ITS_OWN)
     mend = the(findings, "multicast route", "warning")["mend"].removeprefix("sudo ")
-    mended = f"ip link set lo up && {mend} && exec \"$@\""
+    mended = f'ip link set lo up && {mend} && exec "$@"'
     code, findings = examined(lab_with_broker, *NETWORK_OF_ITS_OWN, "sh", "-c", mended, "sh")
-    assert code == 0
+    assert code == 0, findings
     assert not [f for f in findings if f["check"] == "multicast route"]
 
 
@@ -169,7 +169,8 @@ def test_without_the_extension_it_still_says_what_is_missing(lab: Laboratory) ->
 def test_people_read_a_line_for_each_finding(own_place: Laboratory) -> None:
     done = own_place.run(*NETWORK_OF_ITS_OWN, *DOCTOR)
     assert done.finish() == 1
-    (broker,) = (line for line in done.lines if line.startswith("error    broker: no broker answers"))
+    begin = "error    broker: no broker answers"
+    (broker,) = (line for line in done.lines if line.startswith(begin))
     assert done.lines[done.lines.index(broker) + 1] == (
         "         mend: gecos broker (or gecos up, which starts devices too)"
     )

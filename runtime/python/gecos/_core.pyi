@@ -128,7 +128,7 @@ def own_key() -> str:
     what is wrong with the folder or the file."""
 
 def key_problem(key: str) -> str | None:
-    """Why the key folder does not admit `key`; None if it does. Raises RuntimeError like own_key."""
+    """Why the key folder does not admit `key`; None if it does. Raises RuntimeError as own_key."""
 
 def public_key_in(text: bytes) -> str:
     """The key in the text of a .public file. Raises ValueError: "is cut short"."""

@@ -13,7 +13,7 @@ from pathlib import Path
 from gecos import _core
 
 _KEY = re.compile(r"[0-9a-f]{64}")
-_ENDING = ".public"
+_SUFFIX = ".public"
 _LONGEST_FILE = 4096  # bytes: more is no key
 _LEAST_DIGITS = 8  # of a fingerprint that names a key
 _FINGERPRINT_DIGITS = 32
@@ -43,7 +43,7 @@ def own_key() -> str:
 
 
 def file_of(key: str) -> Path:
-    return folder() / f"{key}{_ENDING}"
+    return folder() / f"{key}{_SUFFIX}"
 
 
 def fingerprint(key: str) -> str:
@@ -56,12 +56,12 @@ def admitted() -> list[Admitted]:
     """The keys beside this user's own, by name, also those whose files are damaged. Raises
     RuntimeError like own_key."""
     own = own_key()
-    files = sorted(folder().glob(f"*{_ENDING}"))
-    return [_judged(file) for file in files if file.name != own + _ENDING]
+    files = sorted(folder().glob(f"*{_SUFFIX}"))
+    return [_judged(file) for file in files if file.name != own + _SUFFIX]
 
 
 def _judged(file: Path) -> Admitted:
-    key = file.name.removesuffix(_ENDING)
+    key = file.name.removesuffix(_SUFFIX)
     if _KEY.fullmatch(key):
         return Admitted(key, file, _core.key_problem(key))
     mend = f"run `gecos keys add {file}`, and remove it"
@@ -108,7 +108,7 @@ def remove(name: str) -> Admitted:
     fingerprint. Raises KeyFolderError if none or several have this name, or it is the own key."""
     own = own_key()
     wanted = Path(name).name
-    digits = wanted.removesuffix(_ENDING).replace(":", "").lower()
+    digits = wanted.removesuffix(_SUFFIX).replace(":", "").lower()
     if len(digits) < _LEAST_DIGITS:
         raise KeyFolderError(f"{name}: give at least {_LEAST_DIGITS} digits of the fingerprint")
     if own.startswith(digits):

@@ -14,7 +14,7 @@ from gecos.cli.doctor.broker import Answer, broker, one_broker
 from gecos.cli.doctor.extension import NEEDED, extension
 from gecos.cli.doctor.finding import Finding, Level, fine, wrong
 
-_REFUSED = re.compile(r"(GECOS_\w+) is .*")
+_REFUSED_TTL = re.compile(r"GECOS_LCM_TTL is '.*")  # "GECOS_LCM_TTL is 0, so …" is advice
 
 
 def examine() -> list[Finding]:
@@ -73,10 +73,9 @@ def _of_brokers() -> Iterator[Finding]:
 
 
 def _of_lcm(answer: Answer, named: str) -> Iterator[Finding]:
-    refused = _REFUSED.search(answer.reason or "")
-    if refused is not None and refused[1] == "GECOS_LCM_TTL":
-        text = refused[0].removesuffix(")")
-        yield settings.refused("GECOS_LCM_TTL", text)
+    refused = _REFUSED_TTL.search(answer.reason or "")
+    if refused is not None:
+        yield settings.refused("GECOS_LCM_TTL", refused[0].removesuffix(")"))
         return
     yield settings.accepted(os.environ)
     ttl = int(os.environ.get("GECOS_LCM_TTL") or 0)

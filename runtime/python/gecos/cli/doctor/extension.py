@@ -7,11 +7,13 @@ from collections.abc import Sequence
 
 from gecos.cli.doctor.finding import Finding, fine, wrong
 
-NEEDED = (
-    "Lab Session Command Stream Lease PulledServant IncomingCall Server Broker detail_name "
-    "runtime_directory runtime_directory_problem key_directory own_key key_problem public_key_in "
-    "warn_of_other_brokers log_error"
-).split()
+NEEDED = [
+    *("Lab", "Session", "Command", "Stream", "Lease"),
+    *("PulledServant", "IncomingCall", "Server", "Broker"),
+    *("runtime_directory", "runtime_directory_problem"),
+    *("key_directory", "own_key", "key_problem", "public_key_in"),
+    *("warn_of_other_brokers", "detail_name", "log_error"),
+]
 """What this version of gecos uses of gecos._core."""
 
 _PACKAGES = {

@@ -9,7 +9,7 @@ from enum import StrEnum
 class Level(StrEnum):
     OK = "ok"
     WARNING = "warning"  # matters for some uses only, as real time or a second host
-    ERROR = "error"  # must be mended
+    ERROR = "error"  # must be corrected
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ from pathlib import Path
 from gecos.cli.doctor.broker import Answer
 
 _ASKED_FOR = 1.0  # s that a broker has to answer
-_SEALS = "F_SEAL_SHRINK F_SEAL_GROW F_SEAL_SEAL".split()
+_SEALS = ["F_SEAL_SHRINK", "F_SEAL_GROW", "F_SEAL_SEAL"]
 _F_SEAL_FUTURE_WRITE = 0x10  # no name in fcntl before Python 3.13
 _OF_A_PROCESS = re.compile(r"[^.]*\.(\d+)\.\d+\.sock")
 
@@ -45,8 +45,9 @@ def lab_problem() -> str | None:
 
 def ask_broker(place: str | None) -> Answer:
     """Asks the broker at `place`, None: where programs look for it."""
-    import gecos
     from gecos_idl.broker import Broker
+
+    import gecos
 
     try:
         with gecos.Lab(place) as lab:

@@ -16,7 +16,7 @@ from gecos.cli.options import json_option, print_json
 def doctor(as_json: bool) -> None:
     """Finds what keeps programs from meeting, and says what mends it.
 
-    Ends with 0 if nothing must be mended, else with 1; a warning matters for some uses only.
+    Ends with 0 if nothing must be corrected, else with 1; a warning matters for some uses only.
     """
     from gecos.cli.doctor.examination import examine
     from gecos.cli.doctor.finding import Finding, Level
