@@ -145,8 +145,9 @@ MODULES: dict[str, Module] = {
         "a device is a generated skeleton, robcl and one piece of hardware: no medium, no broker",
     ),
     "binding": _module(
-        _BELOW_SESSION + " public umbrella broker",
-        "the binding sits on public headers and broker, at the byte seam: no generated client",
+        _BELOW_SESSION + " public umbrella broker media/shm",
+        "the binding sits on public headers and broker, at the byte seam: no generated client; "
+        "of media it shows the runtime directory alone",
     ),
 }
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 import gecos
 import pytest
+from command_output import Run
+from gecos.cli import main
 from lamp import Lamp, PlainLamp
 
 
@@ -45,6 +48,17 @@ def server(lab: gecos.Lab, servant: PlainLamp) -> Iterator[gecos.Server]:
 def lamp(lab: gecos.Lab, server: gecos.Server) -> Lamp:
     """A proxy without status."""
     return lab.create(Lamp, "LAMP")
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+    def said(*words: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["gecos", *words])
+        code = main()
+        out, err = capsys.readouterr()
+        return code, out, err
+
+    return said
 
 
 @pytest.fixture

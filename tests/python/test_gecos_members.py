@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import json
-import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
+import click
 import gecos
 import pytest
 from click.shell_completion import BashComplete
-from gecos import cli
-from gecos.cli import main
+from command_output import Run, valid
 from gecos.cli.app import app
 from jsonschema import Draft202012Validator
 from robcl.frames import Frame
@@ -88,22 +86,6 @@ def arm(lab: gecos.Lab) -> Iterator[Arm]:
     with gecos.Server(lab) as server:
         server.add("ARM", servant, simulated=True)
         yield servant
-
-
-Run = Callable[..., tuple[int, str, str]]
-
-
-@pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
-    """Runs `gecos` with some words. Returns its exit code, output and error output."""
-
-    def said(*words: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["gecos", *words])
-        code = main()
-        out, err = capsys.readouterr()
-        return code, out, err
-
-    return said
 
 
 def test_get_reads_an_attribute(arm: Arm, run: Run) -> None:
@@ -382,20 +364,26 @@ def test_a_failure_as_json_is_as_the_schema_says(
     assert json.loads(out)["error"]["exit_code"] == 4
 
 
-def valid(text: str, definition: str) -> bool:
-    schema = json.loads((Path(cli.__file__).parent / "output.schema.json").read_text())
-    validator = Draft202012Validator(schema | {"$ref": f"#/$defs/{definition}"})
-    validator.validate(json.loads(text))
-    return True
-
-
 def test_the_schema_describes_every_verb_with_json(run: Run) -> None:
     code, out, _ = run("schema")
     schema = json.loads(out)
     Draft202012Validator.check_schema(schema)
-    verbs = {v.name for v in app.commands.values() if any(p.name == "as_json" for p in v.params)}
+    verbs = {
+        context.command_path
+        for context in contexts(app)
+        if any(p.name == "as_json" for p in context.command.params)
+    }
     assert code == 0
-    assert verbs == schema["$defs"].keys() - {"failure", "error"}
+    assert verbs == schema["$defs"].keys() - {"failure", "error", "key"}
+
+
+def contexts(group: click.Group, above: click.Context | None = None) -> Iterator[click.Context]:
+    """All verbs, "keys" and "keys add"."""
+    for name, command in group.commands.items():
+        context = click.Context(command, info_name=name, parent=above)
+        yield context
+        if isinstance(command, click.Group):
+            yield from contexts(command, context)
 
 
 @pytest.mark.parametrize(

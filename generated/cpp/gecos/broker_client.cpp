@@ -57,4 +57,15 @@ gecos::Command<std::vector<::gecos::Entry>> Broker::list() const {
       });
 }
 
+gecos::Command<std::vector<::gecos::SilentObject>> Broker::silent() const {
+  return gecos_call<std::vector<::gecos::SilentObject>>(
+      BrokerInterface::silent,
+      [](auto& from, auto& value) {
+        return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "silent",
+                   [&](auto& item) {
+                     return gecos::wire::get_block(from, item, "silent");
+                   });
+      });
+}
+
 }  // namespace gecos

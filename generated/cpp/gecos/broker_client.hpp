@@ -51,6 +51,12 @@ class Broker : public virtual gecos::Object {
 
   /// All that is enlisted now, in the order of names.
   gecos::Command<std::vector<::gecos::Entry>> list() const;
+
+  /// Objects that left the list because their server fell silent, in the order of names. Such
+  /// an object stays here until
+  /// a server takes its name, for an hour at most; an object whose process has ended on the
+  /// broker's machine is left out.
+  gecos::Command<std::vector<::gecos::SilentObject>> silent() const;
 };
 
 }  // namespace gecos

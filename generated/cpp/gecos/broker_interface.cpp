@@ -15,20 +15,24 @@ constinit const gecos::OperationDescription BrokerInterface::operations[] = {
         {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
     gecos::operation(0xc5ebb42f, "withdraw", 0x8875f2f1fe455040U,
         {.status = gecos::access::Status::Sensor, .presence = false}),
+    gecos::operation(0xc95b360c, "silent", 0x58ea4aaba68425daU,
+        {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
 };
 
 constinit const gecos::InterfaceDescription BrokerInterface::description{
     .name = "gecos::Broker",
     .version = "1.0",
-    .hash = 0x7af96f6f9acb0b67U,
+    .hash = 0x277cbd62a219c42aU,
     .operations = operations,
-    .model = R"json({"interface":{"kind":"interface","name":"gecos::Broker","doc":"Knows where objects are. Stands at a well-known place; everything else is found through it.","version":"1.0","hash":"0x7af96f6f9acb0b67","members":[
+    .model = R"json({"interface":{"kind":"interface","name":"gecos::Broker","doc":"Knows where objects are. Stands at a well-known place; everything else is found through it.","version":"1.0","hash":"0x277cbd62a219c42a","members":[
 {"kind":"operation","name":"enlist","doc":"Makes an object findable until the calling session ends. Named enlist because `register` is a word of C++.\n`served_for` says how long its server has served it: an age, because hosts have clocks of their own.\nA broker that has just started may hear of an object that was served before it: within `settles_in` the\nname may go to an object that has been served for longer, so ask again. Absent: the name is the server\u0027s.","parameters":[{"name":"what","direction":"in","type":"gecos::Entry"},{"name":"served_for","direction":"in","type":"double","unit":"s","default":0.0},{"name":"settles_in","direction":"out","type":"double","unit":"s","optional":true}],"raises":["gecos::NameTaken"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":399774670,"hash":"0xff7a6020c83edd81"},
 {"kind":"operation","name":"withdraw","doc":"Takes an object of the calling session off the list.","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":3320558639,"hash":"0x8875f2f1fe455040"},
 {"kind":"operation","name":"lookup","doc":"Where an object is that was enlisted.","result":"gecos::Entry","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":1239667683,"hash":"0x5ed8113ab6d833d8"},
-{"kind":"operation","name":"list","doc":"All that is enlisted now, in the order of names.","result":"sequence<gecos::Entry>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":2364029209,"hash":"0xdf31bbf4a9abb156"}]},
+{"kind":"operation","name":"list","doc":"All that is enlisted now, in the order of names.","result":"sequence<gecos::Entry>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":2364029209,"hash":"0xdf31bbf4a9abb156"},
+{"kind":"operation","name":"silent","doc":"Objects that left the list because their server fell silent, in the order of names. Such an object stays here until\na server takes its name, for an hour at most; an object whose process has ended on the broker\u0027s machine is left out.","result":"sequence<gecos::SilentObject>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":3378198028,"hash":"0x58ea4aaba68425da"}]},
 "types":[
 {"kind":"struct","name":"gecos::Entry","doc":"Where an object is and what it is: what a server tells the broker and a client asks for.","extensibility":"appendable","members":[{"name":"name","type":"string","doc":"\"RX90\""},{"name":"interface_name","type":"string","doc":"\"robcl::Rx90\""},{"name":"bases","type":"sequence<string>","doc":"every interface it also is, \"robcl::Manipulator\""},{"name":"interface_hash","type":"uint64"},{"name":"boot","type":"uint64","doc":"this life of the server process; a restart has another"},{"name":"pid","type":"int32"},{"name":"user","type":"string"},{"name":"host","type":"string","doc":"life and network of the host: equal where shared memory reaches"},{"name":"hostname","type":"string","doc":"for people"},{"name":"addresses","type":"sequence<string>","doc":"\"shm:/run/\u2026\", \"lcm:239.255.76.67:20017/\u2026\", best first"},{"name":"simulated","type":"boolean"}],"wire":{"fingerprint":"0xa4b1e0e2e68ad9cd","min_size":54}},
+{"kind":"struct","name":"gecos::SilentObject","doc":"An object whose server the broker no longer hears, although the server has not withdrawn the object.","extensibility":"appendable","members":[{"name":"entry","type":"gecos::Entry","doc":"as it was enlisted"},{"name":"silent_for","type":"double","unit":"s","doc":"since the broker last heard the server"}],"wire":{"fingerprint":"0x34ca363abc7fc73a","min_size":12}},
 {"kind":"exception","name":"gecos::UnknownName","extensibility":"final","members":[{"name":"name","type":"string"},{"name":"known","type":"sequence<string>"}],"wire":{"fingerprint":"0x7cd6bc0789c32ab9","min_size":9}},
 {"kind":"exception","name":"gecos::NameTaken","extensibility":"final","members":[{"name":"name","type":"string"},{"name":"by","type":"string"}],"wire":{"fingerprint":"0xf9ffaded7a4ca4f9","min_size":10}}],
 "references":[]})json",
@@ -144,6 +148,38 @@ bool Broker_list_result::decode([[maybe_unused]] gecos::wire::Decoder& from) {
 }
 
 std::string gecos_violation(const Broker_list_result& value) {
+  for (const auto& item : value.result) {
+    if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
+  }
+  return {};
+}
+
+std::size_t Broker_silent_result::encoded_size() const {
+  std::size_t size = 4;
+  size += 4 * result.size();
+  for (const auto& item : result) {
+    size += item.encoded_size();
+  }
+  return size;
+}
+
+void Broker_silent_result::encode(gecos::wire::Encoder& to) const {
+  to.put_count(result.size());
+  for (const auto& item : result) {
+    to.put_count(item.encoded_size());
+    item.encode(to);
+  }
+}
+
+bool Broker_silent_result::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return gecos::wire::get_sequence(from, result, 4, gecos::wire::npos, "silent.result",
+             [&](auto& item) {
+               return gecos::wire::get_block(from, item, "silent.result");
+             }) &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const Broker_silent_result& value) {
   for (const auto& item : value.result) {
     if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
   }

@@ -17,11 +17,12 @@ namespace gecos {
 struct BrokerInterface {
   static const gecos::InterfaceDescription description;
 
-  static const gecos::OperationDescription operations[4];
+  static const gecos::OperationDescription operations[5];
   static constexpr const gecos::OperationDescription& enlist = operations[0];
   static constexpr const gecos::OperationDescription& lookup = operations[1];
   static constexpr const gecos::OperationDescription& list = operations[2];
   static constexpr const gecos::OperationDescription& withdraw = operations[3];
+  static constexpr const gecos::OperationDescription& silent = operations[4];
 };
 
 /// What `enlist` takes.
@@ -96,5 +97,17 @@ struct Broker_list_result {
 };
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const Broker_list_result& value);
+
+/// What `silent` gives.
+struct Broker_silent_result {
+  std::vector<::gecos::SilentObject> result{};
+
+  static constexpr std::string_view type_name() { return "gecos::Broker_silent_result"; }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+};
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const Broker_silent_result& value);
 
 }  // namespace gecos

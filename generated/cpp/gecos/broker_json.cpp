@@ -25,6 +25,12 @@ bool JsonStruct<::gecos::Entry>::visit(JsonMembers& each, ::gecos::Entry& value)
 }
 
 template <>
+bool JsonStruct<::gecos::SilentObject>::visit(JsonMembers& each, ::gecos::SilentObject& value) {
+  return each.member("entry", value.entry) &&
+         each.member("silent_for", value.silent_for);
+}
+
+template <>
 bool JsonStruct<::gecos::UnknownName>::visit(JsonMembers& each, ::gecos::UnknownName& value) {
   return each.member("name", value.name) &&
          each.member("known", value.known);

@@ -12,6 +12,11 @@ template <>
 bool JsonStruct<::gecos::Entry>::visit(JsonMembers& each, ::gecos::Entry& value);
 
 template <>
+struct JsonShape<::gecos::SilentObject> : JsonStruct<::gecos::SilentObject> {};
+template <>
+bool JsonStruct<::gecos::SilentObject>::visit(JsonMembers& each, ::gecos::SilentObject& value);
+
+template <>
 struct JsonShape<::gecos::UnknownName> : JsonStruct<::gecos::UnknownName> {};
 template <>
 bool JsonStruct<::gecos::UnknownName>::visit(JsonMembers& each, ::gecos::UnknownName& value);

@@ -65,6 +65,27 @@ bool BrokerServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
               }
             });
           });
+    case 0xc95b360c:  // silent
+      return call.answer(
+          "gecos::Broker::silent", this->silent(), {}, [&](const auto& value) {
+            for (const auto& item : value) {
+              if (auto why = ::gecos::gecos_violation(item); !why.empty()) return call.fail_result(
+                  "gecos::Broker::silent",
+                  why);
+            }
+            std::size_t size = 4;
+            size += 4 * value.size();
+            for (const auto& item : value) {
+              size += item.encoded_size();
+            }
+            call.finish(size, [&](auto& to) {
+              to.put_count(value.size());
+              for (const auto& item : value) {
+                to.put_count(item.encoded_size());
+                item.encode(to);
+              }
+            });
+          });
   }
   return false;
 }

@@ -44,6 +44,12 @@ class BrokerServant : public virtual gecos::Servant {
   /// All that is enlisted now, in the order of names.
   virtual gecos::Result<std::vector<::gecos::Entry>> list() = 0;
 
+  /// Objects that left the list because their server fell silent, in the order of names. Such
+  /// an object stays here until
+  /// a server takes its name, for an hour at most; an object whose process has ended on the
+  /// broker's machine is left out.
+  virtual gecos::Result<std::vector<::gecos::SilentObject>> silent() = 0;
+
   bool gecos_answer(gecos::IncomingCall& call) override;
 };
 

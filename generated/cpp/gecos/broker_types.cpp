@@ -83,6 +83,30 @@ std::ostream& operator<<(std::ostream& out, const Entry& value) {
       ", addresses=", value.addresses, ", simulated=", value.simulated, "}");
 }
 
+std::size_t SilentObject::encoded_size() const { return 12 + entry.encoded_size(); }
+
+void SilentObject::encode(gecos::wire::Encoder& to) const {
+  to.put_count(entry.encoded_size());
+  entry.encode(to);
+  to.put(silent_for);
+}
+
+bool SilentObject::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return gecos::wire::get_block(from, entry, "SilentObject.entry") &&
+         from.get(silent_for, "SilentObject.silent_for") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const SilentObject& value) {
+  if (auto why = ::gecos::gecos_violation(value.entry); !why.empty()) return why;
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const SilentObject& value) {
+  return gecos::wire::print_all(out,
+      "SilentObject{entry=", value.entry, ", silent_for=", value.silent_for, " s}");
+}
+
 std::size_t UnknownName::encoded_size() const {
   std::size_t size = 9 + name.size() + 5 * known.size();
   for (const auto& item : known) size += item.size();

@@ -45,6 +45,26 @@ std::ostream& operator<<(std::ostream& out, const Entry& value);
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const Entry& value);
 
+/// An object whose server the broker no longer hears, although the server has not withdrawn
+/// the object.
+struct SilentObject {
+  /// as it was enlisted
+  ::gecos::Entry entry{};
+  /// since the broker last heard the server [s]
+  double silent_for = 0;
+
+  static constexpr std::string_view type_name() { return "gecos::SilentObject"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x34ca363abc7fc73aU); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const SilentObject&, const SilentObject&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const SilentObject& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const SilentObject& value);
+
 /// [exception]
 struct UnknownName {
   std::string name{};

@@ -18,13 +18,14 @@ from gecos.interface import values as _values
 from gecos.proxy import Object as _Object
 from gecos.servant import Servant as _Servant
 from gecos.wire import layout as _layout
-from gecos_idl.broker_types import Entry, NameTaken, UnknownName
+from gecos_idl.broker_types import Entry, NameTaken, SilentObject, UnknownName
 
 __all__ = [
     "Broker",
     "BrokerServant",
     "Entry",
     "NameTaken",
+    "SilentObject",
     "UnknownName",
 ]
 
@@ -63,23 +64,36 @@ _BROKER_LIST: _Method[list[Entry], None] = _method(
     ),
     gives=_layout.items(Entry),
 )
+_BROKER_SILENT: _Method[list[SilentObject], None] = _method(
+    _Operation(
+        0xC95B360C,
+        "silent",
+        _Access.SENSOR,
+        presence=False,
+        idempotent=True,
+        hash=0x58EA4AABA68425DA,
+    ),
+    gives=_layout.items(SilentObject),
+)
 _list_ = list
-_BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broker","doc":"Knows where objects are. Stands at a well-known place; everything else is found through it.","version":"1.0","hash":"0x7af96f6f9acb0b67","members":[
+_BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broker","doc":"Knows where objects are. Stands at a well-known place; everything else is found through it.","version":"1.0","hash":"0x277cbd62a219c42a","members":[
 {"kind":"operation","name":"enlist","doc":"Makes an object findable until the calling session ends. Named enlist because `register` is a word of C++.\n`served_for` says how long its server has served it: an age, because hosts have clocks of their own.\nA broker that has just started may hear of an object that was served before it: within `settles_in` the\nname may go to an object that has been served for longer, so ask again. Absent: the name is the server\u0027s.","parameters":[{"name":"what","direction":"in","type":"gecos::Entry"},{"name":"served_for","direction":"in","type":"double","unit":"s","default":0.0},{"name":"settles_in","direction":"out","type":"double","unit":"s","optional":true}],"raises":["gecos::NameTaken"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":399774670,"hash":"0xff7a6020c83edd81"},
 {"kind":"operation","name":"withdraw","doc":"Takes an object of the calling session off the list.","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":3320558639,"hash":"0x8875f2f1fe455040"},
 {"kind":"operation","name":"lookup","doc":"Where an object is that was enlisted.","result":"gecos::Entry","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":1239667683,"hash":"0x5ed8113ab6d833d8"},
-{"kind":"operation","name":"list","doc":"All that is enlisted now, in the order of names.","result":"sequence<gecos::Entry>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":2364029209,"hash":"0xdf31bbf4a9abb156"}]},
+{"kind":"operation","name":"list","doc":"All that is enlisted now, in the order of names.","result":"sequence<gecos::Entry>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":2364029209,"hash":"0xdf31bbf4a9abb156"},
+{"kind":"operation","name":"silent","doc":"Objects that left the list because their server fell silent, in the order of names. Such an object stays here until\na server takes its name, for an hour at most; an object whose process has ended on the broker\u0027s machine is left out.","result":"sequence<gecos::SilentObject>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":3378198028,"hash":"0x58ea4aaba68425da"}]},
 "types":[
 {"kind":"struct","name":"gecos::Entry","doc":"Where an object is and what it is: what a server tells the broker and a client asks for.","extensibility":"appendable","members":[{"name":"name","type":"string","doc":"\"RX90\""},{"name":"interface_name","type":"string","doc":"\"robcl::Rx90\""},{"name":"bases","type":"sequence<string>","doc":"every interface it also is, \"robcl::Manipulator\""},{"name":"interface_hash","type":"uint64"},{"name":"boot","type":"uint64","doc":"this life of the server process; a restart has another"},{"name":"pid","type":"int32"},{"name":"user","type":"string"},{"name":"host","type":"string","doc":"life and network of the host: equal where shared memory reaches"},{"name":"hostname","type":"string","doc":"for people"},{"name":"addresses","type":"sequence<string>","doc":"\"shm:/run/\u2026\", \"lcm:239.255.76.67:20017/\u2026\", best first"},{"name":"simulated","type":"boolean"}],"wire":{"fingerprint":"0xa4b1e0e2e68ad9cd","min_size":54}},
+{"kind":"struct","name":"gecos::SilentObject","doc":"An object whose server the broker no longer hears, although the server has not withdrawn the object.","extensibility":"appendable","members":[{"name":"entry","type":"gecos::Entry","doc":"as it was enlisted"},{"name":"silent_for","type":"double","unit":"s","doc":"since the broker last heard the server"}],"wire":{"fingerprint":"0x34ca363abc7fc73a","min_size":12}},
 {"kind":"exception","name":"gecos::UnknownName","extensibility":"final","members":[{"name":"name","type":"string"},{"name":"known","type":"sequence<string>"}],"wire":{"fingerprint":"0x7cd6bc0789c32ab9","min_size":9}},
 {"kind":"exception","name":"gecos::NameTaken","extensibility":"final","members":[{"name":"name","type":"string"},{"name":"by","type":"string"}],"wire":{"fingerprint":"0xf9ffaded7a4ca4f9","min_size":10}}],
 "references":[]}'''
 _BROKER = _interface(
     "gecos::Broker",
     "1.0",
-    0x7AF96F6F9ACB0B67,
+    0x277CBD62A219C42A,
     (),
-    (_BROKER_ENLIST, _BROKER_WITHDRAW, _BROKER_LOOKUP, _BROKER_LIST),
+    (_BROKER_ENLIST, _BROKER_WITHDRAW, _BROKER_LOOKUP, _BROKER_LIST, _BROKER_SILENT),
     model=_BROKER_SERVED_MODEL,
 )
 
@@ -128,6 +142,15 @@ class Broker(_Object):
         """All that is enlisted now, in the order of names."""
         return self._gecos_call(_BROKER_LIST, [])
 
+    def silent(self) -> _Command[_list_[SilentObject]]:
+        """Objects that left the list because their server fell silent, in the order of names.
+        Such
+        an object stays here until
+        a server takes its name, for an hour at most; an object whose process has ended on the
+        broker's machine is left out.
+        """
+        return self._gecos_call(_BROKER_SILENT, [])
+
 
 class BrokerServant(_Servant):
     """Knows where objects are. Stands at a well-known place; everything else is found
@@ -173,3 +196,12 @@ class BrokerServant(_Servant):
     @_abstractmethod
     def list(self) -> _list_[Entry]:
         """All that is enlisted now, in the order of names."""
+
+    @_abstractmethod
+    def silent(self) -> _list_[SilentObject]:
+        """Objects that left the list because their server fell silent, in the order of names.
+        Such
+        an object stays here until
+        a server takes its name, for an hour at most; an object whose process has ended on the
+        broker's machine is left out.
+        """

@@ -12,6 +12,7 @@ from gecos.wire import layout as _layout
 __all__ = [
     "Entry",
     "NameTaken",
+    "SilentObject",
     "UnknownName",
 ]
 
@@ -53,6 +54,20 @@ class Entry(_layout.Struct):
     addresses: list[str] = _field(default_factory=list)
     """"shm:/run/…", "lcm:239.255.76.67:20017/…", best first"""
     simulated: bool = False
+
+
+@_layout.struct(0x34CA363ABC7FC73A, Entry, "d", open=True)
+@_dataclass(slots=True)
+class SilentObject(_layout.Struct):
+    """An object whose server the broker no longer hears, although the server has not
+    withdrawn
+    the object.
+    """
+
+    entry: Entry = _field(default_factory=Entry)
+    """as it was enlisted"""
+    silent_for: float = 0.0
+    """since the broker last heard the server [s]"""
 
 
 @_layout.exception(

@@ -123,5 +123,24 @@ class Broker:
     def __init__(self, lab: Lab) -> None: ...
     def close(self) -> None: ...
 
+def runtime_directory() -> str:
+    """The folder in which the programs of this user meet over shm."""
+
+def runtime_directory_problem() -> str | None:
+    """Makes the runtime directory if it is missing. Returns why it is not usable, and the mend."""
+
+def key_directory() -> str:
+    """The folder of this user's keys."""
+
+def own_key() -> str:
+    """This user's public key, 64 hex digits; made at first use. Raises RuntimeError, which says
+    what is wrong with the folder or the file."""
+
+def key_problem(key: str) -> str | None:
+    """Why the key folder does not admit `key`; None if it does. Raises RuntimeError as own_key."""
+
+def public_key_in(text: bytes) -> str:
+    """The key in the text of a .public file. Raises ValueError: "is cut short"."""
+
 def log_error(component: str, text: str) -> None: ...
 def detail_name(number: int) -> str: ...

@@ -195,6 +195,7 @@ class Attempt:
     name: str
     detail: Detail  # NO_SERVER, REFUSED or QOS_UNAVAILABLE
     reason: str
+    silent_since: float | None = None  # Unix time, if the broker no longer hears the server
 
 
 class CreateError(ConnectionError):

@@ -7,5 +7,6 @@ namespace gecos::python {
 
 void bind_client(nanobind::module_& module);
 void bind_server(nanobind::module_& module);
+void bind_this_user(nanobind::module_& module);
 
 }  // namespace gecos::python

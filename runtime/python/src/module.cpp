@@ -28,6 +28,7 @@ NB_MODULE(_core, module) {
   gecos::python::count_forks();
   gecos::python::bind_client(module);
   gecos::python::bind_server(module);
+  gecos::python::bind_this_user(module);
   module.def("detail_name", [](std::uint8_t number) {
     const auto detail = gecos::detail_from(number);
     return std::string(detail ? gecos::to_string(*detail) : "");

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace gecos::broker {
 namespace {
 
@@ -19,6 +21,9 @@ class OldDirectory : public Directory {
   auto enlist(std::uint64_t session, std::uint64_t incarnation, const Entry& entry) {
     return Directory::enlist({session, incarnation, Duration::zero()}, entry,
                              started + seconds(60));
+  }
+  auto end_session(std::uint64_t session, TimePoint heard = started + seconds(61)) {
+    return Directory::end_session(session, heard);
   }
 };
 
@@ -107,6 +112,53 @@ TEST(Directory, DropsWhatASessionEnlistedWhenItEnds) {
   EXPECT_TRUE(directory.enlist(bob, 7, named("RX90")));
 }
 
+std::vector<std::string> names_of(const std::vector<Silent>& silent) {
+  std::vector<std::string> names;
+  for (const Silent& one : silent) names.push_back(one.entry.name);
+  return names;
+}
+
+TEST(Directory, RemembersSinceWhenAServerIsSilent) {
+  OldDirectory directory;
+  ASSERT_TRUE(directory.enlist(ada, 7, named("RX90")));
+  EXPECT_TRUE(directory.silent(started + seconds(61)).empty());
+  directory.end_session(ada, started + seconds(61));
+  const auto silent = directory.silent(started + seconds(65));
+  ASSERT_EQ(names_of(silent), std::vector<std::string>{"RX90"});
+  EXPECT_EQ(silent[0].entry, named("RX90"));
+  EXPECT_EQ(silent[0].since, started + seconds(61));
+  EXPECT_FALSE(directory.look_up("RX90")) << "another server may have the name";
+}
+
+TEST(Directory, ForgetsASilentObjectWhenItsNameIsServedAgain) {
+  OldDirectory directory;
+  ASSERT_TRUE(directory.enlist(ada, 7, named("RX90")));
+  directory.end_session(ada);
+  ASSERT_TRUE(directory.enlist(bob, 8, named("RX90")));
+  EXPECT_TRUE(directory.silent(started + seconds(62)).empty());
+  ASSERT_TRUE(directory.withdraw(bob, "RX90"));
+  EXPECT_TRUE(directory.silent(started + seconds(63)).empty()) << "withdrawn in order";
+}
+
+TEST(Directory, ForgetsASilentObjectAfterAnHour) {
+  OldDirectory directory;
+  ASSERT_TRUE(directory.enlist(ada, 7, named("RX90")));
+  directory.end_session(ada, started + seconds(61));
+  EXPECT_EQ(directory.silent(started + seconds(3660)).size(), 1u);
+  EXPECT_TRUE(directory.silent(started + seconds(3661)).empty());
+}
+
+TEST(Directory, OfManySilentObjectsTheOnesHeardLastAreRemembered) {
+  OldDirectory directory;
+  for (std::size_t i = 0; i <= Directory::most_silent; ++i) {
+    ASSERT_TRUE(directory.enlist(i, 7, named("LAMP" + std::to_string(i))));
+    directory.end_session(i, started + seconds(61 + i));
+  }
+  const auto names = names_of(directory.silent(started + seconds(400)));
+  EXPECT_EQ(names.size(), Directory::most_silent);
+  EXPECT_EQ(std::ranges::count(names, "LAMP0"), 0);
+}
+
 class YoungDirectory : public ::testing::Test {
  protected:
   /// What the server of that life is told which has served RX90 for so long, `after` its start.
@@ -165,7 +217,7 @@ TEST_F(YoungDirectory, AnObjectThatGaveWayDoesNotComeBackWithABetterAge) {
 TEST_F(YoungDirectory, TheEndOfTheSessionThatGaveWayTakesNothingOff) {
   ASSERT_TRUE(enlist(7, seconds(0), milliseconds(100)));
   ASSERT_TRUE(enlist(8, seconds(5), milliseconds(200)));
-  EXPECT_TRUE(directory_.end_session(7).empty());
+  EXPECT_TRUE(directory_.end_session(7, started).empty());
   EXPECT_EQ(holder(), 8u);
 }
 

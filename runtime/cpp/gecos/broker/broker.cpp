@@ -1,6 +1,10 @@
 #include "gecos/broker/broker.hpp"
 
+#include <signal.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <fstream>
 
 #include "gecos/base/log.hpp"
 
@@ -14,6 +18,27 @@ Duration duration_of(double seconds) {
   if (!(seconds > 0)) return Duration::zero();
   return std::chrono::duration_cast<Duration>(
       std::chrono::duration<double>(std::min(seconds, century)));
+}
+
+/// How long the broker hears nothing of a server until it ends the session with it.
+Duration silence_that_ends_a_session() {
+  const LabOptions standard;
+  return standard.lease_ttl + standard.grace;
+}
+
+bool has_ended(std::int32_t pid) {
+  if (::kill(pid, 0) != 0) return errno == ESRCH;
+  std::string status;  // "4711 (name) S …"; Z: it has ended, and its parent has not asked for it
+  std::getline(std::ifstream("/proc/" + std::to_string(pid) + "/stat"), status);
+  const std::size_t name_end = status.rfind(") ");
+  return name_end != std::string::npos && status.substr(name_end + 2, 1) == "Z";
+}
+
+/// Whether the process of `entry` is known to have ended. On another host, or where processes have
+/// other numbers, nothing is known.
+bool is_gone(const Entry& entry) {
+  return entry.pid > 0 && media::on_one_machine(entry.host, media::host_identity()) &&
+         has_ended(entry.pid);
 }
 
 }  // namespace
@@ -76,10 +101,28 @@ Result<std::vector<Entry>> Broker::list() {
   return directory_.list();
 }
 
+Result<std::vector<SilentObject>> Broker::silent() {
+  const TimePoint now = SystemClock().since_boot();
+  std::vector<Silent> found;
+  {
+    const MutexLock lock(mutex_);
+    found = directory_.silent(now);
+  }
+  std::erase_if(found, [](const Silent& one) { return is_gone(one.entry); });
+  std::vector<SilentObject> objects;
+  for (Silent& one : found) {
+    const double seconds = std::chrono::duration<double>(now - one.since).count();
+    objects.push_back({std::move(one.entry), seconds});
+  }
+  return objects;
+}
+
 void Broker::gecos_session_ended(std::uint64_t session) {
+  // An end that the kernel reports comes earlier, but then the process is gone, too.
+  const TimePoint heard = SystemClock().since_boot() - silence_that_ends_a_session();
   const MutexLock lock(mutex_);
-  for (const auto& name : directory_.end_session(session)) {
-    log_info("broker", name + " was removed: its server is gone");
+  for (const auto& name : directory_.end_session(session, heard)) {
+    log_info("broker", name + " was removed: its server is gone or silent");
   }
 }
 

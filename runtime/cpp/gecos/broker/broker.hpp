@@ -28,6 +28,7 @@ class Broker final : public BrokerServant {
   Result<void> withdraw(const std::string& name) override;
   Result<Entry> lookup(const std::string& name) override;
   Result<std::vector<Entry>> list() override;
+  Result<std::vector<SilentObject>> silent() override;
 
  private:
   struct {

@@ -12,6 +12,7 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
   const auto found = places_.find(entry.name);
   if (found == places_.end()) {
     places_.emplace(entry.name, Place{claim.session, entry, since});
+    silent_.erase(entry.name);
     return provisional;
   }
   Place& place = found->second;
@@ -49,7 +50,7 @@ tl::expected<void, UnknownName> Directory::withdraw(std::uint64_t session,
   return {};
 }
 
-std::vector<std::string> Directory::end_session(std::uint64_t session) {
+std::vector<std::string> Directory::end_session(std::uint64_t session, TimePoint heard) {
   std::vector<std::string> dropped;
   for (auto at = places_.begin(); at != places_.end();) {
     if (at->second.session != session) {
@@ -57,6 +58,7 @@ std::vector<std::string> Directory::end_session(std::uint64_t session) {
       continue;
     }
     dropped.push_back(at->first);
+    remember({std::move(at->second.entry), heard});
     at = places_.erase(at);
   }
   return dropped;
@@ -72,6 +74,22 @@ std::vector<Entry> Directory::list() const {
   std::vector<Entry> entries;
   for (const auto& [name, place] : places_) entries.push_back(place.entry);
   return entries;
+}
+
+void Directory::remember(Silent one) {
+  const std::string name = one.entry.name;
+  silent_.insert_or_assign(name, std::move(one));
+  if (silent_.size() <= most_silent) return;
+  silent_.erase(std::ranges::min_element(
+      silent_, {}, [](const auto& remembered_one) { return remembered_one.second.since; }));
+}
+
+std::vector<Silent> Directory::silent(TimePoint now) const {
+  std::vector<Silent> found;
+  for (const auto& [name, one] : silent_) {
+    if (now - one.since < remembered) found.push_back(one);
+  }
+  return found;
 }
 
 UnknownName Directory::unknown(const std::string& name) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -18,6 +19,12 @@ struct Claim {
   Duration served_for{};          ///< how long the object has been served
 };
 
+/// An object whose server was not heard any more and had not withdrawn it.
+struct Silent {
+  Entry entry;
+  TimePoint since;  ///< when the server was heard last
+};
+
 /// The known objects, and the session that enlisted each of them. No I/O; not thread-safe.
 ///
 /// For the duration `young` after its start, the directory may receive claims for objects that were
@@ -28,6 +35,8 @@ struct Claim {
 class Directory {
  public:
   static constexpr Duration first_second = std::chrono::seconds(1);
+  static constexpr Duration remembered = std::chrono::hours(1);
+  static constexpr std::size_t most_silent = 256;
 
   /// `young` is how long after `started` a claim is provisional.
   explicit Directory(TimePoint started, Duration young = first_second)
@@ -40,11 +49,15 @@ class Directory {
   tl::expected<Duration, NameTaken> enlist(const Claim& claim, const Entry& entry, TimePoint now);
   /// Removes an object. Only the session that enlisted the object may remove it.
   tl::expected<void, UnknownName> withdraw(std::uint64_t session, const std::string& name);
-  /// Removes all objects that the session enlisted, and returns their names.
-  std::vector<std::string> end_session(std::uint64_t session);
+  /// Removes all objects that the session enlisted, and returns their names. `heard` is when the
+  /// server was heard last.
+  std::vector<std::string> end_session(std::uint64_t session, TimePoint heard);
 
   tl::expected<Entry, UnknownName> look_up(const std::string& name) const;
   std::vector<Entry> list() const;
+  /// The objects that `end_session` has removed since `now` - `remembered` and whose name no server
+  /// has taken, by name; of more than `most_silent` those that were heard last.
+  std::vector<Silent> silent(TimePoint now) const;
 
  private:
   struct Place {
@@ -55,10 +68,12 @@ class Directory {
   };
   bool gives_way(const Place& place, const Entry& entry, TimePoint since, TimePoint now) const;
   UnknownName unknown(const std::string& name) const;
+  void remember(Silent one);
 
   TimePoint started_;
   TimePoint settled_;
   std::map<std::string, Place> places_;
+  std::map<std::string, Silent> silent_;
 };
 
 }  // namespace gecos::broker

@@ -11,7 +11,8 @@ import time
 
 import click
 
-from gecos.cli import members, up
+from gecos.cli import keys, members, up
+from gecos.cli.doctor.verb import doctor
 from gecos.cli.exit_codes import ExitCode, exit_code, failure_json
 from gecos.cli.options import (
     Number,
@@ -64,14 +65,15 @@ def app() -> None:
 @broker_option
 @json_option
 def list_objects(broker: str | None, as_json: bool) -> None:
-    """Lists the objects that are online."""
+    """Lists the objects that are online, and those whose servers are silent."""
     import gecos
-    from gecos.dynamic_client.connect import entries
+    from gecos.cli.presence import presences
 
     with gecos.Lab(broker) as lab:
-        found = entries(lab)
+        found = presences(lab)
     if as_json:
-        print_json([plain(entry) for entry in found])
+        states = [{"silent_since": one.silent_since, "answers": one.answers} for one in found]
+        print_json([plain(one.entry) | state for one, state in zip(found, states, strict=True)])
     else:
         from gecos.cli import report
 
@@ -132,12 +134,16 @@ def stop(names: tuple[str, ...], everything: bool, broker: str | None, as_json: 
     from concurrent.futures import ThreadPoolExecutor
 
     import gecos
-    from gecos.dynamic_client.connect import entries, find
+    from gecos.dynamic_client.connect import entries, find, silent_objects
 
     if bool(names) == everything:
         raise click.UsageError("give either the names of the objects to stop, or --all")
     with gecos.Lab(broker) as lab:
-        wanted = [entry.name for entry in entries(lab)] if everything else list(names)
+        wanted = list(names)
+        if everything:
+            wanted = [entry.name for entry in entries(lab)]
+            # They cannot be stopped, and the user must know.
+            wanted += [one.entry.name for one in silent_objects(lab)]
 
         def failure_of(name: str) -> Exception | None:
             try:
@@ -147,6 +153,7 @@ def stop(names: tuple[str, ...], everything: bool, broker: str | None, as_json: 
             return None
 
         # All at once: an object that does not answer must not keep the others moving.
+        wanted = list(dict.fromkeys(wanted))
         with ThreadPoolExecutor(max(1, len(wanted))) as threads:
             outcomes = dict(zip(wanted, threads.map(failure_of, wanted), strict=True))
     failures = [error for error in outcomes.values() if error is not None]
@@ -222,7 +229,8 @@ def run_broker() -> None:
         others.join()
 
 
-for verb in (up.up, members.get, members.set_, members.call, members.watch, members.hz):
+_members = (members.get, members.set_, members.call, members.watch, members.hz)
+for verb in (up.up, *_members, doctor, keys.keys):
     app.add_command(verb)
 
 

@@ -66,9 +66,17 @@ def failure_json(error: BaseException) -> dict[str, Any]:
         shown |= {"detail": detail.name, "state": detail.state.name}
     elif isinstance(error, LeaseRefused):
         shown |= {"detail": Detail.DENIED.name, "state": State.COMMAND_FAILED.name}
+    since = _silent_since(error)
+    if since is not None:
+        shown["silent_since"] = since
     if isinstance(error, DeclaredError):
         shown["exception"] = error._gecos_name
     return {"error": shown}
+
+
+def _silent_since(error: BaseException) -> float | None:
+    attempts = error.attempts if isinstance(error, CreateError) else ()
+    return next((a.silent_since for a in attempts if a.silent_since is not None), None)
 
 
 def _details(error: BaseException) -> set[Detail]:

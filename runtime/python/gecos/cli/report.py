@@ -15,26 +15,37 @@ if TYPE_CHECKING:
     from gecos_idl.broker_types import Entry
     from gecos_idl.object_types import Description, Holder, RunningHandler
 
+    from gecos.cli.presence import Presence
     from gecos.dynamic_client import Attribute, Member, Model, Operation, Value
     from gecos.dynamic_client.model import Declaration
 
 
-def objects(entries: Sequence[Entry]) -> None:
-    if not entries:
+def objects(found: Sequence[Presence]) -> None:
+    if not found:
         print("no object is online")
         return
     rows = [
         (
-            entry.name,
-            entry.interface_name,
-            f"{entry.user}@{entry.hostname}",
-            str(entry.pid),
-            _media(entry),
-            "simulated" if entry.simulated else "hardware",
+            one.entry.name,
+            one.entry.interface_name,
+            f"{one.entry.user}@{one.entry.hostname}",
+            str(one.entry.pid),
+            _media(one.entry),
+            _state(one),
         )
-        for entry in entries
+        for one in found
     ]
     _table(("name", "type", "served by", "pid", "media", ""), rows)
+
+
+def _state(of: Presence) -> str:
+    from gecos.cli.presence import ASKED_FOR
+    from gecos.dynamic_client.silence import told
+
+    device = "simulated" if of.entry.simulated else "hardware"
+    if of.silent_since is not None:
+        return f"{device}, {told(of.silent_since)}"
+    return device if of.answers else f"{device}, does not answer within {ASKED_FOR:g} s"
 
 
 def _media(entry: Entry) -> str:

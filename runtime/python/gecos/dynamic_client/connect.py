@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from gecos.builtin_operations import model
 from gecos.dynamic_client.model import ModelError
 from gecos.dynamic_client.proxy import DynamicObject, proxy_class
+from gecos.dynamic_client.silence import silent_since, told
 from gecos.errors import Attempt, CommandFailed, CreateError, Detail
 from gecos.interface import Interface
 from gecos.proxy import Object
@@ -16,7 +17,7 @@ from gecos.proxy import Object
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from gecos_idl.broker_types import Entry
+    from gecos_idl.broker_types import Entry, SilentObject
 
     from gecos.lab import Lab
 
@@ -28,16 +29,54 @@ def entries(lab: Lab, *, patience: float = 2.0) -> list[Entry]:
     return sorted(lab.broker(Broker, patience=patience).list().result(), key=lambda e: e.name)
 
 
+def silent_objects(lab: Lab, *, patience: float = 2.0) -> list[SilentObject]:
+    """The objects that the broker knew and whose servers it no longer hears, sorted by name: none
+    from a broker of an older version. Raises CreateError without a broker."""
+    from gecos_idl.broker import Broker
+
+    try:
+        return lab.broker(Broker, patience=patience).silent().result()
+    except CommandFailed as error:
+        if error.detail is Detail.UNKNOWN_OPERATION:
+            return []
+        raise
+
+
 def find(lab: Lab, name: str, *, medium: str | None = None, patience: float = 2.0) -> Object:
     """A proxy of the object called `name`, whatever its interface, with only the built-in
-    operations. Raises CreateError, which proposes a similar name or lists the objects online."""
+    operations. Raises CreateError, which says since when the object is silent, proposes a similar
+    name, or lists the objects online."""
     known = {entry.name: entry for entry in entries(lab, patience=patience)}
     entry = known.get(name)
     if entry is None:
         reason = f"no such object is online; {_instead_of(name, list(known))}"
-        raise CreateError([Attempt(name, Detail.NO_SERVER, reason)])
+        raise _silence(lab, name) or CreateError([Attempt(name, Detail.NO_SERVER, reason)])
+    try:
+        return connect_to(lab, entry, medium=medium, patience=patience)
+    except CreateError:
+        silence = _silence(lab, name)
+        if silence is None:
+            raise
+        raise silence from None
+
+
+def connect_to(
+    lab: Lab, entry: Entry, *, medium: str | None = None, patience: float = 2.0
+) -> Object:
+    """A proxy of the object that the broker lists, with only the built-in operations. Raises
+    CreateError."""
     anything = _without_members(entry.interface_name, entry.interface_hash)
-    return lab.create(anything, name, medium=medium, patience=patience)
+    return lab.create(anything, entry.name, medium=medium, patience=patience)
+
+
+def _silence(lab: Lab, name: str) -> CreateError | None:
+    """Since when the broker has not heard the server of `name`; None if it hears it."""
+    for one in silent_objects(lab):
+        if one.entry.name == name:
+            since, of = silent_since(one.silent_for), one.entry
+            reason = f"its server, {of.user}@{of.hostname} pid {of.pid}, is {told(since)}"
+            return CreateError([Attempt(name, Detail.NO_SERVER, reason, since)])
+    return None
 
 
 def connect(

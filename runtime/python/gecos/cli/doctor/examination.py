@@ -1,0 +1,88 @@
+"""All checks of `gecos doctor`, one after the other."""
+
+from __future__ import annotations
+
+import os
+import re
+import resource
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from gecos.cli.doctor import network, places, readings, real_time, settings
+from gecos.cli.doctor.broker import Answer, broker, one_broker
+from gecos.cli.doctor.extension import NEEDED, extension
+from gecos.cli.doctor.finding import Finding, Level, fine, wrong
+
+_REFUSED_TTL = re.compile(r"GECOS_LCM_TTL is '.*")  # "GECOS_LCM_TTL is 0, so …" is advice
+
+
+def examine() -> list[Finding]:
+    """What is right and wrong for programs of this user in this environment. Asks the brokers of
+    this host; takes some seconds at most."""
+    return list(_findings())
+
+
+def _findings() -> Iterator[Finding]:
+    built = extension(*readings.extension(NEEDED))
+    yield built
+    yield from settings.unknown(os.environ)
+    if built.level is Level.OK:
+        yield from _of_the_runtime()
+    yield places.shared_memory(readings.sealed_memory_problem())
+    yield network.socket_buffers(readings.receive_buffer(network.WANTED_BYTES))
+    held = readings.capabilities()
+    yield real_time.priority(readings.limit(resource.RLIMIT_RTPRIO), held)
+    yield real_time.locked_memory(readings.limit(resource.RLIMIT_MEMLOCK), held)
+
+
+def _of_the_runtime() -> Iterator[Finding]:
+    from gecos import _core
+
+    unusable = readings.lab_problem()
+    if unusable is not None:
+        yield settings.refused(_variable_in(unusable), unusable)
+        return
+    directory = _core.runtime_directory()
+    problem = _core.runtime_directory_problem()
+    yield places.runtime_directory(problem, directory)
+    blocked = places.occupied(readings.in_the_way(Path(directory)))
+    if blocked is not None:
+        yield blocked
+    if problem is None:
+        yield places.stale_sockets(readings.stale_sockets(Path(directory)))
+    keys = readings.key_problem()
+    if keys is None:
+        yield fine("keys", "this user has a key", _core.key_directory())
+    else:
+        yield wrong("keys", keys, _core.key_directory(), "gecos keys")
+    yield from _of_brokers()
+
+
+def _of_brokers() -> Iterator[Finding]:
+    named = os.environ.get("GECOS_BROKER", "")
+    with ThreadPoolExecutor(2) as side_by_side:
+        first = side_by_side.submit(readings.ask_broker, None)
+        over_lcm = side_by_side.submit(readings.ask_broker, "lcm")
+        answers = [first.result(), over_lcm.result()]
+    yield from _of_lcm(answers[1], named)
+    yield broker(answers[0], f"GECOS_BROKER={named}" if named else "this host")
+    several = one_broker(answers)
+    if several is not None:
+        yield several
+
+
+def _of_lcm(answer: Answer, named: str) -> Iterator[Finding]:
+    refused = _REFUSED_TTL.search(answer.reason or "")
+    if refused is not None:
+        yield settings.refused("GECOS_LCM_TTL", refused[0].removesuffix(")"))
+        return
+    yield settings.accepted(os.environ)
+    ttl = int(os.environ.get("GECOS_LCM_TTL") or 0)
+    yield network.multicast_route(answer.reason, named.startswith("lcm") or ttl > 0)
+    yield network.reach_of_packets(ttl, named)
+
+
+def _variable_in(text: str) -> str:
+    found = re.search(r"GECOS_\w+", text)
+    return found[0] if found else "the environment"

@@ -1,0 +1,46 @@
+"""Can packets of lcm be sent, how far do they go, and is there room for them?"""
+
+from __future__ import annotations
+
+import re
+
+from gecos.cli.doctor.finding import Finding, fine, warning, wrong
+
+WANTED_BYTES = 2 * 1024 * 1024  # LcmOptions::receive_buffer_bytes
+_RMEM_MAX = "/proc/sys/net/core/rmem_max"
+_ADVICE = re.compile(r"no multicast route\? run as root: +([^)]*)\)")
+
+
+def multicast_route(reason: str | None, needed: bool) -> Finding:
+    """`reason`: why no broker answers over lcm; None if one does. `needed`: the settings of this
+    program ask for lcm."""
+    advice = _ADVICE.search(reason or "")
+    if advice is None:
+        return fine("multicast route", "packets of lcm can be sent")
+    level = wrong if needed else warning
+    cause = (reason or "")[: advice.start()].rpartition("lcm: ")[2].rstrip(" (")
+    what = f"lcm is not usable: {cause}"
+    if not needed:
+        what += "; programs of one user on one host do without it"
+    return level("multicast route", what, "network interfaces", f"sudo sh -c '{advice[1]}'")
+
+
+def reach_of_packets(ttl: int, broker: str) -> Finding:
+    """`ttl`: GECOS_LCM_TTL. `broker`: GECOS_BROKER; an address of lcm may mean another host."""
+    if ttl > 0:
+        return fine("lcm reach", f"packets pass up to {ttl} routers", "GECOS_LCM_TTL")
+    if not broker.startswith("lcm"):
+        return fine("lcm reach", "packets stay on this host", "GECOS_LCM_TTL")
+    what = "packets stay on this host, and GECOS_BROKER names lcm: other hosts are not reached"
+    mend = "export GECOS_LCM_TTL=1 for each program, on each host"
+    return warning("lcm reach", what, "GECOS_LCM_TTL", mend)
+
+
+def socket_buffers(granted: int) -> Finding:
+    """`granted`: the bytes that a socket gets that asks for WANTED_BYTES."""
+    if granted >= WANTED_BYTES:
+        return fine("socket buffers", f"a socket gets {granted} bytes", _RMEM_MAX)
+    what = f"a socket gets {granted} bytes of the {WANTED_BYTES} that lcm asks for: "
+    what += "many or large packets are lost and sent again"
+    mend = f"sudo sysctl -w net.core.rmem_max={WANTED_BYTES}"
+    return warning("socket buffers", what, _RMEM_MAX, mend)

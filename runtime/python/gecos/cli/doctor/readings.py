@@ -1,0 +1,150 @@
+"""Reads what the checks judge: the runtime's own verdicts, /proc, limits and files."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+import re
+import resource
+import socket
+import stat
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+
+from gecos.cli.doctor.broker import Answer
+
+_ASKED_FOR = 1.0  # s that a broker has to answer
+_SEALS = ["F_SEAL_SHRINK", "F_SEAL_GROW", "F_SEAL_SEAL"]
+_F_SEAL_FUTURE_WRITE = 0x10  # no name in fcntl before Python 3.13
+_OF_A_PROCESS = re.compile(r"[^.]*\.(\d+)\.\d+\.sock")
+
+
+def extension(needed: list[str]) -> tuple[str | None, list[str], str]:
+    """Why gecos._core cannot be imported, what of `needed` it lacks, and where it is."""
+    folder = Path(__file__).resolve().parents[2]
+    try:
+        found = import_module("gecos._core")
+    except ImportError as error:
+        made = ", ".join(path.name for path in sorted(folder.glob("_core*.so")))
+        return str(error), [], f"{folder} (there is {made or 'no _core*.so'})"
+    return None, [name for name in needed if not hasattr(found, name)], str(found.__file__)
+
+
+def lab_problem() -> str | None:
+    """Why this process cannot have a Lab, as for a setting that is not valid."""
+    import gecos
+
+    try:
+        gecos.Lab("shm").close()
+    except RuntimeError as error:
+        return str(error)
+    return None
+
+
+def ask_broker(place: str | None) -> Answer:
+    """Asks the broker at `place`, None: where programs look for it."""
+    from gecos_idl.broker import Broker
+
+    import gecos
+
+    try:
+        with gecos.Lab(place) as lab:
+            broker = lab.broker(Broker, patience=_ASKED_FOR)
+            told = gecos.describe(broker).result(_ASKED_FOR)
+            ours = told.interface_hash == Broker._gecos_interface.hash
+            return Answer(None, gecos.reference(broker).boot, f"process {told.pid}", ours)
+    except gecos.CreateError as error:
+        return Answer(error.attempts[0].reason)
+    except (ConnectionError, RuntimeError, TimeoutError) as error:
+        return Answer(str(error))
+
+
+def key_problem() -> str | None:
+    from gecos import _core
+
+    return _text_of(_core.own_key)
+
+
+def _text_of(tried: Callable[[], object]) -> str | None:
+    try:
+        tried()
+    except RuntimeError as error:
+        return str(error)
+    return None
+
+
+def stale_sockets(directory: Path) -> list[str]:
+    """The sockets in `directory` at which no program listens any more."""
+    return [str(path) for path in _sockets(directory) if _process_has_ended(path) and _dead(path)]
+
+
+def _sockets(directory: Path) -> list[Path]:
+    try:
+        return sorted(p for p in directory.glob("*.sock") if stat.S_ISSOCK(p.lstat().st_mode))
+    except OSError:
+        return []  # what is wrong with the directory has a finding of its own
+
+
+def _process_has_ended(path: Path) -> bool:
+    """A server in a living process is not called: it would get a client that says nothing."""
+    of = _OF_A_PROCESS.fullmatch(path.name)
+    if of is None:
+        return True  # the place of a broker
+    try:
+        os.kill(int(of[1]), 0)
+    except ProcessLookupError:
+        return True
+    except (PermissionError, OverflowError):
+        return False
+    return False
+
+
+def _dead(path: Path) -> bool:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as client:
+        client.setblocking(False)
+        return client.connect_ex(str(path)) == errno.ECONNREFUSED
+
+
+def in_the_way(directory: Path) -> list[str]:
+    """Files at the broker's place that are no sockets."""
+    place = directory / "BROKER.sock"
+    try:
+        return [] if stat.S_ISSOCK(place.lstat().st_mode) else [str(place)]
+    except OSError:
+        return []
+
+
+def sealed_memory_problem() -> str | None:
+    """Why memory cannot be shared as the runtime shares it."""
+    seals = _F_SEAL_FUTURE_WRITE | sum(getattr(fcntl, name) for name in _SEALS)
+    try:
+        memory = os.memfd_create("gecos-doctor", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+        try:
+            os.ftruncate(memory, 4096)
+            fcntl.fcntl(memory, fcntl.F_ADD_SEALS, seals)
+        finally:
+            os.close(memory)
+    except OSError as error:
+        return os.strerror(error.errno or 0)
+    return None
+
+
+def receive_buffer(wanted: int) -> int:
+    """The bytes that a socket gets that asks for `wanted`."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
+        udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, wanted)
+        return udp.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF) // 2  # the kernel doubles it
+
+
+def capabilities() -> int:
+    """The capabilities of this process, as bits."""
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return int(next(line.split()[1] for line in lines if line.startswith("CapEff:")), 16)
+
+
+def limit(name: int) -> int:
+    """The soft limit `name` of module resource; -1 for none."""
+    soft, _ = resource.getrlimit(name)
+    return -1 if soft == resource.RLIM_INFINITY else soft

@@ -1,0 +1,30 @@
+"""May programs of this user run in real time?"""
+
+from __future__ import annotations
+
+from gecos.cli.doctor.finding import Finding, fine, warning
+
+_CAP_IPC_LOCK = 14
+_CAP_SYS_NICE = 23
+_LEAST_LOCKED = 64 * 1024 * 1024  # bytes: an arm's server and its libraries
+_LIMITS = "/etc/security/limits.d/gecos.conf"
+
+
+def _mend(limit: str) -> str:
+    return f'echo "$USER - {limit}" | sudo tee -a {_LIMITS}, and log in again'
+
+
+def priority(limit: int, capabilities: int) -> Finding:
+    """`limit`: RLIMIT_RTPRIO, -1 for unlimited. `capabilities`: CapEff, as bits."""
+    if limit != 0 or capabilities >> _CAP_SYS_NICE & 1:
+        return fine("real-time priority", "SCHED_FIFO is permitted")
+    what = "SCHED_FIFO is not permitted: only a program that moves hardware in real time needs it"
+    return warning("real-time priority", what, "ulimit -r", _mend("rtprio 80"))
+
+
+def locked_memory(limit: int, capabilities: int) -> Finding:
+    """`limit`: RLIMIT_MEMLOCK in bytes, -1 for unlimited. `capabilities`: CapEff, as bits."""
+    if limit < 0 or limit >= _LEAST_LOCKED or capabilities >> _CAP_IPC_LOCK & 1:
+        return fine("locked memory", "mlockall is permitted")
+    what = f"only {limit} bytes may be locked: only a program that runs in real time needs more"
+    return warning("locked memory", what, "ulimit -l", _mend("memlock unlimited"))

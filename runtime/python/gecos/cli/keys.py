@@ -1,0 +1,113 @@
+"""The verbs `gecos keys`, `keys add` and `keys remove`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+from click.shell_completion import CompletionItem
+
+from gecos.cli.exit_codes import ExitCode, UsageFailure
+from gecos.cli.options import json_option, print_json
+
+_EXCHANGE = """\
+To reach objects of another user over lcm, give your file to that user, add the file that you get,
+and compare the fingerprints on another way, as by telephone:
+  gecos keys add FILE"""
+
+
+@click.group(invoke_without_command=True)
+@json_option
+@click.pass_context
+def keys(context: click.Context, as_json: bool) -> None:
+    """Shows the key of this user and the admitted keys of others, which lcm needs.
+
+    Ends with 1 if the file of an admitted key cannot be used.
+    """
+    if context.invoked_subcommand is None:
+        _show(as_json)
+
+
+def _show(as_json: bool) -> None:
+    from gecos import key_folder
+
+    own = key_folder.own_key()
+    admitted = key_folder.admitted()
+    if as_json:
+        shown = {
+            "folder": str(key_folder.folder()),
+            "own": _plain(own),
+            "admitted": [_plain(one.key) | _state(one) for one in admitted],
+        }
+        print_json(shown)
+    else:
+        print(f"yours     {key_folder.fingerprint(own)}  {key_folder.file_of(own)}")
+        for one in admitted:
+            print(f"admitted  {key_folder.fingerprint(one.key)}  {one.file}")
+        print(_EXCHANGE)
+    problems = [one.problem for one in admitted if one.problem]
+    for problem in problems:
+        print(f"gecos: {problem}", file=sys.stderr)
+    if problems:
+        sys.exit(ExitCode.ENVIRONMENT)
+
+
+def _plain(key: str) -> dict[str, Any]:
+    from gecos import key_folder
+
+    return {
+        "key": key,
+        "fingerprint": key_folder.fingerprint(key),
+        "file": str(key_folder.file_of(key)),
+    }
+
+
+def _state(of: Any) -> dict[str, Any]:
+    return {"file": str(of.file), "problem": of.problem}
+
+
+@keys.command()
+@click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
+@json_option
+def add(file: Path, as_json: bool) -> None:
+    """Admits the user whose .public file is given."""
+    from gecos import key_folder
+
+    try:
+        key = key_folder.add(file)
+    except key_folder.KeyFolderError as error:
+        raise UsageFailure(str(error)) from None
+    if as_json:
+        print_json(_plain(key))
+    else:
+        print(f"admitted  {key_folder.fingerprint(key)}: compare it with its user")
+
+
+def _known(context: click.Context, _: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Admitted keys, for the completion of a shell."""
+    from gecos import key_folder
+
+    try:
+        found = key_folder.admitted()
+    except (OSError, RuntimeError):
+        return []
+    return [CompletionItem(one.file.name) for one in found if one.file.name.startswith(begun)]
+
+
+@keys.command()
+@click.argument("name", shell_complete=_known)
+@json_option
+def remove(name: str, as_json: bool) -> None:
+    """Admits a user no more. NAME: the file, or the first 8 or more digits of the fingerprint."""
+    from gecos import key_folder
+
+    try:
+        gone = key_folder.remove(name)
+    except key_folder.KeyFolderError as error:
+        raise UsageFailure(str(error)) from None
+    if as_json:
+        print_json(_plain(gone.key) | {"file": str(gone.file)})
+    else:
+        print(f"removed   {gone.file}; programs of its user get no new connection")

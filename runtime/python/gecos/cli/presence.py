@@ -1,0 +1,58 @@
+"""What `gecos ls` shows: the objects of the broker, and whether their servers answer."""
+
+from __future__ import annotations
+
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import gecos
+from gecos.dynamic_client.connect import connect_to, entries, silent_objects
+from gecos.dynamic_client.silence import silent_since
+
+if TYPE_CHECKING:
+    from gecos_idl.broker_types import Entry
+
+ASKED_FOR = 2.0
+"""Seconds that each server has to answer, all at the same time. After 1.5 s of silence the broker
+says since when a server is silent, so this is a little more."""
+_MOST_AT_ONCE = 64
+
+
+@dataclass(frozen=True, slots=True)
+class Presence:
+    """`silent_since`: Unix time at which the broker last heard the server; None while it hears it.
+    `answers`: the server has answered this program, or refused it."""
+
+    entry: Entry
+    silent_since: float | None
+    answers: bool
+
+
+def presences(lab: gecos.Lab) -> list[Presence]:
+    """The objects that are online or silent, sorted by name. Takes ASKED_FOR and the answers of the
+    broker at most. Raises CreateError without a broker."""
+    listed = entries(lab)
+    with ThreadPoolExecutor(_MOST_AT_ONCE) as side_by_side:
+        answers = list(side_by_side.map(lambda entry: _answers(lab, entry), listed))
+    silent = {one.entry.name: one for one in silent_objects(lab)}
+    found = {}
+    for entry, answered in zip(listed, answers, strict=True):
+        gone = None if answered else silent.pop(entry.name, None)
+        since = silent_since(gone.silent_for) if gone else None
+        found[entry.name] = Presence(entry, since, answered)
+    for name, one in silent.items():
+        found.setdefault(name, Presence(one.entry, silent_since(one.silent_for), False))
+    return [found[name] for name in sorted(found)]
+
+
+def _answers(lab: gecos.Lab, entry: Entry) -> bool:
+    """Whether a server answers, be it that it refuses this program. A server that cannot be reached
+    from here, as over its own memory only, is not asked and counts as answering."""
+    began = time.monotonic()
+    try:
+        connect_to(lab, entry, patience=ASKED_FOR)
+    except gecos.CreateError:
+        return time.monotonic() - began < ASKED_FOR
+    return True

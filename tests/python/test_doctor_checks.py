@@ -1,0 +1,139 @@
+"""What the doctor says of given values."""
+
+from __future__ import annotations
+
+import pytest
+from gecos.cli.doctor import network, places, real_time, settings
+from gecos.cli.doctor.broker import Answer, broker, one_broker
+from gecos.cli.doctor.extension import extension
+from gecos.cli.doctor.finding import Finding, Level
+
+NO_ROUTE = (
+    "no broker answers; start `gecos broker`, or say where it is in GECOS_BROKER (tried lcm: "
+    "cannot send to 239.255.76.67: Network is unreachable (no multicast route? run as root:  "
+    "ip link set lo multicast on && ip route add 239.255.76.67/32 dev lo))"
+)
+
+
+def said(finding: Finding | None, level: Level, *parts: str) -> None:
+    assert finding is not None
+    assert finding.level is level, finding
+    for part in parts:
+        assert part in f"{finding.what} | {finding.where} | {finding.mend}", finding
+    assert bool(finding.mend) == (level is not Level.OK)
+
+
+def test_a_missing_library_is_named_with_its_package() -> None:
+    missing = "libglib-2.0.so.0: cannot open shared object file: No such file or directory"
+    found = extension(missing, [], "/opt/gecos")
+    said(found, Level.ERROR, "libglib-2.0.so.0 is missing", "sudo apt-get install libglib2.0-0")
+    missing = missing.replace("libglib-2.0.so.0", "libother.so.3")
+    said(extension(missing, [], "/opt/gecos"), Level.ERROR, "install libother.so.3")
+
+
+def test_an_extension_of_another_version_is_told_from_one_that_is_missing() -> None:
+    other = extension(None, ["own_key"], "/opt/gecos/_core.so")
+    said(other, Level.ERROR, "of another version", "lacks own_key", "/opt/gecos/_core.so")
+    none = extension("No module named 'gecos._core'", [], "/opt/gecos (there is no _core*.so)")
+    said(none, Level.ERROR, "No module named 'gecos._core'", "there is no _core*.so")
+    said(extension(None, [], "/opt/gecos/_core.so"), Level.OK)
+
+
+def test_without_a_route_the_runtimes_own_commands_are_given() -> None:
+    commands = (
+        "sudo sh -c 'ip link set lo multicast on && ip route add 239.255.76.67/32 dev lo'",
+        "cannot send to 239.255.76.67: Network is unreachable",
+    )
+    said(network.multicast_route(NO_ROUTE, needed=True), Level.ERROR, *commands)
+    said(network.multicast_route(NO_ROUTE, needed=False), Level.WARNING, *commands)
+    said(network.multicast_route(None, needed=True), Level.OK)
+    silent = "no broker answers; start `gecos broker` (tried lcm:239.255.76.67:7668/GWBROKER: …)"
+    said(network.multicast_route(silent, needed=True), Level.OK)
+
+
+def test_ttl_0_matters_where_lcm_is_named() -> None:
+    said(network.reach_of_packets(0, "lcm"), Level.WARNING, "GECOS_LCM_TTL=1", "each host")
+    said(network.reach_of_packets(0, ""), Level.OK)
+    said(network.reach_of_packets(1, "lcm"), Level.OK)
+
+
+def test_small_buffers_are_told_in_bytes() -> None:
+    small = network.socket_buffers(212992)
+    said(small, Level.WARNING, "212992", "sudo sysctl -w net.core.rmem_max=2097152")
+    said(small, Level.WARNING, "/proc/sys/net/core/rmem_max")
+    said(network.socket_buffers(2097152), Level.OK)
+
+
+def test_a_foreign_directory_is_replaced_and_an_open_one_closed() -> None:
+    foreign = (
+        "shm: /tmp/gecos-0 belongs to uid 65534, who could listen in; name a directory of your own "
+        "in GECOS_RUNTIME_DIR"
+    )
+    where = "/tmp/gecos-0"
+    said(
+        places.runtime_directory(foreign, where),
+        Level.ERROR,
+        "belongs to uid 65534",
+        'export GECOS_RUNTIME_DIR="$HOME/.gecos-run"',
+    )
+    open_to_all = (
+        "shm: other users may write to /tmp/gecos-0 and could listen in; run:  "
+        "chmod go-w /tmp/gecos-0"
+    )
+    found = places.runtime_directory(open_to_all, where)
+    assert found.mend == "chmod go-w /tmp/gecos-0"
+    assert found.what == "other users may write to /tmp/gecos-0 and could listen in"
+    said(places.runtime_directory(None, where), Level.OK)
+
+
+def test_left_over_sockets_are_a_warning_and_a_file_in_the_way_an_error() -> None:
+    left = ["/tmp/gecos-0/RX90.4711.1.sock", "/tmp/gecos-0/BROKER.sock"]
+    said(places.stale_sockets(left), Level.WARNING, *left, f"rm {' '.join(left)}")
+    said(places.stale_sockets([]), Level.OK)
+    said(places.occupied(["/tmp/gecos-0/BROKER.sock"]), Level.ERROR, "no socket", "rm -r /tmp")
+    assert places.occupied([]) is None
+
+
+def test_without_sealed_memory_shm_is_not_usable() -> None:
+    said(places.shared_memory("Operation not permitted"), Level.ERROR, "not permitted", "memfd")
+    said(places.shared_memory(None), Level.OK)
+
+
+@pytest.mark.parametrize(
+    ("limit", "capabilities", "level"),
+    [(0, 0, Level.WARNING), (80, 0, Level.OK), (-1, 0, Level.OK), (0, 1 << 23, Level.OK)],
+)
+def test_real_time_priority(limit: int, capabilities: int, level: Level) -> None:
+    said(real_time.priority(limit, capabilities), level)
+
+
+@pytest.mark.parametrize(
+    ("limit", "capabilities", "level"),
+    [(65536, 0, Level.WARNING), (1 << 30, 0, Level.OK), (-1, 0, Level.OK), (0, 1 << 14, Level.OK)],
+)
+def test_locked_memory(limit: int, capabilities: int, level: Level) -> None:
+    said(real_time.locked_memory(limit, capabilities), level)
+
+
+def test_a_misspelt_setting_is_told_the_right_one() -> None:
+    (found,) = settings.unknown({"GECOS_BROKR": "shm", "GECOS_LOG": "info", "HOME": "/"})
+    said(found, Level.WARNING, "GECOS_BROKR", "did you mean GECOS_BROKER?", "unset GECOS_BROKR")
+    assert settings.unknown({"GECOS_BUILD": "build"}) == []
+
+
+def test_no_broker_says_where_it_was_looked_for() -> None:
+    reason = "no broker answers; start `gecos broker` (tried shm:/tmp/gecos-0/BROKER.sock: nobody)"
+    found = broker(Answer(reason), "this host")
+    said(found, Level.ERROR, "shm:/tmp/gecos-0/BROKER.sock: nobody", "this host", "gecos broker")
+    named = broker(Answer(reason), "GECOS_BROKER=lcm")
+    said(named, Level.ERROR, "GECOS_BROKER=lcm")
+
+
+def test_a_broker_of_another_version_and_a_second_one_are_warnings() -> None:
+    old = Answer(None, 7, "process 4711", ours=False)
+    said(broker(old, "this host"), Level.WARNING, "process 4711", "another version")
+    ours = Answer(None, 8, "process 4712")
+    said(broker(ours, "this host"), Level.OK, "process 4712 answers")
+    said(one_broker([old, ours]), Level.WARNING, "process 4711", "process 4712")
+    assert one_broker([ours, ours]) is None
+    assert one_broker([ours, Answer("no broker answers")]) is None

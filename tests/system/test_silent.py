@@ -1,0 +1,94 @@
+"""A server that does not answer, as the command line shows it."""
+
+from __future__ import annotations
+
+import json
+import re
+import signal
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from processes import Laboratory, Program, until
+
+GECOS = [sys.executable, "-m", "gecos.cli"]
+SERVER = Path(__file__).parent / "rail" / "server.py"
+OVER_LCM_ONLY = f"""
+import runpy, gecos
+Rail = runpy.run_path({str(SERVER)!r})["Rail"]
+with gecos.Server(gecos.Lab()) as server:
+    server.add("RAIL", Rail(), simulated=True, media=["lcm"])
+    print("serving RAIL", flush=True)
+    input()
+"""
+SILENT = re.compile(r"silent since \d\d:\d\d:\d\d \(\d+\.\d s\)")
+
+
+def start_server(lab: Laboratory, medium: str) -> Program:
+    command = ["-c", OVER_LCM_ONLY] if medium == "lcm" else [SERVER]
+    return lab.start(sys.executable, *command, ready="serving RAIL", listens=True)
+
+
+def rail(lab: Laboratory) -> dict[str, Any]:
+    done = lab.run(*GECOS, "ls", "--json")
+    assert done.finish() == 0, str(done)
+    (found,) = json.loads(done.output())
+    assert found["name"] == "RAIL"
+    return dict(found)
+
+
+@pytest.mark.parametrize("medium", ["shm", "lcm"])
+def test_a_server_that_stands_still_is_silent_and_comes_back(
+    lab_with_broker: Laboratory, medium: str
+) -> None:
+    lab = lab_with_broker
+    server = start_server(lab, medium)
+    assert rail(lab)["answers"], "it runs"
+    stopped = time.time()
+    server.signal(signal.SIGSTOP)
+    assert not rail(lab)["answers"], "asked in vain, and within a bound"
+
+    until(lambda: rail(lab)["silent_since"] is not None, "the broker hears it no more")
+    assert abs(rail(lab)["silent_since"] - stopped) < 5.0
+    _, line = lab.run(*GECOS, "ls").lines
+    assert SILENT.search(line), line
+    for words in (["describe", "RAIL"], ["get", "RAIL", "beam"], ["call", "RAIL", "measure"]):
+        done = lab.run(*GECOS, *words)
+        assert done.finish() == 4, str(done)
+        (line,) = done.lines
+        assert line.startswith("gecos: RAIL: NO_SERVER: its server, ")
+        assert f"pid {server.pid}, is silent since" in line and SILENT.search(line)
+
+    server.signal(signal.SIGCONT)
+    until(lambda: rail(lab)["answers"], "it is back")
+    assert rail(lab)["silent_since"] is None
+
+
+def test_what_is_silent_is_not_stopped_and_the_user_is_told(lab_with_broker: Laboratory) -> None:
+    lab = lab_with_broker
+    server = start_server(lab, "shm")
+    server.signal(signal.SIGSTOP)
+    until(lambda: rail(lab)["silent_since"] is not None, "the broker hears it no more")
+    done = lab.run(*GECOS, "stop", "--all", "--json")
+    assert done.finish() == 4, str(done)
+    shown = json.loads(done.lines[0])
+    assert shown["stopped"] == []
+    assert abs(shown["failed"][0]["silent_since"] - time.time()) < 60
+
+
+def test_a_server_that_has_ended_is_not_silent(lab_with_broker: Laboratory) -> None:
+    lab = lab_with_broker
+    server = start_server(lab, "shm")
+    server.kill()
+
+    def gone() -> bool:
+        done = lab.run(*GECOS, "ls")
+        assert "silent" not in done.output(), str(done)
+        return done.output() == "no object is online"
+
+    until(gone, "the broker has dropped it")
+    done = lab.run(*GECOS, "describe", "RAIL")
+    assert done.finish() == 4
+    assert "no such object is online" in done.output()
