@@ -155,11 +155,8 @@ std::string gecos_violation(const Broker_list_result& value) {
 }
 
 std::size_t Broker_silent_result::encoded_size() const {
-  std::size_t size = 4;
-  size += 4 * result.size();
-  for (const auto& item : result) {
-    size += item.encoded_size();
-  }
+  std::size_t size = 4 + 4 * result.size();
+  for (const auto& item : result) size += item.encoded_size();
   return size;
 }
 

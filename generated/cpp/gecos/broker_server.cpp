@@ -73,11 +73,8 @@ bool BrokerServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
                   "gecos::Broker::silent",
                   why);
             }
-            std::size_t size = 4;
-            size += 4 * value.size();
-            for (const auto& item : value) {
-              size += item.encoded_size();
-            }
+            std::size_t size = 4 + 4 * value.size();
+            for (const auto& item : value) size += item.encoded_size();
             call.finish(size, [&](auto& to) {
               to.put_count(value.size());
               for (const auto& item : value) {
