@@ -58,6 +58,7 @@ def main() -> None:
         place = running.enter_context(tempfile.TemporaryDirectory(prefix="gecos-"))
         os.environ["GECOS_RUNTIME_DIR"] = place
         os.environ.pop("GECOS_BROKER", None)
+        os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else every start compiles our sources
         for program in SERVERS:
             process = start(asked.build / program)
             running.callback(process.wait)

@@ -257,6 +257,15 @@ def test_slow_modules_are_not_imported() -> None:
     )
 
 
+def test_only_the_members_that_are_asked_for_are_made() -> None:
+    name = "robcl::Rx90"
+    kind = proxy_class(texts(name), name, only=["tool"])
+    assert isinstance(vars(kind)["tool"], property)
+    assert not {"move", "flange", "set_tool_offset"} & set(dir(kind))
+    assert {each.name for each in kind._gecos_model.members} >= {"tool", "move", "flange"}
+    assert [each.name for each in kind._gecos_interface.operations] == ["tool"]
+
+
 def test_the_errors_of_dynamic_are_found_in_the_package() -> None:
     assert gecos.ModelError is ModelError
     assert "ModelError" in dir(gecos)

@@ -379,7 +379,10 @@ def test_the_schema_describes_every_verb_with_json(run: Run) -> None:
 
 def contexts(group: click.Group, above: click.Context | None = None) -> Iterator[click.Context]:
     """All verbs, "keys" and "keys add"."""
-    for name, command in group.commands.items():
+    here = above or click.Context(group)
+    for name in group.list_commands(here):
+        command = group.get_command(here, name)
+        assert command is not None
         context = click.Context(command, info_name=name, parent=above)
         yield context
         if isinstance(command, click.Group):

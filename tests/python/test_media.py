@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import gecos
 import pytest
 from gecos.interface import Media, Quality
+from gecos.record import replace
 from lamp import Lamp
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from gecos.command import Command
 from gecos.errors import Detail, State
 from gecos.interface import Method
 from gecos.proxy import Object
+from gecos.record import replace
 from gecos.wire import Decoder
 
 if TYPE_CHECKING:

@@ -7,7 +7,6 @@ import os
 import selectors
 import socket
 import threading
-import traceback
 from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
@@ -86,6 +85,8 @@ def call(callback: Callable[[], object]) -> None:
     try:
         callback()
     except BaseException:
+        import traceback
+
         log.error("command", f"a callback of a command failed\n{traceback.format_exc()}")
 
 

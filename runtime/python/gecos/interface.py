@@ -8,11 +8,12 @@ C++; `_core` reads the Python tables by the names of their attributes.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass, field
 from enum import IntEnum, IntFlag
+from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
 from gecos.errors import DeclaredError
+from gecos.record import Record
 from gecos.wire import Decoder, Parts
 from gecos.wire.kinds import Kind as Carried
 from gecos.wire.kinds import Nested, kind_of
@@ -68,8 +69,7 @@ class Media(IntFlag):
 ANY_MEDIUM = Media(0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Quality:
+class Quality(Record, kw_only=True):
     """The quality that an interface demands of a connection. A duration of 0 means: no demand."""
 
     line: QualityClass = QualityClass.TIME_INDEPENDENT
@@ -85,12 +85,10 @@ class Quality:
 ASKED_NOTHING = Quality()
 
 
-@dataclass(frozen=True, slots=True)
-class Operation:
+class Operation(Record):
     code: int
     name: str  # "move", "tool", "tool=" for a setter
     access: Access = Access.ACTOR
-    _: KW_ONLY
     kind: Kind = Kind.OPERATION
     safety: bool = False
     presence: bool = True
@@ -104,8 +102,7 @@ class Operation:
     hash: int = 0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OutwardStream:
+class OutwardStream(Record, kw_only=True):
     """A stream of samples. The operation with the same function code reads a single value."""
 
     code: int
@@ -116,8 +113,7 @@ class OutwardStream:
     quality: Quality = ASKED_NOTHING
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Interface:
+class Interface(Record, kw_only=True, derived=("models", "handlers")):
     name: str  # "robcl::Rx90"
     version: str = ""
     hash: int = 0
@@ -126,14 +122,13 @@ class Interface:
     streams: tuple[OutwardStream, ...] = ()  # own and all inherited streams
     quality: Quality = ASKED_NOTHING
     # JSON of the interface and of each of its bases, which the object serves
-    models: tuple[str, ...] = field(default=(), compare=False, repr=False)
-    handlers: Mapping[int, Handler] = field(default_factory=dict, compare=False, repr=False)
+    models: tuple[str, ...] = ()
+    handlers: Mapping[int, Handler] = MappingProxyType({})
 
     def __post_init__(self) -> None:
         """Removes duplicates: several bases may inherit the same operation or stream."""
-        object.__setattr__(self, "operations", tuple(dict.fromkeys(self.operations)))
-        object.__setattr__(self, "streams", tuple(dict.fromkeys(self.streams)))
-        object.__setattr__(self, "models", tuple(dict.fromkeys(self.models)))
+        for name in ("operations", "streams", "models"):
+            self.__dict__[name] = tuple(dict.fromkeys(getattr(self, name)))
 
 
 def nothing(source: Decoder) -> None:
@@ -158,8 +153,7 @@ def no_result(value: None) -> Parts:
 _NO_ARGUMENTS = Arguments("", (), (), ())
 
 
-@dataclass(frozen=True)  # has no slots, because Method[T, F](…) sets an extra attribute
-class Method(Generic[T, F]):
+class Method(Record, Generic[T, F]):
     """How a proxy calls an operation: the decoders of its reply, feedback and exceptions. A
     `Method` made by `method` also has the codec of the arguments and the encoder of the reply."""
 
@@ -175,8 +169,7 @@ class Method(Generic[T, F]):
     reports: type | None = None  # type of the feedback; None: not known, or no feedback
 
 
-@dataclass(frozen=True, slots=True)
-class Handler:
+class Handler(Record):
     """How a servant answers a call: its method, the decoder of the arguments, the encoder of the
     result."""
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-from pathlib import Path
 
 
 def program_name() -> str:
@@ -12,7 +11,7 @@ def program_name() -> str:
     spec = getattr(sys.modules.get("__main__"), "__spec__", None)
     if spec is not None and spec.name != "__main__":  # "__main__": a folder or archive was run
         return str(spec.name).removesuffix(".__main__")
-    name = Path(sys.argv[0]).name if sys.argv else ""
+    name = os.path.basename(sys.argv[0]) if sys.argv else ""  # noqa: PTH119  # pathlib takes long
     if name in ("", "-", "-c"):
         return "python"
     return name.encode(errors="replace").decode()

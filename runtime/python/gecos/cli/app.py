@@ -1,4 +1,8 @@
-"""The verbs of `gecos` for objects as a whole, and the start of the command line."""
+"""The verbs of `gecos` for objects as a whole, and the start of the command line.
+
+Imports take most of the time of a short command. So verbs import at the start of their function
+what they alone need, and a verb in a module of its own is imported when it is used.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +12,10 @@ import math
 import sys
 import threading
 import time
+from importlib import import_module
 
 import click
 
-from gecos.cli import keys, members, up
-from gecos.cli.doctor.verb import doctor
 from gecos.cli.exit_codes import ExitCode, exit_code, failure_json
 from gecos.cli.options import (
     Number,
@@ -27,6 +30,33 @@ from gecos.cli.options import (
 _STOP_WITHIN = 5.0  # s for the answer of a server
 _PATIENCE = 2.0  # s for one attempt to find an object
 _BETWEEN = 0.1  # s between two attempts; a broker announces no changes yet
+
+
+_VERBS = {
+    "call": "members.call",
+    "doctor": "doctor.verb.doctor",
+    "get": "members.get",
+    "hz": "members.hz",
+    "keys": "keys.keys",
+    "set": "members.set_",
+    "up": "up.up",
+    "watch": "members.watch",
+}
+"""The verbs in modules of their own: module and name of the function."""
+
+
+class Verbs(click.Group):
+    """The verbs of this module, and those of `_VERBS`, which are imported when they are used."""
+
+    def list_commands(self, context: click.Context) -> list[str]:
+        return sorted({*super().list_commands(context), *_VERBS})
+
+    def get_command(self, context: click.Context, name: str) -> click.Command | None:
+        if name not in _VERBS:
+            return super().get_command(context, name)
+        module, _, function = _VERBS[name].rpartition(".")
+        verb: click.Command = getattr(import_module(f"gecos.cli.{module}"), function)
+        return verb
 
 
 def _print_version(context: click.Context, _: click.Parameter, asked: bool) -> None:
@@ -44,7 +74,7 @@ def _version() -> str:
         return "of a source tree, which is not installed"
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"]})
 @click.option(
     "--version",
     is_flag=True,
@@ -227,11 +257,6 @@ def run_broker() -> None:
         others.start()
         signals.wait()
         others.join()
-
-
-_members = (members.get, members.set_, members.call, members.watch, members.hz)
-for verb in (up.up, *_members, doctor, keys.keys):
-    app.add_command(verb)
 
 
 def run() -> int:

@@ -50,13 +50,14 @@ _REDRAW = 0.1  # s between two drawings of a progress bar
 
 
 @contextmanager
-def _connected(broker: str | None, name: str) -> Iterator[DynamicObject]:
+def _connected(broker: str | None, name: str, member: str) -> Iterator[DynamicObject]:
+    """A proxy of the object called `name`, with this member alone."""
     import gecos
     from gecos.dynamic_client.by_name import UnknownMemberError
     from gecos.dynamic_client.connect import connect
 
     with gecos.Lab(broker) as lab:
-        robot = connect(lab, name)
+        robot = connect(lab, name, only=(member,))
         try:
             yield robot
         except UnknownMemberError as error:
@@ -85,7 +86,7 @@ def get(name: str, attribute: str, password: str, broker: str | None, as_json: b
     """Reads an attribute, under the status that it needs."""
     from gecos.dynamic_client import by_name
 
-    with _connected(broker, name) as robot:
+    with _connected(broker, name, attribute) as robot:
         wanted = by_name.attribute(robot, attribute)
         with _status(robot, wanted.access, password):
             value = by_name.read(robot, attribute).result()
@@ -121,7 +122,7 @@ def set_(
     """
     from gecos.dynamic_client import by_name
 
-    with _connected(broker, name) as robot:
+    with _connected(broker, name, attribute) as robot:
         needed = by_name.attribute(robot, attribute).write_access
         with _status(robot, needed, password):
             command = by_name.write(robot, attribute, value_of(value))
@@ -159,7 +160,7 @@ def call(
     from gecos.interface import Access
 
     given = _arguments(arguments)
-    with _connected(broker, name) as robot:
+    with _connected(broker, name, operation) as robot:
         called = by_name.operation(robot, operation)
         needed = Access.SENSOR if called.safety else called.access
         with _status(robot, needed, password):
@@ -272,7 +273,7 @@ def watch(
     from gecos.dynamic_client import by_name
 
     with ExitStack() as opened:
-        robot = opened.enter_context(_connected(broker, name))
+        robot = opened.enter_context(_connected(broker, name, attribute))
         needed = by_name.attribute(robot, attribute).access
         opened.enter_context(_status(robot, needed, password))
         shown = opened.enter_context(report.Samples(as_json))
@@ -336,7 +337,7 @@ def hz(
 
     The periods are between the times of measurement, so they do not depend on this program.
     """
-    with _connected(broker, name) as robot, _subscribed(robot, stream) as opened:
+    with _connected(broker, name, stream) as robot, _subscribed(robot, stream) as opened:
         lines = 0
         last: float | None = None
         while count is None or lines < count:

@@ -7,7 +7,6 @@ read(robot, "tool").result()
 from __future__ import annotations
 
 from collections.abc import Mapping
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
 from gecos.dynamic_client.model import Attribute, Operation
@@ -79,6 +78,8 @@ def _names(robot: DynamicObject, kind: type[Operation] | type[Attribute]) -> lis
 
 
 def _unknown(robot: DynamicObject, kind: str, name: str, known: list[str]) -> UnknownMemberError:
+    from difflib import get_close_matches
+
     near = get_close_matches(name, known, n=1)
     instead = f"did you mean {near[0]}?" if near else f"it has {', '.join(known) or 'none'}"
     session = robot._gecos_session

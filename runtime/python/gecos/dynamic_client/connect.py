@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -15,7 +14,7 @@ from gecos.interface import Interface
 from gecos.proxy import Object
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Sequence
 
     from gecos_idl.broker_types import Entry, SilentObject
 
@@ -80,10 +79,15 @@ def _silence(lab: Lab, name: str) -> CreateError | None:
 
 
 def connect(
-    lab: Lab, name: str, *, medium: str | None = None, patience: float = 2.0
+    lab: Lab,
+    name: str,
+    *,
+    medium: str | None = None,
+    patience: float = 2.0,
+    only: Collection[str] | None = None,
 ) -> DynamicObject:
-    """A proxy of the object called `name` with all members of its interface, made from the model
-    that the object serves."""
+    """A proxy of the object called `name`, made from the model that the object serves. It has all
+    members of the interface, or `only` those with the given names, which takes less time."""
     found = find(lab, name, medium=medium, patience=patience)
     interface = found._gecos_interface.name
     texts = served_models(found)
@@ -92,7 +96,8 @@ def connect(
             interface,
             f"{name} serves no model; generate the code of its server again, with this gidl",
         )
-    return lab.create(_class_of(interface, tuple(texts)), name, medium=medium, patience=patience)
+    kind = _class_of(interface, tuple(texts), None if only is None else frozenset(only))
+    return lab.create(kind, name, medium=medium, patience=patience)
 
 
 def dynamic(name: str, lab: Lab | None = None) -> DynamicObject:
@@ -124,11 +129,15 @@ def _without_members(name: str, hash: int) -> type[Object]:
 
 
 @cache
-def _class_of(name: str, texts: tuple[str, ...]) -> type[DynamicObject]:
-    return proxy_class(texts, name)
+def _class_of(
+    name: str, texts: tuple[str, ...], only: frozenset[str] | None
+) -> type[DynamicObject]:
+    return proxy_class(texts, name, only)
 
 
 def _instead_of(name: str, known: Sequence[str]) -> str:
+    from difflib import get_close_matches
+
     by_lower = {one.lower(): one for one in known}
     near = get_close_matches(name.lower(), by_lower, n=1)
     if near:

@@ -7,12 +7,12 @@ the description of an object for people: `description_of(proxy).members`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
 from typing import Any
 
 from gecos.dynamic_client.names import simple
 from gecos.dynamic_client.type_text import Type
 from gecos.interface import ASKED_NOTHING, Access, OnLoss, OnNew, Quality
+from gecos.record import Record
 
 OBJECT_REFERENCE = "gecos::ObjectRef"
 """The type of values whose declared type is an interface."""
@@ -31,8 +31,7 @@ class ModelError(ValueError):
         return ModelError, (self.interface, self.why)
 
 
-@dataclass(frozen=True, slots=True)
-class Limits:
+class Limits(Record):
     """An inclusive range; None: no limit on this side."""
 
     low: int | float | None
@@ -53,13 +52,12 @@ def within(inner: Limits | None, outer: Limits | None) -> Limits | None:
     return Limits(max(lows, default=None), min(highs, default=None))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Value:
+class Value(Record, kw_only=True, derived=("use",)):
     """A member of a type, a parameter, a result, or the value of an attribute."""
 
     name: str
     type: str  # as in .gidl: "sequence<double, 6>"
-    use: Type = field(repr=False)  # `type`, parsed
+    use: Type  # `type`, parsed
     direction: str = "in"  # "in", "out" or "inout"
     unit: str = ""
     limits: Limits | None = None
@@ -81,8 +79,7 @@ class Value:
 # -- types -----------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class Struct:
+class Struct(Record):
     """A struct or an exception."""
 
     name: str  # scoped: "robcl::Frame"
@@ -94,8 +91,7 @@ class Struct:
     doc: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Enumeration:
+class Enumeration(Record):
     name: str
     enumerators: tuple[tuple[str, int], ...]
     otherwise: str | None = None  # replaces numbers that no enumerator has
@@ -108,16 +104,14 @@ class Enumeration:
         return self.otherwise or self.enumerators[0][0]
 
 
-@dataclass(frozen=True, slots=True)
-class Bitmask:
+class Bitmask(Record):
     name: str
     flags: tuple[tuple[str, int], ...]  # names and positions
     bits: int
     doc: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Bitset:
+class Bitset(Record):
     name: str
     fields: tuple[tuple[str, int, int, str], ...]  # name, position, width, name of the type
     base: str
@@ -125,16 +119,14 @@ class Bitset:
     doc: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Case:
+class Case(Record):
     """An arm of a union. `labels` are empty if all tags without an arm select this one."""
 
     labels: tuple[Any, ...]
     member: Value
 
 
-@dataclass(frozen=True, slots=True)
-class Union:
+class Union(Record):
     name: str
     discriminator: Type
     cases: tuple[Case, ...]
@@ -143,8 +135,7 @@ class Union:
     doc: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Typedef:
+class Typedef(Record):
     name: str
     use: Type
     limits: Limits | None = None
@@ -157,8 +148,7 @@ Declaration = Struct | Enumeration | Bitmask | Bitset | Union | Typedef
 # -- interfaces ------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Operation:
+class Operation(Record, kw_only=True):
     """An operation, or an event, which proxies do not offer yet."""
 
     kind: str  # "operation" or "event"
@@ -197,15 +187,13 @@ class Operation:
         return self.kind == "operation"
 
 
-@dataclass(frozen=True, slots=True)
-class AttributeStream:
+class AttributeStream(Record):
     direction: str  # "out": the server publishes; "in": the server accepts
     rate_hz: float = 0.0  # 0: not declared
     largest: int = 0  # bytes of the largest sample; 0 when unbounded
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Attribute:
+class Attribute(Record, kw_only=True):
     """An attribute. Proxies do not offer attributes that clients publish (`stream.direction`)."""
 
     name: str
@@ -244,8 +232,7 @@ class Attribute:
 Member = Operation | Attribute
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Interface:
+class Interface(Record, kw_only=True):
     name: str
     version: str = ""
     doc: str = ""
@@ -255,8 +242,7 @@ class Interface:
     hash: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Model:
+class Model(Record):
     """An interface, its bases, and all types that they use."""
 
     interface: str

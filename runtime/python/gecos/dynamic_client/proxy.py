@@ -6,8 +6,7 @@ them: `robot.move({"position": {"x": 0.4, "y": 0, "z": 0.3}, …}).result()`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Collection, Iterator, Sequence
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
@@ -23,6 +22,7 @@ from gecos.errors import DeclaredError
 from gecos.interface import Interface, Kind, Method, getter, interface, method
 from gecos.interface import Operation as OperationTable
 from gecos.proxy import Object, StreamAttribute
+from gecos.record import replace
 from gecos.wire import Decoder, layout
 from gecos.wire.kinds import kind_of
 
@@ -33,12 +33,15 @@ class DynamicObject(Object):
     _gecos_model: ClassVar[Model]
 
 
-def proxy_class(models: Sequence[str], name: str) -> type[DynamicObject]:
+def proxy_class(
+    models: Sequence[str], name: str, only: Collection[str] | None = None
+) -> type[DynamicObject]:
     """Makes the class of proxies of the interface `name`. `models` are the served texts of the
-    interface and all its bases. Raises ModelError if the texts are not valid."""
+    interface and all its bases. `only` names the members to make; the default is all of them.
+    Raises ModelError if the texts are not valid."""
     model = read_model(models, name)
     try:
-        return _Builder(model).built()
+        return _Builder(model).built(only)
     except Malformed as error:
         raise ModelError(name, str(error)) from None
 
@@ -56,10 +59,10 @@ class _Builder:
         self._methods: dict[str, list[Method[Any, Any]]] = {name: [] for name in model.interfaces}
         self._entries: dict[str, Any] = {}
 
-    def built(self) -> type[DynamicObject]:
+    def built(self, only: Collection[str] | None) -> type[DynamicObject]:
         model = self._model
         for member in model.members:
-            if member.offered:
+            if member.offered and (only is None or member.name in only):
                 for name, entry in self._members(member):
                     if name in self._entries:
                         raise Malformed(f"two members of {model.interface} are called {name}")

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import NoReturn
 
+from gecos.record import Record
 from gecos.wire.codes import MAX_COUNT, MAX_TEXT
 
 CODES = {
@@ -24,8 +24,7 @@ _TOKEN = re.compile(
 _KEYWORDS = frozenset(("string", "sequence", "map"))
 
 
-@dataclass(frozen=True, slots=True)
-class Type:
+class Type(Record):
     """A type as it is used. `kind` says which of the other members are set."""
 
     kind: str  # "primitive", "string", "sequence", "map", "array" or "named"
