@@ -73,7 +73,7 @@ WELCOME = Welcome("BROKER", "gecos::Broker", [], 0x1234, 6, 256, {0x8CE83919: 0x
 LOOKUP = packets.code_of("gecos::Broker::lookup")
 UNKNOWN = packets.string("RX90") + packets.sequence([packets.string("BROKER")])
 NOT_A_BROKER = Failure("RX90 is a robcl::Rx90, not a gecos::Broker")
-ACQUIRE = packets.u32(1) + packets.boolean(True) + packets.string("two hands")
+ACQUIRE = packets.u32(1) + packets.boolean(True) + packets.string("two hands") + packets.f64(0.0)
 GRANT = packets.block(packets.u32(1) + packets.u64(11))
 
 PACKETS = {

@@ -11,10 +11,11 @@ SERVING = """
 import gecos
 from gecos_idl.broker import BrokerServant
 class Nothing(BrokerServant):
-    def enlist(self, what): pass
+    def enlist(self, what, served_for): pass
     def withdraw(self, name): pass
     def lookup(self, name): pass
     def list(self): return []
+    def silent(self): return []
 gecos.serve({"NOTHING": Nothing()}, simulated=True)
 """
 

@@ -293,6 +293,7 @@ class SlowBroker : public gecos::BrokerServant {
   gecos::Result<void> withdraw(const std::string&) override { return {}; }
   gecos::Result<gecos::Entry> lookup(const std::string&) override { return dead_; }
   gecos::Result<std::vector<gecos::Entry>> list() override { return {}; }
+  gecos::Result<std::vector<gecos::SilentObject>> silent() override { return {}; }
 
   const gecos::Entry dead_;
   std::atomic<int> left_;  // publishes nothing but itself

@@ -34,6 +34,7 @@ class TellingBroker : public gecos::BrokerServant {
     return tl::unexpected(gecos::Fault(gecos::NameTaken{what.name, "the other one, pid 4711"}));
   }
   gecos::Result<void> withdraw(const std::string&) override { return {}; }
+  gecos::Result<std::vector<gecos::SilentObject>> silent() override { return {}; }
   gecos::Result<gecos::Entry> lookup(const std::string&) override {
     const std::lock_guard lock(mutex_);
     return entry_;
