@@ -47,6 +47,9 @@ CASES: list[tuple[str, str, Any]] = [
     ("gecos::Entry", "with places", {
         "name": "RX90", "bases": ["robcl::SixAxis", "robcl::Device"], "boot": 2**63,
         "addresses": ["shm:/run/gecos/1f3a.sock", "lcm:239.255.76.67:20017/RX90"]}),
+    ("gecos::SilentObject", "an arm", {
+        "entry": {"name": "RX90", "interface_name": "robcl::Rx90", "pid": 4711},
+        "silent_for": 4.25}),
     ("gecos::ObjectRef", "nil", {}),
     ("gecos::ObjectRef", "an arm", {
         "name": "RX90", "interface_hash": 2**64 - 1, "boot": 2**63 + 1,

@@ -120,7 +120,8 @@ class Number(Kind):
             WRITERS[self.code].pack(data)
             return float(data)
         except (OverflowError, struct.error):  # the latter for a whole number of 309 digits
-            raise JsonError(path, f"{brief(data)[:40]} is not {CODE_MEANING[self.code]}") from None
+            wrong = "too large" if isinstance(data, int) else f"not {CODE_MEANING[self.code]}"
+            raise JsonError(path, f"{brief(data)[:40]} is {wrong}") from None
 
 
 def limits_of(code: str) -> tuple[int, int]:
