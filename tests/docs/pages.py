@@ -5,7 +5,8 @@ A block ```sh is typed at a terminal and has to succeed. Words after `sh` are fo
 last command goes on, `status=3` when one command ends with that status, `repeat` when a person
 would type it again until it prints what is expected. A block ```text after it has lines that are
 printed, in this order; … stands for anything. A block `text terminal=2` is printed there, by the
-command that stayed, which ends if `status=` is given too. A block of another language is written
+command that stayed, which ends if `status=` is given too; if its first line is ^C, Ctrl-C is
+pressed there first, and the command ends. A block of another language is written
 to the file that the line before it names, in backticks and with a colon at its end; without such a
 name it is not followed. Commands that stay are ended by Ctrl-C before the next one in their
 terminal, unless that is the same.
@@ -96,6 +97,9 @@ class Reader:
                 self._do(block, after.lines if after and printed else [])
             elif block.language == "text" and block.words:
                 terminal = self.terminals[block.words["terminal"]]
+                if block.lines[0] == "^C":
+                    terminal.interrupt(block.lines[1:])
+                    continue
                 terminal.see(block.lines)
                 if "status" in block.words:
                     terminal.finish(block.status)

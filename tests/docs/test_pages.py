@@ -13,3 +13,8 @@ def test_the_simulated_laboratory(reader: Reader) -> None:
 @pytest.mark.timeout(300)
 def test_a_program_of_ones_own(reader: Reader) -> None:
     reader.follow("docs/own-program.md")
+
+
+@pytest.mark.timeout(300)
+def test_a_server_in_cpp(reader: Reader) -> None:
+    reader.follow("docs/cpp-server.md")

@@ -22,9 +22,16 @@ class Program:
     name: str  # for people: "RX90"
     run: tuple[str, ...]  # the program and its arguments
     restart: bool = False  # starts again when it ends by itself
-    ready: str = "ready"  # a line with this text says that it is ready; "": at once
+    ready: str | None = None  # a line with this text says that it is ready; "": at once
     environment: Mapping[str, str] = field(default_factory=dict)
     line: int = 0  # in lab.toml; 0 if it is not from a file
+
+    def is_ready(self, line: str) -> bool:
+        """Whether the program says so by this line. Without `ready` the lines that servers print
+        by default, "serving RX90" and "robcl-rx90: RX90 is ready", do."""
+        if self.ready is None:
+            return line.startswith("serving ") or "ready" in line
+        return self.ready in line
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +114,7 @@ class _Reader:
             name,
             tuple(run),
             self._value(table, place, "restart", bool, "true or false", False),
-            self._value(table, place, "ready", str, "a text", "ready"),
+            self._value(table, place, "ready", str, "a text", "") if "ready" in table else None,
             environment,
             self._line(place),
         )

@@ -56,11 +56,11 @@ class _Process:
 
     def _pass_on(self) -> None:
         assert self._process.stdout is not None
-        if not self.program.ready:
+        if self.program.ready == "":
             self._ready.set()
         for line in self._process.stdout:
             print(f"  [{self.program.name}] {line}", end="", flush=True)
-            if self.program.ready in line:
+            if self.program.is_ready(line):
                 self._ready.set()
         self._process.wait()
         self._ready.set()
@@ -70,8 +70,14 @@ class _Process:
         """Raises LaboratoryError if the program ends, or is not ready in time."""
         in_time = self._ready.wait(READY_WITHIN)
         if not in_time:
-            raise LaboratoryError(f"{self.program.name} is not ready after {READY_WITHIN:g} s")
-        if self.program.ready and self.status is not None:
+            text = (
+                "'serving' or 'ready'" if self.program.ready is None else repr(self.program.ready)
+            )
+            raise LaboratoryError(
+                f"{self.program.name} is not ready: within {READY_WITHIN:g} s it has printed no "
+                f"line with {text}; if it prints another text, name that text as `ready` in lab.toml"
+            )
+        if self.program.ready != "" and self.status is not None:
             raise LaboratoryError(f"{self.program.name} {self.how_ended()} before it was ready")
 
     @property
