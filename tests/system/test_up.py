@@ -79,7 +79,7 @@ def test_what_serve_prints_says_that_a_program_is_ready(lab: Laboratory, tmp_pat
 def test_a_program_that_never_says_that_it_is_ready_is_refused_with_advice(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("gecos.laboratory.running.READY_WITHIN", 0.1)
+    monkeypatch.setattr(sys.modules["gecos.laboratory.running"], "READY_WITHIN", 0.1)
     program = Program("OVEN", ("sh", "-c", "echo warm; exec sleep 1000"))
     wanted = r"OVEN is not ready: .* no line with 'serving' or 'ready'; .* `ready` in lab.toml"
     laboratory = LaboratoryDescription((program,), starts_broker=False, folder=tmp_path)

@@ -44,8 +44,8 @@ def up(file: Path | None, folders: tuple[Path, ...], restart: bool) -> None:
     with running(laboratory, folders=folders, restart=restart) as started:
         names = ", ".join(program.name for program in laboratory.programs)
         verb = "is" if len(laboratory.programs) == 1 else "are"
-        print(f"up: {names} {verb} ready; Ctrl-C ends them", flush=True)
         try:
+            print(f"up: {names} {verb} ready; Ctrl-C ends them", flush=True)
             started.watch()
         except KeyboardInterrupt:
             print("up: ending", flush=True)

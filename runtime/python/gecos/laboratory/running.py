@@ -70,12 +70,12 @@ class _Process:
         """Raises LaboratoryError if the program ends, or is not ready in time."""
         in_time = self._ready.wait(READY_WITHIN)
         if not in_time:
-            text = (
-                "'serving' or 'ready'" if self.program.ready is None else repr(self.program.ready)
-            )
+            ready = self.program.ready
+            text = "'serving' or 'ready'" if ready is None else repr(ready)
             raise LaboratoryError(
                 f"{self.program.name} is not ready: within {READY_WITHIN:g} s it has printed no "
-                f"line with {text}; if it prints another text, name that text as `ready` in lab.toml"
+                f"line with {text}; if it prints another one, name a part of that line as `ready` "
+                "in lab.toml"
             )
         if self.program.ready != "" and self.status is not None:
             raise LaboratoryError(f"{self.program.name} {self.how_ended()} before it was ready")
