@@ -62,6 +62,7 @@ class _Process:
             print(f"  [{self.program.name}] {line}", end="", flush=True)
             if self.program.is_ready(line):
                 self._ready.set()
+        self._process.stdout.close()
         self._process.wait()
         self._ready.set()
         self._ended(self)
