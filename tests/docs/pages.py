@@ -5,8 +5,8 @@ A block ```sh is typed at a terminal and has to succeed. Words after `sh` are fo
 last command goes on, `status=3` when one command ends with that status, `repeat` when a person
 would type it again until it prints what is expected. A block ```text after it has lines that are
 printed, in this order; … stands for anything. A block `text terminal=2` is printed there, by the
-command that stayed, which ends if `status=` is given too; if its first line is ^C, Ctrl-C is
-pressed there first, and the command ends. A block of another language is written
+command that stayed, which ends if `status=` is given too; at a line ^C, Ctrl-C is pressed there,
+and the command ends after the lines behind it. A block of another language is written
 to the file that the line before it names, in backticks and with a colon at its end; without such a
 name it is not followed. Commands that stay are ended by Ctrl-C before the next one in their
 terminal, unless that is the same.
@@ -46,6 +46,13 @@ class Block:
     @property
     def lines(self) -> list[str]:
         return [line for line in self.text.splitlines() if line.strip() not in ("", "…")]
+
+    @property
+    def around_ctrl_c(self) -> tuple[list[str], bool, list[str]]:
+        """Lines before ^C, whether there is one, and lines after it."""
+        lines = self.lines
+        at = lines.index("^C") if "^C" in lines else len(lines)
+        return lines[:at], at < len(lines), lines[at + 1 :]
 
     @property
     def status(self) -> int:
@@ -97,10 +104,10 @@ class Reader:
                 self._do(block, after.lines if after and printed else [])
             elif block.language == "text" and block.words:
                 terminal = self.terminals[block.words["terminal"]]
-                if block.lines[0] == "^C":
-                    terminal.interrupt(block.lines[1:])
-                    continue
-                terminal.see(block.lines)
+                before, ctrl_c, after_it = block.around_ctrl_c
+                terminal.see(before)
+                if ctrl_c:
+                    terminal.interrupt(after_it)
                 if "status" in block.words:
                     terminal.finish(block.status)
             elif block.file is not None:

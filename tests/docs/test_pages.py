@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from pages import Reader
+from pages import TREE, Reader
 
 
 def test_the_simulated_laboratory(reader: Reader) -> None:
@@ -18,3 +18,16 @@ def test_a_program_of_ones_own(reader: Reader) -> None:
 @pytest.mark.timeout(300)
 def test_a_server_in_cpp(reader: Reader) -> None:
     reader.follow("docs/cpp-server.md")
+
+
+@pytest.mark.timeout(300)
+def test_sanitizers(reader: Reader) -> None:
+    reader.follow("docs/sanitizers.md")
+
+
+@pytest.mark.parametrize(
+    "lesson",
+    [path.name for path in sorted((TREE / "docs/tutorial").glob("[1-9]-*.md"))],
+)
+def test_a_lesson(lesson: str, reader: Reader) -> None:
+    reader.follow(f"docs/tutorial/{lesson}")
