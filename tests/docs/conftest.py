@@ -1,6 +1,7 @@
 import sys
 import tempfile
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -23,22 +24,24 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "out"
 
 
-@pytest.fixture
-def hosts() -> Iterator[Hosts]:
-    with Hosts() as hosts:
-        yield hosts
-
-
-@pytest.fixture
-def place() -> Iterator[Path]:
-    """Not tmp_path: the name of a Unix socket has at most 107 characters."""
-    with tempfile.TemporaryDirectory(prefix="pages-") as folder:
-        yield Path(folder)
-
-
-@pytest.fixture
-def reader(hosts: Hosts, place: Path) -> Iterator[Reader]:
+@contextmanager
+def reading() -> Iterator[Reader]:
     """Somebody at the terminals of one machine, in the folder of robcl."""
-    env = variables(place / "home")
-    with Reader(lambda name: Terminal(env, TREE, hosts.on(0))) as reader:
+    # Not tmp_path: the name of a Unix socket has at most 107 characters.
+    with Hosts() as hosts, tempfile.TemporaryDirectory(prefix="pages-") as folder:
+        env = variables(Path(folder) / "home")
+        with Reader(lambda name: Terminal(env, TREE, hosts.on(0))) as reader:
+            yield reader
+
+
+@pytest.fixture
+def reader() -> Iterator[Reader]:
+    with reading() as reader:
+        yield reader
+
+
+@pytest.fixture(scope="module")
+def student() -> Iterator[Reader]:
+    """Follows several pages in the same laboratory, which runs on from page to page."""
+    with reading() as reader:
         yield reader

@@ -25,9 +25,9 @@ def test_sanitizers(reader: Reader) -> None:
     reader.follow("docs/sanitizers.md")
 
 
+@pytest.mark.timeout(300)
 @pytest.mark.parametrize(
-    "lesson",
-    [path.name for path in sorted((TREE / "docs/tutorial").glob("[1-9]-*.md"))],
+    "lesson", [path.name for path in sorted((TREE / "docs/tutorial").glob("[1-9]-*.md"))]
 )
-def test_a_lesson(lesson: str, reader: Reader) -> None:
-    reader.follow(f"docs/tutorial/{lesson}")
+def test_a_lesson(lesson: str, student: Reader) -> None:
+    student.follow(f"docs/tutorial/{lesson}")
