@@ -19,6 +19,7 @@ TREE = Path(__file__).resolve().parent.parent
 ROOTS = ("runtime", "codegen", "devices")
 LINES, PROSE = 30, 30
 WORD = re.compile(r"[A-Za-z_]{4,}")
+BLANK = "{…}"
 CPP_TEXT = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
 
 
@@ -67,7 +68,7 @@ def of_cpp(path: Path) -> Iterator[tuple[str, int, str]]:
             yield "line", number, stripped
         texts += CPP_TEXT.findall(line) if "#include" not in line else []
         if texts and stripped.endswith((";", "{", "}")):
-            yield "text", number, "‹…›".join(texts)
+            yield "text", number, BLANK.join(texts)
             texts = []
 
 
@@ -84,11 +85,11 @@ def of_python(path: Path) -> Iterator[tuple[str, int, str]]:
                 yield "comment", first.lineno, " ".join(docstring.split())
         elif isinstance(node, ast.JoinedStr):
             inner.update(map(id, node.values))
-            pieces = (v.value if isinstance(v, ast.Constant) else "‹…›" for v in node.values)
+            pieces = (v.value if isinstance(v, ast.Constant) else BLANK for v in node.values)
             yield "text", node.lineno, "".join(map(str, pieces))
         elif isinstance(node, ast.Constant) and isinstance(node.value, str):
-            if node.lineno not in documented and id(node) not in inner:
-                yield "text", node.lineno, node.value
+            apart = node.lineno not in documented and id(node) not in inner
+            yield from [("text", node.lineno, node.value)] if apart else []
     comment: list[str] = []
     for number, line in enumerate(source.splitlines(), 1):
         stripped = line.strip()
