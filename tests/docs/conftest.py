@@ -1,3 +1,4 @@
+import shutil
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -11,6 +12,8 @@ from terminals import Terminal
 sys.path.append(str(TREE / "tests" / "stress"))  # hosts.py
 
 from hosts import Hosts
+
+STAND_INS = Path(__file__).parent / "stand_ins"
 
 
 @pytest.fixture(scope="session")
@@ -38,7 +41,16 @@ def place() -> Iterator[Path]:
 
 @pytest.fixture
 def reader(hosts: Hosts, place: Path) -> Iterator[Reader]:
-    """Somebody at the terminals of one machine, in the folder of robcl."""
-    env = variables(place / "home")
-    with Reader(lambda name: Terminal(env, TREE, hosts.on(0))) as reader:
+    """Somebody at the terminals of one machine, or of two, in the folder of robcl on each."""
+    shutil.copytree(STAND_INS, place / "bin")
+    machines: dict[str, tuple[dict[str, str], list[str]]] = {}
+
+    def open_terminal(host: str) -> Terminal:
+        if host not in machines:
+            env = variables(place / (host or "home"), place / "bin")
+            machines[host] = env, hosts.on(len(machines))
+        env, within = machines[host]
+        return Terminal(env, TREE, within)
+
+    with Reader(open_terminal) as reader:
         yield reader
