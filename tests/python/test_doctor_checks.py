@@ -130,7 +130,7 @@ def test_no_broker_says_where_it_was_looked_for() -> None:
 
 
 def test_a_key_that_is_not_admitted_is_no_missing_broker() -> None:
-    refused = "(tried lcm: we refused the server that answered: its key 92e3bf70 is not admitted here)"
+    refused = "(tried lcm: we refused the server: its key 92e3bf70 is not admitted here)"
     assert broker(Answer(refused), "GECOS_BROKER=lcm").mend.startswith("gecos keys add FILE, with")
     perhaps = "(tried lcm: no server answers, or the server does not admit our key c1075034)"
     mend = broker(Answer(perhaps), "GECOS_BROKER=lcm").mend
