@@ -69,6 +69,8 @@ def variables(home: Path, commands: Path) -> dict[str, str]:
     home.mkdir()
     env |= {"HOME": str(home), "GECOS_RUNTIME_DIR": str(home / "r"), "PYTHONUNBUFFERED": "1"}
     env["PATH"] = f"{commands}:{env['PATH']}"
+    for role in ("AUTHOR", "COMMITTER"):  # as `git config` would say it
+        env |= {f"GIT_{role}_NAME": "Ann", f"GIT_{role}_EMAIL": "ann@desk"}
     if shutil.which("ccache"):
         env["CMAKE_CXX_COMPILER_LAUNCHER"] = "ccache"
     return env
