@@ -26,7 +26,7 @@ from terminals import PATIENCE_S, Terminal, pattern_of
 
 TREE = Path(__file__).resolve().parents[2]
 FENCED = re.compile(r"([^\n]*)\n*```(\w+)([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-FILE = re.compile(r"`([\w./-]+)`[^`]*:$")
+FILE = re.compile(r"`([\w./@-]+)`[^`]*:$")
 
 
 @dataclass(frozen=True, slots=True)

@@ -63,3 +63,9 @@ def commands_of(workflow: str) -> list[str]:
     """The lines that its steps run."""
     runs = [several or one for _, several, one in STEP.findall(workflow)]
     return [line.strip() for run in runs for line in run.splitlines()]
+
+
+@pytest.mark.timeout(300)
+@pytest.mark.usefixtures("cell")
+def test_deploying(reader: Reader) -> None:
+    reader.follow("docs/deploying.md")
