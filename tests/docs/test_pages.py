@@ -19,6 +19,7 @@ def test_a_program_of_ones_own(reader: Reader) -> None:
     reader.follow("docs/own-program.md")
 
 
+@pytest.mark.timeout(300)
 def test_two_machines(reader: Reader, hosts: Hosts) -> None:
     hosts.without_route(1)  # of the second machine, which has no default route either
     reader.follow("docs/two-machines.md")
