@@ -171,13 +171,20 @@ def running(
     started = RunningLaboratory(variables, laboratory.folder)
     try:
         if laboratory.starts_broker:
-            broker = [sys.executable, "-m", "gecos.cli", "broker"]
-            started.start(Program("BROKER", tuple(broker), restart), broker)
+            started.start(*_broker(variables, restart))
         for program, command in commands:
             started.start(replace(program, restart=program.restart or restart), command)
         yield started
     finally:
         started.end()
+
+
+def _broker(environment: Mapping[str, str], restart: bool) -> tuple[Program, Sequence[str]]:
+    """The broker of this package, which an installed SDK has outside of the interpreter's path."""
+    command = (sys.executable, "-m", "gecos.cli", "broker")
+    packages = [str(Path(__file__).resolve().parents[2]), environment.get("PYTHONPATH", "")]
+    path = os.pathsep.join(filter(None, packages))
+    return Program("BROKER", command, restart, environment={"PYTHONPATH": path}), command
 
 
 def _command(
