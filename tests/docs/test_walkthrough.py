@@ -14,8 +14,8 @@ TREE = Path(__file__).resolve().parents[2]
 
 # What the README says to write into the interface.
 CHANGE = """
-sed -i 's/readonly attribute double/@unit("K") &/; s/in double/@unit("K") @range(min=0.0, max=400.0) &/' \\
-  idl/lab/thermometer.gidl
+sed -i -e 's/readonly attribute double/@unit("K") &/' \\
+  -e 's/in double/@unit("K") @range(min=0.0, max=400.0) &/' idl/lab/thermometer.gidl
 """
 
 
