@@ -1,15 +1,14 @@
 """A page that is followed to the letter: commands are typed, files written, output seen.
 
 A block ```sh is typed at a terminal and has to succeed. Words after `sh` are for this reader:
-`terminal=2` for another terminal than the one before (each is a shell of its own), `stays` when the
-last command goes on, `status=3` when one command ends with that status, `repeat` when a person
-would type it again until it prints what is expected. A block ```text after it has lines that are
-printed, in this order; … stands for anything. A block `text terminal=2` is printed there, by the
-command that stayed, which ends if `status=` is given too; at a line ^C, Ctrl-C is pressed there,
-and the command ends after the lines behind it. A block of another language is written
-to the file that the line before it names, in backticks and with a colon at its end; without such a
-name it is not followed. Commands that stay are ended by Ctrl-C before the next one in their
-terminal, unless that is the same.
+`terminal=2` for another terminal than the one before (each is a shell of its own), `host=desk` for
+the terminals of another machine, `stays` when the last command goes on, `status=3` when one command
+ends with that status, `repeat` when a person would type it again until it prints what is expected.
+A block ```text after it has lines that are printed, in this order; … stands for anything. A block
+`text terminal=2` is printed there, by the command that stayed, which ends if `status=` is given
+too; at a line ^C, Ctrl-C is pressed there, and the command ends after the lines behind it. A block of another language is written to the file that the line before it names, in backticks
+and with a colon at its end; without such a name it is not followed. Commands that stay are ended by
+Ctrl-C before the next one in their terminal, unless that is the same.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ from terminals import PATIENCE_S, Terminal, pattern_of
 
 TREE = Path(__file__).resolve().parents[2]
 FENCED = re.compile(r"([^\n]*)\n*```(\w+)([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-FILE = re.compile(r"`([\w./-]+)`[^`]*:$")
+FILE = re.compile(r"`([\w./@-]+)`[^`]*:$")
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +48,7 @@ class Block:
 
     @property
     def around_ctrl_c(self) -> tuple[list[str], bool, list[str]]:
-        """Lines before ^C, whether there is one, and lines after it."""
+        """Lines before ^C, whether there is one, and lines behind it."""
         lines = self.lines
         at = lines.index("^C") if "^C" in lines else len(lines)
         return lines[:at], at < len(lines), lines[at + 1 :]
@@ -69,12 +68,16 @@ def blocks_of(page: str) -> list[Block]:
     return found
 
 
-def variables(home: Path) -> dict[str, str]:
-    """The environment of a user who has just logged in for the first time."""
+def variables(home: Path, commands: Path) -> dict[str, str]:
+    """The environment of a user who has just logged in for the first time. `commands`: a folder
+    with those that need another machine or another user."""
     ours = ("GECOS_", "PYTHONPATH", "VIRTUAL_ENV", "XDG_CONFIG_HOME")
     env = {name: value for name, value in os.environ.items() if not name.startswith(ours)}
     home.mkdir()
     env |= {"HOME": str(home), "GECOS_RUNTIME_DIR": str(home / "r"), "PYTHONUNBUFFERED": "1"}
+    env["PATH"] = f"{commands}:{env['PATH']}"
+    for role in ("AUTHOR", "COMMITTER"):  # as `git config` would say it
+        env |= {f"GIT_{role}_NAME": "Ann", f"GIT_{role}_EMAIL": "ann@desk"}
     if shutil.which("ccache"):
         env["CMAKE_CXX_COMPILER_LAUNCHER"] = "ccache"
     return env
@@ -85,11 +88,12 @@ class Reader:
     """A person who follows pages at terminals, which stay open from page to page. All programs
     that the pages start have ended when the block `with` ends."""
 
-    open_terminal: Callable[[str], Terminal]  # of this name
+    open_terminal: Callable[[str], Terminal]  # at the machine of this name; "": the only one
     build: str = str(TREE / os.environ.get("GECOS_BUILD", "build"))  # of `make build`
     terminals: dict[str, Terminal] = field(default_factory=dict)
     _first_commands: str = ""
     _at: str = "1"
+    _host: str = ""
 
     def follow(self, page: str) -> None:
         """Raises AssertionError with the first block that does not do what the page says."""
@@ -104,10 +108,10 @@ class Reader:
                 self._do(block, after.lines if after and printed else [])
             elif block.language == "text" and block.words:
                 terminal = self.terminals[block.words["terminal"]]
-                before, ctrl_c, after_it = block.around_ctrl_c
+                before, ctrl_c, behind = block.around_ctrl_c
                 terminal.see(before)
                 if ctrl_c:
-                    terminal.interrupt(after_it)
+                    terminal.interrupt(behind)
                 if "status" in block.words:
                     terminal.finish(block.status)
             elif block.file is not None:
@@ -132,8 +136,7 @@ class Reader:
                 terminal.close()
 
     def _do(self, block: Block, expected: list[str]) -> None:
-        self._at = block.words.get("terminal", self._at)
-        terminal = self._terminal()
+        terminal = self._terminal(block)
         commands = block.text.replace("$ROBCL/build", self.build)
         if terminal.running is not None:
             if terminal.running == commands:
@@ -157,16 +160,17 @@ class Reader:
         raise AssertionError(f"{commands}did not print {expected}\n{terminal}")
 
     def _write(self, block: Block, name: str) -> None:
-        self._at = block.words.get("terminal", self._at)
-        terminal = self._terminal()
+        terminal = self._terminal(block)
         terminal.type("pwd -P")
         file = Path(terminal.finish()[0]) / name
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(block.text, encoding="utf-8")
 
-    def _terminal(self) -> Terminal:
+    def _terminal(self, block: Block) -> Terminal:
+        self._at = block.words.get("terminal", self._at)
+        self._host = block.words.get("host", self._host)
         if self._at not in self.terminals:
-            self.terminals[self._at] = terminal = self.open_terminal(self._at)
+            self.terminals[self._at] = terminal = self.open_terminal(self._host)
             terminal.type(self._first_commands)
             terminal.finish()
         return self.terminals[self._at]

@@ -26,13 +26,6 @@ class Program:
     environment: Mapping[str, str] = field(default_factory=dict)
     line: int = 0  # in lab.toml; 0 if it is not from a file
 
-    def is_ready(self, line: str) -> bool:
-        """Whether the program says so by this line. Without `ready` the lines that servers print
-        by default, "serving RX90" and "robcl-rx90: RX90 is ready", do."""
-        if self.ready is None:
-            return line.startswith("serving ") or "ready" in line
-        return self.ready in line
-
 
 @dataclass(frozen=True, slots=True)
 class LaboratoryDescription:
