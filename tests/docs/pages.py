@@ -6,9 +6,10 @@ the terminals of another machine, `stays` when the last command goes on, `status
 ends with that status, `repeat` when a person would type it again until it prints what is expected.
 A block ```text after it has lines that are printed, in this order; … stands for anything. A block
 `text terminal=2` is printed there, by the command that stayed, which ends if `status=` is given
-too; at a line ^C, Ctrl-C is pressed there, and the command ends after the lines behind it. A block of another language is written to the file that the line before it names, in backticks
-and with a colon at its end; without such a name it is not followed. Commands that stay are ended by
-Ctrl-C before the next one in their terminal, unless that is the same.
+too; at a line ^C, Ctrl-C is pressed there, and the command ends after the lines behind it. A block
+of another language is written to the file that the line before it names, in backticks and with a
+colon at its end; without such a name it is not followed. Commands that stay are ended by Ctrl-C
+before the next one in their terminal, unless that is the same.
 """
 
 from __future__ import annotations
