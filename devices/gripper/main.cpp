@@ -1,4 +1,4 @@
-// robcl-gripper: two simulated jaws on the flange of an arm.
+// The program robcl-gripper: serves a gripper with two simulated jaws on the flange of an arm.
 #include <chrono>
 #include <cstdio>
 

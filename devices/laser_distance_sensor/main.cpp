@@ -1,4 +1,5 @@
-// robcl-lds: a simulated laser distance sensor that measures in the simulated world.
+// The program robcl-lds: serves a simulated laser distance sensor, which measures distances in the
+// simulated world.
 #include <chrono>
 #include <cstdio>
 

@@ -7,7 +7,7 @@
 
 namespace devices {
 
-/// Computes the reading of a laser distance sensor from the true distance. Thread-safe.
+/// Computes the measured value of a laser distance sensor from the true distance. Thread-safe.
 class SimulatedBeam {
  public:
   struct Settings {
@@ -21,7 +21,8 @@ class SimulatedBeam {
 
   const Settings& settings() const { return settings_; }
 
-  /// The measured distance, m; nullopt if the beam meets nothing within its range.
+  /// Returns the measured distance in m for the true distance `distance`. Returns nullopt if the
+  /// beam hits nothing, or if the measured distance is outside the sensor's range.
   std::optional<double> measure(std::optional<double> distance);
 
  private:

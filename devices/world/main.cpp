@@ -1,4 +1,5 @@
-// robcl-world: the simulated laboratory, which grippers and sensors ask for the places of bodies.
+// The program robcl-world: serves a simulated laboratory. Simulated grippers and sensors ask it for
+// the positions of bodies.
 #include <chrono>
 #include <memory>
 #include <sstream>
