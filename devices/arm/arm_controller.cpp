@@ -15,9 +15,9 @@ std::size_t at(Eigen::Index axis) { return static_cast<std::size_t>(axis); }
 
 ControlMode mode_of(const JointDriver::Capabilities& can, const robcl::arm::ArmModel& model) {
   if (can.axes != model.axes()) {
-    throw std::invalid_argument("the driver has " + std::to_string(can.axes) +
-                                " joints, but the model of " + model.name() + " has " +
-                                std::to_string(model.axes()) + ": use the driver of this arm");
+    throw std::invalid_argument("wrong driver for this arm: the driver has " +
+                                std::to_string(can.axes) + " joints, but the model of " +
+                                model.name() + " has " + std::to_string(model.axes()));
   }
   if (can.position) return ControlMode::Position;
   if (can.velocity) return ControlMode::Velocity;

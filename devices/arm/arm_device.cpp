@@ -116,9 +116,8 @@ template <typename MakePlan>
 tl::expected<void, MoveFailure> ArmDevice::run(const Pace& pace, MotionWatcher& watcher,
                                                MakePlan make_plan) {
   if (auto problem = robcl::motion::problem_of(pace)) return tl::unexpected(Refused{*problem});
-  if (!moving_.try_lock()) {
+  if (!moving_.try_lock())
     return tl::unexpected(Refused{"the arm is moving for another caller; wait until it stops"});
-  }
   const gecos::MutexLock standing(moving_, std::adopt_lock);
   if (unfinished_ && !controller_.wait(0ms)) {
     return tl::unexpected(DriverFault{"the driver does not return: the control loop has stalled"});

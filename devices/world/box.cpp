@@ -68,8 +68,8 @@ std::vector<Vector3d> clipped(const std::vector<Vector3d>& polygon, Eigen::Index
   return kept;
 }
 
-/// Returns the height of the edge a0–a1 above the edge b0–b1 at the point where the two edges cross
-/// when seen from above; nullopt if they do not cross.
+/// Returns the height of edge a, from a0 to a1, above edge b, from b0 to b1, at the point where the
+/// two edges cross when seen from above; nullopt if they do not cross.
 std::optional<double> height_over(const Vector3d& a0, const Vector3d& a1, const Vector3d& b0,
                                   const Vector3d& b1) {
   const Vector2d a = (a1 - a0).head<2>(), b = (b1 - b0).head<2>(), from = (b0 - a0).head<2>();

@@ -109,7 +109,7 @@ tl::expected<std::optional<Secret<key_bytes>>, KeyError> read_file(const std::st
   if (kind == KeyFileKind::SecretKey) {
     if (const auto why = not_ours(found, open_to_others, "600")) {
       return fail(path, *why +
-                            "; if another user may have read the key, remove the file instead, " +
+                            "; if another user may have read the key, remove the file instead, "
                             "and a new key will be created");
     }
   } else if (const auto why = not_ours(found, writable_by_others, "600")) {
