@@ -190,8 +190,7 @@ SixAxisDevice::SixAxisDevice(const robcl::arm::ArmModel& model, const Settings& 
                              JointDriver& driver)
     : ArmDevice(model, settings, driver) {
   if (model.axes() != 6) {
-    throw std::invalid_argument("the model of " + model.name() + " has " +
-                                std::to_string(model.axes()) +
+    throw std::invalid_argument(model.name() + " has " + std::to_string(model.axes()) +
                                 " axes, but a six-axis arm needs six");
   }
 }

@@ -183,9 +183,8 @@ tl::expected<Identity, KeyError> KeyDirectory::identity() const {
     }
     // Another process may have created the file first. Therefore the key is read from the file.
     secret = read_file(secret_path, KeyFileKind::SecretKey);
-    if (secret && !*secret) {
+    if (secret && !*secret)
       return fail(secret_path, "the key file was removed right after its creation; try again");
-    }
   }
   if (!secret) return tl::unexpected(secret.error());
   const KeyPair pair = KeyPair::of(**secret);
@@ -195,9 +194,8 @@ tl::expected<Identity, KeyError> KeyDirectory::identity() const {
   if (::access(public_path.c_str(), F_OK) != 0 &&
       !put_file(public_path, path_, key_file_text(KeyFileKind::PublicKey, pair.public_key.bytes)) &&
       errno != EEXIST) {
-    log_warning("crypto", "the file " + public_path +
-                              " with the user's public key cannot be written (" +
-                              std::strerror(errno) + "): other users cannot get the key from it");
+    log_warning("crypto", public_path + ": the file with your public key cannot be written: " +
+                              std::strerror(errno));
   }
   return Identity(pair);
 }
