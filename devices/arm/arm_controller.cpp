@@ -45,7 +45,8 @@ std::optional<DriverFault> not_ready(const JointState& state, ControlMode mode,
       break;
   }
   if (state.brakes == Brakes::Engaged) return DriverFault{"the brakes of the drives are engaged"};
-  if (state.mode != mode) return DriverFault{"the drives are not in the requested control mode"};
+  if (state.mode != mode)
+    return DriverFault{"the drives are not in the control mode that was requested"};
   return std::nullopt;
 }
 
@@ -143,7 +144,7 @@ void ArmController::begin_motion() {
   auto why = not_ready(loop_.state, mode_, loop_.refusal);
   if (!why && loop_.silent) why = DriverFault{"the driver does not answer"};
   if (!why && (playback_->plan().start() - loop_.command).cwiseAbs().maxCoeff() > moved_away) {
-    why = DriverFault{"the joints were moved after the motion was planned"};
+    why = DriverFault{"the joints moved after the motion was planned; request it again"};
   }
   if (why) return end_motion(Outcome{End::Fault, 0, 0, std::move(*why)});
   loop_.phase = Phase::Moving;
@@ -162,7 +163,8 @@ std::optional<DriverFault> ArmController::fault_of(
   if (!answer) return answer.error();
   if (seconds > can_.longest_gap) {
     return DriverFault{"the control loop stalled for " + std::to_string(seconds) +
-                       " s; the drives stop after " + std::to_string(can_.longest_gap) + " s"};
+                       " s, but the drives stop by themselves after " +
+                       std::to_string(can_.longest_gap) + " s"};
   }
   return not_ready(*answer, mode_, loop_.refusal);
 }

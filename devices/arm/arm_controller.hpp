@@ -127,7 +127,7 @@ class ArmController {
     JointValues command{};
     bool silent = false;    ///< the driver returned no plausible answer in the last cycle
     std::string refusal{};  ///< why the drives could not be enabled; empty if they could
-    double settling = 0;    ///< s since the end of the plan
+    double settling = 0;    ///< time in s since the end of the plan
     int arrived = 0;        ///< consecutive cycles in which all joints were at their goal
     Reading last{};
   };

@@ -120,7 +120,8 @@ tl::expected<void, MoveFailure> ArmDevice::run(const Pace& pace, MotionWatcher& 
     return tl::unexpected(Refused{"the arm is moving for another caller; wait until it stops"});
   const gecos::MutexLock standing(moving_, std::adopt_lock);
   if (unfinished_ && !controller_.wait(0ms)) {
-    return tl::unexpected(DriverFault{"the driver does not return: the control loop has stalled"});
+    return tl::unexpected(
+        DriverFault{"the control loop has stalled: a call of the driver does not return"});
   }
   unfinished_ = false;
   Planned plan = make_plan(controller_.standing_at());
@@ -154,7 +155,8 @@ tl::expected<void, MoveFailure> ArmDevice::follow(Plan plan, MotionWatcher& watc
   if (!outcome) {
     controller_.stop();  // ends the motion if the control loop continues later
     unfinished_ = true;
-    return tl::unexpected(DriverFault{"the driver does not return: the control loop has stalled"});
+    return tl::unexpected(
+        DriverFault{"the control loop has stalled: a call of the driver does not return"});
   }
   switch (outcome->end) {
     case ArmController::End::Arrived:

@@ -13,7 +13,7 @@ namespace devices {
 /// The settings in which the program of one arm differs from the programs of other arms.
 struct ArmProgram {
   std::string program;      ///< name of the program, for example "robcl-rx90"
-  std::string name;         ///< name to register unless --name is given
+  std::string name;         ///< name under which clients find the arm, unless --name is given
   std::string arm;          ///< name of the arm for people, for example "Staeubli RX90"
   std::string urdf;         ///< text of the URDF model
   std::string base_link;    ///< name of the base link in the URDF model

@@ -15,7 +15,7 @@ class SimulatedGripper {
   struct Settings {
     double max_width = 0.110;  ///< m
     double max_force = 100;    ///< N
-    double speed = 0.150;      ///< m/s at which the distance of the jaws changes
+    double speed = 0.150;      ///< m/s, change of the distance between the jaws
   };
   struct State {
     double width = 0;  ///< m

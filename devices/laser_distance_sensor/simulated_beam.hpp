@@ -11,8 +11,8 @@ namespace devices {
 class SimulatedBeam {
  public:
   struct Settings {
-    double lower = 0.050;   ///< smallest measured distance, m
-    double upper = 1.000;   ///< greatest measured distance, m
+    double lower = 0.050;   ///< smallest distance that can be measured, m
+    double upper = 1.000;   ///< greatest distance that can be measured, m
     double noise = 0.0002;  ///< standard deviation, m
     unsigned seed = 1;
   };

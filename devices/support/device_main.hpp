@@ -17,7 +17,7 @@ struct Beat {
 
 struct Served {
   std::string program;  ///< begins each line that is printed, for example "robcl-rx90"
-  std::string name;     ///< name to register
+  std::string name;     ///< name under which clients find the object
   bool simulated = true;
   /// Whether handlers wait for other objects. If so, the handlers run on the object's executor and
   /// not on the I/O loop.

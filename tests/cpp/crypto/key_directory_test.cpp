@@ -106,9 +106,9 @@ TEST_F(KeyDirectoryTest, APublicFileThatIsNotWhatItSaysAdmitsNobody) {
   const PublicKey other = KeyPair::draw().public_key;
   const fs::path others = keys / (other.to_string() + ".public");
   const auto why = [&] { return directory.admission(other).error().text; };
-  const std::string refused = "its key " + other.short_name() + " is not admitted here: ";
-  EXPECT_EQ(why(), refused + "to admit it, copy the file " + others.filename().string() +
-                       " from its key directory into " + keys.string());
+  const std::string refused = "the key " + other.short_name() + " is not admitted here: ";
+  EXPECT_EQ(why(), refused + "to admit this key, copy the file " + others.filename().string() +
+                       " from the key directory of its user into " + keys.string());
   write(others, right);
   EXPECT_EQ(why(),
             refused + others.string() +

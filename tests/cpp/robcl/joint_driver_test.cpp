@@ -252,7 +252,8 @@ TEST(DriverThatDoesNotReturn, EndsTheMoveAndNoOtherBeginsBeforeItDoes) {
   auto loop = std::async(std::launch::async, [&] { arm.step(beat); });
   const auto failed = arm.move_joints(beside_start(), {}, watcher);
   ASSERT_FALSE(failed);
-  EXPECT_EQ(to_string(failed.error()), "the driver does not return: the control loop has stalled");
+  EXPECT_EQ(to_string(failed.error()),
+            "the control loop has stalled: a call of the driver does not return");
   const auto refused = arm.move_joints(beside_start(), {}, watcher);
   ASSERT_FALSE(refused);
   EXPECT_TRUE(std::holds_alternative<DriverFault>(refused.error())) << to_string(refused.error());

@@ -204,12 +204,13 @@ tl::expected<void, KeyError> KeyDirectory::admission(const PublicKey& key) const
   const std::string name = key.to_string() + ".public";
   const auto refused = [&](const std::string& why) {
     return tl::unexpected(
-        KeyError{"its key " + key.short_name() + " is not admitted here: " + why});
+        KeyError{"the key " + key.short_name() + " is not admitted here: " + why});
   };
   const auto found = read_file(path_ + "/" + name, KeyFileKind::PublicKey);
   if (!found) return refused(found.error().text);
   if (!*found) {
-    return refused("to admit it, copy the file " + name + " from its key directory into " + path_);
+    return refused("to admit this key, copy the file " + name +
+                   " from the key directory of its user into " + path_);
   }
   if (PublicKey::of((*found)->bytes()) == key) return {};
   return refused(path_ + "/" + name +

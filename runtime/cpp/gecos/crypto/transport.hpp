@@ -73,7 +73,7 @@ class Sealer {
 enum class OpenProblem : std::uint8_t {
   TooShort,  ///< shorter than a frame
   Replayed,  ///< the packet was delivered already
-  TooOld,    ///< over a thousand numbers behind the newest packet, or its key is erased
+  TooOld,    ///< the number is over 1000 below the newest one, or the packet's key is erased
   TooNew,    ///< the peer cannot use this generation of the key yet
   Forged,    ///< not from the peer, not for this channel, or altered
 };

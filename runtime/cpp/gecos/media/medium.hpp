@@ -31,7 +31,7 @@
 /// The child must make new ones.
 namespace gecos::media {
 
-/// The distance that a medium spans.
+/// Says which programs a medium can connect.
 enum class Reach : std::uint8_t {
   Process,  ///< within one process
   Host,     ///< between programs that share a runtime directory of one host
@@ -49,7 +49,7 @@ struct Capabilities {
   bool real_time = true;           ///< no shared queue and no loss: suitable for HARD_REALTIME
   bool reports_death = true;       ///< the kernel reports the death of the peer
   bool authenticated = true;       ///< the identity of the peer's user is proved
-  bool overheard = false;          ///< other programs receive the packets: they must be sealed
+  bool overheard = false;          ///< other programs can receive packets: packets must be sealed
   bool connectionless = false;     ///< only silence shows that no server is running; the acceptor
                                    ///< receives the packets for its connections
   bool shared_words = false;       ///< write_word() and peer_word() work

@@ -22,7 +22,7 @@ enum class DecodeProblem : std::uint8_t {
   OutOfRange,         ///< a number is outside the declared `@range`
   UnsortedMap,        ///< the keys of a map are not strictly ascending
   WrongFingerprint,   ///< a message of another type
-  InvalidValue,       ///< a hand-written value type refused the value
+  InvalidValue,       ///< a hand-written type refused the value
 };
 
 /// Returns the problem as a text, for example "the string is not UTF-8".

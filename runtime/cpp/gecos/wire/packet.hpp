@@ -57,8 +57,9 @@ struct PacketView {
 /// The fingerprint of the packet type. An LCM reader checks it before anything else.
 inline constexpr std::int64_t packet_fingerprint = static_cast<std::int64_t>(0x90a18da222518b52u);
 
-inline constexpr std::size_t packet_head_size = 8 + 4 + 4 + 5 * 8 + 4;  ///< up to the body
-inline constexpr std::size_t packet_tail_size = 4;                      ///< the tag's count
+inline constexpr std::size_t packet_head_size =
+    8 + 4 + 4 + 5 * 8 + 4;                          ///< size of the part before the body
+inline constexpr std::size_t packet_tail_size = 4;  ///< size of the tag's count
 
 /// Returns the size in bytes of a packet whose body has `body_size` bytes and whose tag has
 /// `tag_size` bytes.

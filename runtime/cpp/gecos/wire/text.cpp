@@ -16,7 +16,7 @@ std::uint8_t byte_at(std::string_view text, std::size_t i) {
 std::size_t character_size(std::string_view text, std::size_t i) {
   const std::uint8_t lead = byte_at(text, i);
   std::size_t size = 0;
-  std::uint8_t lowest = 0x80;  // bounds of the second byte
+  std::uint8_t lowest = 0x80;  // limits of the second byte
   std::uint8_t highest = 0xBF;
   if (lead < 0x80) {
     return 1;

@@ -82,7 +82,7 @@ class BulkWriter {
 
   RingWriter& ring_;
   AreaMaker& maker_;
-  Mutex mutex_;  // only beat() runs on another thread than the writing one
+  Mutex mutex_;  // needed because beat() may run on another thread than the other functions
   std::shared_ptr<Mapping> area_ GECOS_GUARDED_BY(mutex_);
   std::uint64_t number_ GECOS_GUARDED_BY(mutex_) = 0;  // number of the area
   /// Number of bytes, from the start of the area, that the kernel has backed with memory.

@@ -40,7 +40,7 @@ struct RingControl {
   /// Number of heartbeats of this side. When the number rises, the maintenance thread of the other
   /// side knows that this side is alive.
   alignas(64) std::atomic<std::uint64_t> beats{0};
-  /// Words that the session publishes without sending a packet (Connection::write_word).
+  /// The words that the session publishes without sending a packet (Connection::write_word).
   alignas(64) std::array<std::atomic<std::uint64_t>, shared_word_count> words{};
 };
 
@@ -84,7 +84,7 @@ struct RingMemory {
   static constexpr std::size_t bytes(std::size_t slot_count) {
     return control_bytes + slot_count * sizeof(RingSlot);
   }
-  /// @pre `base` has bytes(slot_count) bytes.
+  /// Returns the parts of the block of memory at `base`. @pre the block has bytes(slot_count) bytes
   static RingMemory at(std::byte* base, std::size_t slot_count) {
     return {reinterpret_cast<RingControl*>(base), reinterpret_cast<RingSlot*>(base + control_bytes),
             slot_count};

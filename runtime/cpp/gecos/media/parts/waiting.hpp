@@ -31,10 +31,11 @@ struct SpinOptions {
   Duration shortest = std::chrono::microseconds(50);    ///< assumed minimum cost of a wake-up
   Duration longest = std::chrono::milliseconds(5);      ///< assumed maximum cost; 0: never poll
   Duration least = std::chrono::microseconds(2);        ///< minimum of the polling budget
-  Duration long_wait = std::chrono::milliseconds(8);    ///< longer waits are not worth polling
+  Duration long_wait = std::chrono::milliseconds(8);    ///< polling does not pay in longer waits
   Duration lost_core = std::chrono::microseconds(200);  ///< a yield this long has lost a time slice
-  Duration crowded_first = std::chrono::milliseconds(20);    ///< no yields after a lost time slice
-  Duration crowded_longest = std::chrono::seconds(1);        ///< crowded_first doubles up to this
+  Duration crowded_first =
+      std::chrono::milliseconds(20);                   ///< time without yields after a lost slice
+  Duration crowded_longest = std::chrono::seconds(1);  ///< crowded_first doubles up to this
   Duration between_yields = std::chrono::microseconds(400);  ///< interval of yields if Peers::Both
   int wake_ups_averaged = 8;   ///< length of the moving average of wake-up costs
   unsigned exact_yields = 64;  ///< yields timed one by one after a suspiciously long one

@@ -29,7 +29,8 @@ namespace {
 constexpr std::size_t most_pending = 64;  // above this, the oldest client without Hello is dropped
 constexpr int most_at_once = 64;
 constexpr std::size_t longest_name = 32;
-constexpr std::string_view no_descriptors = "the server has no descriptors left (ulimit -n)";
+constexpr std::string_view no_descriptors =
+    "the server has no file descriptors left (see `ulimit -n`)";
 
 bool none_left(int error) { return error == EMFILE || error == ENFILE; }
 

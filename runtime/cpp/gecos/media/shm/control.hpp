@@ -46,7 +46,7 @@ enum class ControlRead : std::uint8_t {
   Nothing,
   Ended,
   Garbage,
-  NoDescriptors,  ///< the message has descriptors, but this process may open no more
+  NoDescriptors,  ///< the message has descriptors, but this process cannot open more
 };
 
 struct ReceivedControl {
