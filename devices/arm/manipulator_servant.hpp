@@ -25,7 +25,8 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
   using Progress = gecos::Execution<robcl::MotionProgress>;
 
   /// Sends the measurements of `sample` on the streams of the interface Manipulator. The servant of
-  /// an interface with more streams overrides this method and calls it from the override.
+  /// an interface that has more streams must override this method; the new method must also call
+  /// this one.
   virtual void publish_sample(const ArmDevice::Sample& sample);
 
   gecos::Result<Frame> base() override { return arm_.base(); }

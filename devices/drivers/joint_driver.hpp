@@ -50,7 +50,7 @@ struct JointState {
   std::string fault;                         ///< text for people if power is Fault
 };
 
-/// The joints of one arm. Used by one thread at a time.
+/// The driver of the joints of one arm. Only one thread at a time may use a driver.
 ///
 /// Each function must return within a fraction of the control cycle. Longer work, such as releasing
 /// the brakes, must continue in the background while `exchange` reports TurningOn. If a driver

@@ -78,7 +78,7 @@ class SimulatedWorld {
 };
 
 /// The height of the floor and the bodies of the demo laboratory. Its bodies are a table, whose top
-/// is at height 0 where the RX90 stands, and a block to grip.
+/// is at height 0 and also carries the RX90, and a block to grip.
 double demo_floor();
 std::vector<SimulatedBody> demo_bodies();
 

@@ -3,7 +3,7 @@
 #include <Python.h>
 #include <unistd.h>
 
-/// The class WithoutGil. Code of this module may release the GIL only with this class.
+/// The class WithoutGil. The code of this Python module may release the GIL only with this class.
 namespace gecos::python {
 
 /// Releases the GIL while this object lives. @pre the calling thread holds the GIL.

@@ -1,5 +1,5 @@
-// A type that holds the result of an operation or its error. A program that uses the result
-// although there is an error ends.
+// A type that holds the result of an operation or its error. If a program uses the result although
+// there is an error, the program ends.
 #pragma once
 
 #include <sstream>

@@ -46,12 +46,13 @@ struct Capabilities {
   bool ordered = true;
   bool reliable = true;  ///< no packet is lost or repeated while both ends live
   bool intact = true;  ///< packets arrive undamaged; else the medium must be wrapped (checked.hpp)
-  bool real_time = true;           ///< no shared queue and no loss: suitable for HARD_REALTIME
-  bool reports_death = true;       ///< the kernel reports the death of the peer
-  bool authenticated = true;       ///< the identity of the peer's user is proved
-  bool overheard = false;          ///< other programs can receive packets: packets must be sealed
-  bool connectionless = false;     ///< only silence shows that no server is running; the acceptor
-                                   ///< receives the packets for its connections
+  bool real_time = true;      ///< no shared queue and no loss: suitable for HARD_REALTIME
+  bool reports_death = true;  ///< the kernel reports the death of the peer
+  bool authenticated = true;  ///< the identity of the peer's user is proved
+  bool overheard = false;     ///< other programs can receive packets: packets must be sealed
+  /// Whether only silence shows that no server is running. An acceptor then receives the packets
+  /// for its connections.
+  bool connectionless = false;
   bool shared_words = false;       ///< write_word() and peer_word() work
   std::size_t largest_packet = 0;  ///< in bytes
   std::size_t piece = 0;           ///< bytes of content in a piece; 0: as many as fit in a packet

@@ -35,9 +35,10 @@ struct Piece {
 struct Received {
   static constexpr std::size_t bytes = 24;
   std::uint64_t transfer = 0;
-  std::uint32_t all_before = 0;  ///< all pieces with a smaller index have arrived; equals the
-                                 ///< number of pieces when the packet is complete
-  std::uint32_t beyond = 0;      ///< bit i: piece all_before + 1 + i has arrived
+  /// All pieces with a smaller index have arrived. Equals the number of pieces when the packet is
+  /// complete.
+  std::uint32_t all_before = 0;
+  std::uint32_t beyond = 0;  ///< bit i: piece all_before + 1 + i has arrived
 
   void write(std::span<std::byte, bytes> to) const;
   static std::optional<Received> read(ByteView packet);
@@ -46,8 +47,8 @@ struct Received {
 /// Sends one large packet.
 class OutgoingTransfer {
  public:
-  static constexpr std::uint32_t window =
-      8;  ///< maximum number of pieces in flight; they fit in a usual socket buffer
+  /// The maximum number of pieces in flight. They fit in a usual socket buffer.
+  static constexpr std::uint32_t window = 8;
   /// After this time without an acknowledgement, all pieces in flight are sent again.
   static constexpr Duration silence = std::chrono::milliseconds(20);
   /// A piece that has not arrived counts as lost when a piece has arrived that was sent this many

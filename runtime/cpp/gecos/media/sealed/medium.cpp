@@ -28,8 +28,9 @@ std::string channel_of_name(std::string_view name) {
 }
 
 /// Reserves a well-known address on this host for one process. Several processes can listen to one
-/// multicast address, so that the address cannot reserve itself. Therefore the reservation is the
-/// name of an abstract Unix socket. The kernel removes this name when the process ends.
+/// multicast address, so that listening alone does not reserve the address. Therefore the
+/// reservation is the name of an abstract Unix socket. The kernel removes this name when the
+/// process ends.
 class Claim {
  public:
   static tl::expected<std::unique_ptr<Claim>, MediumError> stake(const SealedAddress& place) {
