@@ -98,10 +98,10 @@ gecos::Result<void> GripperServant::wait_for_world(const std::string& body,
     if (found->fixed || found->held_by == holder) return {};
     if (run.wait_interrupted(beat)) return tl::unexpected(gecos::Fault::interrupted());
   }
-  return tl::unexpected(
-      gecos::Fault::failed("the world '" + world_.name() + "' does not show that the gripper '" +
-                           name_ + "' " + (holder.empty() ? "released" : "holds") + " the body '" +
-                           body + "': check that the option --grippers of robcl-world names it"));
+  return tl::unexpected(gecos::Fault::failed(
+      "the world '" + world_.name() + "' does not show that the gripper '" + name_ + "' " +
+      (holder.empty() ? "released" : "holds") + " the body '" + body +
+      "': check that the option --grippers of robcl-world names this gripper"));
 }
 
 gecos::Result<void> GripperServant::open(double width, Run& run) {

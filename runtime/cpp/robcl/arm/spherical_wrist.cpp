@@ -278,12 +278,14 @@ std::string SphericalWristInverse::why_out_of_reach(const Frame& base_from_flang
   text << std::fixed << std::setprecision(1);
   if (from_axis < std::abs(lateral_)) {
     text << "the wrist centre would be " << in_mm(from_axis)
-         << " mm from axis 1, but it must be at least " << in_mm(std::abs(lateral_)) << " mm away";
+         << " mm from axis 1, but this distance must be at least " << in_mm(std::abs(lateral_))
+         << " mm";
     return text.str();
   }
   const double along = std::sqrt(from_axis * from_axis - lateral_ * lateral_);
   const double length = std::hypot(along - shoulder_, wrist.z());
-  text << "the wrist centre would be " << in_mm(length) << " mm from the shoulder, but it can be "
+  text << "the wrist centre would be " << in_mm(length)
+       << " mm from the shoulder, but this distance must be "
        << in_mm(std::abs(upper_arm_ - forearm_)) << " to " << in_mm(upper_arm_ + forearm_) << " mm";
   return text.str();
 }
