@@ -187,10 +187,9 @@ TEST_F(Motion, AStraightMoveThatLeavesTheReachOnTheWaySaysWhere) {
   ASSERT_FALSE(plan.has_value());
   const auto* reach = std::get_if<arm::OutOfReach>(&plan.error());
   ASSERT_NE(reach, nullptr) << to_string(plan.error());
-  EXPECT_EQ(
-      reach->reason,
-      "289.0 mm along the line: the wrist centre would be 149.4 mm from axis 1, it can come as "
-      "near as 150.1 mm");
+  EXPECT_EQ(reach->reason,
+            "289.0 mm along the line: the wrist centre would be 149.4 mm from axis 1, but this "
+            "distance must be at least 150.1 mm");
   EXPECT_TRUE(puma.joints_to(to_front->goal(), back, Frame(), {}).has_value());
 }
 
