@@ -13,7 +13,8 @@ namespace {
 using session::own_call;
 using session::read_result;
 
-/// Waits until `asked` has a reply, and reports its place in line meanwhile.
+/// Waits for the reply to the request `asked`. Until then, calls `on_position` with the number of
+/// requests that wait before this request.
 void await_reply(session::CommandCore& asked,
                  const std::function<void(std::uint32_t)>& on_position) {
   if (!on_position) {

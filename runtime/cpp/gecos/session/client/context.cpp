@@ -73,7 +73,7 @@ std::vector<std::string> Context::broker_addresses(std::string& tried) {
       append(tried, opened.error().text);
     }
   };
-  if (const auto kind = media::kind_from(named)) {  // "lcm": the well-known address of that medium
+  if (const auto kind = media::kind_from(named)) {  // only a medium's name, for example "lcm"
     add_well_known(*kind);
   } else if (!named.empty()) {
     addresses.push_back(named);
@@ -93,7 +93,7 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::broker(Tim
   };
   if (!looked_.wait_until(lock, deadline, settled)) {
     return tl::unexpected(
-        "no broker was found in time: another thread of this program is looking for one" +
+        "no broker was found in time: another thread of this program still searches for it" +
         (missing_.empty() ? std::string() : "; the last search failed: " + missing_));
   }
   if (knows_broker()) return broker_;

@@ -14,11 +14,13 @@ class LeaseState {
  public:
   /// The epoch of the next command; Epoch{} without a status.
   Epoch epoch() const { return Epoch{epoch_.load(std::memory_order_relaxed)}; }
-  /// Counts one more lease, of the status with `epoch`. Returns the argument for `released`.
+  /// Counts a new lease of the status with the epoch `epoch`. Returns the argument for `released`.
   std::uint64_t acquired(std::uint64_t epoch);
-  /// Counts one lease less. After the last lease of the newest status the session has no status.
+  /// Removes one lease from the count. When the last lease of the newest status is removed, the
+  /// session has no status any more.
   void released(std::uint64_t held);
-  /// The server renewed the status: commands need the new `epoch`. Does nothing without a lease.
+  /// Must be called when the server has given the status a new epoch: later commands are issued
+  /// under `epoch`. Does nothing without a lease.
   void renewed(Epoch epoch);
 
  private:

@@ -18,8 +18,8 @@ namespace gecos::session {
 namespace {
 
 constexpr Duration patience = std::chrono::seconds(2);
-/// How long the registrar's thread waits for a broker. Actor commands wait as long; then they are
-/// refused because no broker answers.
+/// How long the registrar's thread waits for a broker. Actor commands wait for the same time; after
+/// that they are refused because no broker answers.
 constexpr Duration answer_patience = std::chrono::seconds(1);
 constexpr Duration between_tries = std::chrono::milliseconds(200);
 constexpr Duration look_again_after = std::chrono::milliseconds(20);
@@ -27,8 +27,8 @@ constexpr Duration look_again_after = std::chrono::milliseconds(20);
 /// often started together.
 constexpr Duration report_after = std::chrono::seconds(1);
 
-/// Whether other processes can find `entry`, so that the broker may assign the name to another
-/// server.
+/// Returns whether other processes can find `entry`. If so, the broker may assign the name to
+/// another server.
 bool others_find(const Entry& entry, const ClientConnection& broker) {
   const auto elsewhere = [](const std::string& address) {
     const auto kind = media::kind_of(address);
@@ -64,7 +64,7 @@ void Registrar::note_broker(const std::string& missing) {
   if (reported_missing_ || now < *missing_since_ + report_after) return;
   reported_missing_ = true;
   log_warning("session", missing +
-                             "; this server goes on asking; until a broker answers, new clients "
+                             "; this server keeps trying; until a broker answers, new clients "
                              "cannot find its objects");
 }
 
@@ -106,9 +106,9 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
   return {};
 }
 
-/// Tries again when the broker is lost during the registration: a restarted broker accepts the same
-/// entry again. Also tries again while the broker has not noticed that the last holder of the name
-/// has ended: a killed server may be restarted before the broker notices.
+/// Tries again when the broker is lost during the registration, because a restarted broker accepts
+/// the same entry again. Also tries again while the broker has not noticed that the previous holder
+/// of the name has ended: a killed server may be restarted before the broker notices the end.
 tl::expected<Duration, std::string> Registrar::register_first(Registration& registration,
                                                               TimePoint deadline) {
   for (;;) {
