@@ -115,7 +115,7 @@ def test_a_program_that_is_interrupted_leaves_the_line(lamp: Lamp, other: Lamp) 
 def test_stop_ends_the_line(lamp: Lamp, other: Lamp) -> None:
     with (
         gecos.actor(lamp),
-        pytest.raises(gecos.LeaseRefused, match="the line for the status was ended: stopped by"),
+        pytest.raises(gecos.LeaseRefused, match="ended while it waited: stopped by"),
     ):
         gecos.actor(other, timeout=None, on_position=lambda before: gecos.stop(lamp).detach())
 

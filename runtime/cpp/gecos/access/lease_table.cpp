@@ -89,8 +89,8 @@ tl::expected<Grant, LeaseRefusal> LeaseTable::acquire(SessionId session, const C
     }
     if (member) continue;  // the session has given the right password before
     if (password_.empty()) {
-      return tl::unexpected(refuse(Reason::HeldByOther,
-                                   status + " status refused: its holder does not share it", now));
+      return tl::unexpected(
+          refuse(Reason::HeldByOther, status + " status refused: it is not shared", now));
     }
     if (!password_.proves_the_same_as(password)) {
       const std::string given =

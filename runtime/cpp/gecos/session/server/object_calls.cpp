@@ -210,11 +210,9 @@ void ObjectCalls::end_overdue(ServerCall& call) {
   const std::string passed = "the deadline of '" + std::string(call.operation().name) + "' passed ";
   if (call.state.begun_at()) {
     interrupt(call);
-    end(call, Failure{Detail::TimedOut,
-                      passed + "while the call was executing; its handler was told to stop",
-                      {},
-                      {}});
-  } else {  // the call is queued, or a thread has taken it and will not begin its handler
+    end(call,
+        Failure{Detail::TimedOut, passed + "while it was executing; it was told to stop", {}, {}});
+  } else {  // queued, or taken by a thread that will not begin its handler any more
     end(call, Failure{Detail::Expired,
                       passed + "before the call started; the call was not carried out",
                       {},

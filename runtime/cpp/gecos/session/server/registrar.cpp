@@ -64,7 +64,7 @@ void Registrar::note_broker(const std::string& missing) {
   if (reported_missing_ || now < *missing_since_ + report_after) return;
   reported_missing_ = true;
   log_warning("session", missing +
-                             "; this server keeps trying; until a broker answers, new clients "
+                             "; this server goes on asking; until a broker answers, new clients "
                              "cannot find its objects");
 }
 
