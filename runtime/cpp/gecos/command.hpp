@@ -74,7 +74,7 @@ struct Failure {
   Bytes evidence;         ///< the declared exception, encoded
 
   State state() const { return project(detail); }
-  /// The declared exception, when the handler raised one of type E.
+  /// Returns the declared exception if the handler raised one of type E; otherwise nullopt.
   template <wire::GeneralContents E>
   std::optional<E> as() const {
     if (exception != E::type_name()) return std::nullopt;
@@ -126,7 +126,8 @@ class CommandCore {
   virtual ByteView result() const = 0;
   /// Returns why the command failed. Call it only when the command is terminal and not Done.
   virtual const Failure& failure() const = 0;
-  /// Descriptor that becomes readable when the command is terminal; this object owns it.
+  /// Returns a descriptor that becomes readable when the command is terminal. This object owns the
+  /// descriptor.
   virtual int descriptor() = 0;
   /// Calls `then` once the command is terminal: immediately when it is terminal already, else on
   /// the lab's callback thread. `then` is called even when the program has destroyed its Command.
@@ -144,7 +145,8 @@ class CommandCore {
   std::atomic<bool> observed_{false};  // protects no other data, so relaxed is enough
 };
 
-/// `co_await command`: resumes on the lab's callback thread with the result of `get()`.
+/// Implements `co_await command`. The coroutine resumes on the lab's callback thread with the
+/// result of `get()`.
 template <class Command>
 class CommandAwaiter {
  public:
@@ -188,7 +190,7 @@ class AnyCommand {
 
   /// Waits until the command is terminal.
   State wait() const { return wait_until(TimePoint::max()); }
-  /// Waits at most `patience`; Running when the command has not ended by then.
+  /// Waits at most `patience`. Returns Running when the command has not ended by then.
   State wait_for(Duration patience) const { return wait_until(deadline_after(patience)); }
   /// Asks the server to cancel the command. The final state tells whether the request was in time.
   void cancel() const {
@@ -209,7 +211,7 @@ class AnyCommand {
 
  protected:
   explicit AnyCommand(std::shared_ptr<CommandCore> core) : core_(std::move(core)) {}
-  /// Waits until the command is terminal; returns its failure unless it finished.
+  /// Waits until the command is terminal. Returns its failure unless the command is FINISHED.
   tl::expected<void, Failure> ended() const {
     if (wait() != State::Finished) return tl::unexpected(core_->failure());
     return {};

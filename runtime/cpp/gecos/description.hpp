@@ -44,7 +44,8 @@ constexpr OperationDescription operation(std::uint32_t code, std::string_view na
   return rest;
 }
 
-/// Like `operation`, for the getter of an attribute: it needs only sensor status and is idempotent.
+/// Like `operation`, for the getter of an attribute. A getter needs only sensor status and is
+/// idempotent.
 constexpr OperationDescription getter(std::uint32_t code, std::string_view name, std::uint64_t hash,
                                       OperationDescription rest = {}) {
   rest.kind = OperationKind::Getter;

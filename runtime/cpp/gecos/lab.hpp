@@ -59,7 +59,7 @@ std::ostream& operator<<(std::ostream& out, const CreateError& error);
 namespace session {
 class Context;
 struct LabAccess;
-/// An opened session, and why the names before it in the list were skipped.
+/// A session that was opened, and why the earlier names in the list were skipped.
 struct Created {
   std::shared_ptr<ClientSession> session;
   CreateError passed_over;
@@ -118,8 +118,8 @@ class Lab {
     if (!created) return tl::unexpected(std::move(created.error()));
     return Proxy(std::move(created->session));
   }
-  /// For names in braces, `create<Manipulator>({"RX90", "SIM"})`: without this overload two
-  /// literals in braces could also construct a single std::string.
+  /// An overload for names in braces, for example `create<Manipulator>({"RX90", "SIM"})`. Without
+  /// this overload, two literals in braces could also construct a single std::string.
   template <class Proxy>
   Checked<Proxy, CreateError> create(std::initializer_list<const char*> names,
                                      CreateOptions options = {}) {

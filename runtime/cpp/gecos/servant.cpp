@@ -107,12 +107,12 @@ void IncomingCall::fail_result(std::string_view operation, const std::string& wh
 void Servant::gecos_dispatch(IncomingCall call) {
   try {
     if (gecos_answer(call)) return;
-    call.fail(
-        {Detail::UnknownOperation,
-         std::string(gecos_interface().name) + " has no operation with the code of this call; "
-                                               "build client and server from one interface",
-         {},
-         {}});
+    call.fail({Detail::UnknownOperation,
+               std::string(gecos_interface().name) +
+                   " has no operation with the code of this call; "
+                   "build client and server from one interface",
+               {},
+               {}});
   } catch (...) {
     call.fail_as_thrown();
   }

@@ -32,8 +32,9 @@ struct Caller {
 /// below make.
 class Fault {
  public:
-  /// A declared exception of the operation: `return tl::unexpected(OutOfReach{"…"});` When a member
-  /// of the exception is out of range, the caller gets a FAULT whose text names that member.
+  /// Makes a Fault from a declared exception of the operation, for example in `return
+  /// tl::unexpected(OutOfReach{"…"});`. When a member of the exception is out of range, the caller
+  /// gets a FAULT whose text names that member.
   template <wire::GeneralContents E>
   requires requires {
     { E::type_name() } -> std::convertible_to<std::string_view>;
@@ -147,7 +148,7 @@ class IncomingCall {
   /// exception.
   void fail_as_thrown();
 
-  /// For generated skeletons: sizes, encodes and sends the result of a handler.
+  /// For generated skeletons: encodes and sends the result of a handler, which takes `size` bytes.
   void finish(std::size_t size, FunctionRef<void(wire::Encoder&)> encode);
   /// Answers the call with `result`. `give` encodes and sends the value of `result`. `handler` is
   /// the scoped name of the operation. Always returns true.

@@ -9,7 +9,7 @@
 
 namespace gecos {
 
-/// One object that `serve` is to serve.
+/// An object for `serve`.
 struct Serving {
   std::string name;
   Servant& servant;

@@ -46,7 +46,7 @@ bool is_gone(const Entry& entry) {
 
 tl::expected<void, ServeError> Broker::serve(Server& server, std::vector<media::Kind> media) {
   ObjectOptions options;
-  options.simulated = true;  // a directory moves nothing, so it cannot cause harm
+  options.simulated = true;  // a broker moves nothing, so it cannot cause harm
   options.well_known = true;
   // When no other process can use these media, no object was served before this broker started.
   const bool alone = media::within_process(media);

@@ -66,7 +66,8 @@ class Directory {
   struct Place {
     std::uint64_t session = 0;
     Entry entry;
-    TimePoint since;  ///< when the server began to serve the object, by the broker's clock
+    TimePoint since;  ///< when the server began to serve the object, by CLOCK_BOOTTIME of the
+                      ///< broker
     std::vector<Entry> displaced{};  ///< entries that lost this name and cannot get it back
   };
   bool gives_way(const Place& place, const Entry& entry, TimePoint since, TimePoint now) const;

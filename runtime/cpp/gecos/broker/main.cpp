@@ -1,4 +1,5 @@
-// gecos-broker: the directory that leads from an object's name to the addresses of its server.
+// The program gecos-broker: the directory that leads from an object's name to the addresses of its
+// server.
 #include <cstdio>
 #include <cstring>
 

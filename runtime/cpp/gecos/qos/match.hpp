@@ -12,13 +12,14 @@
 /// Checks media against a required quality of service and selects the best medium. Pure functions.
 namespace gecos::qos {
 
-/// What one medium promises, and what was measured over it.
+/// The promises of one medium, and the latency that was measured over it.
 struct LineCapabilities {
   std::string name;            ///< name of the medium for messages, for example "shm"
   bool between_hosts = false;  ///< packets may leave the host
   bool reliable = true;        ///< no packet is lost, or the session retransmits each lost packet
   bool real_time = true;       ///< the medium loses no packet and shares no queue with others
-  bool reports_death = true;   ///< a peer's death is detected at once, not only by silence
+  bool reports_death = true;   ///< the death of a peer is reported at once, not only found by its
+                               ///< silence
   std::optional<Duration> latency{};  ///< 99th percentile of a round trip, once it is measured
 };
 

@@ -181,7 +181,7 @@ std::shared_ptr<PendingCommand> CallSender::arrived(std::uint64_t counter) {
   return *found;
 }
 
-// What the maintenance thread sends
+// Packets that the maintenance thread sends
 
 void CallSender::query_old_calls() {
   if (repeats_) return;
@@ -233,7 +233,7 @@ TimePoint CallSender::repeat(TimePoint now, TimePoint next_beat) {
   return soon;
 }
 
-// How a session ends
+// The end of a session
 
 bool CallSender::say_goodbye() {
   const MutexLock lock(mutex_);

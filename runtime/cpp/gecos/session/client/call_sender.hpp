@@ -64,7 +64,7 @@ class CallSender {
   /// the result is at most one round trip too early, never too late.
   TimePoint by_our_clock(TimePoint theirs);
 
-  // Called by the thread that reads the connection.
+  // Functions for the thread that reads the connection.
   /// Must be called when a reply to the call `counter` arrives. Removes and returns the call; null
   /// when a reply to it has arrived before.
   std::shared_ptr<PendingCommand> take_replied(std::uint64_t counter);
@@ -72,7 +72,7 @@ class CallSender {
   /// the call. Returns the call; null when its reply has arrived before.
   std::shared_ptr<PendingCommand> arrived(std::uint64_t counter);
 
-  // Called by the maintenance thread.
+  // Functions for the maintenance thread.
   /// Over a medium that loses packets, sends again the calls that are due. Over any medium, sends
   /// again each Cancel packet for which there was no room before. Returns when the next tick is
   /// due. `next_beat`: when the next heartbeat is due.
@@ -82,7 +82,7 @@ class CallSender {
   /// because calls are sent again there anyway.
   void query_old_calls();
 
-  // How a session ends.
+  // Functions for the end of a session.
   bool lost() const { return lost_.load(std::memory_order_acquire); }
   /// Tells the server that this program closes the session. Returns false when the connection has
   /// no room for the packet.

@@ -84,8 +84,8 @@ class ClientConnection final : public ClientSession,
   LeaseState leases_;
   CallSender calls_;
   SessionFailover failover_;
-  /// Declared before receiver_ and reader_, which call it. Its constructor must not use them: they
-  /// do not exist yet.
+  /// Declared before receiver_ and reader_, which call `end_`. The constructor of `end_` must not
+  /// use receiver_ and reader_, because they do not exist yet.
   SessionEnd end_;
   PacketReceiver receiver_;
   ConnectionReader reader_;

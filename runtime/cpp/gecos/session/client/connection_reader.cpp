@@ -26,7 +26,7 @@ ConnectionReader::ConnectionReader(Runtime& runtime, media::Connection& connecti
       end_(end),
       reliable_(connection.capabilities().reliable),
       spin_(system_clock()) {
-  descriptors_.reserve(connection.descriptors().size() + 1);  // so that no sleep allocates
+  descriptors_.reserve(connection.descriptors().size() + 1);  // so that `sleep` allocates no memory
 }
 
 void ConnectionReader::poll_once() {
@@ -53,7 +53,7 @@ bool ConnectionReader::wait(const void* subject, FunctionRef<bool()> done, TimeP
     if (leader_lock_.try_take()) {
       const bool finished = lead(done, deadline);
       leader_lock_.drop();
-      // the maintenance thread continues to read packets for the watchers
+      // From now on the maintenance thread reads packets for the watchers.
       if (has_watchers()) runtime_.maintenance().wake();
       return finished;
     }

@@ -176,7 +176,7 @@ void Failover::look(std::shared_ptr<ClientConnection> from) {
     append(commands, std::exchange(search_of(from).commands, {}));
     const MutexUnlock unlocked(mutex_);
     commands = send_to(**found, std::move(commands));
-    found->reset();  // while the mutex is not held: the destruction takes a while
+    found->reset();  // done while the mutex is not held, because the destruction takes a while
   }
   Search& search = search_of(from);
   append(search.commands, std::move(commands));

@@ -12,7 +12,7 @@ namespace gecos::session {
 /// that status the program holds. Thread-safe.
 class LeaseState {
  public:
-  /// The epoch of the next command; Epoch{} without a status.
+  /// Returns the epoch for the next command; Epoch{} when the session has no status.
   Epoch epoch() const { return Epoch{epoch_.load(std::memory_order_relaxed)}; }
   /// Counts a new lease of the status with the epoch `epoch`. Returns the argument for `released`.
   std::uint64_t acquired(std::uint64_t epoch);
@@ -28,7 +28,7 @@ class LeaseState {
   FutexMutex mutex_;
   /// The number of statuses acquired so far; `leases_` counts the leases of the newest status.
   std::uint64_t statuses_ GECOS_GUARDED_BY(mutex_) = 0;
-  /// leases of the newest status that are not released
+  /// Number of leases of the newest status that are not released yet.
   std::uint64_t leases_ GECOS_GUARDED_BY(mutex_) = 0;
 };
 

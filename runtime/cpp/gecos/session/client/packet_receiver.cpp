@@ -22,7 +22,7 @@ std::shared_ptr<PendingCommand> PacketReceiver::take(ByteView bytes) {
       end_.on_goodbye(packet->body);
       return nullptr;
     default:
-      return nullptr;  // packet kinds of a newer server, and late answers to a Hello
+      return nullptr;  // ignores packet kinds of a newer server, and late replies to a Hello
   }
 }
 

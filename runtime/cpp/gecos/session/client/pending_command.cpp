@@ -194,7 +194,7 @@ void PendingCommand::fail(Failure failure) {
   });
 }
 
-// How a command moves to another session
+// Moving a command to another session
 
 void PendingCommand::attach(const std::shared_ptr<ClientConnection>& session, const CommandId& id,
                             std::uint64_t as) {

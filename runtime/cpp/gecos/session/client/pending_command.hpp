@@ -45,8 +45,8 @@ class PendingCommand final : public CommandCore {
   void when_ended(std::function<void()> then) override;
   std::string about() const override;
 
-  /// Sequentially consistent, because a follower checks it right after registering with the
-  /// LeaderLock (LeaderLock::notify).
+  /// The load is sequentially consistent, because a follower calls this function right after it has
+  /// registered with the LeaderLock (LeaderLock::notify).
   bool terminal() const {
     return project(detail_.load(std::memory_order_seq_cst)) != State::Running;
   }

@@ -12,8 +12,8 @@
 namespace gecos::session {
 
 /// Judges the server of one session by its heartbeats and by its answers. Does no I/O: the caller
-/// passes what has arrived. Any thread may call `unreachable` and `silent_since`; only the
-/// maintenance thread may call the other functions.
+/// passes the numbers of heartbeats and packets that have arrived. Any thread may call
+/// `unreachable` and `silent_since`; only the maintenance thread may call the other functions.
 class ServerWatch {
  public:
   ServerWatch(const LabOptions& options, const Clock& clock);
@@ -24,7 +24,7 @@ class ServerWatch {
   /// `unreachable()`
   TimePoint silent_since() const { return silent_since_.load(std::memory_order_relaxed); }
 
-  /// Judges whether the server lives. `heartbeats`: number of heartbeats received so far.
+  /// Judges whether the server is alive. `heartbeats`: number of heartbeats received so far.
   PeerLiveness::Verdict judge_heartbeats(std::uint64_t heartbeats, TimePoint now);
   /// Returns the time since the last heartbeat.
   Duration silent_for() const { return liveness_.silent_for(liveness_clock_.now()); }

@@ -57,7 +57,7 @@ void SessionEnd::lose(Ending how, const std::string& text) {
   if (!remains) return;
   log_info("client", "the session with " + welcome_.object + " ended: " + text);
   for (const auto& [counter, command] : remains->others) {
-    // no failure is logged: the program closed the session on purpose
+    // The failure of the command is not logged, because the program closed the session on purpose.
     if (drains) command->observe();
     command->fail(calls_.failure_of(*command, how, text));
   }

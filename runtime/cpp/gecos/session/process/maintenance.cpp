@@ -64,7 +64,8 @@ void Maintenance::Shared::judge_pause(const std::vector<std::shared_ptr<TickTarg
 void Maintenance::Shared::run() {
   std::vector<pollfd> descriptors;
   for (;;) {
-    // Drain the event before the checks, so that a notification between the two is not lost.
+    // Drain the event before the checks, so that a notification that comes during the checks is not
+    // lost.
     event.drain();
     if (ended.load()) return;
     for (const auto& job : take_jobs()) job();

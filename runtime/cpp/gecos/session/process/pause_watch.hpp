@@ -53,8 +53,8 @@ class PauseWatch {
     return true;
   }
 
-  /// Every thread must call suspected() before it starts a handler. Returns true when a pause has
-  /// ended and is not judged yet.
+  /// Returns true when a pause has ended and is not judged yet. Every thread must call this
+  /// function before it starts a handler.
   bool suspected(TimePoint now) const {
     const TimePoint due = due_.load(std::memory_order_relaxed);
     return judging_.load(std::memory_order_acquire) ||

@@ -29,7 +29,7 @@ struct SentBefore {
 inline constexpr std::int8_t withdraws = 1;
 
 void write_packet(Bytes& into, const wire::PacketHeader& header, ByteView body);
-/// Writes a packet whose body of `size` bytes is written by `encode`.
+/// Writes a packet. `encode` writes its body of `size` bytes.
 void write_packet(Bytes& into, const wire::PacketHeader& header, std::size_t size,
                   FunctionRef<void(wire::Encoder&)> encode);
 

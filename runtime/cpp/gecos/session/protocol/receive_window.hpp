@@ -58,7 +58,8 @@ class ReplyCache {
   void shrink();
 
  private:
-  static constexpr std::size_t most_replies = 512;  ///< more calls than a client may have in flight
+  static constexpr std::size_t most_replies = 512;  ///< greater than the number of calls that a
+                                                    ///< client may have in flight
   /// Room for two packets of maximum size.
   static constexpr std::size_t most_bytes = 16 * 1024 * 1024;
   static constexpr std::size_t most_bytes_of_lost = 64 * 1024;

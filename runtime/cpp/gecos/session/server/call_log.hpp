@@ -14,7 +14,8 @@ namespace gecos::session {
 /// Returns a text such as "alice on lab1 (lift.py, pid 12)".
 std::string who(const Caller& caller);
 
-/// Operations that need a status are logged at info level, all others at debug level.
+/// Returns the log level for calls of `operation`: info if the operation needs a status, otherwise
+/// debug.
 inline LogLevel level_of(const OperationDescription& operation) {
   return operation.status == access::Status::Sensor ? LogLevel::Debug : LogLevel::Info;
 }

@@ -109,7 +109,7 @@ void CallRunner::let_pause_be_judged(const ServerCall& call) {
   if (!setup.runtime->maintenance().on_this_thread()) setup.pauses().await_judgement(setup.clock());
 }
 
-// What handlers answer
+// The answers of handlers
 
 void CallRunner::answered(ServerCall& call, ByteView result) {
   let_pause_be_judged(call);

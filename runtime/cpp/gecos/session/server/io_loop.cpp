@@ -68,14 +68,14 @@ void IoLoop::run() {
   main_id_ = std::this_thread::get_id();
   spin_.begin();
   while (!ended_.load()) turn();
-  event_.notify();  // wakes a standby that sleeps on the same events
+  event_.notify();  // wakes the standby thread, which may sleep on the same events
 }
 
 void IoLoop::run_standby() {
   while (standby_call_.wait()) {
     const MutexLock polling(polling_);
     while (!ended_.load() && main_is_inside()) turn();
-    event_.notify();  // the standby may have drained events for which the main thread waits
+    event_.notify();  // the standby thread may have drained events for which the main thread waits
   }
 }
 
@@ -257,7 +257,7 @@ TimePoint IoLoop::on_tick(TimePoint now) {
   const std::uint64_t handler = handler_turn_.load();
   if (handler % 2 == 1 && handler == handler_seen_) {
     standby_call_.call();
-    event_.notify();  // the standby may still sleep in epoll_wait since its last turn
+    event_.notify();  // the standby thread may still sleep in epoll_wait since its last turn
   }
   handler_seen_ = handler;
 

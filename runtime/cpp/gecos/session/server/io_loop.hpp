@@ -49,7 +49,7 @@ class IoLoop {
     std::shared_ptr<ObjectHost> object;
     std::shared_ptr<media::Acceptor> acceptor;
   };
-  /// What ended the last sleep, and when the client that ended it sent the wake-up.
+  /// What ended the last sleep. `rang_at`: when the client sent the wake-up that ended the sleep.
   struct Wake {
     media::Woken by = media::Woken::Early;
     TimePoint rang_at{};

@@ -114,7 +114,7 @@ TimePoint ObjectHost::on_tick(TimePoint now) {
   return now + (state_.calls.idle() ? Maintenance::calm_tick : Maintenance::tick);
 }
 
-// How an object ends
+// The end of an object
 
 void ObjectHost::close() {
   const MutexLock lock(state_.mutex);

@@ -15,7 +15,7 @@
 
 namespace gecos::session {
 
-/// The part of a call that the queue of its object uses.
+/// The data of a call that the queue of the called object uses.
 struct QueueEntry {
   QueueEntry(SessionId its_client, const OperationDescription& its_operation,
              std::size_t its_bytes = 0)

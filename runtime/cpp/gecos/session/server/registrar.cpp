@@ -180,7 +180,7 @@ void Registrar::run() {
 }
 
 Duration Registrar::ask(const std::vector<Registration>& registrations) {
-  std::vector<std::uint64_t> questions;  // read before the broker is asked
+  std::vector<std::uint64_t> questions;  // must be read before the broker is asked
   for (const auto& one : registrations)
     questions.push_back(one.object->name_confirmation().question());
   const TimePoint deadline = deadline_after(answer_patience);

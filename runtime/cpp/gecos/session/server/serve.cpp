@@ -34,7 +34,7 @@ bool came(const TerminationSignals& signals) {
   return media::sleep_on(descriptors, std::chrono::steady_clock::now()) == media::Wake::Ready;
 }
 
-/// Waits for the broker. Returns false when a termination signal comes first.
+/// Waits for the broker. Returns false when a termination signal arrives first.
 tl::expected<bool, ServeError> broker_found(Server& server, const std::vector<Serving>& objects,
                                             const TerminationSignals& signals) {
   Duration patience{};

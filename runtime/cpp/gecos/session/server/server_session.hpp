@@ -89,8 +89,8 @@ class ServerSession {
   std::uint64_t held_from = std::numeric_limits<std::uint64_t>::max();
   /// For each lane, the highest counter that was marked as started (start_words.hpp).
   std::array<std::uint64_t, media::shared_word_count> marked{};
-  std::size_t commands = 0;      ///< actor commands that have not ended
-  std::size_t unreturned = 0;    ///< calls that are not Finished (CallState::Phase)
+  std::size_t commands = 0;      ///< number of actor commands that have not ended
+  std::size_t unreturned = 0;    ///< number of calls whose phase is not Finished (CallState)
   bool left = false;             ///< the client said goodbye
   bool closed = false;           ///< the connection is lost or closed
   bool parted_in_order = false;  ///< the connection ended in order, so its calls still run

@@ -223,7 +223,7 @@ void SessionPackets::take_call(const Session& session, const wire::PacketView& p
   }
   const std::size_t most =
       ObjectQueue::most_of_object + (operation->safety ? ObjectQueue::most_of_object / 4 : 0);
-  // no correct client has so many calls in flight
+  // A correct client never has so many calls in flight.
   if (session->calls.size() + session->intake.aside() >= most) {
     return session->reply(counter,
                           Failure{Detail::QueueFull,

@@ -14,9 +14,9 @@ namespace gecos::session {
 
 /// The kind of thread on which calls are started.
 enum class Starter : std::uint8_t {
-  Poller,  ///< runs short handlers itself
+  Poller,  ///< the thread that polls; runs short handlers itself
   Worker,  ///< a worker thread of the object; runs short handlers itself
-  Other,   ///< runs no handler: a user's thread, the maintenance thread, or a polling standby
+  Other,   ///< a thread that runs no handler: a user's, the maintenance or the standby thread
 };
 
 /// Decides which queued call of one object starts next. Does not let a call start while a pause of

@@ -234,7 +234,7 @@ void StatusGrants::close() {
   end_line(Failure{Detail::Rejected, "the server is about to end", {}, {}});
 }
 
-// How a status ends
+// The end of a status
 
 void StatusGrants::release(ServerSession& session, const GecosObject_release_arguments& asked) {
   using Commands = access::LeaseTable::Commands;
