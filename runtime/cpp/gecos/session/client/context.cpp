@@ -93,7 +93,7 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::broker(Tim
   };
   if (!looked_.wait_until(lock, deadline, settled)) {
     return tl::unexpected(
-        "no broker was found in time: another thread of this program still searches for it" +
+        "no broker was found in time: another thread of this program is looking for one" +
         (missing_.empty() ? std::string() : "; the last search failed: " + missing_));
   }
   if (knows_broker()) return broker_;

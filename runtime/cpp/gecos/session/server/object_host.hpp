@@ -22,10 +22,8 @@ class ObjectHost final : public Publisher {
  public:
   ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
              ObjectOptions options);
-  ~ObjectHost() override {
-    state_.user_callbacks.end();
-  }  ///< so that no user callback uses
-     ///< destroyed members
+  /// Ends the user callbacks first, so that no callback uses destroyed members.
+  ~ObjectHost() override { state_.user_callbacks.end(); }
   ObjectHost(const ObjectHost&) = delete;
   ObjectHost& operator=(const ObjectHost&) = delete;
 
