@@ -94,7 +94,7 @@ def test_a_status_is_waited_for_in_line(lamp: Lamp, other: Lamp) -> None:
 
 
 def test_a_wait_in_line_ends_in_time(held: Lamp, other: Lamp) -> None:
-    with pytest.raises(gecos.LeaseRefused, match=r"not free within 0\.05 s") as caught:
+    with pytest.raises(gecos.LeaseRefused, match=r"the request waited 0\.05 s") as caught:
         gecos.master(other, timeout=0.05)
     assert len(caught.value.holders) == 1
 
