@@ -33,7 +33,8 @@ class [[nodiscard("keep the lease: its destructor releases the status")]] Lease 
   void release();
   /// Releases the status and stops the commands that are queued and running under it.
   void release_now();
-  /// True when the lease was acquired less than 100 ms ago and no call was issued since.
+  /// Returns true when the lease was acquired less than 100 ms ago and the program has issued no
+  /// call since.
   bool fresh() const;
 
  private:
@@ -42,7 +43,7 @@ class [[nodiscard("keep the lease: its destructor releases the status")]] Lease 
   std::shared_ptr<session::ClientSession> session_;
   Grant grant_;
   std::uint64_t held_;    ///< the result of ClientSession::lease_acquired
-  std::uint64_t issued_;  ///< number of calls that the session had issued before the lease
+  std::uint64_t issued_;  ///< number of calls that the program had issued before the lease
   TimePoint since_;
 };
 
