@@ -83,7 +83,7 @@ def _refusals() -> Iterator[tuple[str, dict[str, Any], str]]:
     yield (
         "Sequences",
         {"percents": np.array([1, 101])},
-        "Sequences.percents: 101 is outside [0, 100]",
+        "Sequences.percents[1]: 101 is outside [0, 100]",
     )
     yield "Sequences", {"short_text": "a\0"}, "Sequences.short_text: 'a\\x00' contains NUL"
     yield (

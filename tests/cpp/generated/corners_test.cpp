@@ -106,7 +106,7 @@ TEST(GeneratedRanges, HoldInArrays) {
   expect_refused(arrays, "Arrays.trims");
   arrays = {};
   arrays.duty[3] = 11;
-  EXPECT_EQ(gecos_violation(arrays), "Arrays.duty: 11 is outside [0, 10]");
+  EXPECT_EQ(gecos_violation(arrays), "Arrays.duty[3]: 11 is outside [0, 10]");
   expect_refused(arrays, "Arrays.duty");
   arrays = {};
   arrays.shares[0] = std::numeric_limits<float>::infinity();

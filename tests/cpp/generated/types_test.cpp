@@ -69,7 +69,7 @@ TEST(GeneratedTypes, SayWhatMustNotBeSentByItsName) {
   EXPECT_EQ(gecos_violation(many), "Sequences.words: the string is not UTF-8 or contains NUL");
   many.words.clear();
   many.percents = {100, 101};
-  EXPECT_EQ(gecos_violation(many), "Sequences.percents: 101 is outside [0, 100]");
+  EXPECT_EQ(gecos_violation(many), "Sequences.percents[1]: 101 is outside [0, 100]");
 
   Holds nested;
   nested.many.resize(2);
@@ -94,7 +94,7 @@ TEST(GeneratedTypes, RefuseWhatIsOutOfRangeWhereItLies) {
   bytes.back() = std::byte{9};
   EXPECT_EQ(why_refused<Limits>(bytes), "field 'Limits.few' at byte " +
                                             std::to_string(bytes.size() - 2) +
-                                            ": outside its declared range");
+                                            ": 9 is outside [1, 3]");
 }
 
 TEST(GeneratedTypes, ReadAnUnknownEnumeratorAsTheDefaultLiteralOrRefuseIt) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <variant>
 
 namespace gecos::wire {
 
@@ -28,15 +29,22 @@ enum class DecodeProblem : std::uint8_t {
 /// The problem in words: "the string is not UTF-8".
 const char* describe(DecodeProblem problem);
 
+/// A number that a range refused.
+using RefusedNumber = std::variant<double, std::int64_t, std::uint64_t>;
+
 struct DecodeError {
   DecodeProblem problem{};
   std::size_t offset =
       0;  ///< position of the refused value, counted from the first byte given to the decoder
   const char* field = "";  ///< static text; empty when the reader passed no field name
 
-  /// "field 'speed' at byte 12: outside its declared range"
+  const char* limits = "";  ///< static text, "[0.01, 1.0] m/s": the range that refused `number`
+  RefusedNumber number{};   ///< meaningful when `limits` is not empty
+
+  /// "field 'speed' at byte 12: 3 is outside [0.01, 1.0] m/s"
   std::string message() const;
 
+  /// Compares problem, offset and field.
   friend bool operator==(const DecodeError& a, const DecodeError& b);
 };
 inline std::string describe(const DecodeError& error) { return error.message(); }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gecos/wire/bounds.hpp"
+#include "gecos/wire/check.hpp"
 #include "gecos/wire/decoder.hpp"
 
 namespace gecos::wire {
@@ -103,14 +104,23 @@ template <class Key, class T, class Order, class GetKey, class Get>
   return valid || from.fail(DecodeProblem::OutOfRange, field, from.offset() - size);
 }
 
-/// Refuses the numbers that were just read, unless all lie within `bounds`.
+/// Refuses the number that was just read, unless it lies within `bounds`; `limits` is static text
+/// for the error, "[0.01, 1.0] m/s".
+template <class T>
+[[nodiscard]] bool within(Decoder& from, T number, std::type_identity_t<Bounds<T>> bounds,
+                          const char* field, const char* limits) {
+  return bounds.hold(number) || from.fail_range(refused_number(number), limits, sizeof(T), field);
+}
+
+/// Like `within`, for all numbers of an array or sequence.
 template <class Numbers>
 [[nodiscard]] bool all_within(Decoder& from, const Numbers& numbers,
-                              Bounds<typename Numbers::value_type> bounds, const char* field) {
+                              Bounds<typename Numbers::value_type> bounds, const char* field,
+                              const char* limits) {
   const auto* const outlier = first_outside(numbers, bounds);
   if (outlier == nullptr) return true;
   const auto after = static_cast<std::size_t>(numbers.data() + numbers.size() - outlier);
-  return in_range(from, false, after * sizeof *outlier, field);
+  return from.fail_range(refused_number(*outlier), limits, after * sizeof *outlier, field);
 }
 
 /// Reads the discriminator (tag) of a union, encoded as a `Wire`. Refuses a number that the type of

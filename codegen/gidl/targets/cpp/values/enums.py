@@ -112,13 +112,13 @@ class Enums(ValueNames):
         if kind is Primitive.BOOLEAN or width == 8 * kind.size:
             return []
         if kind.is_unsigned:
-            low, high, wide = 0, (1 << width) - 1, "unsigned long long"
+            low, high = 0, (1 << width) - 1
             test = f"value.{name} > {high}U"
         else:
-            low, high, wide = -(1 << (width - 1)), (1 << (width - 1)) - 1, "long long"
+            low, high = -(1 << (width - 1)), (1 << (width - 1)) - 1
             test = f"value.{name} < {low} || value.{name} > {high}"
-        text, cast = f"{bitset.simple_name}.{label}", f"static_cast<{wide}>(value.{name})"
-        told = call("gecos::wire::out_of_range", quoted(text), cast, quoted(f"[{low}, {high}]"))
+        text, limits = f"{bitset.simple_name}.{label}", quoted(f"[{low}, {high}]")
+        told = call("gecos::wire::out_of_range", quoted(text), f"value.{name}", limits)
         return block(
             f"if ({test})",
             [f"return {told};"],

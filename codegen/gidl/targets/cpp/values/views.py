@@ -170,8 +170,8 @@ class TypesView:
     namespaces: tuple[NamespaceView, ...]
 
 
-def printed(name: str, prints: list[PrintView]) -> tuple[str, ...]:
-    """Literals and values in turn: `"Point{x=", value.x, " m}"`."""
+def printed(name: str, prints: list[PrintView], end: str = "") -> tuple[str, ...]:
+    """Literals and values in turn: `"Point{x=", value.x, " m}"`. `end` is a last value."""
     parts, literal = [], f"{name}{{"
     for i, each in enumerate(prints):
         literal += f"{', ' if i else ''}{each.label}"
@@ -181,7 +181,7 @@ def printed(name: str, prints: list[PrintView]) -> tuple[str, ...]:
         else:
             literal += "***"
     lines = [""]
-    for part in [*parts, f'"{literal}}}"']:
+    for part in [*parts, f'"{literal}}}"', *([end] if end else [])]:
         if lines[-1] and len(lines[-1]) + len(part) > 90:
             lines.append("")
         lines[-1] += f"{', ' if lines[-1] else ''}{part}"
