@@ -168,12 +168,12 @@ class AnyCommand {
   /// The argument for `gecos::outcome` after the connection was lost.
   CommandId id() const { return core_->id(); }
   State state() const& { return project(progress().detail); }
-  State state() && = delete;
+  State state() && = delete;  // keep the command: `auto move = robot.move(goal); move.state()`
   Progress progress() const& {
     core_->observe();
     return core_->progress();
   }
-  Progress progress() && = delete;
+  Progress progress() && = delete;  // keep the command: `auto move = robot.move(goal);`
 
   /// Latest feedback; nothing when none has arrived.
   std::optional<Feedback> feedback() const requires(!std::is_void_v<Feedback>) {
@@ -237,7 +237,8 @@ class AnyCommand {
 /// State::Running)` does not compile: each iteration would issue a new command. Keep the command:
 /// `auto move = robot.move(x); while (move.state() == State::Running)`.
 template <class T, class Feedback = void>
-class [[nodiscard]] Command : public session::AnyCommand<Feedback> {
+class [[nodiscard("keep the command, or say .detach() if its failure may be ignored")]] Command
+    : public session::AnyCommand<Feedback> {
  public:
   using Decode = bool (*)(wire::Decoder&, T&);
 
@@ -271,7 +272,8 @@ class [[nodiscard]] Command : public session::AnyCommand<Feedback> {
 
 /// A call of an operation without a result; otherwise like Command<T>.
 template <class Feedback>
-class [[nodiscard]] Command<void, Feedback> : public session::AnyCommand<Feedback> {
+class [[nodiscard("keep the command, or say .detach() if its failure may be ignored")]]
+Command<void, Feedback> : public session::AnyCommand<Feedback> {
  public:
   explicit Command(std::shared_ptr<session::CommandCore> core)
       : session::AnyCommand<Feedback>(std::move(core)) {}

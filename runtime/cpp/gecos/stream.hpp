@@ -13,9 +13,12 @@
 
 namespace gecos {
 
-/// Tag that selects the subscribing overload of an attribute: `robot.tool(gecos::stream)`.
-struct StreamTag {};
-inline constexpr StreamTag stream{};
+/// Type of the tag that selects the subscribing overload of an attribute:
+/// `robot.tool(gecos::stream)`. An attribute without @stream has no such overload; then the compiler
+/// names this type.
+struct only_attributes_with_the_annotation_stream {};
+using StreamTag = only_attributes_with_the_annotation_stream;
+inline constexpr only_attributes_with_the_annotation_stream stream{};
 
 /// One value of a stream.
 template <class T>

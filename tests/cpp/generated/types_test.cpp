@@ -80,7 +80,8 @@ TEST(GeneratedTypes, SayWhatMustNotBeSentByItsName) {
   EXPECT_EQ(gecos_violation(shape), "");
   shape.tag = Colour::BLUE;
   EXPECT_EQ(gecos_violation(shape),
-            "Shape: the value does not agree with the union's discriminator");
+            "Shape: the value does not agree with the union's discriminator; make it with one of the "
+            "functions make_…");
 
   Packed bits;
   bits.mode = 8;

@@ -103,7 +103,8 @@ TEST_F(Create, NamesBothTypesWhenTheObjectIsOfAnother) {
   auto created = lab_.create<probe::Other>("PROBE");
   ASSERT_FALSE(created);
   EXPECT_EQ(created.error().to_string(),
-            "PROBE: REFUSED: PROBE is a probe::Probe, not a probe::Other");
+            "PROBE: REFUSED: PROBE is a probe::Probe, not a probe::Other; create a probe::Probe, or "
+            "name another object");
 }
 
 TEST_F(Create, SaysThatTheServerIsOffline) {

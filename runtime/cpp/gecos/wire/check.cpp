@@ -24,6 +24,16 @@ std::string_view question(double number, std::string_view limits) {
                        limits.substr(unit + 2));
 }
 
+std::string shown(RefusedNumber number) {
+  return std::visit(
+      [](auto value) {
+        std::array<char, 32> digits;
+        return std::string(digits.data(),
+                           std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr);
+      },
+      number);
+}
+
 }  // namespace
 
 std::string_view mistaken_unit(double value, double low, double high, std::string_view unit) {
@@ -38,15 +48,12 @@ std::string_view mistaken_unit(double value, double low, double high, std::strin
 }
 
 std::string outside_limits(RefusedNumber number, std::string_view limits) {
-  return std::visit(
-      [&](auto value) {
-        std::array<char, 32> digits;
-        const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
-        std::string text(digits.data(), end);
-        text.append(" is outside ").append(limits);
-        return text.append(question(static_cast<double>(value), limits));
-      },
-      number);
+  const double value = std::visit([](auto each) { return static_cast<double>(each); }, number);
+  return shown(number).append(" is outside ").append(limits).append(question(value, limits));
+}
+
+std::string none_of(RefusedNumber number, std::string_view known) {
+  return shown(number).append(" is ").append(known);
 }
 
 std::string out_of_range(std::string_view field, RefusedNumber number, std::string_view limits) {
@@ -72,7 +79,8 @@ std::string bad_text(std::string_view field) {
 }
 
 std::string wrong_arm(std::string_view type) {
-  return std::string(type) + ": the value does not agree with the union's discriminator";
+  return std::string(type) + ": the value does not agree with the union's discriminator; make it with one of the "
+         "functions make_…";
 }
 
 }  // namespace gecos::wire

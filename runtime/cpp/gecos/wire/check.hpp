@@ -32,6 +32,9 @@ RefusedNumber refused_number(T number) {
 /// The text "110 is outside [-2.0, 2.0] rad; is the value in degrees?".
 std::string outside_limits(RefusedNumber number, std::string_view limits);
 
+/// The text "7 is no Speed; there are SLOW, FAST", for `known` "no Speed; there are SLOW, FAST".
+std::string none_of(RefusedNumber number, std::string_view known);
+
 /// The text "Trajectory.speed: 3 is outside [0.01, 1.0] m/s".
 std::string out_of_range(std::string_view field, RefusedNumber number, std::string_view limits);
 
@@ -59,7 +62,7 @@ std::string over_bound(std::string_view field, std::size_t size, std::size_t bou
 /// The text "Pose.name: the string is not UTF-8 or contains NUL".
 std::string bad_text(std::string_view field);
 
-/// The text "Shape: the value does not agree with the union's discriminator".
+/// The text "Shape: the value does not agree with the union's discriminator; make …".
 std::string wrong_arm(std::string_view type);
 
 }  // namespace gecos::wire

@@ -46,7 +46,9 @@ std::string DecodeError::message() const {
   std::string text;
   if (*field != '\0') text.append("field '").append(field).append("' ");
   text.append("at byte ").append(std::to_string(offset)).append(": ");
-  return text.append(*limits == '\0' ? describe(problem) : outside_limits(number, limits));
+  if (*limits == '\0') return text.append(describe(problem));
+  if (problem == DecodeProblem::OutOfRange) return text.append(outside_limits(number, limits));
+  return text.append(none_of(number, limits));
 }
 
 bool operator==(const DecodeError& a, const DecodeError& b) {

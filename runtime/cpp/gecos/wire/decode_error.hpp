@@ -29,7 +29,7 @@ enum class DecodeProblem : std::uint8_t {
 /// The problem in words: "the string is not UTF-8".
 const char* describe(DecodeProblem problem);
 
-/// A number that a range refused.
+/// A number that a range or an enum refused.
 using RefusedNumber = std::variant<double, std::int64_t, std::uint64_t>;
 
 struct DecodeError {
@@ -38,8 +38,10 @@ struct DecodeError {
       0;  ///< position of the refused value, counted from the first byte given to the decoder
   const char* field = "";  ///< static text; empty when the reader passed no field name
 
-  const char* limits = "";  ///< static text, "[0.01, 1.0] m/s": the range that refused `number`
-  RefusedNumber number{};   ///< meaningful when `limits` is not empty
+  /// Static text: the range "[0.01, 1.0] m/s" that refused `number`, or the enumerators that it is
+  /// none of. Empty: the problem is not about a number.
+  const char* limits = "";
+  RefusedNumber number{};
 
   /// "field 'speed' at byte 12: 3 is outside [0.01, 1.0] m/s"
   std::string message() const;

@@ -2,10 +2,10 @@
 
 namespace gecos::wire {
 
-bool Decoder::fail_range(RefusedNumber number, const char* limits, std::size_t size,
-                         const char* field) {
+bool Decoder::fail_number(DecodeProblem problem, RefusedNumber number, const char* limits,
+                          std::size_t size, const char* field) {
   if (failed_) return false;
-  fail(DecodeProblem::OutOfRange, field, offset() - size);
+  fail(problem, field, offset() - size);
   error_.limits = limits;
   error_.number = number;
   return false;

@@ -159,9 +159,10 @@ class Decoder {
     return fail_at(begin_ + offset, problem, field);
   }
 
-  /// Refuses `number`, the last `size` bytes read, because it is outside `limits` (static text).
-  /// Always returns false.
-  bool fail_range(RefusedNumber number, const char* limits, std::size_t size, const char* field);
+  /// Refuses `number`, the last `size` bytes read, because it is outside `limits`, or for
+  /// UnknownEnumerator none of them (static text). Always returns false.
+  bool fail_number(DecodeProblem problem, RefusedNumber number, const char* limits,
+                   std::size_t size, const char* field);
 
   /// Succeeds when no read failed and no bytes are left.
   [[nodiscard]] bool expect_end() {

@@ -109,7 +109,8 @@ template <class Key, class T, class Order, class GetKey, class Get>
 template <class T>
 [[nodiscard]] bool within(Decoder& from, T number, std::type_identity_t<Bounds<T>> bounds,
                           const char* field, const char* limits) {
-  return bounds.hold(number) || from.fail_range(refused_number(number), limits, sizeof(T), field);
+  return bounds.hold(number) || from.fail_number(DecodeProblem::OutOfRange, refused_number(number),
+                                                 limits, sizeof(T), field);
 }
 
 /// Like `within`, for all numbers of an array or sequence.
@@ -120,7 +121,15 @@ template <class Numbers>
   const auto* const outlier = first_outside(numbers, bounds);
   if (outlier == nullptr) return true;
   const auto after = static_cast<std::size_t>(numbers.data() + numbers.size() - outlier);
-  return from.fail_range(refused_number(*outlier), limits, after * sizeof *outlier, field);
+  return from.fail_number(DecodeProblem::OutOfRange, refused_number(*outlier), limits,
+                          after * sizeof *outlier, field);
+}
+
+/// Refuses the number of an enum that was just read; `known` is static text with its enumerators.
+[[nodiscard]] inline bool no_enumerator(Decoder& from, std::int32_t number, const char* known,
+                                        const char* field) {
+  return from.fail_number(DecodeProblem::UnknownEnumerator, refused_number(number), known,
+                          sizeof number, field);
 }
 
 /// Reads the discriminator (tag) of a union, encoded as a `Wire`. Refuses a number that the type of

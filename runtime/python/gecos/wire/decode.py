@@ -220,7 +220,9 @@ class Decoder:
         except ValueError:
             if default is not None:
                 return default
-        raise DecodeError(DecodeProblem.UNKNOWN_ENUMERATOR, self.offset - width, field)
+        problem, known = DecodeProblem.UNKNOWN_ENUMERATOR, ", ".join(kind.__members__)
+        why = f"{number} is no {kind.__name__}; there are {known}"
+        raise DecodeError(problem, self.offset - width, field, why)
 
     def flags(
         self, kind: type[_FlagsT], number: int, bits: int, field: str = "", width: int = 4

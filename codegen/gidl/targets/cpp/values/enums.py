@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 from gidl.languages import CPP_BITSET_WORDS, CPP_WORDS
 from gidl.model import (
     Bitmask,
@@ -43,6 +45,7 @@ class Enums(ValueNames):
             "" if enum.default_literal is None else word(enum.default_literal),
             tuple((word(e.name), e.name) for e in enum.enumerators),
             tuple(rows([f"case {e.number}:" for e in enum.enumerators])),
+            _known(enum),
         )
 
     def _mask(self, mask: Bitmask) -> MaskView:
@@ -123,3 +126,9 @@ class Enums(ValueNames):
             f"if ({test})",
             [f"return {told};"],
         )
+
+
+def _known(enum: EnumDeclaration) -> str:
+    """ "no Speed; there are SLOW, FAST"; of many enumerators the first ones."""
+    shown = textwrap.shorten(", ".join(e.name for e in enum.enumerators), 50, placeholder=" …")
+    return f"no {enum.simple_name}; there are {shown}"

@@ -28,6 +28,7 @@ class EnumView:
     unknown: str  # enumerator that replaces an unknown number; "" if such a number is refused
     words: tuple[tuple[str, str], ...]  # pairs of enumerator and its IDL name
     cases: tuple[str, ...]  # lines of the labels of the known numbers
+    known: str  # the enumerators, for the message about an unknown number
 
 
 @dataclass(frozen=True, slots=True)
