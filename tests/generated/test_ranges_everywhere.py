@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 import sys
 from collections.abc import Callable, Iterator
@@ -17,7 +18,7 @@ from generating import generate
 # Each value is 0 when it is made; 4.0 or 4 is outside.
 IDL = """
 module ranged {
-  @range(min=-3, max=3) typedef double Angle;
+  @unit("rad") @range(min=-3, max=3) typedef double Angle;
   typedef Angle Joints[2];
   typedef sequence<Joints> Path;
   @range(min=-3, max=3) typedef long Step;
@@ -147,7 +148,30 @@ def _with_a_number_outside(data: bytes) -> Iterator[bytes]:
             yield data[:at] + raw + data[at + len(raw) :]
 
 
+WITH_UNIT = "Array Grid Items Nested Chain Optional Values MapItems Grows Failed".split()
+
+
+@pytest.mark.parametrize(
+    ("name", "good", "bad"), [c for c in CASES if c[0] in WITH_UNIT], ids=lambda x: str(x)[:8]
+)
+def test_the_unit_of_a_typedef_is_named_everywhere(
+    types: Any, name: str, good: Any, bad: list[Any]
+) -> None:
+    kind = getattr(types, name)
+    for value in bad:
+        with pytest.raises(wire.EncodeError, match=r" is outside \[.*\] rad"):
+            kind(x=value).encode([])
+    for wrong in _with_a_number_outside(wire.to_bytes(kind(x=good))):
+        try:
+            kind.decode(wire.Decoder(wrong))
+        except wire.DecodeError as error:
+            if error.problem is wire.DecodeProblem.OUT_OF_RANGE:
+                assert re.search(r"byte \d+: .* is outside \[.*\] rad", str(error))
+
+
 def test_arms_are_checked(types: Any) -> None:
+    with pytest.raises(wire.EncodeError, match=r"Arm\.x\[1\]: 4\.0 is outside \[-3.0, 3.0\] rad; is"):
+        wire.to_bytes(types.Arm.make_x(np.array([0.0, 4.0])))
     for made in (types.Arm.make_x(np.array([0.0, 4.0])), types.Number.make_x(4)):
         with pytest.raises(wire.EncodeError, match="is outside"):
             wire.to_bytes(made)

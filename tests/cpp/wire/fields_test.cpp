@@ -153,8 +153,7 @@ TEST(Within, SaysWhichNumberIsOutsideWhichLimits) {
     return from.get(angle, "a") && within(from, angle, {-2.0, 2.0}, "a", "[-2.0, 2.0] rad");
   };
   EXPECT_EQ(verdict("4000000000000000", read), "accepted");
-  EXPECT_EQ(verdict("4008000000000000", read),
-            "field 'a' at byte 0: 3 is outside [-2.0, 2.0] rad");
+  EXPECT_EQ(verdict("4008000000000000", read), "field 'a' at byte 0: 3 is outside [-2.0, 2.0] rad");
   EXPECT_EQ(verdict("4056800000000000", read),
             "field 'a' at byte 0: 90 is outside [-2.0, 2.0] rad; is the value in degrees?");
   EXPECT_EQ(verdict("7ff8000000000000", read),

@@ -1,4 +1,5 @@
-// cpp_mistakes <name>: makes one mistake of cpp.toml. cpp_mistakes --serve: serves FAR until it is killed.
+// cpp_mistakes <name>: makes one mistake of cpp.toml. cpp_mistakes --serve: serves FAR until it is
+// killed.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -9,8 +10,8 @@
 
 namespace {
 
-const gecos::ObjectOptions simulated{.simulated = true,
-                                     .media = {gecos::media::Kind::Inproc, gecos::media::Kind::Shm}};
+const gecos::ObjectOptions simulated{
+    .simulated = true, .media = {gecos::media::Kind::Inproc, gecos::media::Kind::Shm}};
 
 [[noreturn]] void end(const std::string& why) {
   std::cerr << why << std::endl;
@@ -61,10 +62,10 @@ int main(int count, char** words) {
   const auto mistake = mistakes.find(name);
   if (mistake == mistakes.end()) end("usage: cpp_mistakes <name of a mistake>");
   gecos::Lab lab;
-  gecos::Server server(lab);
   gecos::broker::Broker broker;
-  if (const auto served = broker.serve(server, simulated.media); !served) end(served.error().text);
   Turntable servant;
+  gecos::Server server(lab);
+  if (const auto served = broker.serve(server, simulated.media); !served) end(served.error().text);
   serve(server, "TABLE", servant);
   const auto table = lab.create<lab::Table>("TABLE");
   if (!table) end(table.error().to_string());

@@ -75,11 +75,12 @@ std::string over_bound(std::string_view field, std::size_t size, std::size_t bou
 }
 
 std::string bad_text(std::string_view field) {
-  return std::string(field) + ": the string is not UTF-8 or contains NUL";
+  return std::string(field) + ": the string is not UTF-8 or contains NUL; convert it to UTF-8";
 }
 
 std::string wrong_arm(std::string_view type) {
-  return std::string(type) + ": the value does not agree with the union's discriminator; make it with one of the "
+  return std::string(type) +
+         ": the value does not agree with the union's discriminator; make it with one of the "
          "functions make_…";
 }
 

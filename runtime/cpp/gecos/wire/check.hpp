@@ -59,7 +59,7 @@ std::string element_out_of_range(std::string_view field, const Numbers& numbers,
 std::string over_bound(std::string_view field, std::size_t size, std::size_t bound,
                        std::string_view what);
 
-/// The text "Pose.name: the string is not UTF-8 or contains NUL".
+/// The text "Pose.name: the string is not UTF-8 or contains NUL; convert it to UTF-8".
 std::string bad_text(std::string_view field);
 
 /// The text "Shape: the value does not agree with the union's discriminator; make …".
