@@ -148,7 +148,10 @@ def _with_a_number_outside(data: bytes) -> Iterator[bytes]:
             yield data[:at] + raw + data[at + len(raw) :]
 
 
-WITH_UNIT = "Array Grid Items Nested Chain Optional Values MapItems Grows Failed".split()
+WITH_UNIT = (
+    *("Array", "Grid", "Items", "Nested", "Chain", "Optional", "Values", "MapItems", "Grows"),
+    "Failed",
+)
 
 
 @pytest.mark.parametrize(
@@ -170,7 +173,9 @@ def test_the_unit_of_a_typedef_is_named_everywhere(
 
 
 def test_arms_are_checked(types: Any) -> None:
-    with pytest.raises(wire.EncodeError, match=r"Arm\.x\[1\]: 4\.0 is outside \[-3.0, 3.0\] rad; is"):
+    with pytest.raises(
+        wire.EncodeError, match=r"Arm\.x\[1\]: 4\.0 is outside \[-3.0, 3.0\] rad; is"
+    ):
         wire.to_bytes(types.Arm.make_x(np.array([0.0, 4.0])))
     for made in (types.Arm.make_x(np.array([0.0, 4.0])), types.Number.make_x(4)):
         with pytest.raises(wire.EncodeError, match="is outside"):

@@ -83,14 +83,7 @@ def compiled(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str
     options = ["-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-fno-diagnostics-color"]
     ended = subprocess.run(
         [
-            *(
-                compiler,
-                "-std=c++20",
-                "-fsyntax-only",
-                "-Wall",
-                "-Wextra",
-                "-fno-diagnostics-color",
-            ),
+            *(compiler, *options),
             *(f"-I{header}" for header in [TREE / "tests" / "mistakes" / "cpp", *headers]),
             here / "whole.cpp",
         ],

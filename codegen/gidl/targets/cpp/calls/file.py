@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from gidl.file_names import source_stem
+from gidl.layout.wire_layout import CallKind
 from gidl.model import (
     BUILT_IN,
     Attribute,
@@ -34,7 +35,6 @@ from gidl.targets.cpp.includes import system_headers
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.values.structs import Structs
 from gidl.targets.served_model import served_model
-from gidl.wire_layout import CallKind
 
 
 def interfaces_view(lowering: Lowering, file: File) -> InterfacesView:

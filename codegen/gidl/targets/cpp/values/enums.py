@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import textwrap
 
-from gidl.languages import CPP_BITSET_WORDS, CPP_WORDS
+from gidl.layout.languages import CPP_BITSET_WORDS, CPP_WORDS
+from gidl.layout.type_names import escaped
 from gidl.model import (
     Bitmask,
     Bitset,
@@ -25,7 +26,6 @@ from gidl.targets.cpp.values.views import (
     printed,
 )
 from gidl.targets.groups import call
-from gidl.type_names import escaped
 
 
 class Enums(ValueNames):

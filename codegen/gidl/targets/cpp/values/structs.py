@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from gidl.layout.type_names import TypeName
+from gidl.layout.wire_layout import FieldLayout
+from gidl.layout.wire_nodes import ScalarNode
 from gidl.model import (
     ExceptionStruct,
     Interface,
@@ -33,9 +36,6 @@ from gidl.targets.naming import (
     value_note,
 )
 from gidl.targets.reach import type_reaches
-from gidl.type_names import TypeName
-from gidl.wire_layout import FieldLayout
-from gidl.wire_nodes import ScalarNode
 
 
 @dataclass(frozen=True, slots=True)
