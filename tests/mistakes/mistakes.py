@@ -93,6 +93,7 @@ def settled(text: str, *folders: Path) -> str:
     text = text.replace(f"{getpass.getuser()}@{socket.gethostname()}", "<user>@<host>")
     text = text.replace(socket.gethostname(), "<host>")
     text = re.sub(r"\(pid \d+\)|\bpid \d+", "pid <pid>", text)
+    text = re.sub(r"\buid \d+", "uid <uid>", text)
     text = re.sub(r"\b\d+(\.\d+)? m?s ago|(for|since|in) \d+(\.\d+)? m?s\b", "<time>", text)
     text = re.sub(
         rf"\b{re.escape(getpass.getuser())} on <host> \([^,)]*,",

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gecos/base/checked_result.hpp"
@@ -72,11 +73,13 @@ actor(const Object& object, std::string password = {});
 /// of the object ends the line. A server that is older than this option refuses at once.
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 actor(const Object& object, const LeaseOptions& options);
+void actor(std::string_view name) = delete;  // takes a proxy, from lab.create
 /// Acquires master status: like actor status, and the calls of other clients are refused.
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 master(const Object& object, std::string password = {});
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 master(const Object& object, const LeaseOptions& options);
+void master(std::string_view name) = delete;  // takes a proxy, as gecos::actor does
 
 /// Stops the device for every holder: ends every lease, drops the queue, interrupts commands.
 Command<void> stop(const Object& object);
