@@ -229,6 +229,8 @@ class AnyCommand {
 
 }  // namespace session
 
+#define GECOS_KEPT [[nodiscard("keep the command, or detach() it")]]
+
 /// An issued call. T is the type of its result, Feedback the type that it reports while it runs.
 ///
 /// The method of the proxy issues the call and returns at once; only `wait`, `wait_for` and `get`
@@ -237,8 +239,7 @@ class AnyCommand {
 /// State::Running)` does not compile: each iteration would issue a new command. Keep the command:
 /// `auto move = robot.move(x); while (move.state() == State::Running)`.
 template <class T, class Feedback = void>
-class [[nodiscard("keep the command, or say .detach() if its failure may be ignored")]] Command
-    : public session::AnyCommand<Feedback> {
+class GECOS_KEPT Command : public session::AnyCommand<Feedback> {
  public:
   using Decode = bool (*)(wire::Decoder&, T&);
 
@@ -272,8 +273,7 @@ class [[nodiscard("keep the command, or say .detach() if its failure may be igno
 
 /// A call of an operation without a result; otherwise like Command<T>.
 template <class Feedback>
-class [[nodiscard("keep the command, or say .detach() if its failure may be ignored")]]
-Command<void, Feedback> : public session::AnyCommand<Feedback> {
+class GECOS_KEPT Command<void, Feedback> : public session::AnyCommand<Feedback> {
  public:
   explicit Command(std::shared_ptr<session::CommandCore> core)
       : session::AnyCommand<Feedback>(std::move(core)) {}
@@ -285,5 +285,7 @@ Command<void, Feedback> : public session::AnyCommand<Feedback> {
   }
   auto operator co_await() const { return session::CommandAwaiter<Command>(*this); }
 };
+
+#undef GECOS_KEPT
 
 }  // namespace gecos

@@ -84,7 +84,9 @@ tl::expected<Created, CreateError> create(const LabOrWhyNot& lab,
 
 /// The class of an interface's proxies, as gidl generates it.
 template <class Proxy>
-concept ClientClass = requires { Proxy::gecos_description(); };
+concept ClientClass = requires {
+  Proxy::gecos_description();
+};
 
 /// The laboratory as this process sees it: finds objects and connects to them. Thread-safe. A
 /// process may have several Labs; each has its own connection to a broker.
@@ -136,8 +138,7 @@ class Lab {
     return create<Proxy>(std::vector<std::string>{reference.name}, std::move(options));
   }
   template <class Proxy, class... Rest>
-  requires(!ClientClass<Proxy>)
-  void create(Rest&&...) = delete;  // takes a client class, as of "robcl/gripper_client.hpp"
+  requires(!ClientClass<Proxy>) void create(Rest&&...) = delete;  // takes a client class of gidl
 
  private:
   friend struct session::LabAccess;

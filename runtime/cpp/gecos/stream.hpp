@@ -14,8 +14,8 @@
 namespace gecos {
 
 /// Type of the tag that selects the subscribing overload of an attribute:
-/// `robot.tool(gecos::stream)`. An attribute without @stream has no such overload; then the compiler
-/// names this type.
+/// `robot.tool(gecos::stream)`. An attribute without @stream has no such overload; then the
+/// compiler names this type.
 struct only_attributes_with_the_annotation_stream {};
 using StreamTag = only_attributes_with_the_annotation_stream;
 inline constexpr only_attributes_with_the_annotation_stream stream{};
