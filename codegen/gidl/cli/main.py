@@ -28,7 +28,7 @@ from gidl.cli.shared import (
     strictly,
 )
 from gidl.compile import Compiled
-from gidl.diagnostics import Findings
+from gidl.diagnostics import Finding, Findings
 
 
 def run() -> None:
@@ -70,12 +70,30 @@ def _status(arguments: Sequence[str]) -> int:
         chosen.words = tuple(arguments)
     except SystemExit as ended:
         return ended.code if isinstance(ended.code, int) else USAGE
-    command: Callable[[argparse.Namespace], int] = chosen.command
-    if command is not _explain:
-        _find_current_folder()
-    if chosen.settles and not settle(chosen):
-        return USAGE
-    return command(chosen)
+    try:
+        if chosen.command is not _explain:
+            _find_current_folder()
+        if chosen.settles and not settle(chosen):
+            return USAGE
+        command: Callable[[argparse.Namespace], int] = chosen.command
+        return command(chosen)
+    except OSError as problem:
+        if problem.filename is None or vars(chosen).get("error_format", "text") == "text":
+            raise
+        show(chosen, [_not_usable(problem)], {})
+        return FAILED
+
+
+def _not_usable(problem: OSError) -> Finding:
+    """The finding for a file or folder that the system refuses, for a report that is not text."""
+    findings = Findings()
+    findings.file_error(
+        "G0001",
+        Path(str(problem.filename)).as_posix(),
+        f"this path cannot be used: {problem.strerror or problem}",
+        "make it accessible, or name another path, and run gidl again",
+    )
+    return findings.found[0]
 
 
 def _find_current_folder() -> None:

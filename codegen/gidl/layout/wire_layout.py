@@ -171,27 +171,37 @@ def build(model: Model) -> Layout:
     return _Builder(model).build()
 
 
-def node_of(model: Model, used: Type, optional: bool = False, limits: Range | None = None) -> Node:
-    """The node of a value of type `used`, typedefs resolved. `limits` is the range declared for the
-    value: it limits the number, or the elements of an array or sequence."""
-    node = _bare_node(model, used, limits)
+def node_of(
+    model: Model,
+    used: Type,
+    optional: bool = False,
+    limits: Range | None = None,
+    unit: str | None = None,
+) -> Node:
+    """The node of a value of type `used`, typedefs resolved. `limits` and `unit` are the range and
+    the unit declared for the value: they apply to the number, or to the elements of an array or
+    sequence."""
+    node = _bare_node(model, used, limits, unit)
     return OptionalNode(node) if optional else node
 
 
-def _bare_node(model: Model, used: Type, limits: Range | None) -> Node:
+def _bare_node(
+    model: Model, used: Type, limits: Range | None = None, unit: str | None = None
+) -> Node:
     match used:
         case PrimitiveType(kind):
-            return ScalarNode(kind, _binding(kind, limits))
+            binding = _binding(kind, limits)
+            return ScalarNode(kind, binding, unit if binding is not None else None)
         case StringType(bound):
             return StringNode(bound)
-        case SequenceType(element, bound):
-            return SequenceNode(_bare_node(model, element, limits), bound)
+        case SequenceType(element, bound, inner_unit):
+            return SequenceNode(_bare_node(model, element, limits, unit or inner_unit), bound)
         case MapType(key, value, bound):
-            return MapNode(_bare_node(model, key, None), _bare_node(model, value, None), bound)
+            return MapNode(_bare_node(model, key), _bare_node(model, value), bound)
         case ArrayType(element, dimensions):
-            return ArrayNode(_bare_node(model, element, limits), dimensions)
+            return ArrayNode(_bare_node(model, element, limits, unit), dimensions)
         case NamedType(name):
-            return _named_node(model, name, limits)
+            return _named_node(model, name, limits, unit)
 
 
 def _binding(kind: Primitive, limits: Range | None) -> Range | None:
@@ -200,10 +210,10 @@ def _binding(kind: Primitive, limits: Range | None) -> Range | None:
     return limits if number.bounds is not None else None
 
 
-def _named_node(model: Model, name: str, limits: Range | None) -> Node:
+def _named_node(model: Model, name: str, limits: Range | None, unit: str | None) -> Node:
     match model.find(name):
-        case Typedef(type=target, range=own):
-            return _bare_node(model, target, within(limits, own))
+        case Typedef(type=target, range=own, unit=own_unit):
+            return _bare_node(model, target, within(limits, own), unit or own_unit)
         case Struct() as struct:
             return AppendableNode(name) if struct.is_appendable else StructNode(name)
         case Union() as union:
@@ -258,7 +268,7 @@ class _Builder:
         if struct.name not in self._fields:
             members = self._model.all_members(struct)
             self._fields[struct.name] = tuple(
-                self._field(m.name, m.type, m.optional, m.range) for m in members
+                self._field(m.name, m.type, m.optional, m.range, m.unit) for m in members
             )
         return self._fields[struct.name]
 
@@ -266,7 +276,8 @@ class _Builder:
         tag = node_of(self._model, union.discriminator)
         assert isinstance(tag, ScalarNode | EnumNode)
         arms = tuple(
-            self._field(c.member.name, c.member.type, False, c.member.range) for c in union.cases
+            self._field(m.name, m.type, False, m.range, m.unit)
+            for m in (case.member for case in union.cases)
         )
         wire_tag = wire_tag_of(tag)
         return UnionLayout(
@@ -281,9 +292,9 @@ class _Builder:
         )
 
     def _field(
-        self, name: str, used: Type, optional: bool, limits: Range | None = None
+        self, name: str, used: Type, optional: bool, limits: Range | None, unit: str | None
     ) -> FieldLayout:
-        node = node_of(self._model, used, optional, limits)
+        node = node_of(self._model, used, optional, limits, unit)
         return FieldLayout(
             name, node, min_size_of(self._model, node), fixed_size_of(self._model, node)
         )
@@ -306,28 +317,38 @@ class _Builder:
         )
 
     def _operation(self, operation: Operation) -> CallLayout:
-        request = tuple(self._field(p.name, p.type, p.optional, p.range) for p in operation.inputs)
-        reply = [self._field(p.name, p.type, p.optional, p.range) for p in operation.outputs]
+        request, reply = (
+            [self._field(p.name, p.type, p.optional, p.range, p.unit) for p in passed]
+            for passed in (operation.inputs, operation.outputs)
+        )
         if operation.result is not None:
             name = "result"
             while any(f.name == name for f in reply):
                 name += "_"
             result = self._field(
-                name, operation.result, operation.result_optional, operation.result_range
+                name,
+                operation.result,
+                operation.result_optional,
+                operation.result_range,
+                operation.result_unit,
             )
             reply.insert(0, result)
         return CallLayout(
             CallKind.EVENT if operation.is_event else CallKind.OPERATION,
             operation.scoped_name,
             function_codes.call_code(self._model, operation),
-            request,
+            tuple(request),
             tuple(reply),
             self._exceptions(operation.raises),
             hashes.operation_hash(self._model, operation),
         )
 
+    def _attribute_value(self, attribute: Attribute) -> FieldLayout:
+        a = attribute
+        return self._field("value", a.type, a.optional, a.range, a.unit)
+
     def _attribute_calls(self, attribute: Attribute) -> list[CallLayout]:
-        value = self._field("value", attribute.type, attribute.optional, attribute.range)
+        value = self._attribute_value(attribute)
         digest = hashes.attribute_hash(self._model, attribute)
         calls = []
         if attribute.has_getter:
@@ -357,7 +378,7 @@ class _Builder:
         return calls
 
     def _stream(self, attribute: Attribute) -> StreamLayout:
-        sample = self._field("value", attribute.type, attribute.optional, attribute.range)
+        sample = self._attribute_value(attribute)
         node = sample.node
         struct = node.name if isinstance(node, StructNode | AppendableNode) else None
         return StreamLayout(

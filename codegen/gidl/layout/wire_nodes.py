@@ -12,10 +12,12 @@ from gidl.model import Primitive, Range
 @dataclass(frozen=True, slots=True)
 class ScalarNode:
     """A number, boolean or character. `limits` is the range of the value, narrowed by the ranges
-    of all its typedefs; None if every value of the type is allowed."""
+    of all its typedefs; None if every value of the type is allowed. `unit` is the unit of the
+    limits, for messages; None if they have none."""
 
     primitive: Primitive
     limits: Range | None = None
+    unit: str | None = None
 
     @property
     def bounds(self) -> Range | None:

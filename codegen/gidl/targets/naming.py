@@ -92,11 +92,11 @@ def range_words(limits: Range) -> str:
     return f"{limits.minimum} to {limits.maximum}"
 
 
-def range_text(limits: Range) -> str:
-    """A range as messages show it: "[0.01, 1.0]"."""
+def range_text(limits: Range, unit: str | None) -> str:
+    """A range as messages show it: "[0.01, 1.0] m/s"."""
     lower = "-inf" if limits.minimum is None else str(limits.minimum)
     upper = "inf" if limits.maximum is None else str(limits.maximum)
-    return f"[{lower}, {upper}]"
+    return f"[{lower}, {upper}]{f' {unit}' if unit else ''}"
 
 
 def is_number(value: Value | None) -> bool:

@@ -46,13 +46,13 @@ _GRIPPER_MAX_FORCE: _Method[float, None] = _method(
 )
 _GRIPPER_OPEN: _Method[None, GripperState] = _method(
     _Operation(0x7BC932D6, "open", _Access.ACTOR, cancelable=True, hash=0x26B349E727725D66),
-    takes=_values("width", _layout.ranged("d", 0.0), units={"width": "m"}),
+    takes=_values("width", _layout.ranged("d", 0.0, unit="m")),
     feedback=GripperState,
     raises=(OutOfRange,),
 )
 _GRIPPER_CLOSE: _Method[None, GripperState] = _method(
     _Operation(0xD12A65B2, "close", _Access.ACTOR, cancelable=True, hash=0x432E6B27BBEFBA1A),
-    takes=_values("force", _layout.ranged("d", 0.0), units={"force": "N"}),
+    takes=_values("force", _layout.ranged("d", 0.0, unit="N")),
     feedback=GripperState,
     raises=(OutOfRange,),
 )

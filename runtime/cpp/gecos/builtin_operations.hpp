@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gecos/base/checked_result.hpp"
@@ -74,12 +75,14 @@ actor(const Object& object, std::string password = {});
 /// server that was built before this option existed refuses at once.
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 actor(const Object& object, const LeaseOptions& options);
+void actor(std::string_view name) = delete;  // takes a proxy, from lab.create
 /// Acquires master status. It gives the rights of actor status, and the server refuses the calls of
 /// all other clients.
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 master(const Object& object, std::string password = {});
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 master(const Object& object, const LeaseOptions& options);
+void master(std::string_view name) = delete;  // takes a proxy, as gecos::actor does
 
 /// Stops the object for all clients: ends every lease except those of this session, removes all
 /// queued commands and interrupts the running ones.

@@ -172,12 +172,12 @@ class AnyCommand {
   /// ask for the command's outcome.
   CommandId id() const { return core_->id(); }
   State state() const& { return project(progress().detail); }
-  State state() && = delete;
+  State state() && = delete;  // keep the command: `auto move = robot.move(goal); move.state()`
   Progress progress() const& {
     core_->observe();
     return core_->progress();
   }
-  Progress progress() && = delete;
+  Progress progress() && = delete;  // keep the command: `auto move = robot.move(goal);`
 
   /// Returns the latest feedback; nullopt when no feedback has arrived.
   std::optional<Feedback> feedback() const requires(!std::is_void_v<Feedback>) {
@@ -234,6 +234,8 @@ class AnyCommand {
 
 }  // namespace session
 
+#define GECOS_KEPT [[nodiscard("keep the command, or detach() it")]]
+
 /// A call that was issued. T is the type of its result. Feedback is the type of the reports that
 /// the handler sends while it runs.
 ///
@@ -243,7 +245,7 @@ class AnyCommand {
 /// (robot.move(x).state() == State::Running)` does not compile: each iteration would issue a new
 /// command. Keep the command: `auto move = robot.move(x); while (move.state() == State::Running)`.
 template <class T, class Feedback = void>
-class [[nodiscard]] Command : public session::AnyCommand<Feedback> {
+class GECOS_KEPT Command : public session::AnyCommand<Feedback> {
  public:
   using Decode = bool (*)(wire::Decoder&, T&);
 
@@ -277,7 +279,7 @@ class [[nodiscard]] Command : public session::AnyCommand<Feedback> {
 
 /// A call of an operation without a result; otherwise like Command<T>.
 template <class Feedback>
-class [[nodiscard]] Command<void, Feedback> : public session::AnyCommand<Feedback> {
+class GECOS_KEPT Command<void, Feedback> : public session::AnyCommand<Feedback> {
  public:
   explicit Command(std::shared_ptr<session::CommandCore> core)
       : session::AnyCommand<Feedback>(std::move(core)) {}
@@ -289,5 +291,7 @@ class [[nodiscard]] Command<void, Feedback> : public session::AnyCommand<Feedbac
   }
   auto operator co_await() const { return session::CommandAwaiter<Command>(*this); }
 };
+
+#undef GECOS_KEPT
 
 }  // namespace gecos

@@ -86,6 +86,12 @@ tl::expected<Created, CreateError> create(const LabOrWhyNot& lab,
                                           const CreateOptions& options);
 }  // namespace session
 
+/// The class of an interface's proxies, as gidl generates it.
+template <class Proxy>
+concept ClientClass = requires {
+  Proxy::gecos_description();
+};
+
 /// The laboratory as this process sees it: finds objects and connects to them. Thread-safe. A
 /// process may have several Labs; each has its own connection to a broker.
 ///
@@ -111,7 +117,7 @@ class Lab {
 
   /// Returns a proxy for the first object of `names` that is online and has the interface of Proxy.
   /// Using a failed result without a check ends the program with the text of the CreateError.
-  template <class Proxy>
+  template <ClientClass Proxy>
   Checked<Proxy, CreateError> create(const std::vector<std::string>& names,
                                      CreateOptions options = {}) {
     auto created = session::create(core_, Proxy::gecos_description(), names, options);
@@ -120,23 +126,25 @@ class Lab {
   }
   /// An overload for names in braces, for example `create<Manipulator>({"RX90", "SIM"})`. Without
   /// this overload, two literals in braces could also construct a single std::string.
-  template <class Proxy>
+  template <ClientClass Proxy>
   Checked<Proxy, CreateError> create(std::initializer_list<const char*> names,
                                      CreateOptions options = {}) {
     return create<Proxy>(std::vector<std::string>(names.begin(), names.end()), std::move(options));
   }
-  template <class Proxy>
+  template <ClientClass Proxy>
   Checked<Proxy, CreateError> create(std::string name, CreateOptions options = {}) {
     return create<Proxy>(std::vector<std::string>{std::move(name)}, options);
   }
   /// Returns a proxy for the referenced object. Fails when the server process in the reference no
   /// longer serves the object, because a restarted server may be in another state. Also fails for a
   /// nil reference.
-  template <class Proxy>
+  template <ClientClass Proxy>
   Checked<Proxy, CreateError> create(const ObjectRef& reference, CreateOptions options = {}) {
     if (reference.boot != 0) options.incarnation = reference.boot;
     return create<Proxy>(std::vector<std::string>{reference.name}, std::move(options));
   }
+  template <class Proxy, class... Rest>
+  requires(!ClientClass<Proxy>) void create(Rest&&...) = delete;  // takes a client class of gidl
 
  private:
   friend struct session::LabAccess;

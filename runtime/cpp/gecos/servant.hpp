@@ -234,6 +234,8 @@ class Publisher {
   virtual ~Publisher() = default;
   /// `stamp_ns`: when the sample was measured, Unix time in ns, or `measured_now`.
   virtual void publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns) = 0;
+  /// The name under which the servant is served now; empty when it is not.
+  virtual std::string served_as() { return {}; }
 };
 
 }  // namespace session
@@ -243,7 +245,7 @@ class Publisher {
 /// unless the servant was added as thread-safe.
 class Servant {
  public:
-  virtual ~Servant() = default;
+  virtual ~Servant();  ///< logs an error when a server still serves the servant
   Servant() = default;
   Servant(const Servant&) = delete;
   Servant& operator=(const Servant&) = delete;
@@ -274,6 +276,10 @@ class Servant {
 
   void gecos_attach(std::shared_ptr<session::Publisher> publisher) {
     gecos_publisher_ = std::move(publisher);
+  }
+  /// The name under which a server serves this servant; empty when none does.
+  std::string gecos_served_as() const {
+    return gecos_publisher_ == nullptr ? std::string() : gecos_publisher_->served_as();
   }
 
  protected:

@@ -183,15 +183,10 @@ class Handler(Record):
     feedback: type | None = None  # None: not known, or the operation has none
 
 
-def values(
-    names: str,
-    *steps: Step,
-    defaults: tuple[Any, ...] = (),
-    units: Mapping[str, str] | None = None,
-) -> tuple[Any, ...]:
+def values(names: str, *steps: Step, defaults: tuple[Any, ...] = ()) -> tuple[Any, ...]:
     """The parameters of an operation: their names, and a layout step for each. `defaults` are for
-    the last parameters, which an older caller may omit; `units` of parameters are for messages."""
-    return names.split(), steps, defaults, units or {}
+    the last parameters, which an older caller may omit."""
+    return names.split(), steps, defaults
 
 
 def method(

@@ -103,8 +103,10 @@ TEST_F(Create, NamesBothTypesWhenTheObjectIsOfAnother) {
   serve("PROBE", servant_);
   auto created = lab_.create<probe::Other>("PROBE");
   ASSERT_FALSE(created);
-  EXPECT_EQ(created.error().to_string(),
-            "PROBE: REFUSED: PROBE is a probe::Probe, not a probe::Other");
+  EXPECT_EQ(
+      created.error().to_string(),
+      "PROBE: REFUSED: PROBE is a probe::Probe, not a probe::Other; create a probe::Probe, or "
+      "name another object");
 }
 
 TEST_F(Create, SaysThatTheServerIsOffline) {
@@ -137,7 +139,8 @@ TEST_F(Create, FailsOverAMediumThatTheServerDoesNotOfferThoughOthersExist) {
   ASSERT_EQ(error.attempts.size(), 1u);
   EXPECT_EQ(error.attempts[0].detail, Detail::QosUnavailable);
   EXPECT_EQ(error.attempts[0].reason,
-            "PROBE cannot be reached over lcm: its server does not offer this medium");
+            "PROBE cannot be reached over lcm: its server does not offer this medium, it offers "
+            "inproc");
 }
 
 TEST_F(Create, SaysWhatItTriedWhenThereIsNoBroker) {

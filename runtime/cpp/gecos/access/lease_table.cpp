@@ -89,12 +89,14 @@ tl::expected<Grant, LeaseRefusal> LeaseTable::acquire(SessionId session, const C
     }
     if (member) continue;  // the session has given the right password before
     if (password_.empty()) {
-      return tl::unexpected(
-          refuse(Reason::HeldByOther, status + " status refused: it is not shared", now));
+      return tl::unexpected(refuse(
+          Reason::HeldByOther,
+          status + " status refused: it is not shared, so wait or ask the holder to release it",
+          now));
     }
     if (!password_.proves_the_same_as(password)) {
-      const std::string given =
-          password.empty() ? "no password was given" : "the given password is wrong";
+      const std::string given = password.empty() ? "no password was given"
+                                                 : "the given password is wrong, so ask the holder";
       return tl::unexpected(
           refuse(Reason::WrongPassword,
                  status + " status refused: it is shared by password, and " + given, now));

@@ -9,7 +9,7 @@ from typing import Any
 from gecos.dynamic_client.model import Model, Value
 from gecos.dynamic_client.names import PARAMETER_WORDS, member_name
 from gecos.dynamic_client.plain import place_of_error, plain_data
-from gecos.dynamic_client.types import Types, units_of
+from gecos.dynamic_client.types import Types
 from gecos.wire import EncodeError, JsonError, Parts
 from gecos.wire.members import Arguments
 
@@ -31,7 +31,7 @@ class Request:
         first = self._first_missing()
         self.defaults = tuple(self._defaults[i] for i in range(first, len(values)))
         names = [each.name for each in values]
-        self.arguments = Arguments(name, names, steps, self.defaults, units_of(values))
+        self.arguments = Arguments(name, names, steps, self.defaults)
 
     def _first_missing(self) -> int:
         """Index of the first parameter that an older caller may leave out, with all after it."""

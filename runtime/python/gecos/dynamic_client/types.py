@@ -6,7 +6,7 @@ One thing differs: sequences and arrays of numbers are lists, because importing 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import field, make_dataclass
 from enum import IntEnum, IntFlag
 from math import prod
@@ -67,7 +67,7 @@ class Types:
 
     def step(self, value: Value) -> layout.Step:
         """The layout step of a member, parameter or result."""
-        found = self._bare(value.use, value.limits)
+        found = self._bare(value.use, value.limits, value.unit)
         if value.optional:
             found = layout.optional(found)
         return layout.secret(found) if value.secret else found
@@ -76,33 +76,33 @@ class Types:
         """What a missing member or argument becomes. @pre `value.may_be_missing`"""
         return None if value.optional else self._literal(value.default, value.use, value.name)
 
-    def _bare(self, use: Type, limits: Limits | None) -> layout.Step:
+    def _bare(self, use: Type, limits: Limits | None, unit: str = "") -> layout.Step:
         use, limits = self._model.resolved(use, limits)
         if self._levels == _MAX_LEVELS:
             raise Malformed(f"more than {_MAX_LEVELS} levels of types")
         self._levels += 1
         try:
-            return self._resolved(use, limits)
+            return self._resolved(use, limits, unit)
         finally:
             self._levels -= 1
 
-    def _resolved(self, use: Type, limits: Limits | None) -> layout.Step:
+    def _resolved(self, use: Type, limits: Limits | None, unit: str) -> layout.Step:
         match use.kind:
             case "primitive":
-                return _number(use.name, limits)
+                return _number(use.name, limits, unit)
             case "string":
                 return layout.text(MAX_TEXT if use.bound is None else use.bound)
             case "sequence":
                 most = MAX_COUNT if use.bound is None else use.bound
                 octets = self._octet_limits(use, limits)
                 if octets is not None:
-                    return layout.octets(most, *octets)
-                return layout.items(self._bare(use.inner[0], limits), most)
+                    return layout.octets(most, *octets, unit)
+                return layout.items(self._bare(use.inner[0], limits, unit), most)
             case "array":
                 octets = self._octet_limits(use, limits)
                 if octets is not None and len(use.sizes) == 1:
-                    return layout.fixed_octets(use.sizes[0], *octets)
-                step = self._bare(use.inner[0], limits)
+                    return layout.fixed_octets(use.sizes[0], *octets, unit)
+                step = self._bare(use.inner[0], limits, unit)
                 _check_size(step, prod(use.sizes))
                 for size in reversed(use.sizes):
                     step = layout.fixed_items(step, size)
@@ -224,13 +224,15 @@ class Types:
             "open": declared.appendable,
             "label": simple(declared.name),
             "names": _renamed(attributes, members),
-            "units": units_of(members),
         }
         steps = [self.step(each) for each in members]
         bases = (layout.Struct, DeclaredError) if declared.is_exception else (layout.Struct,)
         kind = self._dataclass(declared, attributes, map(self._initial, members), bases)
         if declared.is_exception:
-            tell = layout.exception(declared.name, declared.fingerprint, *steps, **terms)
+            units = {each.name: each.unit for each in members if each.unit and not each.secret}
+            tell = layout.exception(
+                declared.name, declared.fingerprint, *steps, units=units, **terms
+            )
         else:
             deep = self._reaches_itself(declared.name)
             tell = layout.struct(declared.fingerprint, *steps, deep=deep, **terms)
@@ -250,7 +252,7 @@ class Types:
         )
         steps = [self.step(each) for each in values]
         missing, names = _missing(values), _renamed(attributes, values)
-        return layout.result(*steps, missing=missing, names=names, units=units_of(values))(kind)
+        return layout.result(*steps, missing=missing, names=names)(kind)
 
     def _union(self, declared: Union) -> Any:
         use, _ = self._model.resolved(declared.discriminator)
@@ -265,7 +267,7 @@ class Types:
                 *(self._literal(label, use, place) for label in case.labels),
             )
             for case in declared.cases
-            for step in [self._bare(case.member.use, case.member.limits)]
+            for step in [self._bare(case.member.use, case.member.limits, case.member.unit)]
         ]
         fields = [field(default=self._zero(use)), field(default=None)]
         kind = self._dataclass(declared, ["tag", "value"], iter(fields), (layout.Union,))
@@ -348,7 +350,7 @@ class Types:
         return False
 
 
-def _number(name: str, limits: Limits | None) -> layout.Step:
+def _number(name: str, limits: Limits | None, unit: str) -> layout.Step:
     code = CODES[name]
     if name == "char":
         return layout.char()
@@ -358,7 +360,7 @@ def _number(name: str, limits: Limits | None) -> layout.Step:
         if limit is not None and not -_LARGEST[code] <= limit <= _LARGEST[code]:
             raise Malformed(f"the range {limits} is beyond the type {name}")
     binding = WireLimits(code, limits.low, limits.high).effective(code) != (None, None)
-    return Ranged(code, limits.low, limits.high) if binding else code
+    return Ranged(code, limits.low, limits.high, unit) if binding else code
 
 
 def _check_size(element: layout.Step, count: int) -> None:
@@ -367,11 +369,6 @@ def _check_size(element: layout.Step, count: int) -> None:
     takes_bytes = isinstance(kind, Later) or kind.least  # Later: contains itself in a sequence
     if count > MAX_ZERO_WIDTH and not takes_bytes:
         raise Malformed(f"an array of {count} values that take no bytes")
-
-
-def units_of(values: Sequence[Value]) -> dict[str, str]:
-    """The units of values, for messages. That of a secret is left out with its value."""
-    return {each.name: each.unit for each in values if each.unit and not each.secret}
 
 
 def _missing(values: tuple[Value, ...]) -> int:

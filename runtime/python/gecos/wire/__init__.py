@@ -44,7 +44,6 @@ from gecos.wire.errors import (
     WrongTypeError,
     expect,
     expect_enumerator,
-    out_of_range,
 )
 from gecos.wire.fields import Fields
 from gecos.wire.values import same, signed, zeros
@@ -80,7 +79,6 @@ __all__ = [
     "number",
     "numbers",
     "octets",
-    "out_of_range",
     "put",
     "put_block",
     "same",

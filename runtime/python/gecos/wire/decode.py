@@ -15,6 +15,7 @@ from gecos.wire.codes import (
     arrays,
 )
 from gecos.wire.errors import DecodeError, DecodeProblem
+from gecos.wire.units import Range, outside
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -122,19 +123,29 @@ class Decoder:
         self.offset = start + 4
         return number
 
-    def ranged(self, code: str, low: Any, high: Any, field: str = "") -> Any:
-        """Reads a number of `code` from `low` to `high`; None: no limit on that side."""
+    def ranged(
+        self, code: str, low: Any, high: Any, field: str = "", limits: Range | None = None
+    ) -> Any:
+        """Reads a number of `code` from `low` to `high`, which messages show as `limits`; None: no
+        limit on that side."""
         value = self.number(code, field)
         if (low is not None and not value >= low) or (high is not None and not value <= high):
-            self.refuse_range(field, READERS[code].size)
+            why = outside(value, limits or Range(low, high))
+            self.refuse_range(field, READERS[code].size, why)
         return value
 
-    def refuse_range(self, field: str, width: int) -> NoReturn:
+    def refuse_range(self, field: str, width: int, why: str = "") -> NoReturn:
         """Raises OUT_OF_RANGE for the number that starts `width` bytes before `offset`."""
-        raise DecodeError(DecodeProblem.OUT_OF_RANGE, self.offset - width, field)
+        raise DecodeError(DecodeProblem.OUT_OF_RANGE, self.offset - width, field, why)
 
     def numbers(
-        self, code: str, most: int = MAX_COUNT, field: str = "", low: Any = None, high: Any = None
+        self,
+        code: str,
+        most: int = MAX_COUNT,
+        field: str = "",
+        low: Any = None,
+        high: Any = None,
+        limits: Range | None = None,
     ) -> Array:
         """Reads a sequence of numbers: its count, then the numbers."""
         start = self.offset
@@ -146,10 +157,16 @@ class Decoder:
             if 0 <= number <= most and after <= self.end:  # fast path
                 self.offset = after
                 return kind(number, wire, self.data, first).astype(native)
-        return self.array(code, self.count(size, most, field), field, low, high)
+        return self.array(code, self.count(size, most, field), field, low, high, limits)
 
     def array(
-        self, code: str, number: int, field: str = "", low: Any = None, high: Any = None
+        self,
+        code: str,
+        number: int,
+        field: str = "",
+        low: Any = None,
+        high: Any = None,
+        limits: Range | None = None,
     ) -> Array:
         """Reads `number` numbers into a new array in the machine's byte order."""
         kind, wire, native, size = arrays(code)
@@ -162,9 +179,9 @@ class Decoder:
         self.offset = after
         values = kind(number, wire, self.data, offset).astype(native)
         if low is not None and not (values >= low).all():
-            self._refuse_outside(values >= low, size, field)
+            self._refuse_outside(values, values >= low, size, field, limits or Range(low, high))
         if high is not None and not (values <= high).all():
-            self._refuse_outside(values <= high, size, field)
+            self._refuse_outside(values, values <= high, size, field, limits or Range(low, high))
         return values
 
     def _expect_booleans(self, number: int, field: str) -> None:
@@ -173,8 +190,12 @@ class Decoder:
         if wrong is not None:
             self.refuse(DecodeProblem.INVALID_BOOLEAN, field, self.offset + wrong)
 
-    def _refuse_outside(self, inside: Array, width: int, field: str) -> NoReturn:
-        self.refuse_range(field, (len(inside) - int((~inside).argmax())) * width)
+    def _refuse_outside(
+        self, values: Array, inside: Array, width: int, field: str, limits: Range
+    ) -> NoReturn:
+        first = int((~inside).argmax())
+        why = outside(values[first].item(), limits)
+        self.refuse_range(field, (len(inside) - first) * width, why)
 
     def octets(self, number: int, field: str = "") -> bytes:
         """Reads `number` raw bytes."""
@@ -199,7 +220,9 @@ class Decoder:
         except ValueError:
             if default is not None:
                 return default
-        raise DecodeError(DecodeProblem.UNKNOWN_ENUMERATOR, self.offset - width, field)
+        problem, known = DecodeProblem.UNKNOWN_ENUMERATOR, ", ".join(kind.__members__)
+        why = f"{number} is no {kind.__name__}; there are {known}"
+        raise DecodeError(problem, self.offset - width, field, why)
 
     def flags(
         self, kind: type[_FlagsT], number: int, bits: int, field: str = "", width: int = 4

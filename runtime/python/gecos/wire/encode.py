@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from gecos.wire.codes import CODE_MEANING, MAX_COUNT, WRITERS, arrays
-from gecos.wire.errors import HIDDEN, EncodeError, brief, expect, expect_boolean, out_of_range
+from gecos.wire.errors import HIDDEN, EncodeError, RangeError, brief, expect, expect_boolean
+from gecos.wire.units import Range
 from gecos.wire.values import as_array, first
 
 if TYPE_CHECKING:
@@ -142,9 +143,16 @@ def char(letter: str, field: str = "") -> bytes:
 
 
 def numbers(
-    values: npt.ArrayLike, code: str, most: int, field: str = "", low: Any = None, high: Any = None
+    values: npt.ArrayLike,
+    code: str,
+    most: int,
+    field: str = "",
+    low: Any = None,
+    high: Any = None,
+    limits: Range | None = None,
 ) -> Parts:
-    """Encodes a sequence of numbers: its count, then the numbers, each from `low` to `high`."""
+    """Encodes a sequence of numbers: its count, then the numbers, each from `low` to `high`, which
+    messages show as `limits`."""
     kind, wanted, native, _ = arrays(code)
     if (  # fast path
         type(values) is kind
@@ -157,7 +165,7 @@ def numbers(
     if given.ndim != 1:
         raise EncodeError(field, f"the array has {given.ndim} dimensions, a sequence has one")
     number = count(len(given), most, field)
-    return [number, _array_within(given, code, low, high, field)]
+    return [number, _array_within(given, code, low, high, field, limits)]
 
 
 def fixed(
@@ -167,25 +175,28 @@ def fixed(
     field: str = "",
     low: Any = None,
     high: Any = None,
+    limits: Range | None = None,
 ) -> memoryview:
-    """Encodes an array of numbers of shape `shape`, each number from `low` to `high`."""
+    """Encodes an array of numbers of shape `shape`, each number from `low` to `high`, which
+    messages show as `limits`."""
     given = as_array(values, code)
     if given.shape != shape:
         raise EncodeError(
             field, f"the array has shape {given.shape}, the declared shape is {shape}"
         )
-    return _array_within(given, code, low, high, field)
+    return _array_within(given, code, low, high, field, limits)
 
 
-def _array_within(given: Array, code: str, low: Any, high: Any, field: str) -> memoryview:
+def _array_within(
+    given: Array, code: str, low: Any, high: Any, field: str, limits: Range | None
+) -> memoryview:
     numbers = array(given, code, field)  # checks the type before the limits, as for one number
-    _expect_within(given, low, high, field)
+    if low is not None or high is not None:
+        _expect_within(given, low, high, field, limits or Range(low, high))
     return numbers
 
 
-def _expect_within(given: Array, low: Any, high: Any, field: str) -> None:
-    if low is None and high is None:
-        return
+def _expect_within(given: Array, low: Any, high: Any, field: str, limits: Range) -> None:
     import numpy as np
 
     outside = np.zeros(given.shape, bool)
@@ -194,8 +205,9 @@ def _expect_within(given: Array, low: Any, high: Any, field: str) -> None:
     if high is not None:
         outside |= ~(given <= high)
     if outside.any():
-        shown = f"[{'-inf' if low is None else low}, {'inf' if high is None else high}]"
-        raise out_of_range(field, given[outside].flat[0].item(), shown)
+        first = np.unravel_index(int(outside.argmax()), given.shape)
+        index = "".join(f"[{each}]" for each in first)
+        raise RangeError(f"{field}{index}", given[first].item(), limits)
 
 
 def octets(raw: bytes, most: int, field: str = "") -> Parts:

@@ -23,10 +23,11 @@ from gecos.wire.errors import (
     DecodeError,
     EncodeError,
     JsonError,
+    RangeError,
     brief,
     expect_enumerator,
-    out_of_range,
 )
+from gecos.wire.units import Range
 
 _NOT_FINITE = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
 
@@ -137,16 +138,15 @@ class Limits:
     the single-precision number nearest to the limit may be sent; both are encoded as the latter.
     """
 
-    __slots__ = ("high", "low", "received", "sent", "text")
+    __slots__ = ("range", "received", "sent")
 
-    def __init__(self, code: str, low: Any, high: Any) -> None:
-        self.low, self.high = low, high
+    def __init__(self, code: str, low: Any, high: Any, unit: str = "") -> None:
+        self.range = Range(low, high, unit)  # as messages show it
         self.sent: tuple[Any, Any] = (low, high)
         self.received: tuple[Any, Any] = (low, high)
         if code == "f":
             self.received = (_single(low), _single(high))
             self.sent = (_outer(min, low), _outer(max, high))
-        self.text = f"[{'-inf' if low is None else low}, {'inf' if high is None else high}]"
 
     def effective(self, code: str) -> tuple[Any, Any]:
         """The limits, with None in place of a limit that no number of `code` can exceed."""
@@ -171,19 +171,19 @@ class Ranged(Number):
 
     __slots__ = ("high", "limits", "low")
 
-    def __init__(self, code: str, low: Any, high: Any) -> None:
+    def __init__(self, code: str, low: Any, high: Any, unit: str = "") -> None:
         super().__init__(code)
-        self.limits = Limits(code, low, high)
+        self.limits = Limits(code, low, high, unit)
         self.low, self.high = self.limits.sent
 
     def put(self, value: Any, out: Parts, label: str) -> None:
         out.append(number(value, self.code, label))
         low, high = self.low, self.high
         if (low is not None and not value >= low) or (high is not None and not value <= high):
-            raise out_of_range(label, value, self.limits.text)
+            raise RangeError(label, value, self.limits.range)
 
     def take(self, source: Decoder, label: str) -> Any:
-        return source.ranged(self.code, *self.limits.received, label)
+        return source.ranged(self.code, *self.limits.received, label, self.limits.range)
 
     def step(self) -> Any:
         low, high = self.limits.effective(self.code)
@@ -292,7 +292,7 @@ class Flags(Kind):
     def put(self, value: Any, out: Parts, label: str) -> None:
         out.append(number(value, self.code, label))
         if value >> self.bits:
-            raise out_of_range(label, value, f"[0, {(1 << self.bits) - 1}]")
+            raise RangeError(label, value, Range(0, (1 << self.bits) - 1))
 
     def take(self, source: Decoder, label: str) -> Any:
         read = source.number(self.code, label)

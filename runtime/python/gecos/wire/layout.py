@@ -47,9 +47,10 @@ _EnumT = TypeVar("_EnumT", bound=type[IntEnum])
 _FlagsT = TypeVar("_FlagsT", bound=type[IntFlag])
 
 
-def ranged(code: str, low: float | None, high: float | None = None) -> Kind:
-    """A number from `low` to `high`; None: no limit on this side."""
-    return Ranged(code, low, high)
+def ranged(code: str, low: float | None, high: float | None = None, unit: str = "") -> Kind:
+    """A number from `low` to `high`; None: no limit on this side. Messages show the limits with
+    `unit`."""
+    return Ranged(code, low, high, unit)
 
 
 def char() -> Kind:
@@ -60,23 +61,37 @@ def text(most: int = MAX_TEXT) -> Kind:
     return Text(most)
 
 
-def octets(most: int = MAX_COUNT, low: int | None = None, high: int | None = None) -> Kind:
-    return Octets(most, low=low, high=high)
+def octets(
+    most: int = MAX_COUNT, low: int | None = None, high: int | None = None, unit: str = ""
+) -> Kind:
+    return Octets(most, low=low, high=high, unit=unit)
 
 
-def fixed_octets(size: int, low: int | None = None, high: int | None = None) -> Kind:
-    return Octets(size=size, low=low, high=high)
+def fixed_octets(
+    size: int, low: int | None = None, high: int | None = None, unit: str = ""
+) -> Kind:
+    return Octets(size=size, low=low, high=high, unit=unit)
 
 
 def numbers(
-    code: str, most: int = MAX_COUNT, low: float | None = None, high: float | None = None
+    code: str,
+    most: int = MAX_COUNT,
+    low: float | None = None,
+    high: float | None = None,
+    unit: str = "",
 ) -> Kind:
     """A sequence of numbers, as a numpy array."""
-    return Numbers(code, most, low, high)
+    return Numbers(code, most, low, high, unit)
 
 
-def array(code: str, *shape: int, low: float | None = None, high: float | None = None) -> Kind:
-    return Array(code, shape, low, high)
+def array(
+    code: str,
+    *shape: int,
+    low: float | None = None,
+    high: float | None = None,
+    unit: str = "",
+) -> Kind:
+    return Array(code, shape, low, high, unit)
 
 
 def items(inner: Step, most: int = MAX_COUNT) -> Kind:
@@ -174,21 +189,17 @@ def struct(
     deep: bool = False,
     label: str = "",
     names: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
     """Declares the members of a dataclass, in the order of its constructor.
 
     An older writer may omit the last `missing` members, which then get their default values. In an
     `open` struct, members added by a newer writer are skipped. A `deep` struct may contain values
     of its own type. `label` is the struct's name in messages, if its class has another name.
-    `names` maps Python names of members to names in the interface where the two differ. `units`
-    maps names in the interface to units, which errors show.
+    `names` maps Python names of members to names in the interface where the two differ.
     """
 
     def tell(kind: _KindT) -> _KindT:
-        layout = StructLayout(
-            kind, fingerprint, steps, missing, open, deep, label, names or {}, units or {}
-        )
+        layout = StructLayout(kind, fingerprint, steps, missing, open, deep, label, names or {})
         _describe(kind, layout)
         if plans.COMPILED:
             plans.compile_struct(layout, fingerprint)
@@ -201,13 +212,12 @@ def result(
     *steps: Step,
     missing: int = 0,
     names: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
     """Declares the members of the result of an operation with several results. Such a result is
     extensible like an @appendable struct, but needs no block because it is a whole reply."""
 
     def tell(kind: _KindT) -> _KindT:
-        layout = StructLayout(kind, None, steps, missing, True, False, "", names or {}, units or {})
+        layout = StructLayout(kind, None, steps, missing, True, False, "", names or {})
         layout.in_block = False
         _describe(kind, layout)
         return kind
@@ -225,15 +235,14 @@ def exception(
     names: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
-    """Declares the members of an exception with the scoped name `name`, compared by identity."""
+    """Declares the members of an exception with the scoped name `name`, compared by identity.
+    `units` maps names in the interface to units, which its text shows."""
 
     def tell(kind: _KindT) -> _KindT:
-        layout = StructLayout(
-            kind, fingerprint, steps, missing, open, False, label, names or {}, units or {}
-        )
+        layout = StructLayout(kind, fingerprint, steps, missing, open, False, label, names or {})
         named = zip(layout.attributes, layout.names, strict=True)
         kind._gecos_name = name
-        kind._gecos_units = {here: layout.units[n] for here, n in named if n in layout.units}
+        kind._gecos_units = {here: units[n] for here, n in named if n in units} if units else {}
         _describe(kind, layout)
         return kind
 
@@ -247,14 +256,11 @@ def twin(
     open: bool = False,
     label: str = "",
     names: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
     """Declares the members of a struct whose encoding equals that of the hand-written type `of`."""
 
     def tell(kind: _KindT) -> _KindT:
-        layout = StructLayout(
-            kind, None, steps, missing, open, False, label, names or {}, units or {}
-        )
+        layout = StructLayout(kind, None, steps, missing, open, False, label, names or {})
         _describe(kind, layout)
         twins[of] = Twin(of, kind)
         return kind

@@ -9,24 +9,23 @@ from typing import Any, TypeAlias
 
 from gecos.wire.decode import Decoder
 from gecos.wire.encode import Parts, number
-from gecos.wire.errors import JsonError, RangeError, expect, out_of_range
+from gecos.wire.errors import JsonError, RangeError, expect
 from gecos.wire.fields import Fields
 from gecos.wire.kinds import Kind, Number, Secret, below, expect_json, kind_of
+from gecos.wire.units import Range
 from gecos.wire.values import same, signed
 
 _Group: TypeAlias = tuple[int, int, Callable[..., Any], Callable[..., Any], str]
 """First and end index of a group of members, the functions that encode and decode the group, and
 its label. A group is a run of numbers with the label "", or one member with its own label."""
-_NO_UNITS: Mapping[str, str] = {}
 
 
 class Members:
     """Members in the order of their encoding. `names` are their names in the interface; messages
     call a member `label.name`. `defaults` are for the last members, which an older writer may omit.
-    `units` are the units of members, for messages.
     """
 
-    __slots__ = ("_groups", "_needed", "defaults", "kinds", "label", "names", "units")
+    __slots__ = ("_groups", "_needed", "defaults", "kinds", "label", "names")
 
     def __init__(
         self,
@@ -34,11 +33,9 @@ class Members:
         names: Sequence[str],
         steps: Sequence[Any],
         defaults: Sequence[Any],
-        units: Mapping[str, str] = _NO_UNITS,
     ) -> None:
         self.label = label
         self.names = names
-        self.units = units
         self.kinds = [kind_of(each) for each in _single(steps)]
         if len(self.kinds) != len(names):
             raise TypeError(f"{label}: {len(self.kinds)} steps for {len(names)} members")
@@ -72,9 +69,7 @@ class Members:
                 yield at, end, run.pack, run.unpack, ""
                 at = end
             else:
-                unit = self.units.get(self.names[at])
-                put = kinds[at].put if unit is None else _naming_unit(kinds[at].put, unit)
-                yield at, at + 1, put, kinds[at].take, labels[at]
+                yield at, at + 1, kinds[at].put, kinds[at].take, labels[at]
                 at += 1
 
     def write(self, values: Sequence[Any], out: Parts) -> None:
@@ -116,18 +111,6 @@ class Members:
         ]
 
 
-def _naming_unit(put: Callable[..., None], unit: str) -> Callable[..., None]:
-    """`put`, whose range errors name the unit of the value."""
-
-    def put_with_unit(value: Any, out: Parts, label: str) -> None:
-        try:
-            put(value, out, label)
-        except RangeError as error:
-            raise error.with_unit(unit) from None
-
-    return put_with_unit
-
-
 def _single(steps: Sequence[Any]) -> Iterator[Any]:
     for step in steps:
         if isinstance(step, str):
@@ -160,13 +143,12 @@ class StructLayout(Members):
         deep: bool,
         label: str,
         names: Mapping[str, str],
-        units: Mapping[str, str] = _NO_UNITS,
     ) -> None:
         members = fields(kind)
         self.attributes = [member.name for member in members]
         called = [names.get(name, name) for name in self.attributes]
         defaults = [member.default for member in members[len(members) - missing :]]
-        super().__init__(label or kind.__name__, called, steps, defaults, units)
+        super().__init__(label or kind.__name__, called, steps, defaults)
         self.kind = kind
         self.fingerprint = fingerprint
         self.open = open
@@ -297,7 +279,7 @@ class BitsLayout(Kind):
             low = -(1 << width - 1) if code.islower() else 0
             high = low + (1 << width) - 1
             if not low <= member <= high:
-                raise out_of_range(label, member, f"[{low}, {high}]")
+                raise RangeError(label, member, Range(low, high))
             bits |= (member & (1 << width) - 1) << position
         return number(bits, self._number.code)
 

@@ -23,6 +23,10 @@ from gecos.wire.kinds import (
 )
 from gecos.wire.values import same
 
+NOT_OF_TAG = (
+    "the value does not agree with the union's discriminator; make it with one of the functions "
+    "make_…"
+)
 CONTAINERS = (bytes, bytearray, list, tuple, dict)
 WITHOUT_ITEMS = (Number, Char, Text, Enumerators, Flags, Nested)
 
@@ -120,7 +124,7 @@ class UnionLayout:
         selected = self.selected(union.tag)
         value = union.value
         if (value is None) != (selected == 0):
-            raise EncodeError(self.label, "the value does not agree with the union's discriminator")
+            raise EncodeError(self.label, NOT_OF_TAG)
         self._tag.put(union.tag, out, f"{self.label}.tag")
         for i, arm in enumerate(self.arms, start=1):
             out.append(b"\1" if i == selected else b"\0")

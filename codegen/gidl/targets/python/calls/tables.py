@@ -9,7 +9,6 @@ from gidl.targets.calls import first_missing, short_name
 from gidl.targets.groups import call, group
 from gidl.targets.python.calls.facts import CallFacts, Passed
 from gidl.targets.python.calls.views import MethodTableView
-from gidl.targets.python.lower.steps import has_range, unit_of, units_of
 from gidl.targets.python.lower.types import quoted
 
 _NO_TERMS = "_Quality()"
@@ -60,12 +59,6 @@ class Tables(CallFacts):
         defaults = [self._missing(each) for each in values[first_missing(passed) :]]
         listed = group(defaults) if defaults[1:] else f"({defaults[0]},)" if defaults else ""
         terms = [f"defaults={listed}"] if defaults else []
-        units = [
-            (each.name, unit_of(each.unit, each.type))
-            for each, node in zip(passed, (v.node for v in values), strict=True)
-            if not each.secret and has_range(node)
-        ]
-        terms += units_of(units)
         return call("_values", quoted(" ".join(each.name for each in passed)), *steps, *terms)
 
     def _step(self, each: Passed) -> str:

@@ -19,7 +19,7 @@ from gidl.layout.wire_nodes import (
     StructNode,
     UnionNode,
 )
-from gidl.model import Model, Primitive, Range, SequenceType, Type
+from gidl.model import Model, Primitive, Range
 from gidl.targets.groups import call, group
 from gidl.targets.python.homes import ModuleNames
 from gidl.targets.python.lower.types import CODES, Types, bulk_code, is_octet, quoted
@@ -58,7 +58,7 @@ class Lowering(Types):
                 if limits is None or node.bounds is None:
                     return code
                 high = [] if limits.maximum is None else [_limit(limits.maximum)]
-                return call("_layout.ranged", code, _limit(limits.minimum), *high)
+                return call("_layout.ranged", code, _limit(limits.minimum), *high, *_unit(node))
             case StringNode(bound):
                 return call("_layout.text", *_bound(bound))
             case SequenceNode(element, bound):
@@ -106,26 +106,10 @@ def renamed(names: Iterable[tuple[str, str]]) -> list[str]:
 
 
 def units_of(units: Iterable[tuple[str, str | None]]) -> list[str]:
-    """The argument `units` of a layout: pairs of interface name and unit, for the values that have
-    a unit. Empty if none has."""
+    """The argument `units` of an exception: pairs of interface name and unit, for the members that
+    have a unit. Empty if none has."""
     pairs = [f"{quoted(name)}: {quoted(unit)}" for name, unit in units if unit]
     return [f"units={group(pairs, '{', '}')}"] if pairs else []
-
-
-def unit_of(unit: str | None, used: Type) -> str | None:
-    """The unit of a value, or of its elements."""
-    return unit or (used.unit if isinstance(used, SequenceType) else None)
-
-
-def has_range(node: Node) -> bool:
-    """Whether a number, or an element of a sequence or array, has a range."""
-    match node:
-        case ScalarNode(limits=limits):
-            return limits is not None
-        case OptionalNode(element) | SequenceNode(element) | ArrayNode(element):
-            return has_range(element)
-        case _:
-            return False
 
 
 def _bound(bound: int | None) -> list[str]:
@@ -141,4 +125,9 @@ def _limits(element: Node) -> list[str]:
         return []
     limits: Range = element.limits
     sides = (("low", limits.minimum), ("high", limits.maximum))
-    return [f"{name}={_limit(value)}" for name, value in sides if value is not None]
+    given = [f"{name}={_limit(value)}" for name, value in sides if value is not None]
+    return given + _unit(element)
+
+
+def _unit(number: ScalarNode) -> list[str]:
+    return [f"unit={quoted(number.unit)}"] if number.unit else []

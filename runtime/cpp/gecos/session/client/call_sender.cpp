@@ -99,7 +99,7 @@ Failure CallSender::not_sent(std::string_view name, std::size_t size, media::Sen
       return {Detail::BadParameter,
               what + " was not sent: its arguments take " + std::to_string(size) + " bytes and " +
                   std::string(connection_.capabilities().name) + " carries " +
-                  std::to_string(connection_.capabilities().largest_packet),
+                  std::to_string(connection_.capabilities().largest_packet) + "; send less at once",
               {},
               {}};
     case media::SendProblem::Lost:

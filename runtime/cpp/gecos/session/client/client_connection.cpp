@@ -49,7 +49,7 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
   if (options.deadline && *options.deadline <= Duration{}) {
     return ended({Detail::Expired,
                   "the deadline of '" + std::string(operation.name) +
-                      "' passed before it was sent; it was not carried out",
+                      "' passed before it was sent; it was not carried out: allow it more time",
                   {},
                   {}});
   }

@@ -19,7 +19,17 @@ std::string_view to_string(StreamEnd end) {
   return "?";
 }
 
-std::ostream& operator<<(std::ostream& out, StreamEnd end) { return out << to_string(end); }
+std::ostream& operator<<(std::ostream& out, StreamEnd end) {
+  out << to_string(end);
+  switch (end) {
+    case StreamEnd::Nothing:
+      return out << ": no sample arrived in time; call next() again";
+    case StreamEnd::Lost:
+      return out << ": the stream's server is gone or its Lab is closed; create a new proxy and "
+                    "subscribe again";
+  }
+  return out;
+}
 
 }  // namespace gecos
 

@@ -44,6 +44,15 @@ std::string out_of_reach(Runtime& runtime, const Entry& entry, media::Kind kind,
   return "this program does not know this medium";
 }
 
+/// The media that the server of an object offers: "inproc, shm".
+std::string offered(const Entry& entry) {
+  std::string media;
+  for (const auto& address : entry.addresses) {
+    media += (media.empty() ? "" : ", ") + address.substr(0, address.find(':'));
+  }
+  return media.empty() ? "none" : media;
+}
+
 }  // namespace
 
 tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, const Entry& entry,
@@ -76,7 +85,8 @@ tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, con
     const std::string asked_for = only ? " over " + std::string(media::to_string(*only)) : "";
     return tl::unexpected(
         "cannot be reached" + asked_for +
-        (reasons.empty() ? ": its server does not offer this medium" : " (" + reasons + ")"));
+        (reasons.empty() ? ": its server does not offer this medium, it offers " + offered(entry)
+                         : " (" + reasons + ")"));
   }
   // A late packet does no harm in a simulated device, so soft real time is enough.
   qos::Quality held_to = asked;

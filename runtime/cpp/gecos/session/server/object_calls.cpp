@@ -210,8 +210,10 @@ void ObjectCalls::end_overdue(ServerCall& call) {
   const std::string passed = "the deadline of '" + std::string(call.operation().name) + "' passed ";
   if (call.state.begun_at()) {
     interrupt(call);
-    end(call,
-        Failure{Detail::TimedOut, passed + "while it was executing; it was told to stop", {}, {}});
+    end(call, Failure{Detail::TimedOut,
+                      passed + "while it was executing; it was told to stop: allow it more time",
+                      {},
+                      {}});
   } else {  // queued, or taken by a thread that will not begin its handler any more
     end(call, Failure{Detail::Expired,
                       passed + "before the call started; the call was not carried out",

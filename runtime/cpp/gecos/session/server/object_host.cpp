@@ -117,10 +117,15 @@ TimePoint ObjectHost::on_tick(TimePoint now) {
 // The end of an object
 
 void ObjectHost::close() {
+  served_.store(false, std::memory_order_relaxed);
   const MutexLock lock(state_.mutex);
   state_.packets.close();
   state_.calls.end_all(Failure{Detail::Stopped, "the server no longer serves " + name(), {}, {}});
   state_.statuses.close();
+}
+
+std::string ObjectHost::served_as() {
+  return served_.load(std::memory_order_relaxed) && getpid() == owner_ ? name() : std::string();
 }
 
 bool ObjectHost::closed() {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <unistd.h>
+
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -75,11 +78,14 @@ class ObjectHost final : public Publisher {
   /// Ends all calls as STOPPED and accepts no more.
   void close();
   bool closed();
+  std::string served_as() override;  ///< takes no lock: a forked child may ask
   /// Waits until the handlers have returned. After that no other thread calls the servant or the
   /// user's callbacks. @pre the object is closed; the caller is not a handler
   void join();
 
  private:
+  const pid_t owner_ = getpid();
+  std::atomic<bool> served_{true};  // protects no other data, so relaxed is enough
   HostState state_;
   HandlerWaits waits_;
   NameConfirmation name_confirmation_;

@@ -180,7 +180,13 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
                                                  ObjectOptions options) {
   if (name.empty() || name.find('\0') != std::string::npos) {
     return tl::unexpected(
-        ServeError{"an object's name must have at least one character and must not contain NUL"});
+        ServeError{"no object can be served under the name '" + name.substr(0, name.find('\0')) +
+                   "': a name must have at least one character and must not contain NUL"});
+  }
+  if (const auto served = servant.gecos_served_as(); !served.empty()) {
+    return tl::unexpected(ServeError{name + ": this servant is served already, as " + served +
+                                     ", and can publish under one name only; create a servant for "
+                                     "each name"});
   }
   const bool well_known = options.well_known;
   if (!well_known) {
