@@ -105,7 +105,7 @@ def test_a_damaged_or_open_file_of_the_folder_is_told(
     damaged, is_open, no_key = err.splitlines()  # in the order of the names of the files
     assert "is cut short: copy it again, or remove it" in damaged
     assert "is open to other users: run `chmod 600` on it" in is_open
-    assert "bob.public: its name is no key of 64 hex digits" in no_key
+    assert "bob.public: the name of this file is not a key of 64 hex digits" in no_key
     assert f"run `gecos keys add {folder}" in no_key
 
 

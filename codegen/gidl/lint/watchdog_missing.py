@@ -1,4 +1,5 @@
-"""Lint: a stream that clients send should have a watchdog, which limits the sender's silence."""
+"""Lint: a stream that clients send should have a watchdog, which limits how long the sender may be
+silent."""
 
 from __future__ import annotations
 

@@ -8,11 +8,11 @@ from typing import Any
 from gecos.wire.units import mistaken_unit
 
 HIDDEN = "***"
-"""The text that replaces a secret."""
+"""The text that error messages and logs show in place of a secret."""
 
 
 class DecodeProblem(Enum):
-    """Why bytes were refused. Names and texts equal those in C++."""
+    """The reasons why bytes are refused. Names and texts equal those in C++."""
 
     TRUNCATED = "the bytes end before the value does"
     INVALID_BOOLEAN = "a boolean must be 0 or 1"
@@ -32,7 +32,7 @@ class DecodeProblem(Enum):
 
 
 class DecodeError(ValueError):
-    """The bytes do not encode a valid value: which field, at which byte, and why."""
+    """The bytes do not encode a valid value. The error names the field, the byte and the reason."""
 
     def __init__(self, problem: DecodeProblem, offset: int, field: str = "") -> None:
         named = f"field '{field}' " if field else ""
@@ -46,7 +46,7 @@ class DecodeError(ValueError):
 
 
 class JsonError(ValueError):
-    """The text is not JSON of the expected type: `path` is the place in the value, `why` the
+    """The text is not JSON of the expected type. `path` is the place in the value, and `why` is the
     reason."""
 
     def __init__(self, path: str, why: str) -> None:
@@ -59,7 +59,7 @@ class JsonError(ValueError):
 
 
 class EncodeError(ValueError):
-    """The value cannot be encoded in its field: `field` names the field, `why` is the reason."""
+    """The value cannot be encoded. `field` is the name of its field, and `why` is the reason."""
 
     def __init__(self, field: str, why: str) -> None:
         super().__init__(f"{field}: {why}" if field else why)
@@ -82,10 +82,11 @@ class WrongTypeError(EncodeError, TypeError):
 
 
 def brief(value: object) -> str:
-    """`repr(value)`; of a whole number that Python does not print, its size."""
+    """Returns `repr(value)`. For a whole number that is too large for Python to print, returns its
+    size."""
     try:
         return repr(value)
-    except ValueError:  # more than 4300 digits
+    except ValueError:  # the number has more than 4300 digits
         assert isinstance(value, int)
         return f"a number of {value.bit_length()} bits"
 
@@ -114,11 +115,11 @@ class RangeError(EncodeError):
     def __init__(self, field: str, value: object, limits: str) -> None:
         super().__init__(field, f"{value} is outside {limits}")
         self.value = value
-        self.limits = limits  # "[0.01, 1.0]", with a unit behind it if the field has one
+        self.limits = limits  # for example "[0.01, 1.0]", followed by the unit if the field has one
 
     def with_unit(self, unit: str) -> RangeError:
-        """The same error with the unit of the field, and a question if the value fits in degrees or
-        millimetres."""
+        """Returns the same error with the unit of the field. If the value would be in range in
+        degrees or millimetres, the error also asks whether such a unit was meant."""
         low, high = self.limits.strip("[]").split(", ")
         error = RangeError(self.field, self.value, f"{self.limits} {unit}")
         error.why += mistaken_unit(self.value, float(low), float(high), unit)

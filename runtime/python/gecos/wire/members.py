@@ -1,4 +1,5 @@
-"""Sequences of named values: members of a struct, arguments of a call, fields of a bitset."""
+"""Sequences of named values: the members of a struct, the arguments of a call, or the fields of a
+bitset."""
 
 from __future__ import annotations
 
@@ -15,16 +16,16 @@ from gecos.wire.kinds import Kind, Number, Secret, below, expect_json, kind_of
 from gecos.wire.values import same, signed
 
 _Group: TypeAlias = tuple[int, int, Callable[..., Any], Callable[..., Any], str]
-"""First and end index of a group of members, the functions that encode and decode the group, and
-its label. A group is a run of numbers with the label "", or one member with its own label."""
+"""The first and the end index of a group of members, the functions that encode and decode the
+group, and the label of the group. A group is a run of numbers with the label "", or one member
+with its own label."""
 _NO_UNITS: Mapping[str, str] = {}
 
 
 class Members:
     """Members in the order of their encoding. `names` are their names in the interface; messages
-    call a member `label.name`. `defaults` are for the last members, which an older writer may omit.
-    `units` are the units of members, for messages.
-    """
+    call a member `label.name`. `defaults` belong to the last members, which an older writer may
+    omit. `units` are the units of members, which messages show."""
 
     __slots__ = ("_groups", "_needed", "defaults", "kinds", "label", "names", "units")
 
@@ -104,7 +105,8 @@ class Members:
         }
 
     def made(self, data: Any, path: str) -> list[tuple[int, Any]]:
-        """The inverse of `plain`: index and value of each given member. Refuses unknown members."""
+        """Converts plain data back to members: returns the index and the value of each given
+        member. Refuses unknown members."""
         expect_json(dict, data, path, "an object")
         for name in sorted(data.keys() - set(self.names)):
             why = f"unknown member; the known members are {', '.join(self.names)}"
@@ -117,7 +119,7 @@ class Members:
 
 
 def _naming_unit(put: Callable[..., None], unit: str) -> Callable[..., None]:
-    """`put`, whose range errors name the unit of the value."""
+    """Returns `put`, changed so that its range errors show the unit of the value."""
 
     def put_with_unit(value: Any, out: Parts, label: str) -> None:
         try:
@@ -199,7 +201,7 @@ class StructLayout(Members):
         return super().plain(self._values(value))
 
     def made(self, data: Any, path: str) -> Any:
-        """The inverse of `plain`. Omitted members get their default values."""
+        """Converts plain data back to a value. Omitted members get their default values."""
         return self.kind(**{self.attributes[i]: each for i, each in super().made(data, path)})
 
     @property
@@ -242,7 +244,7 @@ class Arguments(Members):
 
     def encode(self, *values: Any) -> Parts:
         out: Parts = []
-        # a copy of the body of `write`, for speed
+        # This loop is a copy of the body of `write`, for speed.
         for at, end, put, _, label in self._groups or self._grouped():
             if label:
                 put(values[at], out, label)
@@ -254,7 +256,7 @@ class Arguments(Members):
         return tuple(self.read(source))
 
     def made_values(self, data: Any, path: str = "") -> tuple[Any, ...]:
-        """The inverse of `plain`; only arguments with defaults may be omitted."""
+        """Converts plain data back to arguments. Only arguments with defaults may be omitted."""
         given = dict(super().made(data, path))
         required = self._needed
         for i, name in enumerate(self.names):
@@ -266,8 +268,8 @@ class Arguments(Members):
 
 
 class BitsLayout(Kind):
-    """The layout of a bitset, which is encoded as one number of code `code`. `members` are the
-    position, width and code of each member."""
+    """The layout of a bitset, which is encoded as one number with the code `code`. `members` are
+    the position, width and code of each member."""
 
     __slots__ = ("_labels", "_members", "_number", "attributes", "kind", "least", "names", "used")
 
