@@ -139,9 +139,9 @@ def test_or_for_the_one_that_is_named(here: Path, well: Path, wanted: str) -> No
     [
         (["--mock", "lab/well.gidl", "--interface", "Tap"], 2, "there is lab::Pump, lab::Valve"),
         (["--mock", "lab/none.gidl"], 100, "cannot be read"),
-        (["--mock", "-"], 2, "write the name of the device, for example thermometer, or --mock and a file"),
-        (["tap", "--mock", "lab/well.gidl"], 2, "write the name of the device, for example thermometer, or --mock"),
-        ([], 2, "write the name of the device, for example thermometer, or --mock"),
+        (["--mock", "-"], 2, "or --mock and a file"),
+        (["tap", "--mock", "lab/well.gidl"], 2, "for example thermometer, or --mock"),
+        ([], 2, "for example thermometer, or --mock"),
         (["--mock", "event.gidl"], 100, "error[G0801]: Bell::rung: gidl does not generate events"),
         (["--mock", "types.gidl"], 2, "declares no interface to mock"),
         (["--mock", "lab/well.gidl", "--into", "lab"], 2, "exists already"),

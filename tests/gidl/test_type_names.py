@@ -133,8 +133,8 @@ class TestNamesOfTwoFiles:
             ("Lamp_g_result", "the results of 'm::Lamp::g'"),
         ):
             assert (
-                "c.gidl:1:1: error[G0114]: two files that this file includes give the same C++ name "
-                f"'m::{name}' to {what} and to 'm::{name}'" in said
+                "c.gidl:1:1: error[G0114]: two files that this file includes give the same "
+                f"C++ name 'm::{name}' to {what} and to 'm::{name}'" in said
             )
         assert "help: rename 'm::Lamp::g' or 'm::Lamp_g_result', or include one" in said
         assert "a.gidl:3:22: note: 'm::I::Mode' is declared here" in said

@@ -302,7 +302,7 @@ def test_describe_shows_the_members_and_enumerators_of_types(arm: Arm, run: Run)
         (("call", "ARM", "move", "goal=" + 3000 * "[" + 3000 * "]"), "nested deeper than 100"),
         (
             ("set", "ARM", "tool_offset", '{"position": {"x": 1' + 400 * "0" + "}}"),
-            "is beyond what a",
+            "is too large for a",
         ),
         (("watch", "ARM", "posture", "--every", "inf"), "inf is not from 0.01 to 1e+06"),
         (("hz", "ARM", "tool", "--window", "nan"), "nan is not from 0.1 to 1e+06"),
