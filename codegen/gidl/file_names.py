@@ -36,7 +36,7 @@ def interfaces_below(folder: Path) -> list[Path]:
     read: set[Path] = set()
     starts = [folder] if folder.is_dir() else []
     while starts:
-        # read last, so that a file gets its path without links, if it has one
+        # Links are read last: a file that can be found without links gets that path.
         links: list[Path] = []
         for start in sorted(starts):
             _collect(start, found, read, links)

@@ -116,7 +116,7 @@ class Loader:
         the search folder that contains the file, or else to the including file. `beside` has the
         path of the including file, and the path that its `#include` names."""
         whole = absolute(place)
-        # a folder of -I may contain the others
+        # The folders of -I come last, because one of them may contain the others.
         for folder in (*self._installed, PACKAGED, *self.search):
             if whole.is_relative_to(absolute(folder)):
                 return whole.relative_to(absolute(folder)).as_posix()
@@ -215,8 +215,8 @@ class Loader:
                     "G0004",
                     include.span,
                     f"files include each other: {chain}",
-                    "write #pragma once before the includes, if neither file needs the other's "
-                    "names",
+                    "if neither file needs names of the other, write #pragma once before the "
+                    "includes",
                 )
                 return None
             if known in self.files:
@@ -224,7 +224,9 @@ class Loader:
             return known
         if len(self._open) >= _MAX_INCLUDE_DEPTH:
             self.findings.error(
-                "G0013", include.span, f"includes are nested deeper than {_MAX_INCLUDE_DEPTH}"
+                "G0013",
+                include.span,
+                f"includes are nested deeper than {_MAX_INCLUDE_DEPTH} levels",
             )
             return None
         if place.suffix in _C_HEADERS:
@@ -255,8 +257,8 @@ class Loader:
         self.findings.error(
             "G0216",
             include.span,
-            f"'{include.path}' is a header of C: headers are not part of .gidl",
-            "include the IDL that declares the types",
+            f"'{include.path}' contains C declarations, which are not part of .gidl",
+            "include the .gidl or .idl file that declares the types",
         )
 
     def _is_open(self, include: Include, source: Source) -> bool:
@@ -356,7 +358,7 @@ def _read(place: Path, shown: str, findings: Findings) -> bytes | None:
                 "G0001",
                 shown,
                 "this path is a pipe or device, not a regular file",
-                "to read stdin, name -",
+                "to read stdin, write - in place of the path",
             )
             return None
         with place.open("rb") as stream:

@@ -1,5 +1,5 @@
-"""Finds the files that declare the names which a run does not know, so that the errors can name
-them."""
+"""For a name that the run does not know, finds the file to include, so that the error can name this
+file."""
 
 from __future__ import annotations
 

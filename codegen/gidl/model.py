@@ -535,7 +535,7 @@ AnyDeclaration = (
 class File:
     path: str  # path as in `#include`, such as "robcl/geometry.gidl"
     includes: tuple[str, ...]  # paths of the directly included files, in order
-    # all, in order; nested declarations before the enclosing one
+    # All declarations, in order. A nested declaration comes before the enclosing one.
     declarations: tuple[AnyDeclaration, ...]
     asked_for: bool = True  # True: named on the command line; False: only included
     doc: str = ""

@@ -99,6 +99,6 @@ class Stream:
 
     direction: StreamDirection
     rate_hz: float | None = None
-    # of an inward stream: the longest time that the sender may be silent
+    # The longest time that the sender of an inward stream may be silent.
     watchdog_ns: int | None = None
     is_open: bool = False  # outward streams: over lcm, samples are plain LCM messages

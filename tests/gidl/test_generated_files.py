@@ -267,7 +267,7 @@ class TestWriting:
         assert said.startswith("generated/cpp/lab/")
         assert (
             ": error[G1405]: this output cannot be written: No space left on device\n"
-            "      = help: delete files on that disk, and run gidl again\n"
+            "      = help: delete files on the full disk, and run gidl again\n"
         ) in said
         assert {p: p.read_text() for p in (here / "generated").rglob("*") if p.is_file()} == before
 

@@ -105,13 +105,13 @@ def _behaviour(old: Operation, new: Operation) -> Iterator[str]:
     if old.cancelable and not new.cancelable:
         yield "cannot be cancelled any more"
     if old.ordered and not new.ordered:
-        yield "is not @ordered any more: it may overtake actor commands of its caller"
+        yield "is not @ordered any more: it may start before earlier actor commands of its caller"
     if old.parallel != new.parallel:
         yield "is @parallel now" if new.parallel else "is not @parallel any more"
     if old.on_new != new.on_new:
         yield f'had @on_new("{old.on_new.value}") and now has @on_new("{new.on_new.value}")'
     if old.on_loss is OnLoss.FINISH and new.on_loss is OnLoss.STOP:
-        yield "does not finish any more when its holder is lost"
+        yield "is now stopped when the holder of the lease is lost"
 
 
 def _operation_security(old: Operation, new: Operation) -> Iterator[tuple[str, str]]:
@@ -122,7 +122,7 @@ def _operation_security(old: Operation, new: Operation) -> Iterator[tuple[str, s
         if new.safety:
             yield (
                 "is @safety now",
-                "safety operations are never refused, and they overtake every queue",
+                "safety operations are never refused, and they do not wait in any queue",
             )
         else:
             yield (
@@ -130,7 +130,10 @@ def _operation_security(old: Operation, new: Operation) -> Iterator[tuple[str, s
                 "its calls can be refused, and they wait after other calls",
             )
     if old.on_loss is OnLoss.STOP and new.on_loss is OnLoss.FINISH:
-        yield "goes on when its holder is lost", "the robot may then move without a holder"
+        yield (
+            "continues when the holder of the lease is lost",
+            "the robot may move without a holder",
+        )
 
 
 def _attribute_security(old: Attribute, new: Attribute) -> Iterator[tuple[str, str]]:
@@ -145,7 +148,7 @@ def _attribute_security(old: Attribute, new: Attribute) -> Iterator[tuple[str, s
     if is_open and not was_open:
         yield (
             "is an @open_stream now",
-            "everybody on the network can read its samples, without authentication",
+            "everybody on the network can read the samples, without authentication",
         )
     if was_open and not is_open:
         yield (

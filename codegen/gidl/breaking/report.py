@@ -9,7 +9,7 @@ CATEGORIES = ("WIRE", "SOURCE", "QOS", "SECURITY")
 
 
 def category_of(code: str) -> str:
-    """The category of a code: G10xx is WIRE, G11xx SOURCE, G12xx QOS, G13xx SECURITY."""
+    """Returns the category of a code: G10xx is WIRE, G11xx SOURCE, G12xx QOS, G13xx SECURITY."""
     return CATEGORIES[int(code[1:3]) - 10]
 
 

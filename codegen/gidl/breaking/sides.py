@@ -163,7 +163,7 @@ def _keys(model: Model, used: Type) -> Iterator[str]:
 
 
 def reached(model: Model, used: Type | None, into: set[str]) -> None:
-    """Adds the names of all types that a value of type `used` may contain to `into`."""
+    """Adds to `into` the names of all types that a value of type `used` may contain."""
     from gidl.lint.uses import declared_names, direct_names
 
     work = list(direct_names(used)) if used is not None else []

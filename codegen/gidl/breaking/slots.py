@@ -92,7 +92,7 @@ def _gone(report: Report, owner: Owner, old: list[Slot], after: dict[str, Slot])
                     "keep the declaration, marked @deprecated", new=owner.new, old=slot.facts,
                 )  # fmt: skip
                 continue
-            instead = "keep the old declaration, and put new ones after it"
+            instead = "keep the old declaration, and put new declarations after it"
         else:
             instead = (
                 "keep the declaration, marked @deprecated; after a renaming, write "

@@ -117,7 +117,7 @@ def _struct(sides: Sides, old: Struct, new: Struct, report: Report) -> None:
         report.add("G1002", old.name,
                    f"'{old.name}' was @{old.extensibility.value} "
                    f"and is now @{new.extensibility.value}",
-                   _MISREAD, "keep the old struct, and declare another one", new=new.facts,
+                   _MISREAD, "keep the old struct, and declare another struct", new=new.facts,
                    old=old.facts)  # fmt: skip
     owner = slots.Owner(old.name, "member", old.is_appendable and new.is_appendable,
                         old.facts, new.facts)  # fmt: skip
@@ -131,7 +131,7 @@ def _struct(sides: Sides, old: Struct, new: Struct, report: Report) -> None:
 def _refused(old: AnyDeclaration, new: AnyDeclaration, what: str, report: Report) -> None:
     report.add("G1004", old.name, f"the {what} of '{old.name}' have changed",
                "a reader refuses bits that it does not know",
-               "keep the type, and declare another one", new=new.facts, old=old.facts)  # fmt: skip
+               "keep the type, and declare another type", new=new.facts, old=old.facts)  # fmt: skip
 
 
 def _enum(old: EnumDeclaration, new: EnumDeclaration, exact: str, report: Report) -> None:
@@ -233,7 +233,7 @@ def _union(sides: Sides, old: Union, new: Union, report: Report) -> None:
     if texts[0] != texts[1]:
         report.add("G1004", old.name, f"the cases of '{old.name}' have changed",
                    "a reader refuses a case that it does not know",
-                   "keep the union, and declare another one", new=new.facts,
+                   "keep the union, and declare another union", new=new.facts,
                    old=old.facts)  # fmt: skip
         return
     for one, other in zip(old.cases, new.cases, strict=True):

@@ -27,8 +27,8 @@ def all_titles() -> list[tuple[str, str]]:
 
 
 def lint_rules() -> list[str]:
-    """Returns the codes that `--except` accepts: those of the lint rules, and that of the warning
-    about terms without effect."""
+    """Returns the codes that `--except` accepts: the codes of the lint rules, and the code of the
+    warning about annotations without effect."""
     return [code for code, _ in all_titles() if code.startswith("G09") or code == not_yet.CODE]
 
 

@@ -151,8 +151,8 @@ def _modules_of_two(compiled: Compiled) -> list[Finding]:
 
 
 def _without_folder(compiled: Compiled) -> list[Finding]:
-    """Warns about a file on the command line that lies in a folder with the name of its module, but
-    in no search folder: its output then gets no such folder, and its Python module no package."""
+    """Warns about each file on the command line whose folder has the name of the file's module, but
+    is in no search folder. The output then loses this folder, and the Python module its package."""
     findings = Findings()
     for file in compiled.model.files:
         shown = compiled.sources[file.path].shown
@@ -189,12 +189,12 @@ def _in_the_way(outputs: Outputs, difference: Difference) -> list[Finding]:
 
 
 _ADVICE = {
-    errno.ENOSPC: "delete files on that disk",
+    errno.ENOSPC: "delete files on the full disk",
     errno.EDQUOT: "delete files until you are within your disk quota",
     errno.EFBIG: "raise the limit for the size of files (`ulimit -f`)",
     errno.EROFS: "choose a folder on another file system with --out",
-    errno.EACCES: "make the folder writable, or choose another one with --out",
-    errno.EPERM: "make the folder writable, or choose another one with --out",
+    errno.EACCES: "make the folder writable, or choose another folder with --out",
+    errno.EPERM: "make the folder writable, or choose another folder with --out",
     errno.ENOTDIR: "a file has the path of the output folder; choose another folder with --out",
 }
 

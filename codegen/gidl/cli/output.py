@@ -113,7 +113,7 @@ def _head(place: Path) -> str:
     try:
         with place.open("rb") as stream:
             return stream.read(_MARK_WITHIN).decode("utf-8", "ignore")
-    # NotADirectoryError: a file is in place of the folder
+    # A NotADirectoryError means that a file is in place of the folder.
     except (FileNotFoundError, NotADirectoryError):
         return ""
 

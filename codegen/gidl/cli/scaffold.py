@@ -76,7 +76,7 @@ def write_mock(
         raise ScaffoldRefusal(f"{file.path} declares {asked}; there is {known}")
     layout = wire_layout.build(compiled.model)
     render(compiled.model, layout, [language])  # raises if the interfaces cannot be generated
-    # names of CMake targets cannot contain spaces
+    # Names of CMake targets cannot contain spaces.
     stem = re.sub(r"\W", "_", Path(source_stem(file.path)).name)
     folder = _new_folder(into if into is not None else Path(f"{stem}_mock"))
     source = "server.py" if language == "python" else "server.cpp"

@@ -131,9 +131,15 @@ def files_of(chosen: argparse.Namespace) -> list[str] | None:
     if found:
         return list(dict.fromkeys(found))
     if chosen.project.file is None:
-        there = "there are no interface files in idl/ here, and no gidl.toml here or above"
+        there = (
+            "there is no gidl.toml, and idl/ in the current folder has no interface "
+            "files; name files, or run gidl in the folder of your project"
+        )
     else:
-        there = f"the roots of {chosen.project.file} have no interface files"
+        there = (
+            f"the roots of {chosen.project.file} have no interface files; name files, or "
+            "correct roots"
+        )
     print(f"gidl: no files named, and {there}", file=sys.stderr)
     return None
 

@@ -59,7 +59,7 @@ def scan(text: str) -> list[Piece]:
             newlines += body.count("\n")
         else:
             if kind == "directive":
-                # the '#' follows other text, which is possible where '#if' skips text
+                # Other text precedes the '#', which is possible where '#if' skips text.
                 if newlines == 0:
                     raise UnreadableError(line, "has a '#' that does not begin its line")
                 body = text[at : directive_line(text, at)[1]]

@@ -97,7 +97,7 @@ class _Naming:
         self._model = model
         self._language = language
         self._taken: dict[str, set[_Place]] = {}  # names in each file and its includes
-        # those of `_taken` that constants and aliases have
+        # The names in `_taken` that constants and aliases have.
         self._values: dict[str, set[_Place]] = {}
         self._top_types = language.type_words | language.root_words
         self._top_modules = language.module_words | language.root_words
@@ -190,7 +190,7 @@ class _Naming:
     def _wanted(self, declaration: AnyDeclaration, joined: dict[str, str]) -> str:
         name = joined[declaration.name]
         if self._language.file_is_scope and list(joined.values()).count(name) > 1:
-            # for example for a::State and b::State in one file
+            # Several declarations of the file have this name, for example a::State and b::State.
             name = declaration.name.replace("::", "_")
         words = self._language.type_words
         return escaped(

@@ -16,6 +16,6 @@ def check(model: Model, findings: Findings) -> None:
             findings.warning(
                 "G0909",
                 member.facts.place_of("stream"),
-                f"stream '{member.name}' has no watchdog against a sender that falls silent",
+                f"stream '{member.name}' has no watchdog, which would notice a silent sender",
                 'write @stream(dir="in", watchdog="48ms") with the longest silence that is safe',
             )

@@ -220,7 +220,11 @@ class _Calculator:
     def _checked(self, result: int, span: Span) -> Computed:
         bits = self._arithmetic.bits
         if not -(1 << bits) // 2 <= result < 1 << bits:
-            wider = "" if bits == 64 else "a constant of int64 or uint64 is computed in 64 bits"
+            wider = (
+                ""
+                if bits == 64
+                else "to compute with 64 bits, declare the constant as int64 or uint64"
+            )
             raise self._fail("G0301", span, f"{result} does not fit {bits} bits", wider)
         return Computed("int", result)
 

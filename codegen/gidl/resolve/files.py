@@ -235,8 +235,8 @@ class Resolver(InterfaceResolver):
                 self._findings.error(
                     "G0113",
                     symbol.span,
-                    f"{symbol.kind} '{symbol.name}' is declared forward and never completed",
-                    "complete it in this file or in a file that this file includes",
+                    f"{symbol.kind} '{symbol.name}' is declared forward but never completed",
+                    "write the full declaration in this file or in a file that this file includes",
                 )
             facts = Facts(symbol.span.location)
             empty: AnyDeclaration

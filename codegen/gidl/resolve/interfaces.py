@@ -58,7 +58,7 @@ class InterfaceResolver(TypeResolver):
         self._interface_scopes: dict[str, Scope] = {}
         self._interface_qos: dict[str, Qos] = {}
         self._all_bases: dict[str, tuple[str, ...]] = {}
-        # interfaces that lost their bases, because there were too many
+        # Interfaces that lost their bases, because there were too many.
         self._cut_off: set[str] = set()
 
     def _interface(self, syntax: InterfaceSyntax, scope: Scope) -> None:
@@ -118,7 +118,7 @@ class InterfaceResolver(TypeResolver):
         self._findings.error(
             "G0414",
             syntax.name.span,
-            f"'{syntax.name.text}' has {count} bases, direct and inherited ones; at most "
+            f"'{syntax.name.text}' has {count} direct and indirect bases; at most "
             f"{MAX_BASES} are allowed",
             "move members of several bases into one base",
         )
@@ -324,7 +324,7 @@ class InterfaceResolver(TypeResolver):
                 "G0506",
                 applied.span,
                 f'the direction of a stream cannot be "{direction}"',
-                'dir is "out" (the server publishes) or "in" (the server accepts)',
+                'write dir="out" if the server sends, or dir="in" if clients send',
             )
         rate = self._quantity(applied, "rate", rate_hz, "mHz, Hz or kHz", "250Hz")
         watchdog = self._quantity(applied, "watchdog", duration_ns, _DURATIONS, "48ms")

@@ -115,7 +115,8 @@ class Names:
                 name.span,
                 f"{kind} '{name.text}' clashes with the type name '{used[0]}' used in the same "
                 "scope: names are compared without regard to case",
-                f"rename it, or write the type with its module: '{self._with_module(scope, used)}'",
+                f"rename the {kind}, or write the type with its module: "
+                f"'{self._with_module(scope, used)}'",
                 notes=(Note("used here", used[1].location),),
             )
         if known is not None:
@@ -305,8 +306,8 @@ class Names:
                 return f"did you mean '{built_in[0]}'?"
         if self.cut:
             return (
-                f"{self.cut[0]} includes this file, so it is read after this file: move what both "
-                "files need into a third file"
+                f"{self.cut[0]} includes this file, so gidl reads it later: move the declarations "
+                "that both files need into a third file"
             )
         return ""
 

@@ -155,8 +155,8 @@ class TypeResolver(ValueResolver):
             self._findings.error(
                 "G0111",
                 name.span,
-                f"{what} '{name}' is only declared forward here",
-                f"declare the {what} before",
+                f"{what} '{name}' has only a forward declaration before this use",
+                f"move the full declaration of the {what} before this use",
                 notes=(Note("declared forward here", symbol.span.location),),
             )
             self._used_incomplete.add(symbol.scoped)
@@ -401,7 +401,8 @@ class TypeResolver(ValueResolver):
                 "G0312",
                 syntax.span,
                 "the discriminator of a union cannot have a range",
-                "use the type without a range; with a value that no case names, the union has "
+                "use the type without a range; if the value is one that no case names, the "
+                "union has "
                 "no member",
             )
 

@@ -325,7 +325,7 @@ class ValueResolver(ABC):
         self._findings.error(
             "G0111",
             innermost.span,
-            f"{incomplete.kind} '{incomplete.name}' is only declared forward here",
+            f"{incomplete.kind} '{incomplete.name}' has only a forward declaration before this use",
             f"move the declaration of the {incomplete.kind} before this use; only a sequence "
             "may use it earlier",
             notes=(Note("declared forward here", incomplete.span.location),),
@@ -384,7 +384,7 @@ class ValueResolver(ABC):
             self._findings.error(
                 "G0306",
                 declarator.name.span,
-                f"an array has at most {MAX_ARRAY} elements, this one {math.prod(sizes)}",
+                f"an array has at most {MAX_ARRAY} elements, but this one has {math.prod(sizes)}",
                 "use a sequence",
             )
             return None

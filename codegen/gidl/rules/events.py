@@ -1,4 +1,4 @@
-"""Rule: an event is oneway, because the server sends it. It has none of the annotations for
+"""Rule: an event must be oneway, because the server sends it. It must not have annotations for
 calls."""
 
 from __future__ import annotations

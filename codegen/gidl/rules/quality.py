@@ -34,5 +34,5 @@ def _terms(qos: Qos, facts: Facts, findings: Findings) -> None:
         findings.error(
             "G0412",
             at,
-            "'start_by' is later than 'deadline', but a call must start before it must be done",
+            "'start_by' is later than 'deadline', but a call must start before its deadline",
         )

@@ -63,7 +63,8 @@ def _open(model: Model, attribute: Attribute, findings: Findings) -> None:
         findings.error(
             "G0411",
             at,
-            f"an open stream is a bare LCM message, and '{attribute.name}' is not a final struct",
+            f"samples of an open stream are plain LCM messages, but '{attribute.name}' is not "
+            "a final struct",
             "use a struct that is not @appendable",
         )
     if attribute.qos.quality_class not in (None, QualityClass.TIME_INDEPENDENT):

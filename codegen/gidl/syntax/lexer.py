@@ -20,9 +20,10 @@ from gidl.source import Source, Span
 
 
 class Token(NamedTuple):
-    kind: str  # "id" "escaped" "op" "directive" "eof", or for literals: "int" "float" "fixed"
-    # "string" "char" "wide_string" "wide_char". The preprocessor adds "macro": the use of a macro
-    # with parameters, which is already reported
+    # "id", "escaped", "op", "directive" or "eof"; for literals "int", "float", "fixed", "string",
+    # "char", "wide_string" or "wide_char". The preprocessor adds "macro": the use of a macro with
+    # parameters, which is already reported.
+    kind: str
     text: str  # identifiers without the escaping underscore, literals with quotes
     start: int
     end: int

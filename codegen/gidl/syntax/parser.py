@@ -108,7 +108,8 @@ class Parser(InterfaceParser):
                 "G0502",
                 self._span(tokens[0]),
                 "this //@ comment annotates nothing",
-                "put it after the ';' or ',' of the annotated declaration, or alone on the line "
+                "put the comment after the ';' or ',' of the annotated declaration, or alone "
+                "on the line "
                 "before",
             )
         return tree
@@ -246,8 +247,9 @@ class Parser(InterfaceParser):
                 self._findings.error(
                     "G0100",
                     self._span(token),
-                    'an imported string is a repository identifier, "IDL:robcl/Frame:1.0"',
-                    "to read another file write #include",
+                    "an imported string must be a repository identifier such as "
+                    '"IDL:robcl/Frame:1.0"',
+                    "to include another file, write #include",
                 )
                 raise Skip
             parts = tuple(text.removeprefix("IDL:").rpartition(":")[0].split("/"))

@@ -142,7 +142,7 @@ class _Preprocessor:
             self._findings.error("G0005", self._span(token), f"#error {rest}")
         elif word == "warning":
             self._findings.warning("G0704", self._span(token), f"#warning {rest}")
-        # line markers such as `# 1 "x"` are skipped
+        # Line markers such as `# 1 "x"` are skipped.
         elif word not in ("line", "ident") and not word.isdigit():
             self._findings.error(
                 "G0005",
@@ -192,8 +192,8 @@ class _Preprocessor:
             self._findings.error(
                 "G0211",
                 self._span(token),
-                f"macro '{name}' has parameters: these are not part of .gidl",
-                "write out its expansion, or use a constant",
+                f"macro '{name}' has parameters; such macros are not part of .gidl",
+                "replace its uses by their expansion, or use a constant",
             )
             return
         quiet = Findings()

@@ -199,7 +199,7 @@ class TokenReader:
                 "G0212",
                 self._span(token),
                 "'Object' is a type of values, not an interface",
-                "write 'Object' alone as the type of a value; leave out a base 'Object'",
+                "use 'Object' only as the type of a value, not as a base or as a scope",
             )
             raise Skip
         if token.kind != "id" or token.text in USED_BY_LOWER.values():

@@ -35,7 +35,7 @@ _SIMPLE_TYPES = {
 
 _WIDE_HELP = "use a string, which is UTF-8; with --wide=utf8, wide text is read as UTF-8"
 _REFUSED_TYPES = {
-    "any": ("G0201", "'any' is", "declare a union of the types that it may hold"),
+    "any": ("G0201", "'any' is", "declare a union of the types that the value may have"),
     "ValueBase": ("G0202", "'ValueBase' is", "use a struct"),
     "fixed": ("G0203", "'fixed' is", "use an int64 in the smallest unit, or a double"),
     "wchar": ("G0206", "'wchar' is", _WIDE_HELP),

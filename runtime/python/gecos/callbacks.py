@@ -43,7 +43,7 @@ class _Watch:
 
     def add(self, ending: Ending, callback: Callable[[], object]) -> None:
         self._new.append(_Awaited(ending, os.dup(ending.fileno()), callback))
-        # the socket is full, so the thread wakes up anyway
+        # If the socket is full, the thread wakes up anyway.
         with contextlib.suppress(BlockingIOError):
             self._there.send(b"!")
         if not self._runs:

@@ -126,7 +126,7 @@ class DeclaredError(CommandFailed):
     else:
 
         def __new__(cls, *members: object, **named: object) -> Self:
-            # without arguments, because `args` would show secret members
+            # No arguments are passed on, because `args` would show secret members.
             return super().__new__(cls)
 
     @property
@@ -180,7 +180,7 @@ class Interrupted(CommandFailed):
 
 
 class ConnectionFailed(ConnectionError):
-    """The command did not start, as is proven: sending it again is safe."""
+    """It is proven that the command did not start, so sending it again is safe."""
 
     def __init__(self, detail: Detail, text: str) -> None:
         super().__init__(detail, text)

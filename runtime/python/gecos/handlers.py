@@ -61,7 +61,7 @@ class Lane(threading.Thread):
             )
         else:
             method = "gecos_on_stop"
-            advice = "gecos_on_stop must only request the stop, and not wait until all has stopped"
+            advice = "gecos_on_stop must only request the stop, and must not wait for its end"
         log.error(
             "server",
             f"closing waits for the handler {type(self.servant).__name__}.{method}, which has "
@@ -142,7 +142,10 @@ def _raised(
             call.fail(Detail.FAULT, _sendable(str(error)), error._gecos_name, to_bytes(error))
             return
         if isinstance(error, Interrupted) and not call.interrupted():
-            what = f"{raised}Interrupted, but nothing interrupted it; raise gecos.Rejected(why)"
+            what = (
+                f"{raised}Interrupted, but nothing interrupted it; to refuse a call, raise "
+                "gecos.Rejected(why)"
+            )
             _fault(call, object_name, what, error)
             return
         if isinstance(error, Rejected | Interrupted):

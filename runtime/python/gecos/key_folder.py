@@ -83,8 +83,9 @@ def add(file: Path) -> str:
         text = opened.read(_LONGEST_FILE)
     if text.startswith(b"gecos-secret"):
         raise KeyFolderError(
-            f"{file}: is a secret key, which never leaves its folder: take the .public file beside "
-            "it, and a new key if somebody may have read this one"
+            f"{file}: this is a secret key, which must never leave its folder: use the "
+            ".public file "
+            "beside it, and make a new key if somebody may have read this one"
         )
     try:
         key = _core.public_key_in(text)
@@ -120,7 +121,7 @@ def remove(name: str) -> Admitted:
     if len(digits) < _LEAST_DIGITS:
         raise KeyFolderError(f"{name}: give at least {_LEAST_DIGITS} digits of the fingerprint")
     if own.startswith(digits):
-        raise KeyFolderError(f"{name}: is your own key, which your programs need")
+        raise KeyFolderError(f"{name}: this is your own key, which your programs need")
     found = [one for one in admitted() if one.file.name == wanted or one.key.startswith(digits)]
     if len(found) != 1:
         how_many = "no admitted key has" if not found else f"{len(found)} admitted keys have"

@@ -128,5 +128,5 @@ def _table_of(interface: type[Object]) -> Interface:
     given = f"the class {interface.__name__}" if isinstance(interface, type) else repr(interface)
     raise TypeError(
         f"the first argument must be the class that gidl generated for the interface, not {given}: "
-        '`from robcl.rx90 import Rx90` and `lab.create(Rx90, "RX90")`'
+        'write `from robcl.rx90 import Rx90` and `lab.create(Rx90, "RX90")`'
     )

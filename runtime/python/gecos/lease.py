@@ -170,5 +170,5 @@ def _refusal(where: str, text: str, exception: str, evidence: bytes) -> LeaseRef
         refused = from_bytes(StatusRefused, evidence)
     except DecodeError as error:
         return LeaseRefused(f"{where}: {text} (the list of holders cannot be decoded: {error})")
-    # the reason already names object and status
+    # The reason already names the object and the status.
     return LeaseRefused(refused.reason, refused.holders)

@@ -1,4 +1,4 @@
-"""Writes errors that no caller can receive to stderr, in the format of the C++ log."""
+"""Writes errors to stderr that no caller can receive, in the format of the C++ log."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ import sys
 def program_name() -> str:
     """Returns the script's file name, or the module's name under `python -m`, or else "python"."""
     spec = getattr(sys.modules.get("__main__"), "__spec__", None)
-    # "__main__" means that a folder or archive was run
+    # The name "__main__" means that a folder or archive was run.
     if spec is not None and spec.name != "__main__":
         return str(spec.name).removesuffix(".__main__")
     name = os.path.basename(sys.argv[0]) if sys.argv else ""  # noqa: PTH119  # pathlib takes long

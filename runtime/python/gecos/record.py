@@ -45,7 +45,7 @@ class Record:
             wrong = ", ".join(sorted(unknown | twice | missing)) or f"{len(given)} values"
             raise TypeError(
                 f"{type(self).__name__} has the members {', '.join(self._members)}, of which "
-                f"{self._positional} may be given without their names; wrong: {wrong}"
+                f"{self._positional} may be given without their names; these are wrong: {wrong}"
             )
         self.__dict__.update(self._defaults | values | named)
         self.__post_init__()

@@ -27,7 +27,7 @@ class Server:
         with gecos.Server(lab) as server:
             server.add("LASER", Lds())
 
-    Each object has three threads: one for `stop` and its safety operations, one for sensor
+    Each object has three threads: one for the stop and the safety operations of the object, one for sensor
     operations that are neither cancelable nor ordered, and one for all other operations in order of
     arrival.
     """
@@ -87,10 +87,10 @@ class Server:
 
     def close(self) -> None:
         """Withdraws all objects, interrupts running handlers and waits until they return. After 1
-        s, `close` names the handlers that still run on stderr, and keeps waiting for them. If a
-        handler closes its own server, `close` waits for no handler."""
+        s, `close` writes the names of the handlers that still run to stderr, and keeps waiting for
+        them. If a handler closes its own server, `close` waits for no handler."""
         self._core.close()
-        # only lanes that were started
+        # Only lanes that were started can be joined.
         lanes = [lane for lane in self._lanes if lane.ident is not None]
         if threading.current_thread() in lanes:
             for lane in lanes:
@@ -158,8 +158,8 @@ def serve(
             "call gecos.serve from the main thread, because only that thread receives signals; in "
             "another thread use `with gecos.Server(lab) as server: server.add(…)`"
         )
-    # TerminationSignals must be the inner context. Then a second signal, while the server closes,
-    # ends the program even if a handler hangs.
+    # TerminationSignals must be the inner context. Then a signal that arrives while the server
+    # closes ends the program, even if a handler hangs.
     with Server(lab or Lab()) as server, TerminationSignals() as signals:
         if not _broker_found(server, signals):
             return

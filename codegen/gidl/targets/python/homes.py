@@ -147,8 +147,7 @@ class NamesAsUsed(ModuleNames):
 
 
 class AllNames(ModuleNames):
-    """The names of classes without imports: each class has the name that the module which defines
-    it gives it."""
+    """The names of classes in the modules that define them, for texts without imports."""
 
     def _called(self, home: Home) -> str:
         return home.name

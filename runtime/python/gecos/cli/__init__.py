@@ -14,7 +14,7 @@ def main() -> int:
     except ImportError as error:
         if error.name != "gecos._core":
             raise
-        # the extension is not built, or is built for another Python
+        # The extension is not built, or is built for another Python.
         print(f"gecos: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:  # Ctrl-C before `run` handles it

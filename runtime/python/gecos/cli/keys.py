@@ -14,7 +14,7 @@ from gecos.cli.options import json_option, print_json
 
 _EXCHANGE = """\
 To reach objects of another user over lcm, give your file to that user, add the file that you get,
-and compare the fingerprints on another way, as by telephone:
+and compare the fingerprints in another way, for example by telephone:
   gecos keys add FILE"""
 
 
@@ -82,7 +82,10 @@ def add(file: Path, as_json: bool) -> None:
     if as_json:
         print_json(_plain(key))
     else:
-        print(f"admitted  {key_folder.fingerprint(key)}: compare it with its user")
+        print(
+            f"admitted  {key_folder.fingerprint(key)}: compare this fingerprint with that "
+            "user's own"
+        )
 
 
 def _known(context: click.Context, _: click.Parameter, begun: str) -> list[CompletionItem]:

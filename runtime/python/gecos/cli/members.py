@@ -85,7 +85,7 @@ def _status(robot: DynamicObject, needed: Access, password: str) -> AbstractCont
 @broker_option
 @json_option
 def get(name: str, attribute: str, password: str, broker: str | None, as_json: bool) -> None:
-    """Reads an attribute. Acquires the status that this needs."""
+    """Reads an attribute. Acquires the status that reading needs."""
     from gecos.dynamic_client import by_name
 
     with _connected(broker, name, attribute) as robot:
@@ -271,7 +271,7 @@ def watch(
 ) -> None:
     """Shows an attribute again and again: the samples of its stream, or repeated readings.
 
-    On a terminal, each value replaces the previous one. In a pipe, each value is a line.
+    On a terminal, each value replaces the previous one. Into a pipe, each value is a line.
     """
     from gecos.cli import report
     from gecos.dynamic_client import by_name

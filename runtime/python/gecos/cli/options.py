@@ -63,7 +63,7 @@ broker_option = click.option(
     help="Address of the broker; default: GECOS_BROKER, else this host.",
 )
 json_option = click.option(
-    "--json", "as_json", is_flag=True, help="Print JSON: see `gecos schema`."
+    "--json", "as_json", is_flag=True, help="Print JSON; `gecos schema` describes it."
 )
 
 

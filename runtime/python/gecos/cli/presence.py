@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from gecos_idl.broker_types import Entry
 
 ASKED_FOR = 2.0
-"""Seconds in which each server must answer; all servers are asked at the same time. The broker says
-since when a server is silent after 1.5 s of silence, so this time is a little longer."""
+"""Seconds in which each server must answer; all servers are asked at the same time. After
+1.5 s of silence, the broker says since when a server is silent; this time is a little longer."""
 _MOST_AT_ONCE = 64
 
 

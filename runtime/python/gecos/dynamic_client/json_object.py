@@ -22,7 +22,7 @@ class Malformed(ValueError):
 def parse_object(text: str, place: str) -> JsonObject:
     try:
         data = json.loads(text, object_pairs_hook=_once, parse_constant=_refuse)
-    # a ValueError means: not JSON, or a number is too long
+    # A ValueError means that the text is not JSON, or that a number in it is too long.
     except (ValueError, RecursionError) as error:
         raise Malformed(f"{place} is not JSON: {str(error)[:200]}") from None
     return JsonObject(data, place)

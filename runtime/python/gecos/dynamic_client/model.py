@@ -61,7 +61,7 @@ class Value(Record, kw_only=True, derived=("use",)):
     direction: str = "in"  # "in", "out" or "inout"
     unit: str = ""
     limits: Limits | None = None
-    # None: no default. Enumerators are scoped names, for example "robcl::Blend::BREAK"
+    # None: no default. Enumerators are scoped names, for example "robcl::Blend::BREAK".
     default: Any = None
     optional: bool = False
     secret: bool = False

@@ -391,7 +391,7 @@ def _quality(data: JsonObject) -> Quality:
     )
 
 
-# -- what must hold between declarations -----------------------------------------------------------
+# -- checks across several declarations ------------------------------------------------------------
 
 
 def _check_types(model: Model) -> None:

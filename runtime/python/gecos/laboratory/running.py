@@ -49,7 +49,7 @@ class _Process:
             stderr=subprocess.STDOUT,
             text=True,
             errors="replace",
-            # Ctrl-C reaches only this process, which ends the others in order
+            # Ctrl-C reaches only this process, which then ends the others in order.
             start_new_session=True,
         )
         self._reader = threading.Thread(target=self._pass_on, daemon=True)
@@ -197,8 +197,8 @@ def _command(
             return (str(path), *arguments)
     where = f"{laboratory.file}:{program.line}: " if laboratory.file else ""
     raise LaboratoryError(
-        f"{where}{program.name}: there is no program {name}; give the folder that has it by "
-        "--programs, as the build folder of robcl"
+        f"{where}{program.name}: there is no program {name}; name its folder with --programs, "
+        "for example the build folder of robcl"
     )
 
 

@@ -28,7 +28,7 @@ def broker(answer: Answer, place: str) -> Finding:
         what = f"no broker answers: {_tried(answer.reason)}"
         mend = "gecos broker (or gecos up, which also starts devices)"
         if place != "this host":
-            mend = f"gecos broker, on the host and for the user that {place} names"
+            mend = f"run gecos broker on the host, and as the user, that {place} names"
         return wrong("broker", what, place, mend)
     if not answer.ours:
         what = f"the broker, {answer.process}, belongs to another version of robcl"
@@ -44,8 +44,8 @@ def one_broker(answers: Sequence[Answer]) -> Finding | None:
     if len(found) < 2:
         return None
     what = (
-        f"several brokers answer: {', '.join(found.values())}; names are unique for each "
-        "broker only"
+        f"several brokers answer: {', '.join(found.values())}; names are unique only "
+        "within one broker"
     )
     mend = "end one of them, or set GECOS_BROKER for all programs"
     return warning("brokers", what, "this host and lcm", mend)

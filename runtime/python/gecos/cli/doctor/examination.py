@@ -14,7 +14,7 @@ from gecos.cli.doctor.broker import Answer, broker, one_broker
 from gecos.cli.doctor.extension import NEEDED, extension
 from gecos.cli.doctor.finding import Finding, Level, fine, wrong
 
-# matches only the error, not the advice "GECOS_LCM_TTL is 0, so …"
+# This matches only the error, not the advice "GECOS_LCM_TTL is 0, so …"
 _REFUSED_TTL = re.compile(r"GECOS_LCM_TTL is '.*")
 
 

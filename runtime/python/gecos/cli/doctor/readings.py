@@ -138,7 +138,7 @@ def receive_buffer(wanted: int) -> int:
     """Returns the number of bytes that a socket gets when it asks for `wanted` bytes."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
         udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, wanted)
-        # the kernel returns twice the size
+        # The kernel returns twice the size that it grants.
         return udp.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF) // 2
 
 
