@@ -49,7 +49,7 @@ def test_derived_members_are_not_compared() -> None:
 def test_wrong_members_are_named(
     given: tuple[float, ...], named: dict[str, float], wrong: str
 ) -> None:
-    with pytest.raises(TypeError, match=f"Point has the members x, y, length, .*these are wrong: {wrong}$"):
+    with pytest.raises(TypeError, match=f"Point has the members x, y, length, .*wrong: {wrong}$"):
         Point(*given, **named)
 
 

@@ -27,9 +27,9 @@ class Server:
         with gecos.Server(lab) as server:
             server.add("LASER", Lds())
 
-    Each object has three threads: one for the stop and the safety operations of the object, one for sensor
-    operations that are neither cancelable nor ordered, and one for all other operations in order of
-    arrival.
+    Each object has three threads: one for the stop and the safety operations of the object, one for
+    sensor operations that are neither cancelable nor ordered, and one for all other operations in
+    order of arrival.
     """
 
     def __init__(self, lab: Lab) -> None:
