@@ -9,7 +9,8 @@ import time
 from collections import deque
 from collections.abc import AsyncIterator, Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Generic, TypeVar
+from types import TracebackType
+from typing import TYPE_CHECKING, Generic, Self, TypeVar
 
 from gecos.errors import StreamLost
 from gecos.wire import DecodeError, Decoder
@@ -118,8 +119,20 @@ class Stream(Generic[T]):
 
         return SampleReader(self)
 
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
     def close(self) -> None:
-        """Ends the subscription. A waiting `next` raises EOFError."""
+        """Ends the subscription. A waiting `next` raises EOFError. The end of a `with` block of the
+        stream does the same."""
         self._closed = True
         self._core.close()
 
