@@ -33,7 +33,7 @@ class TerminationSignals:
             pass
 
     def end_wait(self) -> None:
-        """Lets `wait` return without a signal. Any thread may call it."""
+        """Makes `wait` return without a signal. Any thread may call this method."""
         self._there.send(bytes([signal.SIGTERM]))
 
     def came(self) -> bool:
