@@ -134,7 +134,7 @@ def test_a_key_that_is_not_admitted_is_no_missing_broker() -> None:
     assert broker(Answer(refused), "GECOS_BROKER=lcm").mend.startswith("gecos keys add FILE, with")
     perhaps = "(tried lcm: no server answers, or the server does not admit our key c1075034)"
     mend = broker(Answer(perhaps), "GECOS_BROKER=lcm").mend
-    assert mend.startswith("gecos broker, on the host")
+    assert mend.startswith("run gecos broker on the host")
     assert "gecos keys add FILE there" in mend
 
 
