@@ -9,7 +9,14 @@ import uuid
 from pathlib import Path
 
 import pytest
-from gecos.laboratory import LaboratoryFileError, Program, read_laboratory
+from gecos.laboratory import (
+    LaboratoryDescription,
+    LaboratoryError,
+    LaboratoryFileError,
+    Program,
+    read_laboratory,
+    running,
+)
 from processes import Laboratory, await_ends
 from test_demo import alive_with
 
@@ -58,6 +65,26 @@ def test_a_program_that_ends_is_told_of_and_the_others_go_on(
     up.wait_for("SHORT ended with status 3; the other programs continue")
     up.signal(signal.SIGINT)
     assert up.finish() == 0, str(up)
+
+
+def test_what_serve_prints_says_that_a_program_is_ready(lab: Laboratory, tmp_path: Path) -> None:
+    file = tmp_path / "lab.toml"
+    file.write_text('[programs.OVEN]\nrun = ["sh", "-c", "echo serving OVEN; exec sleep 1000"]\n')
+    up = lab.start(*GECOS, "up", file)
+    up.wait_for("up: OVEN is ready; Ctrl-C ends them")
+    up.signal(signal.SIGINT)
+    assert up.finish() == 0, str(up)
+
+
+def test_a_program_that_never_says_that_it_is_ready_is_refused_with_advice(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys.modules["gecos.laboratory.running"], "READY_WITHIN", 0.1)
+    program = Program("OVEN", ("sh", "-c", "echo warm; exec sleep 1000"))
+    wanted = r"OVEN is not ready: .* no line with 'serving' or 'ready'; .* `ready` in lab.toml"
+    laboratory = LaboratoryDescription((program,), starts_broker=False, folder=tmp_path)
+    with pytest.raises(LaboratoryError, match=wanted), running(laboratory):
+        pass
 
 
 def test_killed_it_leaves_nothing_running(lab: Laboratory) -> None:

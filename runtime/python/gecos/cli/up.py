@@ -43,8 +43,9 @@ def up(file: Path | None, folders: tuple[Path, ...], restart: bool) -> None:
         signal.signal(number, _interrupt)
     with running(laboratory, folders=folders, restart=restart) as started:
         names = ", ".join(program.name for program in laboratory.programs)
-        print(f"up: {names} are ready; Ctrl-C ends them", flush=True)
+        verb = "is" if len(laboratory.programs) == 1 else "are"
         try:
+            print(f"up: {names} {verb} ready; Ctrl-C ends them", flush=True)
             started.watch()
         except KeyboardInterrupt:
             print("up: ending", flush=True)

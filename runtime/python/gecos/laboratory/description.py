@@ -22,7 +22,9 @@ class Program:
     name: str  # the name for people, for example "RX90"
     run: tuple[str, ...]  # the program and its arguments
     restart: bool = False  # True: start it again when it ends by itself
-    ready: str = "ready"  # the program is ready after a line with this text; "": at once
+    # The program is ready after a line with this text; "": at once; None: after a line that servers
+    # print by default
+    ready: str | None = None
     environment: Mapping[str, str] = field(default_factory=dict)
     line: int = 0  # line in lab.toml; 0 if there is no file
 
@@ -112,7 +114,7 @@ class _Reader:
             name,
             tuple(run),
             self._value(table, place, "restart", bool, "true or false", False),
-            self._value(table, place, "ready", str, "a text", "ready"),
+            self._value(table, place, "ready", str, "a text", "") if "ready" in table else None,
             environment,
             self._line(place),
         )

@@ -60,12 +60,13 @@ class _Process:
 
     def _pass_on(self) -> None:
         assert self._process.stdout is not None
-        if not self.program.ready:
+        if self.program.ready == "":
             self._ready.set()
         for line in self._process.stdout:
             print(f"  [{self.program.name}] {line}", end="", flush=True)
-            if _says(line, self.program.ready):
+            if _is_ready(line, self.program):
                 self._ready.set()
+        self._process.stdout.close()
         self._process.wait()
         self._ready.set()
         self._ended(self)
@@ -75,8 +76,14 @@ class _Process:
         time."""
         in_time = self._ready.wait(READY_WITHIN)
         if not in_time:
-            raise LaboratoryError(f"{self.program.name} is not ready after {READY_WITHIN:g} s")
-        if self.program.ready and self.status is not None:
+            ready = self.program.ready
+            text = "'serving' or 'ready'" if ready is None else repr(ready)
+            raise LaboratoryError(
+                f"{self.program.name} is not ready: within {READY_WITHIN:g} s it has printed no "
+                f"line with {text}; if it prints another one, name a part of that line as `ready` "
+                "in lab.toml"
+            )
+        if self.program.ready != "" and self.status is not None:
             raise LaboratoryError(f"{self.program.name} {self.how_ended()} before it was ready")
 
     @property
@@ -218,6 +225,14 @@ def _command(
         f"{where}{program.name}: there is no program {name}; name the folder that has it by "
         "--programs, for example --programs <robcl>/build"
     )
+
+
+def _is_ready(line: str, program: Program) -> bool:
+    """Whether a program says by this line that it is ready. Without `ready` the lines that servers
+    print by default do: "serving RX90" and "robcl-rx90: RX90 is ready"."""
+    if program.ready is None:
+        return line.startswith("serving ") or _says(line, "ready")
+    return _says(line, program.ready)
 
 
 def _says(line: str, words: str) -> bool:
