@@ -109,7 +109,7 @@ bool GecosObject_acquire_arguments::decode([[maybe_unused]] gecos::wire::Decoder
           })) &&
          (from.at_end() ||
           (from.get(patience, "acquire.patience") &&
-          gecos::wire::in_range(from, (patience >= 0.0), 8, "acquire.patience"))) &&
+          gecos::wire::within(from, patience, {.low = 0.0}, "acquire.patience", "[0.0, inf] s"))) &&
          gecos::wire::skip_rest(from);
 }
 
@@ -123,7 +123,7 @@ std::string gecos_violation(const GecosObject_acquire_arguments& value) {
     }
   }
   if (!(value.patience >= 0.0)) {
-    return gecos::wire::out_of_range("acquire.patience", value.patience, "[0.0, inf]");
+    return gecos::wire::out_of_range("acquire.patience", value.patience, "[0.0, inf] s");
   }
   return {};
 }
