@@ -28,7 +28,7 @@ using Robot = Oven;  // anything that can be held
 
 PYTHON_BEFORE = """\
 import asyncio
-import time
+import threading
 import gecos
 from oven import Oven, OvenServant, TooHot
 from robcl.frames import Frame
@@ -52,7 +52,7 @@ def test_the_cpp_compiles(generated: Path, tmp_path: Path) -> None:
 def test_the_python_is_well_typed(generated: Path, tmp_path: Path) -> None:
     functions = []
     for at, block in enumerate(blocks(PROGRAMS, "python")):
-        kind = "OvenServant" if "gecos.Server(" in block else "Oven"
+        kind = "OvenServant" if "gecos.serve(" in block else "Oven"
         head = f"def piece_{at}(oven: {kind}, robot: Manipulator, goal: Frame) -> None:\n"
         functions.append(head + indent(block, "    "))
     check_python(PYTHON_BEFORE + "\n".join(functions), generated, tmp_path)

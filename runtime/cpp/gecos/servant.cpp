@@ -11,7 +11,7 @@
 namespace gecos {
 namespace {
 
-/// The demangled name of a type.
+/// Returns the demangled name of a type.
 std::string readable(const char* mangled) {
   int problem = 0;
   const std::unique_ptr<char, decltype(&std::free)> name(
@@ -28,7 +28,7 @@ Failure undeclared(std::string_view operation, const std::string& what, const st
           {}};
 }
 
-/// Passes the bytes that `encode` writes to `use`. They lie on the stack, or on the heap when
+/// Calls `use` with the bytes that `encode` writes. The bytes lie on the stack, or on the heap when
 /// `size` exceeds `usual`.
 template <std::size_t usual, class Use>
 void with_encoded(std::size_t size, FunctionRef<void(wire::Encoder&)> encode, Use use) {
@@ -119,7 +119,9 @@ void Servant::gecos_dispatch(IncomingCall call) {
   try {
     if (gecos_answer(call)) return;
     call.fail({Detail::UnknownOperation,
-               std::string(gecos_interface().name) + " has no such operation",
+               std::string(gecos_interface().name) +
+                   " has no operation with the code of this call; "
+                   "build client and server from one interface",
                {},
                {}});
   } catch (...) {

@@ -33,7 +33,8 @@ TEST_F(Create, TakesTheFirstThatIsThereAndSaysWhyNotTheOthers) {
   EXPECT_EQ(created->session->object_name(), "SIM");
   ASSERT_EQ(created->passed_over.attempts.size(), 1u);
   EXPECT_EQ(created->passed_over.attempts[0].name, "REAL");
-  EXPECT_EQ(created->passed_over.attempts[0].reason, "no object is called REAL; known are SIM");
+  EXPECT_EQ(created->passed_over.attempts[0].reason,
+            "no object is called REAL; the broker knows SIM");
 }
 
 TEST_F(Create, WaitsForAnObjectThatComesOnline) {
@@ -176,8 +177,8 @@ TEST_F(Create, TellsAnotherRuntimeDirectoryOfThisHostFromAnotherHost) {
   entry.host = runtime.host_identity() + "0";
   EXPECT_EQ(why(),
             "cannot be reached (shm: it is on this host, in another runtime directory "
-            "(shm:/tmp/theirs/PROBE.12.1.sock): programs that are to meet over shm need one user "
-            "and the same GECOS_RUNTIME_DIR)");
+            "(shm:/tmp/theirs/PROBE.12.1.sock): for shm, both programs must run as one user "
+            "with the same GECOS_RUNTIME_DIR)");
   entry.host = "0" + runtime.host_identity();
   EXPECT_EQ(why(), "cannot be reached (shm: it is on another host (robots))");
 }

@@ -1,4 +1,4 @@
-// Why bytes were refused, and where.
+// The error that says why a decoder refused bytes, and at which position.
 #pragma once
 
 #include <cstddef>
@@ -23,10 +23,10 @@ enum class DecodeProblem : std::uint8_t {
   OutOfRange,         ///< a number is outside the declared `@range`
   UnsortedMap,        ///< the keys of a map are not strictly ascending
   WrongFingerprint,   ///< a message of another type
-  InvalidValue,       ///< a hand-written value type refused the value
+  InvalidValue,       ///< a hand-written type refused the value
 };
 
-/// The problem in words: "the string is not UTF-8".
+/// Returns the problem as a text, for example "the string is not UTF-8".
 const char* describe(DecodeProblem problem);
 
 /// A number that a range or an enum refused.
@@ -43,7 +43,7 @@ struct DecodeError {
   const char* limits = "";
   RefusedNumber number{};
 
-  /// "field 'speed' at byte 12: 3 is outside [0.01, 1.0] m/s"
+  /// Returns a text such as "field 'speed' at byte 12: 3 is outside [0.01, 1.0] m/s".
   std::string message() const;
 
   /// Compares problem, offset and field.

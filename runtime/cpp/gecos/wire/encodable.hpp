@@ -7,8 +7,8 @@
 
 namespace gecos::wire {
 
-/// A type that encodes itself but has no fingerprint, because no interface declares it: the
-/// arguments and the result of a call.
+/// A type whose values encode themselves but which has no fingerprint, because no interface
+/// declares it. Such types hold the arguments or the result of a call.
 template <class T>
 concept Encodable = std::default_initializable<T> &&
     requires(const T& value, T& target, Encoder& encoder, Decoder& decoder) {
@@ -26,7 +26,7 @@ Bytes encoded(const T& value) {
   return bytes;
 }
 
-/// The inverse of `encoded`; bytes left over are an error.
+/// Decodes the result of `encoded`. Fails if bytes are left over.
 template <Encodable T>
 tl::expected<T, DecodeError> decoded(ByteView bytes) {
   tl::expected<T, DecodeError> result;

@@ -13,7 +13,8 @@ namespace {
 using session::own_call;
 using session::read_result;
 
-/// Waits until `asked` has a reply, and reports its place in line meanwhile.
+/// Waits for the reply to the request `asked`. Until then, calls `on_position` with the number of
+/// requests that wait before this request.
 void await_reply(session::CommandCore& asked,
                  const std::function<void(std::uint32_t)>& on_position) {
   if (!on_position) {
@@ -43,13 +44,19 @@ tl::expected<Lease, LeaseRefusal> acquire(const Object& object, Status wanted,
   return session::lease_from(session, *asked);
 }
 
+/// Returns the number of calls of the session, plus the number of calls that this process refused
+/// before they were sent.
+std::uint64_t issued_calls(session::ClientSession& session) {
+  return session.issued() + session::Refused::count();
+}
+
 }  // namespace
 
 Lease::Lease(std::shared_ptr<session::ClientSession> session, Grant grant)
     : session_(std::move(session)),
       grant_(grant),
       held_(session_->lease_acquired(grant.epoch)),
-      issued_(session_->issued()),
+      issued_(issued_calls(*session_)),
       since_(session::system_clock().now()) {}
 
 Lease& Lease::operator=(Lease&& other) noexcept {
@@ -76,7 +83,7 @@ Lease::~Lease() {
 
 bool Lease::fresh() const {
   constexpr Duration at_once = std::chrono::milliseconds(100);
-  return session_ != nullptr && session_->issued() == issued_ &&
+  return session_ != nullptr && issued_calls(*session_) == issued_ &&
          session::system_clock().now() - since_ < at_once;
 }
 

@@ -26,10 +26,11 @@ std::string out_of_shared_memory(const std::string& here, const Entry& entry,
     return "it is on another host (" + entry.hostname + ")";
   }
   return "it is on this host, in another runtime directory (" + address +
-         "): programs that are to meet over shm need one user and the same GECOS_RUNTIME_DIR";
+         "): for shm, both programs must run as one user with the same GECOS_RUNTIME_DIR";
 }
 
-/// Why this program cannot reach the object at `address` over the medium `kind`; empty when it can.
+/// Returns why this program cannot reach the object at `address` over the medium `kind`; an empty
+/// text when it can.
 std::string out_of_reach(Runtime& runtime, const Entry& entry, media::Kind kind,
                          const std::string& address) {
   switch (media::reach_of(kind)) {
