@@ -90,15 +90,15 @@ def _refusals() -> Iterator[tuple[str, dict[str, Any], str]]:
     yield (
         "Sequences",
         {"reals": np.zeros((2, 2))},
-        ("Sequences.reals: the array has 2 dimensions, a sequence has one"),
+        ("Sequences.reals: the array has 2 dimensions, but a sequence has one"),
     )
     yield (
         "Arrays",
         {"grid": np.zeros((3, 2), "i4")},
-        ("Arrays.grid: the array has shape (3, 2), the declared shape is (2, 3)"),
+        ("Arrays.grid: the array has shape (3, 2), but the declared shape is (2, 3)"),
     )
-    yield "Arrays", {"names": ["a"]}, "Arrays.names: 1 elements where 2 are declared"
-    yield "Arrays", {"block": b"\0"}, "Arrays.block: 1 bytes where 3 are declared"
+    yield "Arrays", {"names": ["a"]}, "Arrays.names: 1 elements, but 2 are declared"
+    yield "Arrays", {"block": b"\0"}, "Arrays.block: 1 bytes, but 3 are declared"
     yield "Optionals", {"part": 2.0}, "Optionals.part: 2.0 is outside [0.0, 1.0]"
     yield "Shape", {"value": None}, f"Shape: {NOT_OF_TAG}"
 

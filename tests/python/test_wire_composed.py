@@ -48,7 +48,7 @@ def test_numbers_are_a_count_and_the_numbers() -> None:
     assert b"".join(wire.numbers([1, 2], "h", 4)) == struct.pack(">ihh", 2, 1, 2)
     with pytest.raises(EncodeError, match="v: 5 elements, at most 4 are allowed"):
         wire.numbers(range(5), "h", 4, "v")
-    with pytest.raises(EncodeError, match="v: the array has 2 dimensions, a sequence has one"):
+    with pytest.raises(EncodeError, match="v: the array has 2 dimensions, but a sequence has one"):
         wire.numbers(np.eye(2), "d", 4, "v")
 
 
@@ -63,7 +63,7 @@ def test_every_element_of_a_sequence_is_held_to_its_range() -> None:
 def test_an_array_has_its_declared_shape() -> None:
     assert bytes(wire.fixed(np.eye(2), "d", (2, 2))) == struct.pack(">4d", 1, 0, 0, 1)
     with pytest.raises(
-        EncodeError, match=r"v: the array has shape \(3,\), the declared shape is \(2, 2\)"
+        EncodeError, match=r"v: the array has shape \(3,\), but the declared shape is \(2, 2\)"
     ):
         wire.fixed([1, 2, 3], "d", (2, 2), "v")
     with pytest.raises(EncodeError, match=r"v\[1\]: -1 is outside \[0, 9\]"):
@@ -121,10 +121,10 @@ def test_bytes_keep_their_number() -> None:
     assert wire.fixed_octets(bytearray(b"ab"), 2) == b"ab"
     with pytest.raises(EncodeError, match="v: 4 elements, at most 3"):
         wire.octets(b"abcd", 3, "v")
-    with pytest.raises(EncodeError, match="v: 1 bytes where 2 are declared"):
+    with pytest.raises(EncodeError, match="v: 1 bytes, but 2 are declared"):
         wire.fixed_octets(b"a", 2, "v")
     assert wire.exactly(["a"], 1) == ["a"]
-    with pytest.raises(EncodeError, match="v: 1 elements where 2 are declared"):
+    with pytest.raises(EncodeError, match="v: 1 elements, but 2 are declared"):
         wire.exactly(["a"], 2, "v")
 
 

@@ -25,7 +25,7 @@ struct BrokerInterface {
   static constexpr const gecos::OperationDescription& silent = operations[4];
 };
 
-/// What `enlist` takes.
+/// The arguments of `enlist`.
 struct Broker_enlist_arguments {
   ::gecos::Entry what{};
   /// [s]
@@ -39,7 +39,7 @@ struct Broker_enlist_arguments {
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const Broker_enlist_arguments& value);
 
-/// What `enlist` gives.
+/// The results of `enlist`.
 struct Broker_enlist_result {
   /// [s, optional]
   std::optional<double> settles_in{};
@@ -50,7 +50,7 @@ struct Broker_enlist_result {
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
 };
 
-/// What `withdraw` takes.
+/// The arguments of `withdraw`.
 struct Broker_withdraw_arguments {
   std::string name{};
 
@@ -62,7 +62,7 @@ struct Broker_withdraw_arguments {
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const Broker_withdraw_arguments& value);
 
-/// What `lookup` takes.
+/// The arguments of `lookup`.
 struct Broker_lookup_arguments {
   std::string name{};
 
@@ -74,7 +74,7 @@ struct Broker_lookup_arguments {
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const Broker_lookup_arguments& value);
 
-/// What `lookup` gives.
+/// The results of `lookup`.
 struct Broker_lookup_result {
   ::gecos::Entry result{};
 
@@ -86,7 +86,7 @@ struct Broker_lookup_result {
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const Broker_lookup_result& value);
 
-/// What `list` gives.
+/// The results of `list`.
 struct Broker_list_result {
   std::vector<::gecos::Entry> result{};
 
@@ -98,7 +98,7 @@ struct Broker_list_result {
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const Broker_list_result& value);
 
-/// What `silent` gives.
+/// The results of `silent`.
 struct Broker_silent_result {
   std::vector<::gecos::SilentObject> result{};
 

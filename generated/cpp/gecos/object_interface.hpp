@@ -31,7 +31,7 @@ struct GecosObjectInterface {
   static constexpr const gecos::OperationDescription& model = operations[9];
 };
 
-/// What `holders` gives.
+/// The results of `holders`.
 struct GecosObject_holders_result {
   std::vector<::gecos::Holder> result{};
 
@@ -43,7 +43,7 @@ struct GecosObject_holders_result {
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const GecosObject_holders_result& value);
 
-/// What `describe` gives.
+/// The results of `describe`.
 struct GecosObject_describe_result {
   ::gecos::Description result{};
 
@@ -55,7 +55,7 @@ struct GecosObject_describe_result {
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const GecosObject_describe_result& value);
 
-/// What `acquire` takes.
+/// The arguments of `acquire`.
 struct GecosObject_acquire_arguments {
   ::gecos::Status wanted = ::gecos::Status::SENSOR;
   /// [at most 1024, optional]
@@ -71,7 +71,7 @@ struct GecosObject_acquire_arguments {
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const GecosObject_acquire_arguments& value);
 
-/// What `acquire` gives.
+/// The results of `acquire`.
 struct GecosObject_acquire_result {
   ::gecos::Grant result{};
 
@@ -81,7 +81,7 @@ struct GecosObject_acquire_result {
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
 };
 
-/// What `release` takes.
+/// The arguments of `release`.
 struct GecosObject_release_arguments {
   std::uint64_t epoch = 0;
   bool now = false;
@@ -92,7 +92,7 @@ struct GecosObject_release_arguments {
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
 };
 
-/// What `subscribe` takes.
+/// The arguments of `subscribe`.
 struct GecosObject_subscribe_arguments {
   std::uint32_t code = 0;
 
@@ -102,7 +102,7 @@ struct GecosObject_subscribe_arguments {
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
 };
 
-/// What `subscribe` gives.
+/// The results of `subscribe`.
 struct GecosObject_subscribe_result {
   std::uint32_t result = 0;
 
@@ -112,7 +112,7 @@ struct GecosObject_subscribe_result {
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
 };
 
-/// What `unsubscribe` takes.
+/// The arguments of `unsubscribe`.
 struct GecosObject_unsubscribe_arguments {
   std::uint32_t code = 0;
 
@@ -122,7 +122,7 @@ struct GecosObject_unsubscribe_arguments {
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
 };
 
-/// What `outcome` takes.
+/// The arguments of `outcome`.
 struct GecosObject_outcome_arguments {
   std::uint64_t boot = 0;
   std::uint64_t session = 0;
@@ -134,7 +134,7 @@ struct GecosObject_outcome_arguments {
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
 };
 
-/// What `outcome` gives.
+/// The results of `outcome`.
 struct GecosObject_outcome_result {
   ::gecos::OutcomeRecord result{};
 
@@ -146,7 +146,7 @@ struct GecosObject_outcome_result {
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const GecosObject_outcome_result& value);
 
-/// What `model` gives.
+/// The results of `model`.
 struct GecosObject_model_result {
   std::vector<std::string> result{};
 

@@ -134,7 +134,7 @@ class GripperServant(DeviceServant):
 
     @_abstractmethod
     def jaws(self) -> GripperState:
-        """Answers jaws."""
+        """Handles calls of `jaws`."""
 
     @_abstractmethod
     def grip_point(self) -> Frame:
@@ -165,5 +165,5 @@ class GripperServant(DeviceServant):
         """
 
     def publish_jaws(self, value: GripperState, stamp: float | None = None) -> None:
-        """A new sample of `jaws`, measured at `stamp` (Unix time in s; now)."""
+        """Publishes a sample of `jaws`. `stamp`: Unix time in s; None: now."""
         self._gecos_publish(0x6755A361, _GRIPPER_JAWS.body(value), stamp)

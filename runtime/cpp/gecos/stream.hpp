@@ -15,7 +15,7 @@ namespace gecos {
 
 /// The type of `gecos::stream`, an argument that selects the overload of an attribute that
 /// subscribes to it. Example: `robot.tool(gecos::stream)`. An attribute without @stream has no such
-/// overload; then the compiler names this type.
+/// overload; then the compiler names this type in its error.
 struct only_attributes_with_the_annotation_stream {};
 using StreamTag = only_attributes_with_the_annotation_stream;
 inline constexpr only_attributes_with_the_annotation_stream stream{};

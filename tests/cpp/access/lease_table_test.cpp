@@ -71,9 +71,9 @@ TEST_F(LeaseTableTest, ASecondClientIsRefusedAndToldWhoHoldsItSinceAndUntilWhen)
   EXPECT_EQ(refused.error().reason, LeaseRefusal::Reason::HeldByOther);
   EXPECT_EQ(
       refused.error().text,
-      "actor status refused: it is not shared, so wait or ask the holder to release it; "
-      "actor status is held by ada on lab1 "
-      "(grip_block, pid 4711) for 0.1 s; this client loses it if it stays silent for 0.4 s more");
+      "actor status refused: it is not shared, so wait or ask the holder to release it; actor "
+      "status is held by ada on lab1 (grip_block, pid 4711) for 0.1 s; this client loses it if it "
+      "stays silent for 0.4 s more");
   ASSERT_EQ(refused.error().holders.size(), 1U);
   EXPECT_EQ(refused.error().holders[0].client.pid, 4711);
 }

@@ -38,12 +38,12 @@ struct DecodeError {
       0;  ///< position of the refused value, counted from the first byte given to the decoder
   const char* field = "";  ///< static text; empty when the reader passed no field name
 
-  /// Static text: the range "[0.01, 1.0] m/s" that refused `number`, or the enumerators that it is
-  /// none of. Empty: the problem is not about a number.
+  /// Static text: the range that `number` is outside of, for example "[0.01, 1.0] m/s", or the
+  /// enumerators of which `number` is none. Empty when the problem is not about a number.
   const char* limits = "";
   RefusedNumber number{};
 
-  /// Returns a text such as "field 'speed' at byte 12: 3 is outside [0.01, 1.0] m/s".
+  /// Returns a text such as "field 'speed' at byte 12: 3 is outside [0.01, 1.0] m/s"
   std::string message() const;
 
   /// Compares problem, offset and field.

@@ -164,8 +164,9 @@ class Decoder {
     return fail_at(begin_ + offset, problem, field);
   }
 
-  /// Refuses `number`, the last `size` bytes read, because it is outside `limits`, or for
-  /// UnknownEnumerator none of them (static text). Always returns false.
+  /// Records that `number`, which was read from the last `size` bytes, is refused. `limits` is
+  /// static text: the range that it is outside of, or the known enumerators. Always returns
+  /// false.
   bool fail_number(DecodeProblem problem, RefusedNumber number, const char* limits,
                    std::size_t size, const char* field);
 

@@ -105,8 +105,8 @@ template <class Key, class T, class Order, class GetKey, class Get>
   return valid || from.fail(DecodeProblem::OutOfRange, field, from.offset() - size);
 }
 
-/// Refuses the number that was just read, unless it lies within `bounds`; `limits` is static text
-/// for the error, "[0.01, 1.0] m/s".
+/// Returns whether the number that was just read lies within `bounds`. If not, records an error.
+/// `limits` is the static text of the range, for example "[0.01, 1.0] m/s".
 template <class T>
 [[nodiscard]] bool within(Decoder& from, T number, std::type_identity_t<Bounds<T>> bounds,
                           const char* field, const char* limits) {
@@ -114,7 +114,7 @@ template <class T>
                                                  limits, sizeof(T), field);
 }
 
-/// Like `within`, for all numbers of an array or sequence.
+/// Like `within`, for all numbers of an array or sequence that was just read.
 template <class Numbers>
 [[nodiscard]] bool all_within(Decoder& from, const Numbers& numbers,
                               Bounds<typename Numbers::value_type> bounds, const char* field,

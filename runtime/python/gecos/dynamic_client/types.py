@@ -1,5 +1,5 @@
-"""Builds Python types from declarations, by the functions of `gecos.wire.layout` that generated
-code uses: so codec, ranges and JSON are the same.
+"""Builds Python types from declarations, by the same functions of `gecos.wire.layout` that
+generated code uses. So codec, ranges and JSON are the same.
 
 One thing differs: sequences and arrays of numbers are lists, because importing numpy takes long.
 """
@@ -42,20 +42,20 @@ from gecos.wire.errors import EncodeError, JsonError
 from gecos.wire.kinds import Later, Ranged, kind_of
 from gecos.wire.kinds import Limits as WireLimits
 
-_MAX_LEVELS = 64  # of types in each other, sequences included
+_MAX_LEVELS = 64  # levels of types inside each other, including sequences
 _LARGEST: dict[str, int | float] = {
     **dict.fromkeys("bBhHiIq", (1 << 63) - 1),
     "Q": (1 << 64) - 1,
     "f": 3.4e38,
     "d": 1.7e308,
 }
-"""The largest limit of a number of each code, on both sides."""
+"""The lowest and the highest limit that a range of numbers may have, for each number code."""
 _FLOATING = ("float", "double")
 _ZEROS = {"boolean": False, "char": "\0", "float": 0.0, "double": 0.0}
 
 
 class Types:
-    """The Python types of one model, each built when it is first used."""
+    """The Python types of one model. Each type is built when it is first used."""
 
     def __init__(self, model: Model) -> None:
         self._model = model
@@ -66,14 +66,15 @@ class Types:
     # -- values ------------------------------------------------------------------------------------
 
     def step(self, value: Value) -> layout.Step:
-        """The layout step of a member, parameter or result."""
+        """Returns the layout step of a member, parameter or result."""
         found = self._bare(value.use, value.limits, value.unit)
         if value.optional:
             found = layout.optional(found)
         return layout.secret(found) if value.secret else found
 
     def default(self, value: Value) -> Any:
-        """What a missing member or argument becomes. @pre `value.may_be_missing`"""
+        """Returns the value that stands for a missing member or argument. @pre
+        `value.may_be_missing`"""
         return None if value.optional else self._literal(value.default, value.use, value.name)
 
     def _bare(self, use: Type, limits: Limits | None, unit: str = "") -> layout.Step:
@@ -117,7 +118,7 @@ class Types:
                 return named
 
     def _check_key(self, key: Type) -> None:
-        """The rule of `gidl.rules.maps`: other values do not compare exactly."""
+        """Enforces the rule of `gidl.rules.maps`: keys are values that compare exactly."""
         use, _ = self._model.resolved(key)
         if use.kind == "string" or (use.kind == "primitive" and use.name not in _FLOATING):
             return
@@ -125,14 +126,15 @@ class Types:
             raise Malformed(f"{key.name or key.kind} cannot be the key of a map")
 
     def _octet_limits(self, use: Type, limits: Limits | None) -> tuple[Any, Any] | None:
-        """The limits of the elements if they are octets, which are kept in a bytes object."""
+        """Returns the limits of the elements of `use` if they are octets, which are kept in a bytes
+        object."""
         element, narrowed = self._model.resolved(use.inner[0], limits)
         if element.kind != "primitive" or element.name != "octet":
             return None
         return (None, None) if narrowed is None else (narrowed.low, narrowed.high)
 
     def _literal(self, literal: Any, use: Type, place: str) -> Any:
-        """The Python value of a default or of a label of a union."""
+        """Returns the Python value of a default, or of a label of a union."""
         use, limits = self._model.resolved(use)
         kind = kind_of(self._bare(use, limits))
         try:
@@ -143,14 +145,16 @@ class Types:
         return value
 
     def _initial(self, value: Value) -> Any:
-        """The dataclass field of a member: its default value, or a function that makes it."""
+        """Returns the dataclass field of a member. The field has the default value, or a function
+        that makes it."""
         if value.may_be_missing:
             return field(default=self.default(value))
         made = self._zero(value.use)
         return field(default_factory=made) if callable(made) else field(default=made)
 
     def _zero(self, use: Type) -> Any:
-        """The zero of a type, or for a type with mutable values a function that makes it."""
+        """Returns the zero of a type. For a type with mutable values, returns a function that makes
+        the zero."""
         use, _ = self._model.resolved(use)
         match use.kind:
             case "primitive":
@@ -186,8 +190,8 @@ class Types:
     # -- declarations ------------------------------------------------------------------------------
 
     def named(self, name: str) -> Any:
-        """The class of a declared type, or a function that returns it if it is still being
-        built."""
+        """Returns the class of a declared type. While the class is still being built, returns a
+        function that returns it later."""
         if name in self._open:
             return lambda: self._classes[name]
         return self._class(name)
@@ -239,7 +243,7 @@ class Types:
         return tell(kind)
 
     def result(self, operation: Operation) -> Any:
-        """The class of the result of an operation with several results."""
+        """Returns the class for the result of an operation with several results."""
         values = operation.outputs
         attributes = self._attributes(values, False)
         name = f"{self._model.class_name(operation.interface)}_{operation.name}_result"
@@ -335,7 +339,7 @@ class Types:
         return [member_name(each.name, words) for each in members]
 
     def _reaches_itself(self, name: str) -> bool:
-        """Whether a value of the type can contain another value of it."""
+        """Returns whether a value of the type can contain another value of the same type."""
         seen, waiting = set[str](), [name]
         while waiting:
             declared = self._model.types.get(waiting.pop())
@@ -358,21 +362,22 @@ def _number(name: str, limits: Limits | None, unit: str) -> layout.Step:
         return code
     for limit in (limits.low, limits.high):
         if limit is not None and not -_LARGEST[code] <= limit <= _LARGEST[code]:
-            raise Malformed(f"the range {limits} is beyond the type {name}")
+            raise Malformed(f"the range {limits} is larger than that of the type {name}")
     binding = WireLimits(code, limits.low, limits.high).effective(code) != (None, None)
     return Ranged(code, limits.low, limits.high, unit) if binding else code
 
 
 def _check_size(element: layout.Step, count: int) -> None:
-    """Refuses an array of very many elements that take no bytes, so that nothing limits it."""
+    """Refuses an array of very many elements that take no bytes, because the size of a message
+    would not limit it."""
     kind = kind_of(element)
-    takes_bytes = isinstance(kind, Later) or kind.least  # Later: contains itself in a sequence
+    takes_bytes = isinstance(kind, Later) or kind.least  # a Later contains itself in a sequence
     if count > MAX_ZERO_WIDTH and not takes_bytes:
         raise Malformed(f"an array of {count} values that take no bytes")
 
 
 def _missing(values: tuple[Value, ...]) -> int:
-    """How many of the last values an older writer may leave out."""
+    """Returns how many of the last values an older writer may leave out."""
     count = 0
     while count < len(values) and values[-1 - count].may_be_missing:
         count += 1

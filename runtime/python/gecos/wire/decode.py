@@ -56,7 +56,7 @@ class Decoder:
         return self.end - self.offset
 
     def number(self, code: str, field: str = "") -> Any:
-        """Reads one number; `code` as in `Fields`."""
+        """Reads one number. `code` is a number code as in `Fields`."""
         reader = READERS[code]
         offset = self.offset
         if offset + reader.size > self.end:
@@ -70,7 +70,7 @@ class Decoder:
         return value
 
     def string(self, most: int = MAX_COUNT, field: str = "") -> str:
-        """Reads a string; `most` is the limit in bytes of UTF-8 without the NUL."""
+        """Reads a string. `most` is the limit for its UTF-8 bytes, without the NUL."""
         start = self.offset
         first = start + 4
         if first <= self.end:
@@ -87,7 +87,7 @@ class Decoder:
         raise self._string_error(most, field)
 
     def _string_error(self, most: int, field: str) -> DecodeError:
-        """Returns the error of the string at `offset`. Makes the checks in the same order as
+        """Returns the error of the string at `offset`. The checks are made in the same order as in
         C++."""
         size = self.remaining - 4
         length: int = _read_int32(self.data, self.offset)[0] if size >= 0 else 0
@@ -109,7 +109,8 @@ class Decoder:
         return DecodeError(problem, self.offset, field)
 
     def count(self, min_bytes_each: int, most: int = MAX_COUNT, field: str = "") -> int:
-        """Reads a count of elements; checks that `min_bytes_each` bytes follow for each element."""
+        """Reads a count of elements, and checks that at least `min_bytes_each` bytes follow for
+        each element."""
         start = self.offset
         if start + 4 > self.end:
             self.refuse(DecodeProblem.TRUNCATED, field)
@@ -126,8 +127,8 @@ class Decoder:
     def ranged(
         self, code: str, low: Any, high: Any, field: str = "", limits: Range | None = None
     ) -> Any:
-        """Reads a number of `code` from `low` to `high`, which messages show as `limits`; None: no
-        limit on that side."""
+        """Reads a number of `code` from `low` to `high`, which messages show as `limits`. None
+        means that there is no limit on that side."""
         value = self.number(code, field)
         if (low is not None and not value >= low) or (high is not None and not value <= high):
             why = outside(value, limits or Range(low, high))
@@ -154,7 +155,7 @@ class Decoder:
         if first <= self.end and code != "?" and low is high is None:
             number = _read_int32(self.data, start)[0]
             after = first + number * size
-            if 0 <= number <= most and after <= self.end:  # fast path
+            if 0 <= number <= most and after <= self.end:  # the usual case, handled fast
                 self.offset = after
                 return kind(number, wire, self.data, first).astype(native)
         return self.array(code, self.count(size, most, field), field, low, high, limits)
@@ -234,7 +235,7 @@ class Decoder:
         return kind(number)
 
     def arm(self, selected: bool, field: str = "") -> bool:
-        """Reads the flag that says whether the arm of a union is present. Raises DecodeError unless
+        """Reads the flag that says whether the arm of a union follows. Raises DecodeError unless
         the flag equals `selected`."""
         start = self.offset
         if self.number("?", field) != selected:
@@ -262,7 +263,7 @@ class Decoder:
         return entries
 
     def block(self, field: str = "") -> Decoder:
-        """Skips an appendable struct and returns a decoder for the fields of this struct only.
+        """Skips an appendable struct, and returns a decoder for the fields of this struct only.
 
         Fields that remain unread in the returned decoder come from a newer writer and are ignored.
         """
@@ -275,8 +276,8 @@ class Decoder:
         return inner
 
     def enter(self, field: str = "") -> None:
-        """Limits the depth of nesting: call it before you decode a struct that may contain itself,
-        and `leave` afterwards."""
+        """Limits the depth of nesting. Call this method before you decode a struct that may contain
+        itself, and `leave` afterwards."""
         if self.depth == MAX_DEPTH:
             self.refuse(DecodeProblem.TOO_DEEP, field)
         self.depth += 1
@@ -291,5 +292,5 @@ class Decoder:
     def refuse(
         self, problem: DecodeProblem, field: str = "", offset: int | None = None
     ) -> NoReturn:
-        """Raises DecodeError; `offset` defaults to the offset of the next read."""
+        """Raises DecodeError. The default of `offset` is the offset of the next read."""
         raise DecodeError(problem, self.offset if offset is None else offset, field)

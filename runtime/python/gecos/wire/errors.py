@@ -8,11 +8,11 @@ from typing import Any
 from gecos.wire.units import Range, outside
 
 HIDDEN = "***"
-"""The text that replaces a secret."""
+"""The text that error messages and logs show in place of a secret."""
 
 
 class DecodeProblem(Enum):
-    """Why bytes were refused. Names and texts equal those in C++."""
+    """The reasons why bytes are refused. Names and texts equal those in C++."""
 
     TRUNCATED = "the bytes end before the value does"
     INVALID_BOOLEAN = "a boolean must be 0 or 1"
@@ -32,8 +32,8 @@ class DecodeProblem(Enum):
 
 
 class DecodeError(ValueError):
-    """The bytes do not encode a valid value: which field, at which byte, and why. `why` says more
-    than `problem` does: "3.0 is outside [0.01, 1.0] m/s"."""
+    """The bytes do not encode a valid value. The error names the field, the byte and the reason.
+    `why` replaces the general reason, for example by "3.0 is outside [0.01, 1.0] m/s"."""
 
     def __init__(self, problem: DecodeProblem, offset: int, field: str = "", why: str = "") -> None:
         named = f"field '{field}' " if field else ""
@@ -48,7 +48,7 @@ class DecodeError(ValueError):
 
 
 class JsonError(ValueError):
-    """The text is not JSON of the expected type: `path` is the place in the value, `why` the
+    """The text is not JSON of the expected type. `path` is the place in the value, and `why` is the
     reason."""
 
     def __init__(self, path: str, why: str) -> None:
@@ -61,7 +61,7 @@ class JsonError(ValueError):
 
 
 class EncodeError(ValueError):
-    """The value cannot be encoded in its field: `field` names the field, `why` is the reason."""
+    """The value cannot be encoded. `field` is the name of its field, and `why` is the reason."""
 
     def __init__(self, field: str, why: str) -> None:
         super().__init__(f"{field}: {why}" if field else why)
@@ -84,10 +84,11 @@ class WrongTypeError(EncodeError, TypeError):
 
 
 def brief(value: object) -> str:
-    """`repr(value)`; of a whole number that Python does not print, its size."""
+    """Returns `repr(value)`. For a whole number that is too large for Python to print, returns its
+    size."""
     try:
         return repr(value)
-    except ValueError:  # more than 4300 digits
+    except ValueError:  # the number has more than 4300 digits
         assert isinstance(value, int)
         return f"a number of {value.bit_length()} bits"
 

@@ -1,4 +1,4 @@
-"""Layouts of generated types: a type declares a layout once; the layout provides its methods.
+"""Layouts of generated types. A type declares its layout once, and the layout provides its methods.
 
     @layout.struct(0xE3695E149ACAA4EA, "dd??", layout.text(), open=True)
     @dataclass(slots=True)
@@ -6,11 +6,12 @@
         width: float = 0.0
         ...
 
-A layout lists the members in order, as *steps*: codes of numbers as in `wire.Fields`, any number
-of them in one text; a type with its own layout; a function that returns a type declared later; or
-the result of a function below. A layout provides: encoding and decoding with all checks, `==` for
-values that hold arrays, JSON, a `repr` without secrets, and the plan by which the C++ extension
-encodes and decodes the usual case (`gecos.wire.plans`).
+A layout lists the members in order, as *steps*. A step is one of these: a text with the codes of
+any number of numbers, as in `wire.Fields`; a type with a layout of its own; a function that returns
+a type that is declared later; or the result of a function below. A layout provides encoding and
+decoding with all checks, `==` for values that hold arrays, JSON, and a `repr` without secrets. It
+also provides the plan by which the C++ extension encodes and decodes the usual case
+(`gecos.wire.plans`).
 """
 
 from __future__ import annotations
@@ -48,8 +49,8 @@ _FlagsT = TypeVar("_FlagsT", bound=type[IntFlag])
 
 
 def ranged(code: str, low: float | None, high: float | None = None, unit: str = "") -> Kind:
-    """A number from `low` to `high`; None: no limit on this side. Messages show the limits with
-    `unit`."""
+    """Describes a number from `low` to `high`. None means that there is no limit on that side.
+    Messages show the limits with `unit`."""
     return Ranged(code, low, high, unit)
 
 
@@ -80,7 +81,7 @@ def numbers(
     high: float | None = None,
     unit: str = "",
 ) -> Kind:
-    """A sequence of numbers, as a numpy array."""
+    """Describes a sequence of numbers, which is kept as a numpy array."""
     return Numbers(code, most, low, high, unit)
 
 
@@ -115,13 +116,13 @@ def secret(inner: Step) -> Kind:
 
 
 def arm(name: str, step: Step, *tags: Any) -> Arm:
-    """An arm of a union and the tags that select it. Without tags, the arm is selected by every tag
-    that selects no other arm."""
+    """Describes an arm of a union, and the tags that select it. Without tags, the arm is selected
+    by every tag that selects no other arm."""
     return Arm(name, kind_of(step), tags)
 
 
 class Encoded:
-    """The base class of generated types: methods that encode and decode by the layout."""
+    """The base class of generated types. Its methods encode and decode as the layout says."""
 
     __slots__ = ()
     _gecos_layout: ClassVar[Any]
@@ -151,7 +152,8 @@ class Union(Struct):
 
     @classmethod
     def _arm(cls, tag: Any) -> int:
-        """Number of the arm that `tag` selects, from 1; 0 if `tag` selects no arm."""
+        """Returns the number of the arm that `tag` selects, counted from 1; 0 if `tag` selects no
+        arm."""
         number: int = cls._gecos_layout.selected(tag)
         return number
 
@@ -213,8 +215,8 @@ def result(
     missing: int = 0,
     names: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
-    """Declares the members of the result of an operation with several results. Such a result is
-    extensible like an @appendable struct, but needs no block because it is a whole reply."""
+    """Declares the members of the result of an operation with several results. Such a result can be
+    extended like an @appendable struct, but needs no block because it is a whole reply."""
 
     def tell(kind: _KindT) -> _KindT:
         layout = StructLayout(kind, None, steps, missing, True, False, "", names or {})
@@ -277,7 +279,7 @@ def union(
     label: str = "",
 ) -> Callable[[_KindT], _KindT]:
     """Declares a dataclass with `tag` and `value` as a union. The parameter `tag` is the step of
-    the union's tag: an enum or the code of a number."""
+    the union's tag: an enum, or the code of a number."""
 
     def tell(kind: _KindT) -> _KindT:
         layout = UnionLayout(kind, fingerprint, kind_of(tag), arms, open, deep, label)
@@ -293,8 +295,8 @@ def bits(
     label: str = "",
     names: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
-    """Declares a bitset that is encoded as one number of code `code`. `members` are the position,
-    width and code of each member."""
+    """Declares a bitset that is encoded as one number with the code `code`. `members` are the
+    position, width and code of each member."""
 
     def tell(kind: _KindT) -> _KindT:
         kind._gecos_layout = BitsLayout(kind, code, members, label, names or {})
@@ -306,7 +308,7 @@ def bits(
 def enumeration(
     code: str, otherwise: str | None = None, names: Mapping[str, str] | None = None
 ) -> Callable[[_EnumT], _EnumT]:
-    """Declares the layout of an enum; the enumerator `otherwise` replaces unknown numbers."""
+    """Declares the layout of an enum. The enumerator `otherwise` replaces unknown numbers."""
 
     def tell(kind: _EnumT) -> _EnumT:
         unknown = None if otherwise is None else kind[otherwise]
@@ -319,7 +321,7 @@ def enumeration(
 def flags(
     code: str, count: int, names: Mapping[str, str] | None = None
 ) -> Callable[[_FlagsT], _FlagsT]:
-    """Declares the layout of a bitmask in which only the lowest `count` bits may be set."""
+    """Declares the layout of a bitmask. Only the lowest `count` bits may be set."""
 
     def tell(kind: _FlagsT) -> _FlagsT:
         kind._gecos_layout = Flags(kind, code, count, names or {})  # type: ignore[attr-defined]

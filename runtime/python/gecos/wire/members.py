@@ -1,4 +1,5 @@
-"""Sequences of named values: members of a struct, arguments of a call, fields of a bitset."""
+"""Sequences of named values: the members of a struct, the arguments of a call, or the fields of a
+bitset."""
 
 from __future__ import annotations
 
@@ -99,7 +100,8 @@ class Members:
         }
 
     def made(self, data: Any, path: str) -> list[tuple[int, Any]]:
-        """The inverse of `plain`: index and value of each given member. Refuses unknown members."""
+        """Converts plain data back to members: returns the index and the value of each given
+        member. Refuses unknown members."""
         expect_json(dict, data, path, "an object")
         for name in sorted(data.keys() - set(self.names)):
             why = f"unknown member; the known members are {', '.join(self.names)}"
@@ -181,7 +183,7 @@ class StructLayout(Members):
         return super().plain(self._values(value))
 
     def made(self, data: Any, path: str) -> Any:
-        """The inverse of `plain`. Omitted members get their default values."""
+        """Converts plain data back to a value. Omitted members get their default values."""
         return self.kind(**{self.attributes[i]: each for i, each in super().made(data, path)})
 
     @property
@@ -224,7 +226,7 @@ class Arguments(Members):
 
     def encode(self, *values: Any) -> Parts:
         out: Parts = []
-        # a copy of the body of `write`, for speed
+        # This loop is a copy of the body of `write`, for speed.
         for at, end, put, _, label in self._groups or self._grouped():
             if label:
                 put(values[at], out, label)
@@ -236,7 +238,7 @@ class Arguments(Members):
         return tuple(self.read(source))
 
     def made_values(self, data: Any, path: str = "") -> tuple[Any, ...]:
-        """The inverse of `plain`; only arguments with defaults may be omitted."""
+        """Converts plain data back to arguments. Only arguments with defaults may be omitted."""
         given = dict(super().made(data, path))
         required = self._needed
         for i, name in enumerate(self.names):
@@ -248,8 +250,8 @@ class Arguments(Members):
 
 
 class BitsLayout(Kind):
-    """The layout of a bitset, which is encoded as one number of code `code`. `members` are the
-    position, width and code of each member."""
+    """The layout of a bitset, which is encoded as one number with the code `code`. `members` are
+    the position, width and code of each member."""
 
     __slots__ = ("_labels", "_members", "_number", "attributes", "kind", "least", "names", "used")
 

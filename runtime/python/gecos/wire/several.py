@@ -125,7 +125,8 @@ class Octets(Kind):
         self.limits = None if limits.effective("B") == (None, None) else limits
 
     def _first_outside(self, value: bytes | bytearray | memoryview[int]) -> int | None:
-        """Index of the first byte outside the declared range; None if there is none."""
+        """Returns the index of the first byte outside the declared range; None if there is no such
+        byte."""
         if self.limits is None:
             return None
         low, high = self.limits.sent
@@ -167,7 +168,8 @@ class Octets(Kind):
 
 
 class Numbers(Kind):
-    """A sequence of numbers as a numpy array. Limits are compared in the precision of the array."""
+    """A sequence of numbers, kept as a numpy array. Limits are compared in the precision of the
+    array."""
 
     __slots__ = ("code", "limits", "most")
     least = 4
@@ -205,7 +207,7 @@ class Numbers(Kind):
 
 
 class Array(Numbers):
-    """A numpy array of numbers with a fixed shape."""
+    """An array of numbers with a fixed shape, kept as a numpy array."""
 
     __slots__ = ("count", "shape")
 

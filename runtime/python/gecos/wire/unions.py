@@ -1,4 +1,4 @@
-"""Unions: which arm a tag selects, and how tag and arm are encoded and decoded."""
+"""The layout of unions: which arm a tag selects, and how tag and arm are encoded and decoded."""
 
 from __future__ import annotations
 
@@ -32,7 +32,8 @@ WITHOUT_ITEMS = (Number, Char, Text, Enumerators, Flags, Nested)
 
 
 class Arm:
-    """An arm of a union. Without `tags`, every tag that selects no other arm selects it."""
+    """An arm of a union. An arm without `tags` is selected by every tag that selects no other
+    arm."""
 
     __slots__ = ("kind", "name", "tags")
 
@@ -70,7 +71,8 @@ class _Tag:
 
 
 class UnionLayout:
-    """The layout of a union: a dataclass with `tag` and `value`, see `gecos.wire.layout.union`."""
+    """The layout of a union. The union is a dataclass with `tag` and `value`; see
+    `gecos.wire.layout.union`."""
 
     __slots__ = (
         "_deep", "_keeps_secrets", "_otherwise", "_selected", "_tag", "arms", "fingerprint",
@@ -102,7 +104,8 @@ class UnionLayout:
         self._otherwise = next((i for i, arm in enumerate(arms, start=1) if not arm.tags), 0)
 
     def selected(self, tag: Any) -> int:
-        """Number of the arm that `tag` selects, from 1; 0 if `tag` selects no arm."""
+        """Returns the number of the arm that `tag` selects, counted from 1; 0 if `tag` selects no
+        arm."""
         try:
             return self._selected.get(tag, self._otherwise)
         except TypeError:  # an unhashable value is not a tag
@@ -164,7 +167,8 @@ class UnionLayout:
         for name in sorted(data):
             if name != "tag" and not (arm and name == "value"):
                 raise JsonError(
-                    below(path, name), "with this discriminator the union has no such member"
+                    below(path, name),
+                    "with this discriminator the union has no such member",
                 )
         if not arm:
             return self.kind(tag)
@@ -183,9 +187,9 @@ class UnionLayout:
         return __repr__
 
     def _may_be_secret(self, kind: Kind | None, value: Any) -> bool:
-        """Whether `value` may be secret: the selected arm is secret, or `value` is a text or
-        container that does not fit the selected arm and so may belong to a secret arm. `kind` is
-        the kind of the selected arm, or None."""
+        """Returns whether `value` may be secret. It may be if the selected arm is secret. It may
+        also be if `value` is a text or container that does not fit the selected arm, because it may
+        belong to a secret arm. `kind` is the kind of the selected arm, or None."""
         if not self._keeps_secrets or isinstance(kind, Secret):
             return self._keeps_secrets
         if isinstance(value, str):

@@ -1,4 +1,4 @@
-"""Units in messages: behind the values of an exception and the limits of a range."""
+"""Adds units to messages: after the members of an exception, and after the limits of a range."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def outside(value: Any, limits: Range) -> str:
 
 
 def shown_members(values: Mapping[str, str], units: Mapping[str, str]) -> str:
-    """Members and their units: "axis=1, value=2.9 rad"."""
+    """Returns members with their units, as a text such as "axis=1, value=2.9 rad"."""
     return ", ".join(
         f"{name}={value}{f' {units[name]}' if name in units else ''}"
         for name, value in values.items()

@@ -29,8 +29,8 @@ class Tables(CallFacts):
     def _carried(
         self, layout: CallLayout, member: Operation | Attribute, feedback: str
     ) -> list[str]:
-        """Arguments that describe the parameters, results, feedback, exceptions and stream of a
-        call. A part that the call does not have gets no argument."""
+        """Returns the arguments that describe the parameters, results, feedback, exceptions and
+        stream of a call. A part that the call does not have gets no argument."""
         terms = []
         if inputs := self._inputs(layout):
             terms.append(f"takes={self._values(inputs)}")
@@ -65,14 +65,14 @@ class Tables(CallFacts):
         return self._lowering.step(each.node, each.value.secret)
 
     def _stream(self, attribute: Attribute) -> str:
-        """The rate of a stream in Hz, and the size of its largest sample in bytes."""
+        """Returns the rate of a stream in Hz, and the size of its largest sample in bytes."""
         assert attribute.stream is not None
         largest = self._layout.stream(attribute.scoped_name).sample.fixed_size or 0
         return group([repr(float(attribute.stream.rate_hz or 0)), str(largest)])
 
     def _operation(self, layout: CallLayout, member: Operation | Attribute) -> str:
-        """A gecos.interface.Operation: its code, name, access and hash, and other arguments only
-        where they differ from the defaults."""
+        """Returns the text of a gecos.interface.Operation: its code, name, access and hash, and
+        those other arguments that differ from their defaults."""
         setter = layout.kind is CallKind.SETTER
         getter = isinstance(member, Attribute) and not setter
         flags = {}

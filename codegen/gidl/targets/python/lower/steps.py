@@ -32,8 +32,8 @@ class Lowering(Types):
         """Names of declarations whose classes are defined later in the module."""
 
     def steps(self, values: Iterable[tuple[Node, bool]]) -> list[str]:
-        """The steps for values, given as pairs (node, is secret). The codes of consecutive numbers
-        are joined into one text."""
+        """Returns the steps for values, given as pairs (node, is secret). The codes of consecutive
+        numbers are joined into one text."""
         found: list[str] = []
         for node, secret in values:
             step = self.step(node, secret)
@@ -99,15 +99,15 @@ class Lowering(Types):
 
 
 def renamed(names: Iterable[tuple[str, str]]) -> list[str]:
-    """The argument `names` of a layout: pairs of Python name and interface name, for names that
-    differ. Empty if none differ."""
+    """Returns the argument `names` of a layout. It has pairs of Python name and interface name, for
+    the names that differ. The list is empty if no name differs."""
     pairs = [f"{quoted(here)}: {quoted(there)}" for here, there in names if here != there]
     return [f"names={group(pairs, '{', '}')}"] if pairs else []
 
 
 def units_of(units: Iterable[tuple[str, str | None]]) -> list[str]:
-    """The argument `units` of an exception: pairs of interface name and unit, for the members that
-    have a unit. Empty if none has."""
+    """Returns the argument `units` of an exception: pairs of interface name and
+    unit, for the members that have a unit. The list is empty if no member has a unit."""
     pairs = [f"{quoted(name)}: {quoted(unit)}" for name, unit in units if unit]
     return [f"units={group(pairs, '{', '}')}"] if pairs else []
 

@@ -43,7 +43,8 @@ class Structs(ValueNames):
         return self._view(printed, "struct", [number], self._missing(printed) + terms)
 
     def _twin(self, struct: Struct) -> StructView:
-        """The view of the declared members of a struct that maps to a hand-written class."""
+        """Returns the view of the declared members of a struct that maps to a hand-written
+        class."""
         called, members = self._name(struct), self._model.all_members(struct)
         fields = self._layout.structs[struct.name].fields
         label = f"_{struct.simple_name}Layout"
@@ -52,7 +53,7 @@ class Structs(ValueNames):
         return self._view(printed, "twin", [called], self._missing(printed) + terms)
 
     def _result(self, operation: Operation) -> StructView:
-        """The view of the result class of an operation with several results."""
+        """Returns the view of the result class of an operation with several results."""
         struct = result_struct(self._layout, operation)
         name = self._layout.python_names.results[operation.scoped_name].name
         fields = self._layout.call(operation.scoped_name).reply
@@ -60,7 +61,8 @@ class Structs(ValueNames):
         return self._view(printed, "result", [], self._missing(printed))
 
     def _missing(self, printed: _Class) -> list[str]:
-        """The argument that says how many of the last members an older writer may leave out."""
+        """Returns the argument that says how many of the last members an older writer may leave
+        out."""
         members, count = printed.members, 0
         while printed.struct.is_appendable and count < len(members):
             if not may_be_missing(members[-1 - count]):
