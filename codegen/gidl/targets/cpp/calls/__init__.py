@@ -1,1 +1,1 @@
-"""Views for the templates of `<file>_client.{hpp,cpp}` and `<file>_server.{hpp,cpp}`."""
+"""Views for the templates of `<file>_client`, `<file>_server`, `<file>_interface` and `<file>_calls`."""
