@@ -8,15 +8,19 @@
 #include "gecos/base/mutex.hpp"
 #include "gecos/broker/directory.hpp"
 #include "gecos/broker_server.hpp"
+#include "gecos/serve.hpp"
 #include "gecos/server.hpp"
 
 namespace gecos::broker {
 
-/// The broker as an object: `broker.serve(server)` serves it at this host's well-known address. An
+/// The broker as an object: `gecos::serve(lab, {broker.serving()})`, or `broker.serve(server)` in a
+/// program with a server of its own, serves it at this host's well-known address. An
 /// entry is dropped when the session that enlisted it ends. In its first second the broker prefers
 /// objects that were served before it started (directory.hpp).
 class Broker final : public BrokerServant {
  public:
+  /// The broker as an object of `gecos::serve`. Its first second begins now.
+  Serving serving(std::vector<media::Kind> media = {});
   /// Serves this broker. Fails when this host has a broker already.
   tl::expected<void, ServeError> serve(Server& server, std::vector<media::Kind> media = {});
 

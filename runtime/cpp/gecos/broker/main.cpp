@@ -1,6 +1,10 @@
 // gecos-broker: the directory that leads from an object's name to the addresses of its server.
 #include <cstdio>
 #include <cstring>
+#include <memory>
+#include <thread>
+#include <utility>
+#include <vector>
 
 #include "gecos/base/thread.hpp"
 #include "gecos/broker/broker.hpp"
@@ -13,6 +17,15 @@ constexpr const char* usage =
     "usage: gecos-broker [inproc|shm|lcm]...\n"
     "The directory of the objects of this host. Without arguments it serves clients over every\n"
     "available medium. Prints one line when it is ready and ends on SIGINT or SIGTERM.\n";
+
+/// The search for other brokers, on a thread of its own, until its end.
+class Search {
+ public:
+  ~Search() { thread_.join(); }
+
+ private:
+  std::thread thread_ = gecos::start_thread("gecos-others", gecos::broker::warn_of_other_brokers);
+};
 
 }  // namespace
 
@@ -32,15 +45,9 @@ int main(int count, char** arguments) {
   }
   gecos::Lab lab;
   gecos::broker::Broker broker;
-  gecos::Server server(lab);
-  if (const auto served = broker.serve(server, std::move(media)); !served) {
-    std::fprintf(stderr, "gecos-broker: %s\n", served.error().text.c_str());
-    return 1;
-  }
-  std::puts("gecos-broker: ready");
-  std::fflush(stdout);
-  std::thread others = gecos::start_thread("gecos-others", gecos::broker::warn_of_other_brokers);
-  server.run();
-  others.join();
-  return 0;
+  gecos::ServeOptions options;
+  options.program = "gecos-broker";
+  options.ready = "gecos-broker: ready";
+  options.started = [] { return std::make_shared<Search>(); };
+  return gecos::serve(lab, {broker.serving(std::move(media))}, options);
 }

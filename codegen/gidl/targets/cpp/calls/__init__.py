@@ -1,1 +1,1 @@
-"""Views for the templates of `<file>_client`, `<file>_server`, `<file>_interface` and `<file>_calls`."""
+"""Views for the templates of `<file>_client`, `_server`, `_interface` and `_calls`."""
