@@ -32,17 +32,6 @@ def _gidl(*names: str) -> str:
 _FOUNDATION = ("source", "diagnostics")
 _MODEL = ("model", "policy")
 _WORDS = ("keywords", "places", "file_names", "standard_modules")
-_TEXT = (*_WORDS, "lexer", "conditions", "preprocess", "docs_text", "token_reader", "syntax")
-_PARSER = ("parser", r"\w+_parser")
-_LAYOUT = (
-    "wire_layout",
-    "wire_nodes",
-    "lcm_lowering",
-    "function_codes",
-    "hashes",
-    "type_names",
-    "languages",
-)
 _COMPILER = "the compiler stands alone: standard library, and jinja2 in emit.py"
 
 ROWS = (
@@ -56,18 +45,27 @@ ROWS = (
         _gidl(*_FOUNDATION, "model"),
         "source and diagnostics know places in files, and nothing of what stands there",
     ),
-    _row(_gidl(*_TEXT), _gidl(*_FOUNDATION, *_TEXT), "text comes first, meaning later"),
-    _row(_gidl(*_PARSER), _gidl(*_FOUNDATION, *_TEXT, *_PARSER), "parser -> syntax"),
-    _row(_gidl(*_LAYOUT), _gidl(*_WORDS, *_LAYOUT, *_MODEL), "wire_layout -> model"),
+    _row(_gidl(*_WORDS), _gidl(*_FOUNDATION, *_WORDS), "words stand before text and meaning"),
+    _row(
+        _gidl("syntax"),
+        _gidl(*_FOUNDATION, *_WORDS, "syntax"),
+        "syntax: text comes first, meaning later",
+    ),
+    _row(
+        _gidl("resolve"),
+        _gidl(*_FOUNDATION, *_WORDS, *_MODEL, "loader", "syntax", "resolve"),
+        "resolve -> syntax, model",
+    ),
+    _row(_gidl("layout"), _gidl(*_WORDS, *_MODEL, "layout"), "wire layout -> model"),
     _row(r"gidl\.rules(\..*)?", _gidl(*_FOUNDATION, *_MODEL, "rules"), "rules -> model"),
     _row(
         r"gidl\.targets(\..*)?",
-        _gidl(*_WORDS, "targets", "model_json", *_LAYOUT, *_MODEL),
-        "targets -> wire_layout -> model",
+        _gidl(*_WORDS, "targets", "model_json", "layout", *_MODEL),
+        "targets -> layout -> model",
     ),
     _row(
         r"gidl\.emit",
-        r"jinja2(\..*)?|" + _gidl("targets", *_LAYOUT, *_MODEL, *_FOUNDATION),
+        r"jinja2(\..*)?|" + _gidl("targets", "layout", *_MODEL, *_FOUNDATION),
         "cli -> emit -> targets",
     ),
     _row(r"gidl(\..*)?", r"gidl(\..*)?", _COMPILER),

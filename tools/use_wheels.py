@@ -26,7 +26,7 @@ def run(*words: str) -> str:
 
 
 def import_everything() -> None:
-    for name in ("gidl.cli", "gecos", "gecos._core", "gecos.wire.plans", "gecos_idl.broker",
+    for name in ("gidl.cli.main", "gecos", "gecos._core", "gecos.wire.plans", "gecos_idl.broker",
                  "robcl.gripper", "robcl.frames"):  # fmt: skip
         module = importlib.import_module(name)
         assert module.__file__ and Path(module.__file__).is_relative_to(sys.prefix), module

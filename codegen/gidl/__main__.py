@@ -1,5 +1,5 @@
 """`python -m gidl`."""
 
-from gidl.cli import run
+from gidl.cli.main import run
 
 run()

@@ -10,11 +10,11 @@ from pathlib import Path
 
 from gidl.diagnostics import Finding, Findings
 from gidl.file_names import same_files
-from gidl.function_codes import codes_of
+from gidl.layout.function_codes import codes_of
 from gidl.loader import Loader, default_search
 from gidl.missing_include import point_at_includes
 from gidl.model import Model
-from gidl.resolve import resolve
+from gidl.resolve.files import resolve
 from gidl.rules import check_all
 from gidl.source import Source
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import jinja2
 
+from gidl.layout.wire_layout import Layout
 from gidl.model import Interface, Model
 from gidl.targets.cpp import mock as cpp_mock
 from gidl.targets.cpp import view as cpp
@@ -18,7 +19,6 @@ from gidl.targets.lcm import view as lcm
 from gidl.targets.naming import OutputFile, UnsupportedError
 from gidl.targets.python import mock as python_mock
 from gidl.targets.python import view as python
-from gidl.wire_layout import Layout
 
 __all__ = ["LANGUAGES", "UnsupportedError", "render", "render_mock"]
 

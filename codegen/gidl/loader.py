@@ -11,15 +11,15 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path, PurePosixPath
 
-from gidl.conditions import Macros
 from gidl.diagnostics import Findings, Severity
 from gidl.file_names import is_interface
 from gidl.installed import installed_folders
-from gidl.lexer import lex
-from gidl.parser import parse
-from gidl.preprocess import preprocess
 from gidl.source import MAX_BYTES, Source, Span
-from gidl.syntax import FileSyntax, Include
+from gidl.syntax.conditions import Macros
+from gidl.syntax.lexer import lex
+from gidl.syntax.parser import parse
+from gidl.syntax.preprocess import preprocess
+from gidl.syntax.tree import FileSyntax, Include
 
 PACKAGED = Path(__file__).parent / "include"
 VOCABULARY = "gecos/annotations.gidl"

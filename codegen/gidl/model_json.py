@@ -10,6 +10,7 @@ import json
 from dataclasses import fields
 from enum import Enum, IntEnum
 
+from gidl.layout.wire_layout import CallKind, Layout
 from gidl.model import (
     Annotation,
     AnnotationDeclaration,
@@ -43,7 +44,6 @@ from gidl.model import (
     Value,
 )
 from gidl.policy import Qos, Stream
-from gidl.wire_layout import CallKind, Layout
 
 Json = dict[str, object]
 

@@ -11,7 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from gidl.diagnostics import Findings, Note
-from gidl.languages import CPP_TYPES
+from gidl.layout.languages import CPP_TYPES
+from gidl.layout.type_names import TypeName, TypeNames, name_types
 from gidl.model import (
     AnnotationDeclaration,
     AnyDeclaration,
@@ -21,7 +22,6 @@ from gidl.model import (
     Model,
     Struct,
 )
-from gidl.type_names import TypeName, TypeNames, name_types
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,12 +16,12 @@ from random import Random
 from typing import Any
 
 from gecos import wire
-from gidl import wire_layout
 from gidl.diagnostics import Findings
+from gidl.layout import wire_layout
+from gidl.layout.wire_layout import Layout
 from gidl.loader import Loader
 from gidl.model import Model, Struct
-from gidl.resolve import resolve
-from gidl.wire_layout import Layout
+from gidl.resolve.files import resolve
 from lcm_converter import program
 from paired_values import PairedValues
 from random_idl import Author

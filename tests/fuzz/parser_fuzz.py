@@ -29,9 +29,9 @@ LONGEST = 64 * 1024
 
 def check(data: bytes, place: Path) -> None:
     """Compiles one input and everything that follows; raises whatever escapes."""
-    from gidl import hashes, wire_layout
     from gidl.compile import compile_files
     from gidl.diagnostics import Findings, as_json, as_text
+    from gidl.layout import hashes, wire_layout
     from gidl.model_json import model_text
     from gidl.omg import DIALECTS, omg_text
 

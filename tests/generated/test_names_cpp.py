@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from generating import TREE, generate
 from gidl.keywords import CPP, USED_BY_LOWER
-from gidl.languages import CPP_TYPES, CPP_WORDS
+from gidl.layout.languages import CPP_TYPES, CPP_WORDS
 from names_in_use import members_file, types_file
 
 sys.path.insert(0, str(TREE / "tools"))

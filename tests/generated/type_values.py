@@ -21,8 +21,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from gidl import wire_layout
 from gidl.diagnostics import Findings
+from gidl.layout import wire_layout
 from gidl.loader import Loader
 from gidl.model import (
     ArrayType,
@@ -43,7 +43,7 @@ from gidl.model import (
     Type,
     Union,
 )
-from gidl.resolve import resolve
+from gidl.resolve.files import resolve
 from gidl.targets.cpp.lower import PRIMITIVES
 from gidl.targets.cpp.lower import Lowering as CppLowering
 from gidl.targets.cpp.names import member_name

@@ -6,7 +6,7 @@ import json
 import sys
 from pathlib import Path
 
-from gidl import wire_layout
+from gidl.layout import wire_layout
 from gidl.model import Model, NamedType
 from gidl.targets.cpp.lower import Lowering
 from memory_factor import MemoryFactors

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from gidl import wire_layout
+from gidl.layout import wire_layout
 from gidl.model import Model
 from gidl.targets.cpp.lower import Lowering
 from type_values import cases, load

@@ -14,10 +14,10 @@ from typing import Any
 import gecos
 from evolving import Lab, Slot
 from gecos.errors import CommandFailed, Detail
-from gidl import hashes, wire_layout
 from gidl.breaking import category_of, compare
 from gidl.compile import Compiled, compile_files
 from gidl.emit import render
+from gidl.layout import hashes, wire_layout
 from gidl.model import Model
 
 ROUNDS = 20  # of calls in each direction

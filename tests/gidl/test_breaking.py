@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from gidl.breaking import category_of, compare
-from gidl.cli import main
+from gidl.cli.main import main
 from gidl.compile import Compiled, compile_files
 
 HERE = Path(__file__).parent

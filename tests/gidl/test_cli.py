@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from gidl.cli import main
+from gidl.cli.main import main
 
 TREE = Path(__file__).resolve().parents[2]
 GOOD = "module lab { @appendable struct S { double x; }; interface I { @sensor S look(); }; };\n"

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
-from gidl.cli import main
+from gidl.cli.main import main
 from gidl.compile import Compiled, compile_files
 from gidl.model import Struct
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import gidl
 import pytest
-from gidl.cli import main
-from gidl.explain import all_titles, page
+from gidl.cli.explain import all_titles, page
+from gidl.cli.main import main
 
 PACKAGE = Path(gidl.__file__).parent
 HERE = Path(__file__).parent

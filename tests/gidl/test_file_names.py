@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from gidl.cli import main
+from gidl.cli.main import main
 from gidl.file_names import interfaces_below, python_stem, same_modules, source_stem
 from gidl.standard_modules import STANDARD
 

@@ -13,11 +13,11 @@ import sys
 from pathlib import Path
 
 import pytest
-from gidl import wire_layout
-from gidl.cli import main
+from gidl.cli.main import main
 from gidl.compile import compile_files, room_for_nesting
 from gidl.fmt import UnreadableError, layout
 from gidl.fmt.pieces import scan
+from gidl.layout import wire_layout
 from gidl.model_json import model_text
 from hypothesis import HealthCheck, given, reject, settings
 from hypothesis import strategies as st

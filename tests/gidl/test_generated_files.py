@@ -9,8 +9,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from gidl.cli import main
-from gidl.output import Outputs, compare, write
+from gidl.cli.main import main
+from gidl.cli.output import Outputs, compare, write
 
 STRUCT = "module {0} {{ @final struct {1} {{ double x; }}; }};\n"
 INTERFACE = "interface Lamp { @actor void turn(in boolean on); };\n"
@@ -260,7 +260,7 @@ class TestWriting:
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
             return real(*arguments, **named)  # type: ignore[call-overload]
 
-        monkeypatch.setattr("gidl.output.os.fdopen", full)
+        monkeypatch.setattr("gidl.cli.output.os.fdopen", full)
         capsys.readouterr()
         assert main(["gen", "--lang", "cpp"]) == 1
         said = capsys.readouterr().err

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from gidl.cli import main
+from gidl.cli.main import main
 
 USES_IT = '#include "acme/arm.gidl"\nmodule shop { struct Two { acme::Joint left, right; }; };\n'
 

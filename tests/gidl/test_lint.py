@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from gidl import lint
-from gidl.cli import main
+from gidl.cli.main import main
 
 HERE = Path(__file__).parent
 IDL = HERE.parents[1] / "idl"

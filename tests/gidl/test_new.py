@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from gidl.cli import main
+from gidl.cli.main import main
 from gidl.file_names import python_module
 
 

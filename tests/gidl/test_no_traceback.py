@@ -4,10 +4,10 @@ import json
 from pathlib import Path
 
 import pytest
-from gidl import hashes, wire_layout
-from gidl.cli import main
+from gidl.cli.main import main
 from gidl.compile import Compiled, compile_files
 from gidl.diagnostics import as_json, as_text
+from gidl.layout import hashes, wire_layout
 from gidl.model_json import model_text
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st

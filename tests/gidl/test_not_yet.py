@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from gidl import not_yet
-from gidl.cli import main
+from gidl.cli.main import main
 from gidl.compile import compile_files
 from gidl.diagnostics import Findings
 from gidl.policy import Qos

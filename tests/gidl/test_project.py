@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 from gidl import __version__
-from gidl.cli import main
+from gidl.cli.main import main
+from gidl.cli.project import Project, line_of, read
 from gidl.compile import compile_files
 from gidl.diagnostics import Findings
 from gidl.model import ArrayType
-from gidl.project import Project, line_of, read
 
 TREE = Path(__file__).resolve().parents[2]
 

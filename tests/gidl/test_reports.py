@@ -3,9 +3,9 @@
 import json
 from pathlib import Path
 
-import gidl.depfile
+import gidl.cli.depfile
 import pytest
-from gidl.cli import main
+from gidl.cli.main import main
 
 WRONG = "module lab {\n  struct S { Missing x; };\n  struct S { long y; };\n};\n"
 
@@ -84,7 +84,7 @@ def test_the_depfile_names_all_that_was_read(
     made, _, needs = rule.partition(": ")
     assert made.split() == ["generated/lcm/top.lcm"]
     assert {"idl/base.gidl", "idl/top.gidl"} <= set(needs.split())
-    assert {Path(gidl.depfile.__file__).as_posix()} <= set(needs.split()), (
+    assert {Path(gidl.cli.depfile.__file__).as_posix()} <= set(needs.split()), (
         "a newer gidl writes anew"
     )
     assert all(Path(name).is_file() for name in needs.split())

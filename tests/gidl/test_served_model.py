@@ -8,8 +8,8 @@ from pathlib import Path
 
 from gidl.compile import compile_files
 from gidl.emit import render
+from gidl.layout.wire_layout import build
 from gidl.targets.served_model import served_model
-from gidl.wire_layout import build
 
 TEXT = """
 module lab {

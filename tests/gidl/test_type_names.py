@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from gidl.cli import main
+from gidl.cli.main import main
 from gidl.compile import compile_files
-from gidl.languages import CPP_TYPES, PYTHON_TYPES
-from gidl.type_names import Language, TypeNames, name_types
+from gidl.layout.languages import CPP_TYPES, PYTHON_TYPES
+from gidl.layout.type_names import Language, TypeNames, name_types
 
 
 def named(folder: Path, language: Language, **files: str) -> TypeNames:

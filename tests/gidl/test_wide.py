@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from gidl.cli import main
+from gidl.cli.main import main
 from gidl.compile import Compiled, compile_files
 from gidl.model import Constant, MapType, StringType, Struct, Typedef, Value
 

@@ -7,9 +7,9 @@ import sysconfig
 from pathlib import Path
 
 import pytest
-from gidl import function_codes, hashes, wire_layout
 from gidl.compile import compile_files
 from gidl.emit import render
+from gidl.layout import function_codes, hashes, wire_layout
 from gidl.model import Attribute, Model, Operation, Struct, Union
 
 IDL = Path(__file__).resolve().parents[2] / "idl"

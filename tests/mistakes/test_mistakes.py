@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import gecos
-import gidl.cli
+import gidl.cli.main
 import pytest
 from gecos.cli import main as gecos_main
 from mistakes import KINDS, Mistake, all_mistakes, of_kind, settled

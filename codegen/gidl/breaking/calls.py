@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from gidl import hashes
 from gidl.breaking import promises, slots
 from gidl.breaking.report import Report
 from gidl.breaking.sides import Call, Sides, reached
-from gidl.function_codes import call_code, hashed_name
+from gidl.layout import hashes
+from gidl.layout.function_codes import call_code, hashed_name
 from gidl.model import Attribute, Interface, Operation, Type
 
 _REFUSED = "old and new programs refuse each other's calls of the changed operation or attribute"

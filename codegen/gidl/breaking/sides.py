@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from gidl.function_codes import hashed_name, member_name
+from gidl.layout.function_codes import hashed_name, member_name
+from gidl.layout.wire_layout import node_of
+from gidl.layout.wire_nodes import ArrayNode, MapNode, Node, ScalarNode, SequenceNode
 from gidl.model import (
     AnnotationDeclaration,
     AnyDeclaration,
@@ -27,8 +29,6 @@ from gidl.model import (
     Union,
 )
 from gidl.rules.walk import slots
-from gidl.wire_layout import node_of
-from gidl.wire_nodes import ArrayNode, MapNode, Node, ScalarNode, SequenceNode
 
 Call = Operation | Attribute
 Slot = Member | Parameter

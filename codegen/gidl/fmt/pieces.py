@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 
 from gidl.keywords import USED_BY_LOWER
-from gidl.lexer import TOKEN, directive_line
+from gidl.syntax.lexer import TOKEN, directive_line
 
 _KEYWORDS = frozenset(USED_BY_LOWER.values())
 _TEMPLATES = frozenset(("sequence", "map", "string", "wstring", "bitfield"))

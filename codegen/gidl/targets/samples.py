@@ -4,16 +4,8 @@ from __future__ import annotations
 
 import math
 
-from gidl.model import (
-    EnumDeclaration,
-    Model,
-    Primitive,
-    Range,
-    Union,
-    UnionCase,
-)
-from gidl.wire_layout import node_of
-from gidl.wire_nodes import (
+from gidl.layout.wire_layout import node_of
+from gidl.layout.wire_nodes import (
     AppendableNode,
     ArrayNode,
     EnumNode,
@@ -21,6 +13,14 @@ from gidl.wire_nodes import (
     ScalarNode,
     StructNode,
     UnionNode,
+)
+from gidl.model import (
+    EnumDeclaration,
+    Model,
+    Primitive,
+    Range,
+    Union,
+    UnionCase,
 )
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 
+from gidl.layout.wire_layout import Layout
 from gidl.model import (
     BUILT_IN,
     Attribute,
@@ -19,7 +20,6 @@ from gidl.model import (
 )
 from gidl.model_json import declaration_json
 from gidl.targets.reach import named_types, reached_types
-from gidl.wire_layout import Layout
 
 
 def served_model(model: Model, layout: Layout, interface: Interface) -> str:

@@ -15,12 +15,12 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from cpp_side import Program
-from gidl import wire_layout
 from gidl.compile import compile_files
 from gidl.emit import UnsupportedError, render
 from gidl.file_names import source_stem
+from gidl.layout import wire_layout
+from gidl.layout.wire_layout import Layout
 from gidl.model import Model
-from gidl.wire_layout import Layout
 
 HERE = Path(__file__).resolve().parent
 TREE = HERE.parents[2]

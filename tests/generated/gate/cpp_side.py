@@ -16,9 +16,9 @@ from pathlib import Path
 
 import spelled
 from gidl.file_names import source_stem
+from gidl.layout.wire_layout import CallKind, Layout
 from gidl.model import Bitset, Interface, Model, Struct, Union
 from gidl.targets.cpp.names import absolute, member_name
-from gidl.wire_layout import CallKind, Layout
 from neutral import is_hand_written, named_fields
 from python_side import Verdict
 

@@ -20,6 +20,7 @@ from gecos.errors import DeclaredError
 from gecos.interface import Method
 from gecos.proxy import StreamAttribute
 from gidl.file_names import python_module
+from gidl.layout.wire_layout import Layout
 from gidl.model import (
     ArrayType,
     Bitmask,
@@ -37,7 +38,6 @@ from gidl.model import (
     Union,
 )
 from gidl.targets.python import names
-from gidl.wire_layout import Layout
 from neutral import (
     REFERENCE,
     Slot,

@@ -7,7 +7,10 @@ from dataclasses import dataclass
 from functools import partial
 
 from gidl.file_names import source_stem
-from gidl.languages import CPP_TYPES, CPP_WORDS
+from gidl.layout.languages import CPP_TYPES, CPP_WORDS
+from gidl.layout.type_names import TypeName, escaped
+from gidl.layout.wire_layout import CallKind, CallLayout, node_of
+from gidl.layout.wire_nodes import ScalarNode
 from gidl.model import (
     ArrayType,
     Attribute,
@@ -30,9 +33,6 @@ from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.lower.statements import indented, quoted
 from gidl.targets.groups import group
 from gidl.targets.naming import LocalNames, snake_case
-from gidl.type_names import TypeName, escaped
-from gidl.wire_layout import CallKind, CallLayout, node_of
-from gidl.wire_nodes import ScalarNode
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from gidl.file_names import source_stem
+from gidl.layout.wire_layout import Layout
 from gidl.model import Model
 from gidl.targets.cpp.calls.file import has_stubs, interfaces_view
 from gidl.targets.cpp.calls.structs import calls_view
@@ -12,7 +13,6 @@ from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.values.file import types_view
 from gidl.targets.cpp.values.json import json_view
 from gidl.targets.naming import OutputFile, has_output
-from gidl.wire_layout import Layout
 
 
 def files(model: Model, layout: Layout) -> Iterator[OutputFile]:

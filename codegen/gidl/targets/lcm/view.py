@@ -6,10 +6,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from gidl.file_names import source_stem
-from gidl.lcm_lowering import LCM_PRIMITIVES, OBJECT_REF, OBJECT_REF_STRUCT, LcmMember, LcmStruct
+from gidl.layout.lcm_lowering import (
+    LCM_PRIMITIVES,
+    OBJECT_REF,
+    OBJECT_REF_STRUCT,
+    LcmMember,
+    LcmStruct,
+)
+from gidl.layout.wire_layout import Layout
 from gidl.model import Bitmask, EnumDeclaration, Facts, Model, Struct, Union
 from gidl.targets.naming import OutputFile, doc_lines, value_note
-from gidl.wire_layout import Layout
 
 
 @dataclass(frozen=True, slots=True)

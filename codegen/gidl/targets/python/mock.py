@@ -6,7 +6,9 @@ import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from gidl.languages import PYTHON_CLASS_WORDS
+from gidl.layout.languages import PYTHON_CLASS_WORDS
+from gidl.layout.wire_layout import CallKind, CallLayout
+from gidl.layout.wire_nodes import Node
 from gidl.model import Attribute, Direction, Interface, Operation
 from gidl.policy import Access
 from gidl.targets import samples
@@ -19,8 +21,6 @@ from gidl.targets.python.homes import NamesAsUsed
 from gidl.targets.python.imports import import_lines
 from gidl.targets.python.lower import Lowering
 from gidl.targets.python.mock_values import MockValues, OwnNames, plain_hint
-from gidl.wire_layout import CallKind, CallLayout
-from gidl.wire_nodes import Node
 
 
 @dataclass(frozen=True, slots=True)

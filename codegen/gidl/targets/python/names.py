@@ -6,10 +6,10 @@ import re
 from collections.abc import Iterator
 
 from gidl.keywords import words
-from gidl.languages import PYTHON_CLASS_WORDS, PYTHON_WORDS
+from gidl.layout.languages import PYTHON_CLASS_WORDS, PYTHON_WORDS
+from gidl.layout.type_names import escaped
 from gidl.model import Attribute, Operation, Struct
 from gidl.targets.naming import LocalNames, snake_case, wrapped
-from gidl.type_names import escaped
 
 # A name that is reserved in Python gets a trailing underscore. What generated code imports from the
 # runtime and the standard library gets a leading underscore, which no name of an interface has. So

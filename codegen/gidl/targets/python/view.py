@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from gidl.file_names import python_stem
+from gidl.layout.wire_layout import Layout
 from gidl.model import Model
 from gidl.targets.naming import OutputFile, has_output
 from gidl.targets.python.calls.file import interfaces_view
 from gidl.targets.python.homes import AllNames, Homes
 from gidl.targets.python.lower import Lowering
 from gidl.targets.python.values.file import types_view
-from gidl.wire_layout import Layout
 
 
 def lowering(model: Model, layout: Layout) -> Lowering:

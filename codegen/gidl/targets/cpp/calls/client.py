@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gidl.layout.wire_layout import CallKind, CallLayout, FieldLayout
 from gidl.model import (
     Attribute,
     Operation,
@@ -22,7 +23,6 @@ from gidl.targets.groups import group
 from gidl.targets.naming import (
     value_note,
 )
-from gidl.wire_layout import CallKind, CallLayout, FieldLayout
 
 
 class Client(CallFacts):

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from gidl.languages import CPP_WORDS
+from gidl.layout.languages import CPP_WORDS
+from gidl.layout.type_names import escaped
+from gidl.layout.wire_layout import CallKind, CallLayout, FieldLayout
 from gidl.model import (
     Attribute,
     Interface,
@@ -26,8 +28,6 @@ from gidl.targets.naming import (
     LocalNames,
     value_note,
 )
-from gidl.type_names import escaped
-from gidl.wire_layout import CallKind, CallLayout, FieldLayout
 
 # Names of members that each generated interface description has.
 _DESCRIPTION = ("bases", "description", "inherits", "operations", "streams")

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from gidl.file_names import source_stem
+from gidl.layout.wire_layout import CallKind
 from gidl.model import (
     BUILT_IN,
     Attribute,
@@ -33,7 +34,6 @@ from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.includes import system_headers
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.served_model import served_model
-from gidl.wire_layout import CallKind
 
 
 def interfaces_view(lowering: Lowering, file: File) -> InterfacesView:

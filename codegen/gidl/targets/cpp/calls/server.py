@@ -4,6 +4,15 @@ from __future__ import annotations
 
 from functools import cached_property
 
+from gidl.layout.wire_layout import CallKind, CallLayout
+from gidl.layout.wire_nodes import (
+    AppendableNode,
+    Node,
+    ObjectNode,
+    ScalarNode,
+    StructNode,
+    UnionNode,
+)
 from gidl.model import (
     Attribute,
     Operation,
@@ -34,8 +43,6 @@ from gidl.targets.naming import (
     LocalNames,
     value_note,
 )
-from gidl.wire_layout import CallKind, CallLayout
-from gidl.wire_nodes import AppendableNode, Node, ObjectNode, ScalarNode, StructNode, UnionNode
 
 
 def written(node: Node) -> Written:

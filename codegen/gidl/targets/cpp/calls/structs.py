@@ -8,6 +8,21 @@ from dataclasses import dataclass, field, replace
 from itertools import groupby
 
 from gidl.file_names import source_stem
+from gidl.layout.type_names import TypeName
+from gidl.layout.wire_layout import CallKind, CallLayout, FieldLayout, min_size_of
+from gidl.layout.wire_nodes import (
+    AppendableNode,
+    ArrayNode,
+    MapNode,
+    Node,
+    ObjectNode,
+    OptionalNode,
+    ScalarNode,
+    SequenceNode,
+    StringNode,
+    StructNode,
+    UnionNode,
+)
 from gidl.model import Attribute, File, Interface, Operation
 from gidl.targets.calls import (
     CallValue,
@@ -27,21 +42,6 @@ from gidl.targets.cpp.values.structs import Structs
 from gidl.targets.cpp.values.views import FieldView
 from gidl.targets.groups import WIDTH, call, flat, group
 from gidl.targets.naming import range_text
-from gidl.type_names import TypeName
-from gidl.wire_layout import CallKind, CallLayout, FieldLayout, min_size_of
-from gidl.wire_nodes import (
-    AppendableNode,
-    ArrayNode,
-    MapNode,
-    Node,
-    ObjectNode,
-    OptionalNode,
-    ScalarNode,
-    SequenceNode,
-    StringNode,
-    StructNode,
-    UnionNode,
-)
 
 
 @dataclass(frozen=True, slots=True)

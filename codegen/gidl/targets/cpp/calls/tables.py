@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gidl.layout.wire_layout import CallKind, CallLayout
 from gidl.model import (
     Attribute,
     Operation,
@@ -16,7 +17,6 @@ from gidl.targets.cpp.calls.views import (
     StreamRow,
 )
 from gidl.targets.groups import WIDTH
-from gidl.wire_layout import CallKind, CallLayout
 
 
 class Tables(CallFacts):

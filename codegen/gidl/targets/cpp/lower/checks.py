@@ -4,6 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from gidl.layout.wire_layout import FieldLayout, Layout
+from gidl.layout.wire_nodes import (
+    AppendableNode,
+    ArrayNode,
+    EnumNode,
+    MapNode,
+    Node,
+    ObjectNode,
+    OptionalNode,
+    ScalarNode,
+    SequenceNode,
+    StringNode,
+    StructNode,
+    UnionNode,
+)
 from gidl.model import (
     Bitset,
     Model,
@@ -20,21 +35,6 @@ from gidl.targets.cpp.lower.types import Slot, Types, is_bulk
 from gidl.targets.cpp.names import Locals
 from gidl.targets.groups import call
 from gidl.targets.naming import range_text
-from gidl.wire_layout import FieldLayout, Layout
-from gidl.wire_nodes import (
-    AppendableNode,
-    ArrayNode,
-    EnumNode,
-    MapNode,
-    Node,
-    ObjectNode,
-    OptionalNode,
-    ScalarNode,
-    SequenceNode,
-    StringNode,
-    StructNode,
-    UnionNode,
-)
 
 Refuse = Callable[[str], str]
 

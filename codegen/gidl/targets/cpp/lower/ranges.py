@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from gidl.layout.wire_nodes import ScalarNode
 from gidl.model import Primitive
-from gidl.wire_nodes import ScalarNode
 
 
 def range_test(x: str, number: ScalarNode) -> str:

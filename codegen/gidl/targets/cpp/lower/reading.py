@@ -7,17 +7,8 @@ gecos/wire/fields.hpp.
 
 from __future__ import annotations
 
-from gidl.targets.cpp.lower.ranges import bounds, range_test
-from gidl.targets.cpp.lower.statements import (
-    indented,
-    of,
-    with_lambda,
-)
-from gidl.targets.cpp.lower.types import Slot, Types, is_bulk
-from gidl.targets.cpp.names import Locals
-from gidl.targets.groups import call
-from gidl.wire_layout import min_size_of
-from gidl.wire_nodes import (
+from gidl.layout.wire_layout import min_size_of
+from gidl.layout.wire_nodes import (
     AppendableNode,
     ArrayNode,
     EnumNode,
@@ -31,6 +22,15 @@ from gidl.wire_nodes import (
     StructNode,
     UnionNode,
 )
+from gidl.targets.cpp.lower.ranges import bounds, range_test
+from gidl.targets.cpp.lower.statements import (
+    indented,
+    of,
+    with_lambda,
+)
+from gidl.targets.cpp.lower.types import Slot, Types, is_bulk
+from gidl.targets.cpp.names import Locals
+from gidl.targets.groups import call
 
 
 class Reading(Types):

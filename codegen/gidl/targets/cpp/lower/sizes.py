@@ -5,16 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from itertools import dropwhile
 
-from gidl.targets.cpp.lower.statements import (
-    block,
-    loop,
-    of,
-    rows,
-)
-from gidl.targets.cpp.lower.types import Slot, Types
-from gidl.targets.cpp.names import Locals
-from gidl.wire_layout import min_size_of
-from gidl.wire_nodes import (
+from gidl.layout.wire_layout import min_size_of
+from gidl.layout.wire_nodes import (
     AppendableNode,
     ArrayNode,
     EnumNode,
@@ -28,6 +20,14 @@ from gidl.wire_nodes import (
     StructNode,
     UnionNode,
 )
+from gidl.targets.cpp.lower.statements import (
+    block,
+    loop,
+    of,
+    rows,
+)
+from gidl.targets.cpp.lower.types import Slot, Types
+from gidl.targets.cpp.names import Locals
 
 
 class Sizes(Types):

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from gidl.languages import CPP_WORDS
+from gidl.layout.languages import CPP_WORDS
+from gidl.layout.type_names import escaped
+from gidl.layout.wire_layout import Layout
+from gidl.layout.wire_nodes import (
+    Node,
+    ScalarNode,
+)
 from gidl.model import (
     ArrayType,
     Bitmask,
@@ -23,12 +29,6 @@ from gidl.model import (
 )
 from gidl.targets.cpp import names
 from gidl.targets.cpp.lower.ranges import number_text
-from gidl.type_names import escaped
-from gidl.wire_layout import Layout
-from gidl.wire_nodes import (
-    Node,
-    ScalarNode,
-)
 
 PRIMITIVES = {
     Primitive.BOOLEAN: "bool", Primitive.OCTET: "std::uint8_t", Primitive.CHAR: "char",

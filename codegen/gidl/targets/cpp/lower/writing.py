@@ -2,18 +2,7 @@
 
 from __future__ import annotations
 
-from gidl.model import (
-    Bitset,
-    Primitive,
-)
-from gidl.targets.cpp.lower.statements import (
-    block,
-    loop,
-    of,
-)
-from gidl.targets.cpp.lower.types import PRIMITIVES, Slot, Types, is_bulk
-from gidl.targets.cpp.names import Locals
-from gidl.wire_nodes import (
+from gidl.layout.wire_nodes import (
     AppendableNode,
     ArrayNode,
     EnumNode,
@@ -27,6 +16,17 @@ from gidl.wire_nodes import (
     StructNode,
     UnionNode,
 )
+from gidl.model import (
+    Bitset,
+    Primitive,
+)
+from gidl.targets.cpp.lower.statements import (
+    block,
+    loop,
+    of,
+)
+from gidl.targets.cpp.lower.types import PRIMITIVES, Slot, Types, is_bulk
+from gidl.targets.cpp.names import Locals
 
 
 class Writing(Types):

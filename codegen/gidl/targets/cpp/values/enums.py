@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from gidl.languages import CPP_BITSET_WORDS, CPP_WORDS
+from gidl.layout.languages import CPP_BITSET_WORDS, CPP_WORDS
+from gidl.layout.type_names import escaped
 from gidl.model import (
     Bitmask,
     Bitset,
@@ -23,7 +24,6 @@ from gidl.targets.cpp.values.views import (
     printed,
 )
 from gidl.targets.groups import call
-from gidl.type_names import escaped
 
 
 class Enums(ValueNames):

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from itertools import groupby
 
 from gidl.file_names import source_stem
+from gidl.layout.type_names import TypeName
 from gidl.model import (
     AnyDeclaration,
     Bitmask,
@@ -41,7 +42,6 @@ from gidl.targets.naming import (
     has_output,
     value_note,
 )
-from gidl.type_names import TypeName
 
 
 def _whole(place: TypeName, view: TypeView) -> NamespaceView:

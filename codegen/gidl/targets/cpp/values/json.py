@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from gidl.file_names import source_stem
-from gidl.languages import CPP_BITSET_WORDS, CPP_WORDS
+from gidl.layout.languages import CPP_BITSET_WORDS, CPP_WORDS
+from gidl.layout.type_names import escaped
 from gidl.model import (
     AnyDeclaration,
     Bitmask,
@@ -23,7 +24,6 @@ from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.values.structs import Structs
 from gidl.targets.cpp.values.views import StructView
 from gidl.targets.naming import has_output
-from gidl.type_names import escaped
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from gidl.layout.type_names import TypeName
+from gidl.layout.wire_layout import FieldLayout
 from gidl.model import (
     ExceptionStruct,
     Interface,
@@ -32,8 +34,6 @@ from gidl.targets.naming import (
     value_note,
 )
 from gidl.targets.reach import type_reaches
-from gidl.type_names import TypeName
-from gidl.wire_layout import FieldLayout
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gidl.languages import CPP_UNION_WORDS
+from gidl.layout.languages import CPP_UNION_WORDS
+from gidl.layout.type_names import escaped
+from gidl.layout.wire_nodes import EnumNode, ScalarNode
 from gidl.model import (
     Member,
     Primitive,
@@ -27,8 +29,6 @@ from gidl.targets.naming import (
     value_note,
 )
 from gidl.targets.reach import type_reaches
-from gidl.type_names import escaped
-from gidl.wire_nodes import EnumNode, ScalarNode
 
 
 class Unions(ValueNames):

@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from gidl.languages import PYTHON_WORDS
+from gidl.layout.languages import PYTHON_WORDS
+from gidl.layout.wire_layout import CallKind, CallLayout, FieldLayout, node_of
+from gidl.layout.wire_nodes import Node
 from gidl.model import Attribute, Interface, Operation
 from gidl.targets.calls import (
     CallValue,
@@ -18,8 +20,6 @@ from gidl.targets.python import names
 from gidl.targets.python.calls.bases import class_bases
 from gidl.targets.python.homes import Home
 from gidl.targets.python.lower import Lowering
-from gidl.wire_layout import CallKind, CallLayout, FieldLayout, node_of
-from gidl.wire_nodes import Node
 
 
 @dataclass(frozen=True, slots=True)

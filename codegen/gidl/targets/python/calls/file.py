@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 
 from gidl.file_names import python_module
+from gidl.layout.wire_layout import CallKind
 from gidl.model import File, Interface
 from gidl.targets.calls import refuse_unsupported
 from gidl.targets.groups import flat
@@ -25,7 +26,6 @@ from gidl.targets.python.imports import export_order, import_lines, private
 from gidl.targets.python.lower import Lowering
 from gidl.targets.python.values.names import type_doc
 from gidl.targets.served_model import served_model
-from gidl.wire_layout import CallKind
 
 
 def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> InterfacesView:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gidl.layout.wire_layout import CallKind, CallLayout
 from gidl.model import Attribute, Operation
 from gidl.targets.calls import first_missing, short_name
 from gidl.targets.naming import LocalNames, doc_lines, value_note
@@ -14,7 +15,6 @@ from gidl.targets.python.calls.views import (
     PublisherView,
 )
 from gidl.targets.python.values.names import type_doc
-from gidl.wire_layout import CallKind, CallLayout
 
 
 class Members(Tables):

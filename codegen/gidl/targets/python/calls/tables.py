@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gidl.layout.wire_layout import CallKind, CallLayout
 from gidl.model import Attribute, Operation
 from gidl.policy import OnLoss, OnNew, Qos, QualityClass, Reliability
 from gidl.targets.calls import first_missing, short_name
@@ -10,7 +11,6 @@ from gidl.targets.python.calls.facts import CallFacts, Passed
 from gidl.targets.python.calls.views import MethodTableView
 from gidl.targets.python.lower.steps import has_range, unit_of, units_of
 from gidl.targets.python.lower.types import quoted
-from gidl.wire_layout import CallKind, CallLayout
 
 _NO_TERMS = "_Quality()"
 

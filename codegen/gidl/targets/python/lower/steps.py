@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from gidl.model import Model, Primitive, Range, SequenceType, Type
-from gidl.targets.groups import call, group
-from gidl.targets.python.homes import ModuleNames
-from gidl.targets.python.lower.types import CODES, Types, bulk_code, is_octet, quoted
-from gidl.wire_layout import Layout
-from gidl.wire_nodes import (
+from gidl.layout.wire_layout import Layout
+from gidl.layout.wire_nodes import (
     AppendableNode,
     ArrayNode,
     EnumNode,
@@ -23,6 +19,10 @@ from gidl.wire_nodes import (
     StructNode,
     UnionNode,
 )
+from gidl.model import Model, Primitive, Range, SequenceType, Type
+from gidl.targets.groups import call, group
+from gidl.targets.python.homes import ModuleNames
+from gidl.targets.python.lower.types import CODES, Types, bulk_code, is_octet, quoted
 
 
 class Lowering(Types):

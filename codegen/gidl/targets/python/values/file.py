@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from gidl.file_names import python_module
+from gidl.layout.wire_layout import Layout, node_of
+from gidl.layout.wire_nodes import Node
 from gidl.model import (
     AnyDeclaration,
     Bitmask,
@@ -42,8 +44,6 @@ from gidl.targets.python.values.views import (
     TypeView,
     UnionView,
 )
-from gidl.wire_layout import Layout, node_of
-from gidl.wire_nodes import Node
 
 
 def types_view(lowering: Lowering, file: File) -> TypesView:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from gidl.layout.wire_layout import FieldLayout
+from gidl.layout.wire_nodes import Node
 from gidl.model import ExceptionStruct, Member, Operation, Struct
 from gidl.targets.calls import result_struct
 from gidl.targets.groups import call
@@ -14,8 +16,6 @@ from gidl.targets.python.lower.types import quoted
 from gidl.targets.python.values.names import ValueNames, may_be_missing, type_doc
 from gidl.targets.python.values.views import FieldView, StructView
 from gidl.targets.reach import type_reaches
-from gidl.wire_layout import FieldLayout
-from gidl.wire_nodes import Node
 
 
 @dataclass(frozen=True, slots=True)

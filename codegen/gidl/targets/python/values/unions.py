@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gidl.layout.wire_layout import FieldLayout, UnionLayout
 from gidl.model import Union, UnionCase
 from gidl.targets.groups import call
 from gidl.targets.naming import LocalNames, value_note
@@ -10,7 +11,6 @@ from gidl.targets.python.lower.types import quoted
 from gidl.targets.python.values.names import ValueNames, type_doc
 from gidl.targets.python.values.views import ArmView, UnionView
 from gidl.targets.reach import type_reaches
-from gidl.wire_layout import FieldLayout, UnionLayout
 
 
 class Unions(ValueNames):

@@ -1,0 +1,443 @@
+"""The wire encoding of a model: one explicit node per value, one layout per type and per call.
+
+The encoding is LCM's (big-endian, fields in order). Types that LCM lacks are lowered:
+
+    ScalarNode 1 to 8 bytes; unsigned and char are bit-cast to the signed type of their width. The
+    node has the range of its value, also if this is an element, key or arm EnumNode enum, bitmask
+    or bitset as int32 (int64 above 32 bits) StringNode int32 length with NUL, UTF-8, NUL StructNode
+    the fields of a final struct, inline, without fingerprint AppendableNode int32 size, then the
+    fields in a block of that many bytes UnionNode tag, then per arm int8 0 or 1, followed by the
+    arm if 1 ArrayNode the elements SequenceNode int32 count, the elements OptionalNode int8 0 or 1,
+    followed by the value if 1 MapNode int32 count, then key and value of each entry, sorted by key
+    ObjectNode an object reference: the fields of gecos.ObjectRef, an empty name is nil
+
+The body of a request holds the `in` and `inout` parameters in order; the body of a reply holds the
+result, then the `inout` and `out` parameters. Bodies are extensible at the end: a reader ignores
+unknown bytes there, and takes missing fields as default or absent if they are defaulted or
+optional. A stream sample is encoded like the reply body of its attribute's getter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from gidl.layout import function_codes, hashes
+from gidl.layout.languages import CPP_TYPES, PYTHON_TYPES
+from gidl.layout.lcm_lowering import LcmStruct, Lowering, fingerprint
+from gidl.layout.type_names import TypeNames, name_types
+from gidl.layout.wire_nodes import (
+    AppendableNode,
+    ArrayNode,
+    EnumNode,
+    MapNode,
+    Node,
+    ObjectNode,
+    OptionalNode,
+    ScalarNode,
+    SequenceNode,
+    StringNode,
+    StructNode,
+    UnionNode,
+)
+from gidl.model import (
+    ArrayType,
+    Attribute,
+    Bitmask,
+    Bitset,
+    EnumDeclaration,
+    ExceptionStruct,
+    Interface,
+    MapType,
+    Model,
+    NamedType,
+    Operation,
+    Primitive,
+    PrimitiveType,
+    Range,
+    SequenceType,
+    StringType,
+    Struct,
+    Type,
+    Typedef,
+    Union,
+    within,
+)
+
+# Bytes of the smallest object reference: two strings (length and NUL each) and two int64.
+_OBJECT_MIN_SIZE = 2 * 5 + 2 * 8
+
+
+@dataclass(frozen=True, slots=True)
+class FieldLayout:
+    """A member, parameter or result on the wire."""
+
+    name: str
+    node: Node
+    min_size: int
+    fixed_size: int | None  # bytes of each value; None: the size varies
+
+
+@dataclass(frozen=True, slots=True)
+class StructLayout:
+    """A struct or exception. Sizes are bytes of the fields, without fingerprint or size prefix."""
+
+    name: str
+    fields: tuple[FieldLayout, ...]  # all fields, inherited ones first
+    appendable: bool
+    min_size: int
+    fixed_size: int | None
+    lcm: LcmStruct
+    fingerprint: int  # signed 64 bits, as lcm-gen computes fingerprints
+
+
+@dataclass(frozen=True, slots=True)
+class UnionLayout:
+    name: str
+    tag: ScalarNode | EnumNode  # node of the declared discriminator
+    wire_tag: Primitive  # INT32, or INT64 for 64-bit and uint32 discriminators
+    arms: tuple[FieldLayout, ...]  # in the order of the cases; sizes do not include the int8
+    appendable: bool
+    min_size: int
+    lcm: LcmStruct
+    fingerprint: int
+
+
+class CallKind(Enum):
+    OPERATION = "operation"
+    EVENT = "event"
+    GETTER = "getter"
+    SETTER = "setter"
+
+
+@dataclass(frozen=True, slots=True)
+class CallLayout:
+    """The encoding of one call: of an operation, an event, a getter or a setter."""
+
+    kind: CallKind
+    name: str  # scoped name, "robcl::Manipulator::move"; for setters with "=" at its end
+    code: int
+    request: tuple[FieldLayout, ...]
+    reply: tuple[FieldLayout, ...]
+    exceptions: tuple[tuple[str, int], ...]  # scoped name and code of each declared exception
+    hash: int  # operation hash, unsigned 64 bits; see hashes.py
+
+
+@dataclass(frozen=True, slots=True)
+class StreamLayout:
+    """The samples of a stream. `code` is the function code for a getter of the attribute, even if
+    the attribute has no getter."""
+
+    name: str
+    code: int
+    sample: FieldLayout
+    fingerprint: int | None  # fingerprint of a struct sample, sent first on an @open_stream
+    hash: int
+
+
+@dataclass(frozen=True, slots=True)
+class InterfaceLayout:
+    name: str
+    hash: int  # interface hash, unsigned 64 bits; see hashes.py
+    calls: tuple[CallLayout, ...]  # without inherited calls: see `Layout.all_calls`
+    streams: tuple[StreamLayout, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    structs: Mapping[str, StructLayout]
+    unions: Mapping[str, UnionLayout]
+    interfaces: Mapping[str, InterfaceLayout]
+    lcm_structs: Mapping[str, tuple[LcmStruct, ...]]  # by file, helper structs first
+    cpp_names: TypeNames
+    python_names: TypeNames
+
+    def all_calls(self, model: Model, interface: Interface) -> tuple[CallLayout, ...]:
+        return tuple(c for i in model.with_bases(interface) for c in self.interfaces[i.name].calls)
+
+    def call(self, scoped_name: str) -> CallLayout:
+        """Finds a call by the scoped name of an operation or attribute (for a setter, plus "=")."""
+        owner = scoped_name.rpartition("::")[0]
+        return next(c for c in self.interfaces[owner].calls if c.name == scoped_name)
+
+    def stream(self, scoped_name: str) -> StreamLayout:
+        owner = scoped_name.rpartition("::")[0]
+        return next(s for s in self.interfaces[owner].streams if s.name == scoped_name)
+
+
+def build(model: Model) -> Layout:
+    """Lays out every type and interface of `model`. @pre the rules found no error in `model`."""
+    return _Builder(model).build()
+
+
+def node_of(model: Model, used: Type, optional: bool = False, limits: Range | None = None) -> Node:
+    """The node of a value of type `used`, typedefs resolved. `limits` is the range declared for the
+    value: it limits the number, or the elements of an array or sequence."""
+    node = _bare_node(model, used, limits)
+    return OptionalNode(node) if optional else node
+
+
+def _bare_node(model: Model, used: Type, limits: Range | None) -> Node:
+    match used:
+        case PrimitiveType(kind):
+            return ScalarNode(kind, _binding(kind, limits))
+        case StringType(bound):
+            return StringNode(bound)
+        case SequenceType(element, bound):
+            return SequenceNode(_bare_node(model, element, limits), bound)
+        case MapType(key, value, bound):
+            return MapNode(_bare_node(model, key, None), _bare_node(model, value, None), bound)
+        case ArrayType(element, dimensions):
+            return ArrayNode(_bare_node(model, element, limits), dimensions)
+        case NamedType(name):
+            return _named_node(model, name, limits)
+
+
+def _binding(kind: Primitive, limits: Range | None) -> Range | None:
+    """`limits`, or None if no value of the type can violate them."""
+    number = ScalarNode(kind, limits if kind.is_number else None)
+    return limits if number.bounds is not None else None
+
+
+def _named_node(model: Model, name: str, limits: Range | None) -> Node:
+    match model.find(name):
+        case Typedef(type=target, range=own):
+            return _bare_node(model, target, within(limits, own))
+        case Struct() as struct:
+            return AppendableNode(name) if struct.is_appendable else StructNode(name)
+        case Union() as union:
+            return UnionNode(name, union.extensibility.value == "appendable")
+        case EnumDeclaration(bit_bound=bits) | Bitmask(bit_bound=bits) | Bitset(bit_size=bits):
+            return EnumNode(name, Primitive.INT64 if bits > 32 else Primitive.INT32)
+        case Interface():
+            return ObjectNode(name)
+        case other:
+            raise AssertionError(f"{other.name} is not a type")
+
+
+class _Builder:
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._lowering = Lowering(model, node_of)
+        self._fields: dict[str, tuple[FieldLayout, ...]] = {}
+
+    def build(self) -> Layout:
+        structs: dict[str, StructLayout] = {}
+        unions: dict[str, UnionLayout] = {}
+        interfaces: dict[str, InterfaceLayout] = {}
+        for declaration in self._model.declarations():
+            if isinstance(declaration, Struct):
+                structs[declaration.name] = self._struct(declaration)
+            elif isinstance(declaration, Union):
+                unions[declaration.name] = self._union(declaration)
+            elif isinstance(declaration, Interface):
+                interfaces[declaration.name] = self._interface(declaration)
+        return Layout(
+            structs,
+            unions,
+            interfaces,
+            self._lowering.by_file(),
+            name_types(self._model, CPP_TYPES),
+            name_types(self._model, PYTHON_TYPES),
+        )
+
+    def _struct(self, struct: Struct) -> StructLayout:
+        fields = self._struct_fields(struct)
+        return StructLayout(
+            struct.name,
+            fields,
+            struct.is_appendable,
+            sum(f.min_size for f in fields),
+            _sum_fixed(fields),
+            self._lowering.struct(struct.name),
+            fingerprint(self._lowering, struct.name),
+        )
+
+    def _struct_fields(self, struct: Struct) -> tuple[FieldLayout, ...]:
+        if struct.name not in self._fields:
+            members = self._model.all_members(struct)
+            self._fields[struct.name] = tuple(
+                self._field(m.name, m.type, m.optional, m.range) for m in members
+            )
+        return self._fields[struct.name]
+
+    def _union(self, union: Union) -> UnionLayout:
+        tag = node_of(self._model, union.discriminator)
+        assert isinstance(tag, ScalarNode | EnumNode)
+        arms = tuple(
+            self._field(c.member.name, c.member.type, False, c.member.range) for c in union.cases
+        )
+        wire_tag = wire_tag_of(tag)
+        return UnionLayout(
+            union.name,
+            tag,
+            wire_tag,
+            arms,
+            union.extensibility.value == "appendable",
+            _union_min_size(self._model, union),
+            self._lowering.struct(union.name),
+            fingerprint(self._lowering, union.name),
+        )
+
+    def _field(
+        self, name: str, used: Type, optional: bool, limits: Range | None = None
+    ) -> FieldLayout:
+        node = node_of(self._model, used, optional, limits)
+        return FieldLayout(
+            name, node, min_size_of(self._model, node), fixed_size_of(self._model, node)
+        )
+
+    def _interface(self, interface: Interface) -> InterfaceLayout:
+        calls: list[CallLayout] = []
+        streams: list[StreamLayout] = []
+        for member in interface.members:
+            if isinstance(member, Operation):
+                calls.append(self._operation(member))
+            else:
+                calls.extend(self._attribute_calls(member))
+                if member.stream is not None:
+                    streams.append(self._stream(member))
+        return InterfaceLayout(
+            interface.name,
+            hashes.interface_hash(self._model, interface),
+            tuple(calls),
+            tuple(streams),
+        )
+
+    def _operation(self, operation: Operation) -> CallLayout:
+        request = tuple(self._field(p.name, p.type, p.optional, p.range) for p in operation.inputs)
+        reply = [self._field(p.name, p.type, p.optional, p.range) for p in operation.outputs]
+        if operation.result is not None:
+            name = "result"
+            while any(f.name == name for f in reply):
+                name += "_"
+            result = self._field(
+                name, operation.result, operation.result_optional, operation.result_range
+            )
+            reply.insert(0, result)
+        return CallLayout(
+            CallKind.EVENT if operation.is_event else CallKind.OPERATION,
+            operation.scoped_name,
+            function_codes.call_code(self._model, operation),
+            request,
+            tuple(reply),
+            self._exceptions(operation.raises),
+            hashes.operation_hash(self._model, operation),
+        )
+
+    def _attribute_calls(self, attribute: Attribute) -> list[CallLayout]:
+        value = self._field("value", attribute.type, attribute.optional, attribute.range)
+        digest = hashes.attribute_hash(self._model, attribute)
+        calls = []
+        if attribute.has_getter:
+            calls.append(
+                CallLayout(
+                    CallKind.GETTER,
+                    attribute.scoped_name,
+                    function_codes.call_code(self._model, attribute),
+                    (),
+                    (value,),
+                    self._exceptions(attribute.get_raises),
+                    digest,
+                )
+            )
+        if attribute.has_setter:
+            calls.append(
+                CallLayout(
+                    CallKind.SETTER,
+                    attribute.scoped_name + "=",
+                    function_codes.setter_code(self._model, attribute),
+                    (value,),
+                    (),
+                    self._exceptions(attribute.set_raises),
+                    digest,
+                )
+            )
+        return calls
+
+    def _stream(self, attribute: Attribute) -> StreamLayout:
+        sample = self._field("value", attribute.type, attribute.optional, attribute.range)
+        node = sample.node
+        struct = node.name if isinstance(node, StructNode | AppendableNode) else None
+        return StreamLayout(
+            attribute.scoped_name,
+            function_codes.call_code(self._model, attribute),
+            sample,
+            None if struct is None else fingerprint(self._lowering, struct),
+            hashes.attribute_hash(self._model, attribute),
+        )
+
+    def _exceptions(self, names: tuple[str, ...]) -> tuple[tuple[str, int], ...]:
+        found = []
+        for name in names:
+            exception = self._model.find(name)
+            assert isinstance(exception, ExceptionStruct)
+            found.append((name, function_codes.exception_code(self._model, exception)))
+        return tuple(found)
+
+
+def wire_tag_of(tag: ScalarNode | EnumNode) -> Primitive:
+    """Integer type of a union's tag: int32, or int64 where int32 cannot hold every value."""
+    if isinstance(tag, EnumNode):
+        return tag.wire
+    wide = tag.primitive.size == 8 or tag.primitive is Primitive.UINT32
+    return Primitive.INT64 if wide else Primitive.INT32
+
+
+def min_size_of(model: Model, node: Node) -> int:
+    """Size of the smallest value in bytes. A reader may expect at least this number for each
+    element."""
+    match node:
+        case ScalarNode(primitive):
+            return primitive.size
+        case EnumNode(wire=wire):
+            return wire.size
+        case StringNode():
+            return 5
+        case StructNode(name):
+            members = model.all_members(model.struct(name))
+            return sum(min_size_of(model, node_of(model, m.type, m.optional)) for m in members)
+        case AppendableNode() | SequenceNode() | MapNode() | UnionNode(appendable=True):
+            return 4
+        case OptionalNode():
+            return 1
+        case UnionNode(name):
+            declaration = model.find(name)
+            assert isinstance(declaration, Union)
+            return _union_min_size(model, declaration)
+        case ArrayNode(element=element, count=count):
+            return count * min_size_of(model, element)
+        case ObjectNode():
+            return _OBJECT_MIN_SIZE
+
+
+def fixed_size_of(model: Model, node: Node) -> int | None:
+    """Size of a value in bytes if all values have the same size, else None."""
+    match node:
+        case ScalarNode() | EnumNode():
+            return min_size_of(model, node)
+        case StructNode(name):
+            members = model.all_members(model.struct(name))
+            sizes = [fixed_size_of(model, node_of(model, m.type, m.optional)) for m in members]
+            return None if None in sizes else sum(size for size in sizes if size is not None)
+        case ArrayNode(element=element, count=count):
+            each = fixed_size_of(model, element)
+            return None if each is None else count * each
+        case _:
+            return None
+
+
+def _union_min_size(model: Model, union: Union) -> int:
+    tag = node_of(model, union.discriminator)
+    assert isinstance(tag, ScalarNode | EnumNode)
+    return wire_tag_of(tag).size + len(union.cases)
+
+
+def _sum_fixed(fields: tuple[FieldLayout, ...]) -> int | None:
+    total = 0
+    for field in fields:
+        if field.fixed_size is None:
+            return None
+        total += field.fixed_size
+    return total

@@ -1,0 +1,293 @@
+"""The known annotations. Checks the arguments of each use, and the kind of the annotated
+declaration.
+
+The parameters come from idl/gecos/annotations.gidl. IDL cannot express which declarations an
+annotation may annotate, so places.py lists them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+
+from gidl.diagnostics import Findings, Note
+from gidl.model import Primitive, PrimitiveType, StringType, Type, Value
+from gidl.places import PLACES
+from gidl.resolve.constants import Computed, describe_kind
+from gidl.source import Span
+from gidl.syntax.tree import AnnotationUse
+
+# Annotations of the IDL standard that have no meaning in .gidl: never reported as misspelled.
+_STANDARD = frozenset(
+    [
+        "ami",
+        "autoid",
+        "external",
+        "extensibility",
+        "ignore_literal_names",
+        "key",
+        "must_understand",
+        "nested",
+        "default_nested",
+        "non_serialized",
+        "oneway",
+        "service",
+        "topic",
+        "try_construct",
+        "verbatim",
+        "data_representation",
+        "hashid",
+    ]
+)
+
+# Annotations that may be written twice on one declaration.
+_REPEATABLE = frozenset(("verbatim",))
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    name: str
+    type: Type | None  # None: the type `any`
+    default: Value | None
+    literals: Mapping[str, Value] = field(default_factory=dict)  # enumerators by name
+
+
+@dataclass(frozen=True, slots=True)
+class Declared:
+    """An annotation declared with @annotation."""
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    span: Span
+    is_ours: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Applied:
+    """One use of an annotation. Its arguments are computed; those not written have their
+    defaults."""
+
+    name: str
+    arguments: Mapping[str, Value]
+    written: frozenset[str]  # names of the arguments that were written
+    span: Span
+
+    def text(self, name: str = "value") -> str:
+        return str(self.arguments.get(name, ""))
+
+
+class Vocabulary:
+    def __init__(self, findings: Findings) -> None:
+        self._findings = findings
+        self._declared: dict[str, Declared] = {}  # by scoped name in lower case
+        self._warned: set[str] = set()
+
+    def add(self, declared: Declared) -> None:
+        known = self._declared.get(declared.name.lower())
+        if known is not None:
+            self._findings.error(
+                "G0101",
+                declared.span,
+                f"annotation '@{declared.name}' is already declared",
+                notes=(Note("first declared here", known.span.location),),
+            )
+            return
+        self._declared[declared.name.lower()] = declared
+
+    def find(self, name: str, scopes: list[str]) -> Declared | None:
+        """Finds an annotation by the name in the file, looked up in `scopes` (innermost first)."""
+        for scope in scopes:
+            found = self._declared.get(f"{scope}::{name}".lower() if scope else name.lower())
+            if found is not None:
+                return found
+        return None
+
+    # -- one use -------------------------------------------------------------------------------
+
+    def unknown(self, use: AnnotationUse) -> None:
+        """Reports an undeclared annotation: an error if the name looks misspelt, else a warning."""
+        name = str(use.name).removeprefix("::")
+        if name.lower() in PLACES:
+            self._findings.error("G0501", use.span, f"'@{name}' is written '@{name.lower()}'")
+            return
+        close = get_close_matches(name.lower(), list(PLACES), n=1, cutoff=0.75)
+        if close and name not in _STANDARD:
+            self._findings.error(
+                "G0501",
+                use.span,
+                f"unknown annotation '@{name}'",
+                f"did you mean '@{close[0]}'?",
+            )
+        elif name not in self._warned:
+            self._warned.add(name)
+            self._findings.warning(
+                "G0703",
+                use.span,
+                f"annotation '@{name}' has no meaning in .gidl; the model keeps it",
+                "reported once per run",
+            )
+
+    def bind(
+        self, use: AnnotationUse, declared: Declared, given: list[tuple[str | None, Computed, Span]]
+    ) -> Applied | None:
+        """Matches arguments with parameters. None (and a finding) if an argument does not fit."""
+        parameters = {p.name: p for p in declared.parameters}
+        if len(parameters) == 1 and len(given) > 1:
+            message = f"'@{declared.name}' takes one argument"
+            self._findings.error("G0503", given[1][2], message, f"write {_example(declared)}")
+            return None
+        arguments: dict[str, Value] = {}
+        for name, value, span in given:
+            parameter = self._parameter(name, parameters, declared, span)
+            if parameter is None:
+                return None
+            if parameter.name in arguments:
+                self._findings.error(
+                    "G0503", span, f"'{parameter.name}' of '@{declared.name}' is given twice"
+                )
+                return None
+            fitted = self._fit(value, parameter, declared, span)
+            if fitted is None:
+                return None
+            arguments[parameter.name] = fitted
+        written = frozenset(arguments)
+        for parameter in declared.parameters:
+            if parameter.name in arguments:
+                continue
+            if parameter.default is None:
+                self._findings.error(
+                    "G0503",
+                    use.span,
+                    f"'@{declared.name}' needs a value for '{parameter.name}'",
+                    f"write {_example(declared)}",
+                )
+                return None
+            arguments[parameter.name] = parameter.default
+        return Applied(declared.name, arguments, written, use.span)
+
+    def _parameter(
+        self, name: str | None, parameters: dict[str, Parameter], declared: Declared, span: Span
+    ) -> Parameter | None:
+        if name is None:
+            if len(parameters) == 1:
+                return next(iter(parameters.values()))
+            help_line = f"write {_example(declared)}"
+            message = f"'@{declared.name}' takes no arguments"
+            if parameters:
+                message = (
+                    f"'@{declared.name}' has several parameters: write the name of the parameter"
+                )
+            self._findings.error("G0503", span, message, help_line)
+            return None
+        if name in parameters:
+            return parameters[name]
+        close = get_close_matches(name, list(parameters), n=1, cutoff=0.6)
+        known = ", ".join(f"'{p}'" for p in parameters)
+        hint = (
+            f"did you mean '{close[0]}'?"
+            if close
+            else f"the annotation has {known or 'no parameters'}"
+        )
+        self._findings.error("G0503", span, f"'@{declared.name}' has no parameter '{name}'", hint)
+        return None
+
+    def _fit(
+        self, given: Computed, parameter: Parameter, declared: Declared, span: Span
+    ) -> Value | None:
+        if parameter.type is None:
+            return given.value
+        wanted, fits = _wanted(parameter, given)
+        if fits:
+            if isinstance(given.value, int) and wanted == "a floating-point number":
+                return float(given.value)
+            return given.value
+        hint = ""
+        if parameter.literals:
+            hint = "one of " + ", ".join(parameter.literals)
+        elif isinstance(parameter.type, StringType):
+            single = len(declared.parameters) == 1
+            shown_use = _example(declared) if single else f'{parameter.name}="..."'
+            hint = f"write it in quotes: {shown_use}"
+        shown = str(given.value) if given.kind == "int" else describe_kind(given.kind)
+        message = f"'{parameter.name}' of '@{declared.name}' must be {wanted}, not {shown}"
+        self._findings.error("G0503", span, message, hint)
+        return None
+
+    # -- placement -----------------------------------------------------------------------------
+
+    def check_place(self, applied: Applied, place: str) -> bool:
+        allowed = PLACES.get(applied.name)
+        if allowed is None or place in allowed:
+            return True
+        shown = ", ".join(sorted(_plural(p) for p in allowed))
+        self._findings.error(
+            "G0504",
+            applied.span,
+            f"'@{applied.name}' cannot annotate {_article(place)}",
+            f"it applies to {shown}",
+        )
+        return False
+
+    def check_repeated(self, applied: Applied, first: Applied | None) -> bool:
+        if first is None or applied.name in _REPEATABLE:
+            return True
+        self._findings.error(
+            "G0505",
+            applied.span,
+            f"'@{applied.name}' is written twice",
+            notes=(Note("first written here", first.span.location),),
+        )
+        return False
+
+
+def _wanted(parameter: Parameter, given: Computed) -> tuple[str, bool]:
+    """The expected type of the parameter in words, and whether the value has it."""
+    match parameter.type:
+        case StringType(bound):
+            what = "a string" if bound is None else f"a string of at most {bound} bytes"
+            short = bound is None or len(str(given.value).encode()) <= bound
+            return what, given.kind == "string" and short
+        case PrimitiveType(Primitive.BOOLEAN):
+            return "a boolean, TRUE or FALSE", given.kind == "bool"
+        case PrimitiveType(Primitive.CHAR):
+            return "a character", given.kind == "char"
+        case PrimitiveType(kind) if kind.is_floating:
+            return "a floating-point number", given.kind in ("int", "float")
+        case PrimitiveType(kind):
+            low, high = kind.integer_limits
+            fits = isinstance(given.value, int) and given.kind == "int"
+            return f"an integer from {low} to {high}", fits and low <= int(str(given.value)) <= high
+        case _:
+            fits = given.kind == "enum" and given.value in parameter.literals.values()
+            return "an enumerator", fits
+
+
+def _example(declared: Declared) -> str:
+    """The syntax of an annotation, with example arguments."""
+    if not declared.parameters:
+        return f"@{declared.name}"
+    if len(declared.parameters) == 1:
+        return f"@{declared.name}({_value_example(declared.parameters[0])})"
+    shown = ", ".join(f"{p.name}={_value_example(p)}" for p in declared.parameters[:3])
+    return f"@{declared.name}({shown}{', ...' if len(declared.parameters) > 3 else ''})"
+
+
+def _value_example(parameter: Parameter) -> str:
+    if parameter.literals:
+        return list(parameter.literals)[-1]
+    match parameter.type:
+        case StringType():
+            return '"..."'
+        case PrimitiveType(Primitive.BOOLEAN):
+            return "TRUE"
+        case _:
+            return "1"
+
+
+def _article(place: str) -> str:
+    return f"an {place}" if place[0] in "aeiou" else f"a {place}"
+
+
+def _plural(place: str) -> str:
+    return f"{place}es" if place.endswith(("s", "x")) else f"{place}s"
