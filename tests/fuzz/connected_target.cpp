@@ -5,6 +5,7 @@
 
 #include "gecos/gecos.hpp"
 #include "gecos/media/parts/stream_ring.hpp"
+#include "gecos/object_calls.hpp"
 #include "gecos/session/client/open_session.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/wire/layout.hpp"

@@ -1,4 +1,5 @@
 // Calls that a client sends again because it lost the session in which it had sent them.
+#include "gecos/object_calls.hpp"
 #include "gecos/wire/layout.hpp"
 #include "object_host_bench.hpp"
 

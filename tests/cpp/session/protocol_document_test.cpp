@@ -14,6 +14,7 @@
 #include "gecos/object_calls.hpp"
 #include "gecos/object_interface.hpp"
 #include "gecos/session/protocol/handshake.hpp"
+#include "gecos/session/protocol/inward_sample.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/wire/layout.hpp"
 
@@ -183,6 +184,13 @@ TEST_F(ProtocolDocument, ShowsHowAStatusIsAcquired) {
                  .session = SessionId{9},
                  .counter = 4},
                 layout::to_bytes(GecosObject_acquire_result{{gecos::Status::ACTOR, 11}}));
+}
+
+TEST_F(ProtocolDocument, ShowsASampleOfAClient) {
+  Bytes sample(inward_header_size + sizeof(double));
+  write_inward_header(std::span(sample).first<inward_header_size>(), {SessionId{9}, Epoch{11}, 4});
+  wire::Encoder(std::span(sample).subspan(inward_header_size)).put(0.25);
+  expect("inward sample", sample);
 }
 
 }  // namespace
