@@ -94,7 +94,7 @@ file(WRITE "${written}/robcl_interfaces/__init__.py"
   "__path__ = [str((Path(__file__).resolve().parent / \"${share_from_package}\").resolve())]\n")
 install(DIRECTORY "${written}/${metadata}" "${written}/robcl_interfaces" DESTINATION "${python_dir}")
 file(RELATIVE_PATH python_from_command "/${CMAKE_INSTALL_BINDIR}" "/${python_dir}")
-foreach(command "gidl:gidl.cli:run:jinja2" "gecos:gecos.cli:main:numpy click rich")
+foreach(command "gidl:gidl.cli.main:run:jinja2" "gecos:gecos.cli:main:numpy click rich")
   string(REPLACE ":" ";" words "${command}")
   list(GET words 0 name)
   list(GET words 1 module)

@@ -1,6 +1,10 @@
+import shutil
+import subprocess
 import sys
+import sysconfig
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -8,9 +12,12 @@ from blocks import blocks, run
 from pages import TREE, Reader, variables
 from terminals import Terminal
 
-sys.path.append(str(TREE / "tests" / "stress"))  # hosts.py
+sys.path += [str(TREE / "tests" / "stress"), str(TREE / "tests" / "system")]
 
 from hosts import Hosts
+from without_tree import without_tree
+
+STAND_INS = Path(__file__).parent / "stand_ins"
 
 
 @pytest.fixture(scope="session")
@@ -36,9 +43,65 @@ def place() -> Iterator[Path]:
         yield Path(folder)
 
 
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """Where terminals are opened. `within`: words in front of a command that runs there."""
+
+    env: dict[str, str]
+    folder: Path
+    within: Sequence[str | Path]
+
+    def terminal(self) -> Terminal:
+        return Terminal(self.env, self.folder, list(map(str, self.within)))
+
+
 @pytest.fixture
-def reader(hosts: Hosts, place: Path) -> Iterator[Reader]:
-    """Somebody at the terminals of one machine, in the folder of robcl."""
-    env = variables(place / "home")
-    with Reader(lambda name: Terminal(env, TREE, hosts.on(0))) as reader:
+def machines(place: Path) -> dict[str, Machine]:
+    """By their names; a page with one machine gives it none."""
+    shutil.copytree(STAND_INS, place / "bin")
+    return {}
+
+
+@pytest.fixture
+def cell(machines: dict[str, Machine], hosts: Hosts, place: Path) -> Iterator[Machine]:
+    """A machine without the tree, with folders of its own for what an administrator writes. Its
+    services run by tests/docs/service_manager.py."""
+    env = variables(place / "cell", place / "bin")
+    del env["GECOS_RUNTIME_DIR"]  # as for services: programs meet in /run
+    packages = Path(sysconfig.get_path("purelib", "posix_user", {"userbase": str(place / "base")}))
+    for folder in (packages, place / "borrowed", *(place / name for name in ("opt", "run", "lib"))):
+        folder.mkdir(parents=True)
+    (packages / "borrowed.pth").write_text(f"{place}/borrowed\n")  # what apt-get would install
+    subprocess.run(["cp", "-a", "/etc", place / "etc"], stderr=subprocess.DEVNULL)
+    manager = shutil.copy(Path(__file__).parent / "service_manager.py", place)
+    system = f"{sys.base_prefix}/bin:/usr/sbin:/usr/bin:/sbin:/bin"
+    env |= {"PYTHONUSERBASE": str(place / "base"), "PATH": f"{place}/bin:{system}"}
+    also = {"/opt": place / "opt", "/etc": place / "etc", "/run": place / "run"}
+    also["/var/lib"] = place / "lib"
+    bare = without_tree(place / "borrowed", also, ("unshare", "-m"))
+    machines["cell"] = machine = Machine(env, place / "cell", (*hosts.on(0), *bare))
+    with subprocess.Popen(
+        [*machine.within, "python3", manager],
+        env=env,
+        cwd=machine.folder,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    ) as running:
+        assert running.stdout is not None
+        assert running.stdout.readline() == b"ready\n"
+        yield machine
+        running.communicate()  # the end of its input is the end of it
+
+
+@pytest.fixture
+def reader(machines: dict[str, Machine], hosts: Hosts, place: Path) -> Iterator[Reader]:
+    """Somebody at the terminals of one machine, or of two, in the folder of robcl on each."""
+
+    def open_terminal(host: str) -> Terminal:
+        if host not in machines:
+            env = variables(place / (host or "home"), place / "bin")
+            machines[host] = Machine(env, TREE, hosts.on(len(machines)))
+        return machines[host].terminal()
+
+    with Reader(open_terminal) as reader:
         yield reader

@@ -1,14 +1,14 @@
 """A page that is followed to the letter: commands are typed, files written, output seen.
 
 A block ```sh is typed at a terminal and has to succeed. Words after `sh` are for this reader:
-`terminal=2` for another terminal than the one before (each is a shell of its own), `stays` when the
-last command goes on, `status=3` when one command ends with that status, `repeat` when a person
-would type it again until it prints what is expected. A block ```text after it has lines that are
-printed, in this order; … stands for anything. A block `text terminal=2` is printed there, by the
-command that stayed, which ends if `status=` is given too. A block of another language is written
-to the file that the line before it names, in backticks and with a colon at its end; without such a
-name it is not followed. Commands that stay are ended by Ctrl-C before the next one in their
-terminal, unless that is the same.
+`terminal=2` for another terminal than the one before (each is a shell of its own), `host=desk` for
+the terminals of another machine, `stays` when the last command goes on, `status=3` when one command
+ends with that status, `repeat` when a person would type it again until it prints what is expected.
+A block ```text after it has lines that are printed, in this order; … stands for anything. A block
+`text terminal=2` is printed there, by the command that stayed, which ends if `status=` is given
+too. A block of another language is written to the file that the line before it names, in backticks
+and with a colon at its end; without such a name it is not followed. Commands that stay are ended by
+Ctrl-C before the next one in their terminal, unless that is the same.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from terminals import PATIENCE_S, Terminal, pattern_of
 
 TREE = Path(__file__).resolve().parents[2]
 FENCED = re.compile(r"([^\n]*)\n*```(\w+)([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-FILE = re.compile(r"`([\w./-]+)`[^`]*:$")
+FILE = re.compile(r"`([\w./@-]+)`[^`]*:$")
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,12 +61,16 @@ def blocks_of(page: str) -> list[Block]:
     return found
 
 
-def variables(home: Path) -> dict[str, str]:
-    """The environment of a user who has just logged in for the first time."""
+def variables(home: Path, commands: Path) -> dict[str, str]:
+    """The environment of a user who has just logged in for the first time. `commands`: a folder
+    with those that need another machine or another user."""
     ours = ("GECOS_", "PYTHONPATH", "VIRTUAL_ENV", "XDG_CONFIG_HOME")
     env = {name: value for name, value in os.environ.items() if not name.startswith(ours)}
     home.mkdir()
     env |= {"HOME": str(home), "GECOS_RUNTIME_DIR": str(home / "r"), "PYTHONUNBUFFERED": "1"}
+    env["PATH"] = f"{commands}:{env['PATH']}"
+    for role in ("AUTHOR", "COMMITTER"):  # as `git config` would say it
+        env |= {f"GIT_{role}_NAME": "Ann", f"GIT_{role}_EMAIL": "ann@desk"}
     if shutil.which("ccache"):
         env["CMAKE_CXX_COMPILER_LAUNCHER"] = "ccache"
     return env
@@ -77,11 +81,12 @@ class Reader:
     """A person who follows pages at terminals, which stay open from page to page. All programs
     that the pages start have ended when the block `with` ends."""
 
-    open_terminal: Callable[[str], Terminal]  # of this name
+    open_terminal: Callable[[str], Terminal]  # at the machine of this name; "": the only one
     build: str = str(TREE / os.environ.get("GECOS_BUILD", "build"))  # of `make build`
     terminals: dict[str, Terminal] = field(default_factory=dict)
     _first_commands: str = ""
     _at: str = "1"
+    _host: str = ""
 
     def follow(self, page: str) -> None:
         """Raises AssertionError with the first block that does not do what the page says."""
@@ -121,8 +126,7 @@ class Reader:
                 terminal.close()
 
     def _do(self, block: Block, expected: list[str]) -> None:
-        self._at = block.words.get("terminal", self._at)
-        terminal = self._terminal()
+        terminal = self._terminal(block)
         commands = block.text.replace("$ROBCL/build", self.build)
         if terminal.running is not None:
             if terminal.running == commands:
@@ -146,16 +150,17 @@ class Reader:
         raise AssertionError(f"{commands}did not print {expected}\n{terminal}")
 
     def _write(self, block: Block, name: str) -> None:
-        self._at = block.words.get("terminal", self._at)
-        terminal = self._terminal()
+        terminal = self._terminal(block)
         terminal.type("pwd -P")
         file = Path(terminal.finish()[0]) / name
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(block.text, encoding="utf-8")
 
-    def _terminal(self) -> Terminal:
+    def _terminal(self, block: Block) -> Terminal:
+        self._at = block.words.get("terminal", self._at)
+        self._host = block.words.get("host", self._host)
         if self._at not in self.terminals:
-            self.terminals[self._at] = terminal = self.open_terminal(self._at)
+            self.terminals[self._at] = terminal = self.open_terminal(self._host)
             terminal.type(self._first_commands)
             terminal.finish()
         return self.terminals[self._at]

@@ -1,6 +1,9 @@
 """What the documents name exists."""
 
+import ast
 import re
+import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -75,3 +78,40 @@ def test_every_setting_is_documented_and_every_documented_one_is_read() -> None:
 def test_the_documents_that_visitors_look_for_are_there() -> None:
     present = {name(document) for document in DOCUMENTS}
     assert {"README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/architecture.md"} <= present
+
+
+class Imports(ast.NodeVisitor):
+    """The packages that a file needs to run."""
+
+    def __init__(self, file: Path) -> None:
+        self.packages: set[str] = set()
+        self.visit(ast.parse(text_of(file)))
+
+    def visit_Import(self, node: ast.Import) -> None:
+        self.packages |= {name.name.partition(".")[0] for name in node.names}
+
+    def visit_ImportFrom(self, node: ast.ImportFrom) -> None:
+        if node.level == 0 and node.module:
+            self.packages.add(node.module.partition(".")[0])
+
+    def visit_If(self, node: ast.If) -> None:
+        if not (isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"):
+            self.generic_visit(node)
+
+
+def packages_of_others(folder: Path) -> set[str]:
+    needed = set().union(*(Imports(file).packages for file in folder.rglob("*.py")))
+    return needed - sys.stdlib_module_names - {"gecos", "gecos_idl", "robcl"}
+
+
+def test_what_gecos_imports_is_required_and_documented() -> None:
+    imported = packages_of_others(TREE / "runtime/python")
+    project = tomllib.loads(text_of(TREE / "pyproject.toml"))["project"]
+    assert {re.split("[<>=]", each)[0] for each in project["dependencies"]} == imported
+    command = re.search(r'"gecos:gecos.cli:main:([\w ]+)"', text_of(TREE / "cmake/Package.cmake"))
+    assert command and set(command[1].split()) == imported
+    sdk = text_of(TREE / "docs/sdk.md")
+    assert {name for name in imported if f"`{name}`" not in sdk} == set()
+    for page in ("docs/ci.md", "docs/deploying.md"):
+        (installed,) = re.findall(r"pip install ((?:jinja2 )?numpy[\w ]*)`", text_of(TREE / page))
+        assert set(installed.split()) - {"jinja2"} == imported, page

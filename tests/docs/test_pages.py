@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
-from pages import Reader
+from hosts import Hosts
+from pages import Reader, blocks_of
+from terminals import Terminal
 
 
 def test_the_simulated_laboratory(reader: Reader) -> None:
@@ -13,3 +17,56 @@ def test_the_simulated_laboratory(reader: Reader) -> None:
 @pytest.mark.timeout(300)
 def test_a_program_of_ones_own(reader: Reader) -> None:
     reader.follow("docs/own-program.md")
+
+
+@pytest.mark.timeout(300)
+def test_two_machines(reader: Reader, hosts: Hosts) -> None:
+    hosts.without_route(1)  # of the second machine, which has no default route either
+    reader.follow("docs/two-machines.md")
+
+
+@pytest.mark.timeout(300)
+def test_continuous_integration(reader: Reader) -> None:
+    reader.follow("docs/ci.md")
+    mine = reader.terminals["1"]
+    did(mine, "git restore . && sed -i 's/in double target/in float target/' idl/lab/*.gidl")
+    did(mine, "gidl gen && git commit -q -a -m 'Another type'")
+
+    runner = reader.terminals["runner"] = reader.open_terminal("runner")
+    did(runner, f". .venv/bin/activate; git clone -q {THERE} ~/checked-out && cd ~/checked-out")
+    did(runner, "export GITHUB_ACTIONS=true BASE=origin/main BREAKING=false")
+    *before, last = commands_of(workflow_of("docs/ci.md"))
+    for command in before:
+        if not command.startswith(("sudo ", "make ")):  # packages are there, the tree is built
+            did(runner, command.replace("robcl/build", reader.build))
+    said = did(runner, last, status=1)
+    assert any(line.startswith("::error file=idl/lab/thermometer.gidl,line=15,") for line in said)
+    did(runner, "export BREAKING=true")  # the label is "breaking"
+    assert "ci: passed" in did(runner, last)
+
+
+THERE = "~/../home/projects/thermometer"
+STEP = re.compile(r"^( +)run: (?:\|\n((?:\1  .*\n)+)|(.*)\n)", re.MULTILINE)
+
+
+def did(at: Terminal, command: str, status: int = 0) -> list[str]:
+    """What a command printed. Asserts that it ends with `status`."""
+    at.type(command)
+    return at.finish(status)
+
+
+def workflow_of(page: str) -> str:
+    (found,) = (block.text for block in blocks_of(page) if block.language == "yaml")
+    return found
+
+
+def commands_of(workflow: str) -> list[str]:
+    """The lines that its steps run."""
+    runs = [several or one for _, several, one in STEP.findall(workflow)]
+    return [line.strip() for run in runs for line in run.splitlines()]
+
+
+@pytest.mark.timeout(300)
+@pytest.mark.usefixtures("cell")
+def test_deploying(reader: Reader) -> None:
+    reader.follow("docs/deploying.md")

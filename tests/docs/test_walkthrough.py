@@ -12,8 +12,15 @@ import pytest
 TREE = Path(__file__).resolve().parents[2]
 
 
+# What the README says to write into the interface.
+CHANGE = """
+sed -i -e 's/readonly attribute double/@unit("K") &/' \\
+  -e 's/in double/@unit("K") @range(min=0.0, max=400.0) &/' idl/lab/thermometer.gidl
+"""
+
+
 def commands() -> list[str]:
-    """The two blocks of commands of the section: in the tree, and wherever one likes."""
+    """The blocks of commands of the section: in the tree, wherever one likes, after a change."""
     text = (TREE / "README.md").read_text(encoding="utf-8")
     section = text.split("## A device from nothing\n")[1].split("\n## ")[0]
     return re.findall(r"^```sh\n(.*?)^```$", section, re.MULTILINE | re.DOTALL)
@@ -21,9 +28,10 @@ def commands() -> list[str]:
 
 @pytest.mark.timeout(300)
 def test_a_device_from_nothing(tmp_path: Path) -> None:
-    in_the_tree, wherever = commands()
+    in_the_tree, wherever, again = commands()
     build = TREE / os.environ.get("GECOS_BUILD", "build")
-    script = f"{in_the_tree}\ncd {tmp_path}\n{wherever}".replace("$ROBCL/build", str(build))
+    blocks = f"{in_the_tree}\ncd {tmp_path}\n{wherever}\n{CHANGE}\n{again}"
+    script = blocks.replace("$ROBCL/build", str(build))
     told = tmp_path / "told"
     # Not below tmp_path: the name of a Unix socket has at most 107 characters.
     with tempfile.TemporaryDirectory(prefix="gecos-") as meeting, told.open("w") as out:
@@ -47,5 +55,6 @@ def test_a_device_from_nothing(tmp_path: Path) -> None:
             os.close(alive)
     text = told.read_text()
     assert status == 0, text
-    assert "it reads 20" in text
-    assert "and now 21.5" in text
+    assert text.count("it reads 20\n") == 2
+    assert text.count("and now 21.5\n") == 2
+    assert "gecos warning lease" not in text

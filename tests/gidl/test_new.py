@@ -45,7 +45,7 @@ def test_every_name_of_the_template_is_filled_in(here: Path) -> None:
     }
     texts = [p.read_text() for p in files]
     assert not any("${" in text and "Name}" in text for text in texts)
-    assert 'gecos.serve({"GAS_SENSOR": MyGasSensor()}' in (here / "elsewhere/server.py").read_text()
+    assert 'gecos.serve({"GAS_SENSOR": device}' in (here / "elsewhere/server.py").read_text()
     ast.parse((here / "elsewhere/server.py").read_text())
 
 

@@ -81,7 +81,7 @@ def test_a_mistake_with_the_command_gidl(
 ) -> None:
     write_files(mistake, tmp_path)
     monkeypatch.chdir(tmp_path)
-    gidl.cli.main(words_of(mistake))
+    gidl.cli.main.main(words_of(mistake))
     out, err = capsys.readouterr()
     expect(mistake, settled(out + err, tmp_path))
 

@@ -129,6 +129,15 @@ def test_no_broker_says_where_it_was_looked_for() -> None:
     said(named, Level.ERROR, "GECOS_BROKER=lcm")
 
 
+def test_a_key_that_is_not_admitted_is_no_missing_broker() -> None:
+    refused = "(tried lcm: we refused the server: its key 92e3bf70 is not admitted here)"
+    assert broker(Answer(refused), "GECOS_BROKER=lcm").mend.startswith("gecos keys add FILE, with")
+    perhaps = "(tried lcm: no server answers, or the server does not admit our key c1075034)"
+    mend = broker(Answer(perhaps), "GECOS_BROKER=lcm").mend
+    assert mend.startswith("gecos broker, on the host")
+    assert "gecos keys add FILE there" in mend
+
+
 def test_a_broker_of_another_version_and_a_second_one_are_warnings() -> None:
     old = Answer(None, 7, "process 4711", ours=False)
     said(broker(old, "this host"), Level.WARNING, "process 4711", "another version")

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import threading
@@ -228,6 +229,30 @@ def test_serve_says_that_it_belongs_to_the_main_thread() -> None:
         pytest.raises(RuntimeError, match="that thread receives signals; in another thread use"),
     ):
         other.submit(gecos.serve, {}).result()
+
+
+def test_serve_publishes_until_a_signal_ends_it(lab: gecos.Lab) -> None:
+    lamp = PlainLamp()
+    read: list[float] = []
+
+    def publish(ended: threading.Event) -> None:
+        with lab.create(Lamp, "LAMP").level.stream() as levels:
+            lamp.publish_level(0.5)
+            read.append(levels.next(timeout=30.0).value)
+        os.kill(os.getpid(), signal.SIGTERM)
+        assert ended.wait(30.0)
+        read.append(0.0)
+
+    gecos.serve({"LAMP": lamp}, lab=lab, simulated=True, publish=publish)
+    assert read == [0.5, 0.0]
+
+
+def test_an_exception_of_publish_ends_serve_which_raises_it(lab: gecos.Lab) -> None:
+    def publish(ended: threading.Event) -> None:
+        raise OSError("the thermometer does not answer")
+
+    with pytest.raises(OSError, match="the thermometer does not answer"):
+        gecos.serve({"LAMP": PlainLamp()}, lab=lab, simulated=True, publish=publish)
 
 
 def test_an_object_of_this_process_is_reached_without_leaving_it(lamp: Lamp) -> None:

@@ -169,6 +169,14 @@ def test_a_closed_stream_gives_nothing(lamp: Lamp, servant: PlainLamp) -> None:
         stream.next()
 
 
+def test_the_end_of_a_with_block_closes_the_stream(lamp: Lamp, servant: PlainLamp) -> None:
+    with lamp.level.stream() as levels:
+        servant.publish_level(0.25)
+        assert levels.next(timeout=30.0).value == 0.25
+    with pytest.raises(EOFError):
+        levels.next(timeout=30.0)
+
+
 def test_closing_a_stream_ends_who_waits_for_its_samples(lamp: Lamp, servant: PlainLamp) -> None:
     stream = lamp.level.stream()
     begun = threading.Event()

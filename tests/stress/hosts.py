@@ -54,6 +54,10 @@ class Hosts:
     def on(self, host: int) -> list[str]:
         return self._enter(self._ends[host], "-n")
 
+    def without_route(self, host: int) -> None:
+        """Takes the only route for multicast from a host, which has no default route either."""
+        self._ip(self._ends[host], "route del 224.0.0.0/4 dev eth0")
+
     def cut(self) -> int:
         """Cuts the link and returns the time in ns. Neither host sees its own interface go down."""
         self._ip(self._between, "link set end0 nomaster")

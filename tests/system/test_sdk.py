@@ -7,7 +7,6 @@ import re
 import shutil
 import subprocess
 import sys
-import sysconfig
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,12 +14,9 @@ from pathlib import Path
 
 import pytest
 from processes import Laboratory
+from without_tree import TREE, without_tree
 
-TREE = Path(__file__).resolve().parents[2]
 PROJECT = TREE / "examples" / "own_project"
-MOUNTS_OF_ITS_OWN = ("unshare", "-m") if os.geteuid() == 0 else ("unshare", "-Urm")
-# Without the tree, which holds the virtual environment: its packages, at another place, stay.
-WITHOUT_TREE = 'mount --bind "$1" "$2"; mount -t tmpfs none "$3"; shift 3; exec "$@"'
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 SAID = ["not above 500 K", "it is at 400 K"]
 
@@ -59,9 +55,7 @@ class User:
 
     def unseen(self, *command: str | Path) -> Sequence[str | Path]:
         """The command, where the tree is an empty folder."""
-        packages = sysconfig.get_path("purelib")
-        mounts = (packages, self.folder / "packages", TREE)
-        return (*MOUNTS_OF_ITS_OWN, "sh", "-euc", WITHOUT_TREE, "sh", *mounts, *command)
+        return (*without_tree(self.folder / "packages"), *command)
 
     def run(self, *command: str | Path) -> str:
         return checked(*self.unseen(*command), env=self.env)
@@ -127,6 +121,13 @@ def test_what_installed_headers_include_is_installed_and_no_inner_header_is(user
         assert set(INCLUDE.findall(path.read_text())) <= headers.keys(), header
     inner = ("gecos/session/", "gecos/broker/", "gecos/crypto/", "gecos/binding.hpp")
     assert not [header for header in headers if header.startswith(inner)]
+
+
+def test_gecos_up_starts_the_simulated_laboratory(lab: Laboratory, user: User) -> None:
+    lab.env.update({name: value for name, value in user.env.items() if name != "PYTHONPATH"})
+    lab.env.pop("PYTHONPATH", None)
+    lab.start(*user.unseen(user.sdk / "bin/gecos"), "up", ready="WORLD, RX90, GRIPPER, LDS are")
+    assert "GRIPPER" in user_lists(lab, user)
 
 
 @pytest.mark.timeout(600)

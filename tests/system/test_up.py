@@ -78,6 +78,8 @@ def test_killed_it_leaves_nothing_running(lab: Laboratory) -> None:
     [
         ('["no-such-program"]', "lab.toml:2: ARM: there is no program no-such-program"),
         ('["sh", "-c", "exit 7"]', "ARM ended with status 7 before it was ready"),
+        ('["sh", "-c", "echo already; exit 7"]', "ARM ended with status 7 before it was ready"),
+        ('["./lab.toml"]', "lab.toml:2: ARM: ./lab.toml is no executable file; run `chmod +x "),
     ],
 )
 def test_a_laboratory_that_cannot_start_says_why(

@@ -193,8 +193,15 @@ class InterfaceParser(StructParser):
     # -- attr_dcl ------------------------------------------------------------------------------
 
     def _attribute(self, extras: Extras) -> AttributeSyntax:
-        readonly = self._accept("readonly")
+        begin = "readonly" if self._accept("readonly") else "attribute"
         self._expect("attribute", "after 'readonly'")
+        if self._is("@"):
+            at = self._span(self._now)
+            self._findings.error(
+                "G0100", at, f"annotations of an attribute must stand before '{begin}'"
+            )
+            self._annotations()
+        readonly = begin == "readonly"
         used = self._type("the attribute's type")
         names: list[Name] = [self._identifier("the attribute's name")]
         if self._is("["):

@@ -42,7 +42,7 @@ class [[nodiscard("keep the lease: its destructor releases the status")]] Lease 
   std::shared_ptr<session::ClientSession> session_;
   Grant grant_;
   std::uint64_t held_;    ///< result of ClientSession::lease_acquired
-  std::uint64_t issued_;  ///< number of calls that the session had issued before the lease
+  std::uint64_t issued_;  ///< number of calls that the program had issued before the lease
   TimePoint since_;
 };
 

@@ -73,6 +73,8 @@ std::shared_ptr<CommandCore> ended(Failure failure);
 class Refused {
  public:
   explicit Refused(std::string why);
+  /// Number of calls that this process has refused before sending.
+  static std::uint64_t count();
   template <class T, class Feedback>
   operator Command<T, Feedback>() const {  // NOLINT(google-explicit-constructor): it is returned
     if constexpr (std::is_void_v<T>) {

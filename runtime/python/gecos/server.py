@@ -12,6 +12,7 @@ from gecos import _core, shutdown
 from gecos.errors import ServeError
 from gecos.handlers import LANES, Lane, check_handlers
 from gecos.lab import Lab
+from gecos.publisher import Publish, Publisher
 from gecos.servant import Servant
 from gecos.termination_signals import TerminationSignals
 
@@ -147,20 +148,32 @@ def serve(
     simulated: bool = False,
     lab: Lab | None = None,
     media: Iterable[str] = (),
+    publish: Publish | None = None,
 ) -> None:
-    """Serves objects under their names until SIGINT or SIGTERM. Call it from the main thread."""
+    """Serves objects under their names until SIGINT or SIGTERM. Call it from the main thread.
+
+    `publish(ended)` runs on a thread of its own while the objects are served: it measures and
+    publishes until the event `ended` is set. An exception of `publish` ends `serve`, which raises
+    it.
+    """
     if threading.current_thread() is not threading.main_thread():
         raise RuntimeError(
             "call gecos.serve from the main thread, because only that thread receives signals; in "
             "another thread use `with gecos.Server(lab) as server: server.add(…)`"
         )
     # TerminationSignals must be the inner context: then a signal while the server closes ends the
-    # program even if a handler hangs.
-    with Server(lab or Lab()) as server, TerminationSignals() as signals:
+    # program even if a handler or `publish` hangs.
+    with (
+        Server(lab or Lab()) as server,
+        Publisher() as publisher,
+        TerminationSignals() as signals,
+    ):
         if not _broker_found(server, signals):
             return
         for name, servant in servants.items():
             server.add(name, servant, simulated=simulated, media=media)
+        if publish is not None:
+            publisher.start(publish, signals.end_wait)
         print(f"serving {', '.join(servants)}", flush=True)
         signals.wait()
 

@@ -8,7 +8,8 @@ import time
 from collections import deque
 from collections.abc import AsyncIterator, Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Generic, TypeVar
+from types import TracebackType
+from typing import TYPE_CHECKING, Generic, Self, TypeVar
 
 from gecos.errors import StreamLost
 from gecos.wire import DecodeError, Decoder
@@ -114,8 +115,20 @@ class Stream(Generic[T]):
 
         return SampleReader(self)
 
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
     def close(self) -> None:
-        """Ends the subscription; a waiting `next` raises EOFError."""
+        """Ends the subscription; a waiting `next` raises EOFError. The end of `with stream:` does
+        the same."""
         self._closed = True
         self._core.close()
 

@@ -30,6 +30,10 @@ class TerminationSignals:
         while self._here.recv(1)[0] not in _SIGNALS:
             pass
 
+    def end_wait(self) -> None:
+        """Lets `wait` return without a signal. Any thread may call it."""
+        self._there.send(bytes([signal.SIGTERM]))
+
     def came(self) -> bool:
         """Whether SIGINT or SIGTERM has already arrived."""
         try:

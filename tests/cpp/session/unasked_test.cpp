@@ -91,6 +91,15 @@ TEST_P(Unasked, ALeaseThatWasUsedOrReleasedSaysNothing) {
             "");
 }
 
+TEST_P(Unasked, ALeaseUnderWhichACallWasRefusedBeforeItWasSentSaysNothing) {
+  EXPECT_EQ(said_by([this] {
+              const auto lease = gecos::actor(probe_);
+              const gecos::Command<void> refused = gecos::session::Refused("5 is outside [0, 1]");
+              EXPECT_EQ(refused.get().error().detail, Detail::BadParameter);
+            }),
+            "");
+}
+
 TEST(UnaskedDeathTest, ALogLevelThatThereIsNotIsRefusedByTheLab) {
   testing::FLAGS_gtest_death_test_style = "threadsafe";  // where no level was read yet
   ::setenv("GECOS_LOG", "loud", 1);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -35,6 +36,7 @@ class _Process:
         program: Program,
         command: Sequence[str],
         environment: Mapping[str, str],
+        folder: Path,
         ended: Callable[[_Process], None],
     ) -> None:
         self.program = program
@@ -43,6 +45,7 @@ class _Process:
         self._ended = ended
         self._process = subprocess.Popen(
             [*_ends_with_us(), *command],
+            cwd=folder,
             env={**environment, **program.environment},
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
@@ -60,7 +63,7 @@ class _Process:
             self._ready.set()
         for line in self._process.stdout:
             print(f"  [{self.program.name}] {line}", end="", flush=True)
-            if self.program.ready in line:
+            if _says(line, self.program.ready):
                 self._ready.set()
         self._process.wait()
         self._ready.set()
@@ -99,10 +102,11 @@ class _Process:
 
 
 class RunningLaboratory:
-    """The processes of a laboratory."""
+    """The processes of a laboratory, which run in `folder`."""
 
-    def __init__(self, environment: Mapping[str, str]) -> None:
+    def __init__(self, environment: Mapping[str, str], folder: Path) -> None:
         self._environment = dict(environment)
+        self._folder = folder
         self._processes: dict[str, _Process] = {}
         self._commands: dict[str, tuple[str, ...]] = {}
         self._events: SimpleQueue[_Process] = SimpleQueue()
@@ -111,7 +115,7 @@ class RunningLaboratory:
     def start(self, program: Program, command: Sequence[str]) -> None:
         """Starts a program and returns when it is ready."""
         self._commands[program.name] = tuple(command)
-        process = _Process(program, command, self._environment, self._events.put)
+        process = _Process(program, command, self._environment, self._folder, self._events.put)
         self._processes[program.name] = process
         process.await_ready()
 
@@ -164,16 +168,23 @@ def running(
     variables = dict(os.environ if environment is None else environment)
     if laboratory.broker_address:
         variables["GECOS_BROKER"] = laboratory.broker_address
-    started = RunningLaboratory(variables)
+    started = RunningLaboratory(variables, laboratory.folder)
     try:
         if laboratory.starts_broker:
-            broker = [sys.executable, "-m", "gecos.cli", "broker"]
-            started.start(Program("BROKER", tuple(broker), restart), broker)
+            started.start(*_broker(variables, restart))
         for program, command in commands:
             started.start(replace(program, restart=program.restart or restart), command)
         yield started
     finally:
         started.end()
+
+
+def _broker(environment: Mapping[str, str], restart: bool) -> tuple[Program, Sequence[str]]:
+    """The broker of this package, which an installed SDK has outside of the interpreter's path."""
+    command = (sys.executable, "-m", "gecos.cli", "broker")
+    packages = [str(Path(__file__).resolve().parents[2]), environment.get("PYTHONPATH", "")]
+    path = os.pathsep.join(filter(None, packages))
+    return Program("BROKER", command, restart, environment={"PYTHONPATH": path}), command
 
 
 def _command(
@@ -190,12 +201,23 @@ def _command(
         found = [*below, beside / name, *([Path(in_path)] if in_path else [])]
     for path in found:
         if path.is_file() and os.access(path, os.X_OK):
-            return (str(path), *arguments)
+            return (str(path.absolute()), *arguments)
     where = f"{laboratory.file}:{program.line}: " if laboratory.file else ""
+    for path in found:
+        if path.is_file():
+            raise LaboratoryError(
+                f"{where}{program.name}: {name} is no executable file; run `chmod +x {path}`, or "
+                f'name its interpreter, for example run = ["python", "{name}"]'
+            )
     raise LaboratoryError(
-        f"{where}{program.name}: there is no program {name}; give the folder that has it by "
-        "--programs, as the build folder of robcl"
+        f"{where}{program.name}: there is no program {name}; name the folder that has it by "
+        "--programs, for example --programs <robcl>/build"
     )
+
+
+def _says(line: str, words: str) -> bool:
+    """Whether the line has the words as whole words: "already" does not say "ready"."""
+    return re.search(rf"(?<!\w){re.escape(words)}(?!\w)", line) is not None
 
 
 def _below(folder: Path, name: str) -> Iterator[Path]:

@@ -44,13 +44,18 @@ tl::expected<Lease, LeaseRefusal> acquire(const Object& object, Status wanted,
   return session::lease_from(session, *asked);
 }
 
+/// Calls of the session, and calls that were refused before a session was asked to send them.
+std::uint64_t issued_calls(session::ClientSession& session) {
+  return session.issued() + session::Refused::count();
+}
+
 }  // namespace
 
 Lease::Lease(std::shared_ptr<session::ClientSession> session, Grant grant)
     : session_(std::move(session)),
       grant_(grant),
       held_(session_->lease_acquired(grant.epoch)),
-      issued_(session_->issued()),
+      issued_(issued_calls(*session_)),
       since_(session::system_clock().now()) {}
 
 Lease& Lease::operator=(Lease&& other) noexcept {
@@ -77,7 +82,7 @@ Lease::~Lease() {
 
 bool Lease::fresh() const {
   constexpr Duration at_once = std::chrono::milliseconds(100);
-  return session_ != nullptr && session_->issued() == issued_ &&
+  return session_ != nullptr && issued_calls(*session_) == issued_ &&
          session::system_clock().now() - since_ < at_once;
 }
 

@@ -1,3 +1,5 @@
+#include <atomic>
+
 #include "gecos/session/client/client_connection.hpp"
 
 namespace gecos::session {
@@ -51,7 +53,15 @@ std::shared_ptr<CommandCore> ended(Failure failure) {
   return std::make_shared<PendingCommand>(std::move(failure));
 }
 
-Refused::Refused(std::string why) : core_(ended({Detail::BadParameter, std::move(why), {}, {}})) {}
+namespace {
+std::atomic<std::uint64_t> refused_calls{0};  // orders no other memory
+}
+
+Refused::Refused(std::string why) : core_(ended({Detail::BadParameter, std::move(why), {}, {}})) {
+  refused_calls.fetch_add(1, std::memory_order_relaxed);
+}
+
+std::uint64_t Refused::count() { return refused_calls.load(std::memory_order_relaxed); }
 
 const std::shared_ptr<ClientSession>& nil_session() {
   static const std::shared_ptr<ClientSession> nil =

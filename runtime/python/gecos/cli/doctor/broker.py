@@ -23,10 +23,7 @@ def broker(answer: Answer, place: str) -> Finding:
     """`place`: where programs look for a broker, GECOS_BROKER or this host."""
     if answer.reason is not None:
         what = f"no broker answers: {_tried(answer.reason)}"
-        mend = "gecos broker (or gecos up, which starts devices too)"
-        if place != "this host":
-            mend = f"gecos broker, on the host and for the user that {place} names"
-        return wrong("broker", what, place, mend)
+        return wrong("broker", what, place, _mend(answer.reason, place))
     if not answer.ours:
         what = f"the broker, {answer.process}, is of another version of robcl"
         mend = "end it, and start `gecos broker` of this installation"
@@ -42,6 +39,17 @@ def one_broker(answers: Sequence[Answer]) -> Finding | None:
     what = f"several answer: {', '.join(found.values())}; names are unique within each one only"
     mend = "end one of them, or set GECOS_BROKER for all programs"
     return warning("brokers", what, "this host and lcm", mend)
+
+
+def _mend(reason: str, place: str) -> str:
+    if "is not admitted here" in reason:
+        return "gecos keys add FILE, with the .public file of the broker's user"
+    if place == "this host":
+        return "gecos broker (or gecos up, which starts devices too)"
+    mend = f"gecos broker, on the host and for the user that {place} names"
+    if "does not admit our key" in reason:
+        mend += "; if one runs, gecos keys add FILE there, with our .public file"
+    return mend
 
 
 def _tried(reason: str) -> str:
