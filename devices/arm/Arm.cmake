@@ -1,5 +1,6 @@
-# robcl_arm(rx90): the program robcl-rx90 from main.cpp and rx90.urdf beside the CMakeLists.txt that calls it. The model goes into the
-# program, so that it runs from anywhere; C++ finds it as "rx90/rx90_urdf.hpp", through the library devices_rx90_urdf.
+# robcl_arm(rx90) defines the program robcl-rx90. Its sources are the files main.cpp and rx90.urdf in the folder of the
+# CMakeLists.txt that calls robcl_arm. The program contains the text of the URDF file, so that it runs from any folder. C++ code
+# links the library devices_rx90_urdf and includes this text as "rx90/rx90_urdf.hpp".
 function(robcl_arm name)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${name}.urdf)
   file(READ ${name}.urdf urdf)

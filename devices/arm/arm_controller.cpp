@@ -7,20 +7,22 @@ namespace devices {
 namespace {
 
 constexpr int cycles_at_goal = 3;
-// rad: if a joint moved further between planning and start (a brake slipped), the motion fails.
+// A motion fails if a joint moved by more than this angle, in rad, between planning and start; for
+// example because a brake slipped.
 constexpr double moved_away = 1e-3;
 
 std::size_t at(Eigen::Index axis) { return static_cast<std::size_t>(axis); }
 
 ControlMode mode_of(const JointDriver::Capabilities& can, const robcl::arm::ArmModel& model) {
   if (can.axes != model.axes()) {
-    throw std::invalid_argument("the drives have " + std::to_string(can.axes) + " joints, " +
+    throw std::invalid_argument("wrong driver for this arm: the driver has " +
+                                std::to_string(can.axes) + " joints, but the model of " +
                                 model.name() + " has " + std::to_string(model.axes()));
   }
   if (can.position) return ControlMode::Position;
   if (can.velocity) return ControlMode::Velocity;
-  throw std::invalid_argument("the drives of " + model.name() +
-                              " have torque mode only; motion needs position or velocity mode");
+  throw std::invalid_argument("the driver of " + model.name() +
+                              " has only torque mode; motion needs position or velocity mode");
 }
 
 JointState first_state(SupervisedDriver& driver) {
@@ -29,7 +31,7 @@ JointState first_state(SupervisedDriver& driver) {
   return std::move(*state);
 }
 
-/// The reason why this state of the drives does not allow a motion; nullopt if it allows one.
+/// Returns the reason why `state` does not allow a motion; nullopt if a motion is allowed.
 std::optional<DriverFault> not_ready(const JointState& state, ControlMode mode,
                                      const std::string& refusal) {
   switch (state.power) {
@@ -43,7 +45,8 @@ std::optional<DriverFault> not_ready(const JointState& state, ControlMode mode,
       break;
   }
   if (state.brakes == Brakes::Engaged) return DriverFault{"the brakes of the drives are engaged"};
-  if (state.mode != mode) return DriverFault{"the drives are not in the requested control mode"};
+  if (state.mode != mode)
+    return DriverFault{"the drives are not in the control mode that was requested"};
   return std::nullopt;
 }
 
@@ -105,8 +108,8 @@ void ArmController::step(double seconds) {
   if (end) end_motion(std::move(*end));
 }
 
-/// After a fault, the set points start again at the measured joint positions: the joints must not
-/// jump to the set points that they missed.
+/// Takes over the driver's answer of this cycle. After a fault, sets the set points to the measured
+/// joint positions: the joints must not jump to the set points that they missed.
 void ArmController::take(tl::expected<JointState, DriverFault> answer, bool motion_failed) {
   if (answer) {
     const bool stays =
@@ -116,7 +119,7 @@ void ArmController::take(tl::expected<JointState, DriverFault> answer, bool moti
     publish();
     return;
   }
-  // The driver's last answer remains published; the time stamp in the answer tells its age.
+  // The readers still see the driver's last answer. Its time stamp tells how old the answer is.
   loop_.silent = true;
   loop_.command = loop_.state.position;
   loop_.last.commanded = loop_.last.joints;
@@ -141,7 +144,7 @@ void ArmController::begin_motion() {
   auto why = not_ready(loop_.state, mode_, loop_.refusal);
   if (!why && loop_.silent) why = DriverFault{"the driver does not answer"};
   if (!why && (playback_->plan().start() - loop_.command).cwiseAbs().maxCoeff() > moved_away) {
-    why = DriverFault{"the joints were moved after the motion was planned"};
+    why = DriverFault{"the joints moved after the motion was planned; request it again"};
   }
   if (why) return end_motion(Outcome{End::Fault, 0, 0, std::move(*why)});
   loop_.phase = Phase::Moving;
@@ -160,7 +163,8 @@ std::optional<DriverFault> ArmController::fault_of(
   if (!answer) return answer.error();
   if (seconds > can_.longest_gap) {
     return DriverFault{"the control loop stalled for " + std::to_string(seconds) +
-                       " s; the drives stop after " + std::to_string(can_.longest_gap) + " s"};
+                       " s, but the drives stop by themselves after " +
+                       std::to_string(can_.longest_gap) + " s"};
   }
   return not_ready(*answer, mode_, loop_.refusal);
 }

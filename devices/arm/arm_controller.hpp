@@ -16,18 +16,19 @@
 namespace devices {
 
 /// Runs one motion at a time, and holds the arm's position when no motion runs. Only the control
-/// loop's thread may call `step`, which neither locks nor allocates unless the driver fails. Any
+/// loop's thread may call `step`. Unless the driver fails, `step` neither locks nor allocates. Any
 /// thread may call `now`. Only the thread that moves the arm may call the other methods.
 ///
-/// The constructor enables the drives in position mode if they have it, else in velocity mode, in
-/// which the loop controls the position itself. A fault of the drives ends the motion. The fault
-/// stays until `reset_drives`, so that the arm does not move by itself when the cause of the fault
-/// is gone.
+/// The constructor enables the drives in position mode if they have that mode. Otherwise it enables
+/// velocity mode, and the control loop controls the joint positions. A fault of the drives ends the
+/// motion. The fault lasts until `reset_drives` is called, so that the arm does not start to move
+/// when the cause of the fault disappears.
 class ArmController {
  public:
   struct Settings {
-    double settled = 1e-4;      ///< rad: a joint this near to its goal has arrived
-    double settle_time = 1;     ///< s that the joints may take to arrive after a plan
+    double settled = 1e-4;  ///< rad: a joint that is this close to its goal counts as arrived
+    double settle_time =
+        1;  ///< time in s, after the end of a plan, in which all joints must arrive
     double position_gain = 20;  ///< rad/s per rad of position error, in velocity mode
   };
 
@@ -54,33 +55,35 @@ class ArmController {
   };
 
   /// Throws std::runtime_error with the driver's message if the driver cannot read the joint
-  /// positions. Throws std::invalid_argument if the driver has torque mode only, or another number
-  /// of joints than the model.
+  /// positions. Throws std::invalid_argument if the driver has only torque mode, or if its number
+  /// of joints differs from the model's.
   ArmController(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
-  /// Turns the drives off; the brakes then hold the arm.
+  /// Turns the drives off, so that the brakes hold the arm.
   ~ArmController();
   ArmController(const ArmController&) = delete;
   ArmController& operator=(const ArmController&) = delete;
 
-  /// Runs one control cycle of `seconds`.
+  /// Runs one control cycle, which lasts `seconds`.
   void step(double seconds);
 
-  /// Clears a fault of the drives, in the next cycle, and enables them again.
+  /// Makes the next control cycle clear a fault of the drives and enable the drives again.
   void reset_drives() { reset_.store(true); }
-  /// Number of started cycles. It does not rise while the driver blocks.
+  /// Returns the number of control cycles that have started. The number does not rise while a call
+  /// of the driver blocks.
   std::uint64_t beats() const { return beats_.load(); }
 
-  /// Hands a motion to the control loop. @pre `wait` returned the outcome of the last motion;
-  /// `plan` starts at `standing_at()`.
+  /// Hands a motion to the control loop. @pre `wait` returned the outcome of the last motion, and
+  /// `plan` starts at the joint positions `standing_at()`.
   void start(robcl::motion::Plan plan);
-  /// Decelerates the running motion. May be called at any time, even when no motion runs.
+  /// Decelerates the running motion until the arm stands. May be called at any time, even when no
+  /// motion runs.
   void stop() { stop_.store(true); }
-  /// Waits at most `patience` for the outcome of the motion. Once `wait` has returned it, the next
-  /// motion may start.
+  /// Waits at most `patience` for the end of the motion, and returns its outcome; nullopt if the
+  /// motion still runs. The next motion may start after `wait` has returned an outcome.
   std::optional<Outcome> wait(gecos::Duration patience);
 
-  /// The set points of the joints while no motion runs: the end of the last motion or, after a
-  /// fault of the driver, the measured positions.
+  /// Returns the set points that the joints hold while no motion runs. They are the end of the last
+  /// motion or, after a fault of the driver, the measured joint positions.
   JointValues standing_at() const;
   Reading now() const { return reading_.read(); }
 
@@ -106,8 +109,8 @@ class ArmController {
   const ControlMode mode_;
   robcl::arm::Kinematics forward_;
 
-  // From start() to the end of the motion, only the control loop uses playback_ and outcome_; at
-  // other times, only the thread that moves the arm.
+  // From the call of start() to the end of the motion, only the control loop uses playback_ and
+  // outcome_. At other times, only the thread that moves the arm uses them.
   std::optional<robcl::motion::Playback> playback_;
   Outcome outcome_;
 
@@ -117,14 +120,14 @@ class ArmController {
   std::atomic<std::uint64_t> beats_{0};  // orders no other memory
   std::counting_semaphore<> ended_{0};   // publishes outcome_ to the waiting thread
 
-  /// Used by the control loop only.
+  /// The state that only the thread of the control loop uses.
   struct Loop {
     Phase phase = Phase::Standing;
     JointState state;  ///< the driver's last answer
     JointValues command{};
     bool silent = false;    ///< the driver returned no plausible answer in the last cycle
     std::string refusal{};  ///< why the drives could not be enabled; empty if they could
-    double settling = 0;    ///< s since the end of the plan
+    double settling = 0;    ///< time in s since the end of the plan
     int arrived = 0;        ///< consecutive cycles in which all joints were at their goal
     Reading last{};
   };

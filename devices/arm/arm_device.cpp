@@ -15,7 +15,7 @@ using robcl::motion::Plan;
 using namespace std::chrono_literals;
 
 constexpr auto beat = 5ms;  // period at which a running motion is polled
-// polls without a new control cycle: then the control loop has stalled
+// After this number of polls without a new control cycle, the control loop counts as stalled.
 constexpr int most_looks = 400;
 
 MoveFailure as_move_failure(const Failure& failure) {
@@ -24,9 +24,9 @@ MoveFailure as_move_failure(const Failure& failure) {
 
 std::string not_settled(const ArmController::Outcome& outcome) {
   std::ostringstream text;
-  text << "joint " << outcome.axis + 1 << " does not reach its goal, it stays "
+  text << "joint " << outcome.axis + 1 << " does not reach its goal: it stands "
        << std::setprecision(3) << robcl::in_deg(outcome.away)
-       << " deg away: look for an obstacle or a weak brake";
+       << " deg away from the goal; check for an obstacle or a dragging brake";
   return text.str();
 }
 
@@ -116,10 +116,12 @@ template <typename MakePlan>
 tl::expected<void, MoveFailure> ArmDevice::run(const Pace& pace, MotionWatcher& watcher,
                                                MakePlan make_plan) {
   if (auto problem = robcl::motion::problem_of(pace)) return tl::unexpected(Refused{*problem});
-  if (!moving_.try_lock()) return tl::unexpected(Refused{"the arm is moving for another caller"});
+  if (!moving_.try_lock())
+    return tl::unexpected(Refused{"the arm is moving for another caller; wait until it stops"});
   const gecos::MutexLock standing(moving_, std::adopt_lock);
   if (unfinished_ && !controller_.wait(0ms)) {
-    return tl::unexpected(DriverFault{"the driver does not return: the control loop has stalled"});
+    return tl::unexpected(
+        DriverFault{"the control loop has stalled: a call of the driver does not return"});
   }
   unfinished_ = false;
   Planned plan = make_plan(controller_.standing_at());
@@ -153,7 +155,8 @@ tl::expected<void, MoveFailure> ArmDevice::follow(Plan plan, MotionWatcher& watc
   if (!outcome) {
     controller_.stop();  // ends the motion if the control loop continues later
     unfinished_ = true;
-    return tl::unexpected(DriverFault{"the driver does not return: the control loop has stalled"});
+    return tl::unexpected(
+        DriverFault{"the control loop has stalled: a call of the driver does not return"});
   }
   switch (outcome->end) {
     case ArmController::End::Arrived:
@@ -168,8 +171,9 @@ tl::expected<void, MoveFailure> ArmDevice::follow(Plan plan, MotionWatcher& watc
   return tl::unexpected(outcome->fault);
 }
 
-/// How the motion ended; nullopt if the control loop began no cycle during `most_looks` polls.
-/// Counts polls instead of time, because a process does not poll while it is suspended.
+/// Waits for the end of the motion and returns its outcome. Returns nullopt if the control loop
+/// began no cycle during `most_looks` polls. Counts polls and not time, because time also passes
+/// while the process is suspended.
 std::optional<ArmController::Outcome> ArmDevice::await_end(MotionWatcher& watcher) {
   std::uint64_t seen = controller_.beats();
   for (int looks = 0; looks < most_looks; ++looks) {
@@ -189,7 +193,7 @@ SixAxisDevice::SixAxisDevice(const robcl::arm::ArmModel& model, const Settings& 
     : ArmDevice(model, settings, driver) {
   if (model.axes() != 6) {
     throw std::invalid_argument(model.name() + " has " + std::to_string(model.axes()) +
-                                " axes, a six-axis arm has six");
+                                " axes, but a six-axis arm needs six");
   }
 }
 

@@ -1,4 +1,4 @@
-// An arm that has a base in the world and a tool. One caller at a time may move the arm.
+// An arm that stands in the world and carries a tool. Only one caller at a time may move the arm.
 #pragma once
 
 #include <memory>
@@ -18,19 +18,24 @@ using robcl::Frame;
 
 enum class PathKind { Joint, Straight };
 
-/// The caller of a motion, while the motion runs.
+/// The interface through which a running motion reports its progress to its caller, and asks
+/// whether the caller interrupts the motion.
 class MotionWatcher {
  public:
   virtual ~MotionWatcher() = default;
-  /// Called about every 5 ms. If it returns true, the arm decelerates on its path.
+  /// Returns whether the motion must end. The arm calls this function about every 5 ms; when it
+  /// returns true, the arm decelerates on its path.
   virtual bool interrupted() = 0;
-  /// `fraction`: passed part of the motion's duration, 0 to 1. `remaining`: s until the arm stands.
+  /// Receives the progress of the motion: `fraction` is the passed part of the motion's duration, 0
+  /// to 1; `remaining` is the time until the arm stands, in s.
   virtual void progress(double fraction, double remaining) = 0;
 };
 
-/// The watcher interrupted the motion; the arm stands somewhere on its path.
+/// The failure of a motion that its MotionWatcher interrupted. The arm stands somewhere on its
+/// path.
 struct Interrupted {};
-/// The state of the arm, or the request itself, does not allow the motion.
+/// The failure of a motion or setting that the state of the arm, or the request itself, does not
+/// allow.
 struct Refused {
   std::string reason;
 };
@@ -50,7 +55,7 @@ class ArmDevice {
 
   ArmDevice(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
 
-  /// Runs one cycle of the control loop, of `seconds`.
+  /// Runs one cycle of the control loop, which lasts `seconds`.
   void step(double seconds) { controller_.step(seconds); }
 
   /// The measurements of one cycle of the control loop.
@@ -73,16 +78,17 @@ class ArmDevice {
   robcl::arm::Configuration configuration() const;
   const robcl::arm::ArmModel& model() const { return model_; }
 
-  /// Clears a fault of the drives and enables them again. Returns at once; until the reset is done,
-  /// moves are refused with the text of the fault.
+  /// Requests that the control loop clears a fault of the drives and enables the drives again.
+  /// Returns at once. Until the reset is done, each motion fails with the text of the fault.
   void reset_drives() { controller_.reset_drives(); }
 
-  /// Places the base in the world. Fails while the arm moves.
+  /// Sets the frame of the arm's base in the world. Fails while the arm moves.
   tl::expected<void, Refused> mount(const Frame& world_from_base);
   /// Sets the frame of the tool, seen from the flange. Fails while the arm moves.
   tl::expected<void, Refused> set_tool_offset(const Frame& flange_from_tool);
 
-  /// Moves the tool to `world_from_goal` and returns when the measured tool stands there.
+  /// Moves the tool to the frame `world_from_goal` and returns when the arm has arrived there by
+  /// its measured joint positions.
   tl::expected<void, MoveFailure> move(const Frame& world_from_goal, PathKind path,
                                        const robcl::motion::Pace& pace, MotionWatcher& watcher);
 
@@ -104,7 +110,7 @@ class ArmDevice {
 
   gecos::Mutex moving_;  // held until the arm has stopped
   robcl::motion::Planner planner_ GECOS_GUARDED_BY(moving_);
-  /// A motion was abandoned because the control loop stalled.
+  /// Whether the last motion has no outcome yet, because the control loop stalled.
   bool unfinished_ GECOS_GUARDED_BY(moving_) = false;
 
   mutable gecos::Mutex reading_;  // never held while waiting
@@ -113,13 +119,14 @@ class ArmDevice {
   const std::unique_ptr<robcl::arm::InverseKinematics> postures_ GECOS_POINTER_GUARDED_BY(reading_);
 };
 
-/// An arm with six joints whose positions a caller may command.
+/// An arm with six joints. A caller may command the positions of the joints.
 class SixAxisDevice : public ArmDevice {
  public:
   /// Throws std::invalid_argument unless the model has six axes.
   SixAxisDevice(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
 
-  /// Moves all joints, which arrive together. @pre `target` has six values.
+  /// Moves all joints to the positions `target`, in rad; the joints arrive at the same time. @pre
+  /// `target` has six values.
   tl::expected<void, MoveFailure> move_joints(const JointValues& target,
                                               const robcl::motion::Pace& pace,
                                               MotionWatcher& watcher) {

@@ -52,7 +52,7 @@ int serve_arm(const ArmProgram& program, const MakeServant& make_servant, int co
   const CommandLine line(program.program,
                          (program.connect ? "Serves a " : "Serves a simulated ") + program.arm +
                              " with a control cycle of 4 ms.",
-                         {{"name", program.name, "name to register"},
+                         {{"name", program.name, "name under which clients find the arm"},
                           {"tool-length", "150", "distance from flange to tool frame along z, mm"},
                           {"seed", "1", "seed of the simulated encoder noise"}},
                          count, words);

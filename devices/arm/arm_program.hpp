@@ -1,4 +1,4 @@
-// The server program that all six-axis arms share.
+// The code of a server program for a six-axis arm. All six-axis arms use this code.
 #pragma once
 
 #include <functional>
@@ -10,30 +10,33 @@
 
 namespace devices {
 
-/// The differences between the programs of two arms.
+/// The settings in which the program of one arm differs from the programs of other arms.
 struct ArmProgram {
-  std::string program;      ///< "robcl-rx90"
-  std::string name;         ///< name to register unless --name is given
-  std::string arm;          ///< in texts for people: "Staeubli RX90"
+  std::string program;      ///< name of the program, for example "robcl-rx90"
+  std::string name;         ///< name under which clients find the arm, unless --name is given
+  std::string arm;          ///< name of the arm for people, for example "Staeubli RX90"
   std::string urdf;         ///< text of the URDF model
   std::string base_link;    ///< name of the base link in the URDF model
   std::string flange_link;  ///< name of the flange link in the URDF model
-  /// The acceleration limit of a joint is its full speed divided by this time, because neither URDF
-  /// nor a published source has such a limit.
+  /// Time in s in which a joint reaches its full speed. It determines the acceleration limits of
+  /// the joints, because neither the URDF model nor a published source states them.
   double seconds_to_full_speed = 0.25;
   std::vector<double> start_degrees;  ///< start positions of the simulated joints
-  /// Where the arm stands, for the error of `mount`; see ManipulatorServant.
+  /// Tells where the arm stands. The text becomes the start of an error of `mount`; see
+  /// ManipulatorServant.
   std::string place;
-  /// Makes the driver of the real joints. If empty, the joints are simulated.
+  /// Makes the driver of the real joints. If this function is empty, the program simulates the
+  /// joints.
   std::function<std::unique_ptr<JointDriver>()> connect{};
 };
 
 using MakeServant = std::function<std::unique_ptr<SixAxisServant>(SixAxisDevice&, std::string)>;
 
-/// Serves the arm until SIGINT or SIGTERM. Returns the program's exit status.
+/// Serves the arm until the program gets SIGINT or SIGTERM. Returns the program's exit status.
 int serve_arm(const ArmProgram& arm, const MakeServant& make_servant, int count, char** words);
 
-/// Serves an arm whose generated servant class is `Skeleton`, which adds no operation to SixAxis.
+/// Serves an arm whose interface adds no operation to SixAxis. `Skeleton` is the generated servant
+/// class of that interface.
 template <class Skeleton>
 int serve_arm(const ArmProgram& arm, int count, char** words) {
   const MakeServant make = [](SixAxisDevice& device, std::string place) {

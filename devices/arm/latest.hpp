@@ -8,9 +8,9 @@
 
 namespace devices {
 
-/// The newest value that one thread writes and any number of threads read. Writing is wait-free. A
-/// reader that finds the value changing reads again; with a few hundred writes per second it does
-/// so at most once.
+/// Holds the newest value that one thread writes and any number of threads read. Writing is
+/// wait-free. A reader reads again if the writer changed the value during the read; with a few
+/// hundred writes per second, a reader reads at most twice.
 template <typename T>
 requires std::is_trivially_copyable_v<T>
 class Latest {

@@ -7,24 +7,26 @@
 
 namespace devices {
 
-/// Implements the operations of `robcl::Manipulator` with an ArmDevice. Thread-safe.
+/// Implements the operations of the interface `robcl::Manipulator` with an ArmDevice. Thread-safe.
 ///
 /// The servant of a particular arm derives from this class and from the generated servant class of
-/// its own interface (see ExactArm).
+/// that arm's interface (see ExactArm).
 class ManipulatorServant : public virtual robcl::ManipulatorServant {
  public:
-  /// `place` says where the arm stands: "an RX90 weighs 111 kg and stands on the floor". If `mount`
-  /// is called with a carrier, the error begins with `place`.
+  /// `place` says where the arm stands, for example "an RX90 weighs 111 kg and stands on the
+  /// floor". A call of `mount` with a carrier fails with an error that begins with `place`.
   ManipulatorServant(ArmDevice& arm, std::string place) : arm_(arm), place_(std::move(place)) {}
 
-  /// Sends a sample of every stream if there is a new measurement. Called by one thread at a time.
+  /// Sends a sample on each stream of the arm if there is a new measurement. Only one thread at a
+  /// time may call this method.
   void publish();
 
  protected:
   using Progress = gecos::Execution<robcl::MotionProgress>;
 
-  /// Sends `sample` on the streams of this interface. If an interface adds streams, its
-  /// servant overrides this method and also calls it.
+  /// Sends the measurements of `sample` on the streams of the interface Manipulator. The servant of
+  /// an interface that has more streams must override this method; the new method must also call
+  /// this one.
   virtual void publish_sample(const ArmDevice::Sample& sample);
 
   gecos::Result<Frame> base() override { return arm_.base(); }

@@ -1,4 +1,5 @@
-// Connects the handler of a motion to the arm, and makes the handler's reply.
+// Code for the handlers of motions: connects a running handler to the arm, and makes the reply of
+// the handler.
 #pragma once
 
 #include "arm/arm_device.hpp"
@@ -7,7 +8,8 @@
 
 namespace devices {
 
-/// Passes interrupts of the call to the arm, and the arm's progress to the caller.
+/// A MotionWatcher for the handler of a call: passes an interruption of the call to the arm, and
+/// the progress of the motion to the caller.
 class CallWatcher final : public MotionWatcher {
  public:
   using Progress = gecos::Execution<robcl::MotionProgress>;
@@ -24,7 +26,8 @@ class CallWatcher final : public MotionWatcher {
 
 robcl::motion::Pace pace_of(const robcl::Trajectory& how);
 
-/// The reply to a call that moves the arm. Each failure maps to one exception of the interface.
+/// Returns the reply to a call that moves the arm. Converts each failure to an exception of the
+/// interface or to a fault.
 gecos::Result<void> answer(const tl::expected<void, MoveFailure>& moved);
 
 }  // namespace devices

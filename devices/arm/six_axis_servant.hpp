@@ -8,7 +8,7 @@
 
 namespace devices {
 
-/// Implements the operations of `robcl::SixAxis` with a SixAxisDevice. Thread-safe.
+/// Implements the operations of the interface `robcl::SixAxis` with a SixAxisDevice. Thread-safe.
 class SixAxisServant : public virtual robcl::SixAxisServant, public ManipulatorServant {
  public:
   SixAxisServant(SixAxisDevice& arm, std::string place)

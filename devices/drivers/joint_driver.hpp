@@ -1,4 +1,4 @@
-// The interface between motion and hardware: the drives of one arm.
+// The interface of the drives of one arm, which separates the motion code from the hardware.
 #pragma once
 
 #include <cstdint>
@@ -17,21 +17,21 @@ struct DriverFault {
   std::string text;
 };
 
-/// Which value of a JointCommand the drives must follow. The other values may serve as
-/// feed-forward.
+/// Tells which member of a JointCommand the drives must follow. A driver may use the other members
+/// as feed-forward.
 enum class ControlMode { Position, Velocity, Torque };
 
 enum class DrivePower {
   Off,        ///< no torque; the brakes hold
   TurningOn,  ///< enabled, but not ready yet
   On,         ///< follows commands
-  Fault,      ///< no torque and the brakes hold, until `reset`
+  Fault,      ///< no torque; the brakes hold until `reset` is called
 };
 
-/// State of the joints' brakes. For joints without brakes it is Released.
+/// State of the joints' brakes. Joints without brakes always have the state Released.
 enum class Brakes { Engaged, Released };
 
-/// The set points of the joints until the next command.
+/// The set points that the joints follow until the next command.
 struct JointCommand {
   JointValues position;  ///< rad, at the end of the cycle
   JointValues velocity;  ///< rad/s
@@ -50,19 +50,18 @@ struct JointState {
   std::string fault;                         ///< text for people if power is Fault
 };
 
-/// The joints of one arm. Used by one thread at a time.
+/// The driver of the joints of one arm. Only one thread at a time may use a driver.
 ///
-/// Every function must return within a fraction of the control cycle. Longer work, such as
-/// releasing the brakes, must continue in the background while `exchange` reports TurningOn. A
-/// driver that fails, throws or returns impossible values ends the motion with a fault (see
-/// SupervisedDriver).
+/// Each function must return within a fraction of the control cycle. Longer work, such as releasing
+/// the brakes, must continue in the background while `exchange` reports TurningOn. If a driver
+/// fails, throws or returns impossible values, the motion ends with a fault (see SupervisedDriver).
 class JointDriver {
  public:
   struct Capabilities {
     Eigen::Index axes = 0;
     bool position = false, velocity = false, torque = false;  ///< supported control modes
-    /// Time without an `exchange`, s, after which the drives stop by themselves. If the control
-    /// loop stalled for longer than this time, the motion fails.
+    /// Time in s without a call of `exchange` after which the drives stop by themselves. If the
+    /// control loop stalls for longer than this time, the motion fails.
     double longest_gap = std::numeric_limits<double>::infinity();
   };
 
@@ -70,19 +69,20 @@ class JointDriver {
 
   virtual Capabilities capabilities() const = 0;
 
-  /// Reads the measured state; sends no command to the drives.
+  /// Reads the measured state of the joints. Sends no command to the drives.
   virtual tl::expected<JointState, DriverFault> read() = 0;
-  /// Turns the drives on and releases the brakes. The joints stay where they are until the first
-  /// `exchange` that finds them On. Fails in a mode that the drives do not have, and while a fault
-  /// is not reset.
+  /// Turns the drives on in the control mode `mode` and releases the brakes. The joints stay where
+  /// they are until the first call of `exchange` at which the drives are On. Fails if the drives do
+  /// not have this mode, or if they have a fault that `reset` has not cleared.
   virtual tl::expected<void, DriverFault> enable(ControlMode mode) = 0;
-  /// Stops the joints, engages the brakes, turns the drives off.
+  /// Stops the joints, engages the brakes and turns the drives off.
   virtual tl::expected<void, DriverFault> disable() = 0;
-  /// Clears a fault whose cause is gone. Afterwards the drives are Off.
+  /// Clears a fault of the drives after its cause has disappeared. The drives are then Off.
   virtual tl::expected<void, DriverFault> reset() = 0;
 
-  /// Called once per control cycle: takes the command for the next `seconds` and returns
-  /// measurements. Ignores the command unless the drives are On. Allocates only on failure.
+  /// Takes the command for the next `seconds` and returns measurements. The control loop calls this
+  /// function once per cycle. Ignores the command unless the drives are On. Allocates memory only
+  /// when it fails.
   virtual tl::expected<JointState, DriverFault> exchange(const JointCommand& command,
                                                          double seconds) = 0;
 };

@@ -6,13 +6,13 @@
 
 namespace devices {
 
-/// Simulated, imperfect joints. They follow a commanded position or velocity with a first-order
-/// lag, and are measured by encoders of finite resolution with noise. The joints have no mass, so
-/// there is no torque mode.
+/// A driver of simulated, imperfect joints. The joints follow a commanded position or velocity with
+/// a first-order lag. Encoders of finite resolution measure the joints with noise. The joints have
+/// no mass, so there is no torque mode.
 class SimulatedDriver final : public JointDriver {
  public:
   struct Imperfection {
-    double lag = 0.010;               ///< time constant of the lag, s: time to do 63 % of a step
+    double lag = 0.010;  ///< time constant of the lag, s: after it, 63 % of a step is done
     double encoder_counts = 262'144;  ///< counts per turn
     double noise = 0.4;               ///< standard deviation, counts
     unsigned seed = 1;
@@ -28,9 +28,9 @@ class SimulatedDriver final : public JointDriver {
   tl::expected<JointState, DriverFault> exchange(const JointCommand& command,
                                                  double seconds) override;
 
-  /// Positions of the joints as the encoders measure them now, rad.
+  /// Returns the positions of the joints in rad, as the encoders measure them now.
   JointValues measured();
-  /// Makes the drives fail with the text `fault`; the brakes hold the arm until a reset.
+  /// Makes the drives fail with the text `fault`. The brakes hold the arm until `reset` is called.
   void break_down(std::string fault);
 
  private:

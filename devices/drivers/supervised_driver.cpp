@@ -10,9 +10,9 @@
 namespace devices {
 namespace {
 
-constexpr double encoder_slack = 0.01;  // rad that noise or a late cycle may add to a movement
+constexpr double encoder_slack = 0.01;  // rad; noise or a late cycle may add this to a movement
 
-/// Calls `ask` and returns its result. Turns an exception into a DriverFault.
+/// Calls the function `ask` and returns its result. Returns a DriverFault if `ask` throws.
 template <typename Ask>
 auto caught(Ask ask) -> decltype(ask()) {
   try {
@@ -81,18 +81,19 @@ tl::expected<JointState, DriverFault> SupervisedDriver::judged(
 std::optional<DriverFault> SupervisedDriver::lie_of(const JointState& state, double seconds) const {
   const auto axes = static_cast<Eigen::Index>(limits_.size());
   if (state.position.size() != axes) {
-    return lie("it has ", state.position.size(), " joint positions, the arm has ", axes, " joints");
+    return lie("the answer has ", state.position.size(), " joint positions, but the arm has ", axes,
+               " joints");
   }
   if (!fits(state.position, axes)) return lie("a joint position is not finite");
   if (state.velocity.size() > 0 && !fits(state.velocity, axes)) {
-    return lie("its joint velocities are not ", axes, " finite numbers");
+    return lie("the joint velocities are not ", axes, " finite numbers");
   }
   if (state.torque.size() > 0 && !fits(state.torque, axes)) {
-    return lie("its joint torques are not ", axes, " finite numbers");
+    return lie("the joint torques are not ", axes, " finite numbers");
   }
   const double age = unix_now() - 1e-9 * static_cast<double>(state.measured_at_ns);
-  if (age > oldest) return lie("its measurement is ", age, " s old");
-  if (age < -oldest) return lie("its measurement is ", -age, " s in the future");
+  if (age > oldest) return lie("the measurement is ", age, " s old");
+  if (age < -oldest) return lie("the time of the measurement is ", -age, " s in the future");
   return jump_of(state.position, seconds);
 }
 
@@ -102,8 +103,8 @@ std::optional<DriverFault> SupervisedDriver::jump_of(const JointValues& position
     const double jump = std::abs(position[i] - last_[i]);
     const double most = limits_[static_cast<std::size_t>(i)].speed * seconds;
     if (jump <= speed_margin * most + encoder_slack) continue;
-    return lie("joint ", i + 1, " moved by ", jump, " rad in ", seconds, " s; it can move by ",
-               most, " rad");
+    return lie("joint ", i + 1, " moved by ", jump, " rad in ", seconds,
+               " s; the joint can move by at most ", most, " rad in this time");
   }
   return std::nullopt;
 }

@@ -8,18 +8,20 @@
 
 namespace devices {
 
-/// A driver that returns only plausible answers. It turns every exception of `driver` and every
-/// impossible answer into a DriverFault: NaN or infinite numbers, a wrong number of joints, a time
-/// stamp in the future or too old, a joint that moved faster than it can.
+/// Calls another driver and passes on only its plausible answers. Returns a DriverFault instead
+/// when the other driver throws an exception or gives an impossible answer: a number that is NaN or
+/// infinite, a wrong number of joints, a time stamp that is too old or in the future, or a joint
+/// that moved faster than it can.
 class SupervisedDriver final : public JointDriver {
  public:
-  /// Greatest age of a measurement, s. A measurement that is older, or this far in the future, is a
-  /// fault.
+  /// Greatest allowed age of a measurement, in s. An older measurement is a fault, and so is a
+  /// measurement whose time stamp is more than this time in the future.
   static constexpr double oldest = 0.1;
-  /// A measured movement is a fault if it is faster than this multiple of the joint's speed limit.
+  /// A measured movement of a joint is a fault if its speed is more than this multiple of the
+  /// joint's speed limit.
   static constexpr double speed_margin = 4;
 
-  /// `limits` has one entry per joint.
+  /// @pre `limits` has one entry for each joint. `driver` must outlive this object.
   SupervisedDriver(JointDriver& driver, std::vector<robcl::arm::JointLimits> limits)
       : driver_(driver), limits_(std::move(limits)) {}
 
@@ -39,7 +41,7 @@ class SupervisedDriver final : public JointDriver {
 
   JointDriver& driver_;
   const std::vector<robcl::arm::JointLimits> limits_;
-  JointValues last_;  // last positions; empty after a fault: joints may have moved any distance
+  JointValues last_;  // last positions; empty after a fault, when a joint may have moved far
 };
 
 }  // namespace devices

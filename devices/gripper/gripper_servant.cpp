@@ -57,7 +57,8 @@ gecos::Result<robcl::Frame> GripperServant::grip_point() {
   return *world_from_base * base_from_grip_point_;
 }
 
-/// The body that the jaws would meet if they closed now; nullopt if they would meet none.
+/// Returns the body that the jaws would touch if they closed now; nullopt if they would touch no
+/// body.
 gecos::Result<std::optional<SimulatedGripper::Contact>> GripperServant::contact() {
   if (world_.name().empty()) return std::nullopt;
   const auto point = grip_point();
@@ -84,8 +85,9 @@ gecos::Result<void> GripperServant::let_jaws_move(Run& run) {
   }
 }
 
-/// Waits until the world shows the effect of a command: the client that moves the arm next must
-/// find the body attached, or released.
+/// Waits until the simulated world shows that `holder` holds the body `body`, or that no gripper
+/// holds it if `holder` is empty. Otherwise the next motion of the arm could start before the body
+/// is attached or released.
 gecos::Result<void> GripperServant::wait_for_world(const std::string& body,
                                                    const std::string& holder, Run& run) {
   const auto deadline = std::chrono::steady_clock::now() + world_takes_notice;
@@ -96,10 +98,10 @@ gecos::Result<void> GripperServant::wait_for_world(const std::string& body,
     if (found->fixed || found->held_by == holder) return {};
     if (run.wait_interrupted(beat)) return tl::unexpected(gecos::Fault::interrupted());
   }
-  return tl::unexpected(
-      gecos::Fault::failed("world '" + world_.name() + "' does not notice that '" + name_ + "' " +
-                           (holder.empty() ? "let go of" : "holds") + " '" + body +
-                           "': check the option --grippers of robcl-world"));
+  return tl::unexpected(gecos::Fault::failed(
+      "the world '" + world_.name() + "' does not show that the gripper '" + name_ + "' " +
+      (holder.empty() ? "released" : "holds") + " the body '" + body +
+      "': check that the option --grippers of robcl-world names this gripper"));
 }
 
 gecos::Result<void> GripperServant::open(double width, Run& run) {

@@ -11,19 +11,21 @@
 
 namespace devices {
 
-/// Serves a SimulatedGripper as the object `robcl::Gripper`. A simulated world tells which body the
-/// jaws meet. Thread-safe; handlers wait for the world.
+/// The servant of a simulated gripper: implements the interface `robcl::Gripper` with a
+/// SimulatedGripper. Asks the object of a simulated world which body the jaws will touch.
+/// Thread-safe. Handlers wait for the answers of that object.
 class GripperServant final : public robcl::GripperServant {
  public:
-  /// If `world` is empty, the gripper uses no world and the jaws never meet a body.
+  /// `world` is the name of the object of the simulated world. If the name is empty, the jaws never
+  /// touch a body.
   GripperServant(gecos::Lab& lab, std::string name, std::string world, const std::string& carrier,
                  const robcl::Frame& base_from_grip_point,
                  const SimulatedGripper::Settings& settings);
 
-  /// Moves the jaws for one cycle of `seconds`. Called by one thread.
+  /// Moves the jaws for one cycle, which lasts `seconds`. Only one thread may call this method.
   void step(double seconds) { gripper_.step(seconds); }
-  /// Sends a sample of the jaws' state, and reconnects to the carrier when needed. Called by one
-  /// thread.
+  /// Sends a sample of the jaws' state, and reconnects to the carrier when needed. Only one thread
+  /// may call this method.
   void publish();
 
  private:

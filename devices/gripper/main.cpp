@@ -1,4 +1,4 @@
-// robcl-gripper: two simulated jaws on the flange of an arm.
+// The program robcl-gripper: serves a gripper with two simulated jaws on the flange of an arm.
 #include <chrono>
 #include <cstdio>
 
@@ -15,13 +15,13 @@ int run(int count, char** words) {
   const devices::CommandLine line(
       "robcl-gripper",
       "Serves a simulated gripper whose two parallel jaws grip bodies of the simulated world.",
-      {{"name", "GRIPPER", "name to register"},
-       {"world", "WORLD", "name of the world with the bodies; '' for no bodies"},
+      {{"name", "GRIPPER", "name under which clients find the gripper"},
+       {"world", "WORLD", "name of the simulated world that has the bodies; '' for none"},
        {"carrier", "RX90", "arm whose flange carries the gripper; '' for none"},
-       {"length", "150", "distance from base to the point between finger tips, mm"},
+       {"length", "150", "distance from the base to the point between the jaws, mm"},
        {"max-width", "110", "greatest distance between the jaws, mm"},
        {"max-force", "100", "greatest grip force, N"},
-       {"speed", "150", "speed at which the distance of the jaws changes, mm/s"}},
+       {"speed", "150", "speed at which the distance between the jaws changes, mm/s"}},
       count, words);
   if (line.exit_status()) return *line.exit_status();
 

@@ -8,14 +8,14 @@
 
 namespace devices {
 
-/// Two parallel jaws that close at a constant speed until they meet something, or each other.
-/// Thread-safe; the gripper's periodic thread calls `step`.
+/// A gripper with two parallel jaws. The jaws close at a constant speed until they touch a body or
+/// each other. Thread-safe; a periodic thread calls `step`.
 class SimulatedGripper {
  public:
   struct Settings {
     double max_width = 0.110;  ///< m
     double max_force = 100;    ///< N
-    double speed = 0.150;      ///< m/s at which the distance of the jaws changes
+    double speed = 0.150;      ///< m/s, change of the distance between the jaws
   };
   struct State {
     double width = 0;  ///< m
@@ -24,7 +24,8 @@ class SimulatedGripper {
     bool holding = false;
     std::string held;  ///< name of the held body; empty if unknown
   };
-  /// The body that the jaws meet when they close, and their distance then, m.
+  /// The body that the jaws touch when they close, and the distance between the jaws at that
+  /// moment, in m.
   struct Contact {
     double width = 0;
     std::string body;
@@ -39,13 +40,14 @@ class SimulatedGripper {
   const Settings& settings() const { return settings_; }
   State state() const;
 
-  /// Starts to move to `width` and releases a held body. If the jaws close to reach `width`, they
-  /// stop at `contact`, without force.
+  /// Releases a held body and starts to move the jaws until the distance between them is `width`.
+  /// If this closes the jaws and there is a body at `contact`, the jaws stop there and do not grip
+  /// the body.
   tl::expected<void, OutOfRange> open(double width, const std::optional<Contact>& contact);
-  /// Starts to close the jaws until they press `contact` with `force`, N. Without `contact`, the
-  /// jaws press each other.
+  /// Starts to close the jaws until they press the body of `contact` with `force`, in N. If there
+  /// is no body, the jaws close until they touch each other, and hold nothing.
   tl::expected<void, OutOfRange> close(double force, const std::optional<Contact>& contact);
-  /// Stops the jaws where they are; a held body stays held.
+  /// Stops the jaws where they are. A held body stays held.
   void halt();
   /// Moves the jaws for `seconds`.
   void step(double seconds);

@@ -11,14 +11,16 @@
 
 namespace devices {
 
-/// Serves a SimulatedBeam as the object `robcl::LaserDistanceSensor`; the simulated world gives the
-/// true distance. Thread-safe; handlers wait for the world.
+/// The servant of a simulated sensor: implements the interface `robcl::LaserDistanceSensor` with a
+/// SimulatedBeam. Gets the true distance from the object of a simulated world. Thread-safe.
+/// Handlers wait for the answers of that object.
 class LdsServant final : public robcl::LaserDistanceSensorServant {
  public:
   LdsServant(gecos::Lab& lab, std::string world, const std::string& carrier,
              const robcl::Frame& carrier_from_base, const SimulatedBeam::Settings& settings);
 
-  /// Sends a sample if the sensor can measure. Called by one thread.
+  /// Sends a sample of the measured distance if the sensor can measure now. Only one thread may
+  /// call this method.
   void publish();
 
  private:

@@ -1,4 +1,5 @@
-// robcl-lds: a simulated laser distance sensor that measures in the simulated world.
+// The program robcl-lds: serves a simulated laser distance sensor, which measures distances in the
+// simulated world.
 #include <chrono>
 #include <cstdio>
 
@@ -15,8 +16,8 @@ int run(int count, char** words) {
       "robcl-lds",
       "Serves a simulated laser distance sensor. By default its beam crosses the table at the\n"
       "height to which the block is lifted.",
-      {{"name", "LDS", "name to register"},
-       {"world", "WORLD", "name of the world with the bodies"},
+      {{"name", "LDS", "name under which clients find the sensor"},
+       {"world", "WORLD", "name of the simulated world that has the bodies"},
        {"carrier", "", "arm whose flange carries the sensor; '' for none"},
        {"x", "1000", "x of the sensor's base, seen from its carrier, mm"},
        {"y", "200", "y of the sensor's base, mm"},
@@ -24,8 +25,8 @@ int run(int count, char** words) {
        {"a", "0", "ZYZ Euler angles a, b, c of the base (beam along z), deg"},
        {"b", "-90", "second Euler angle b, deg"},
        {"c", "0", "third Euler angle c, deg"},
-       {"lower", "50", "smallest measured distance, mm"},
-       {"upper", "1000", "greatest measured distance, mm"},
+       {"lower", "50", "smallest distance that the sensor can measure, mm"},
+       {"upper", "1000", "greatest distance that the sensor can measure, mm"},
        {"seed", "1", "seed of the simulated noise"}},
       count, words);
   if (line.exit_status()) return *line.exit_status();

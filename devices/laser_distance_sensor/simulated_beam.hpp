@@ -7,12 +7,12 @@
 
 namespace devices {
 
-/// Computes the reading of a laser distance sensor from the true distance. Thread-safe.
+/// Computes the measured value of a laser distance sensor from the true distance. Thread-safe.
 class SimulatedBeam {
  public:
   struct Settings {
-    double lower = 0.050;   ///< smallest measured distance, m
-    double upper = 1.000;   ///< greatest measured distance, m
+    double lower = 0.050;   ///< smallest distance that can be measured, m
+    double upper = 1.000;   ///< greatest distance that can be measured, m
     double noise = 0.0002;  ///< standard deviation, m
     unsigned seed = 1;
   };
@@ -21,7 +21,8 @@ class SimulatedBeam {
 
   const Settings& settings() const { return settings_; }
 
-  /// The measured distance, m; nullopt if the beam meets nothing within its range.
+  /// Returns the measured distance in m for the true distance `distance`. Returns nullopt if the
+  /// beam hits nothing, or if the measured distance is outside the sensor's range.
   std::optional<double> measure(std::optional<double> distance);
 
  private:

@@ -1,4 +1,4 @@
-// robcl-puma560: a simulated Unimation Puma 560.
+// The program robcl-puma560: serves a simulated Unimation Puma 560.
 #include "arm/arm_program.hpp"
 #include "puma560/puma560_urdf.hpp"
 #include "robcl/puma560_server.hpp"
@@ -11,7 +11,7 @@ int main(int count, char** words) {
       .urdf = devices::puma560_urdf,
       .base_link = "foot",
       .flange_link = "flange",
-      // The tool is in front of the arm and points down, far from every singularity.
+      // At the start, the tool is in front of the arm and points down, far from every singularity.
       .start_degrees = {0, 45, -180, 0, -45, 0},
       .place = "a Puma 560 stands on its pedestal",
   };

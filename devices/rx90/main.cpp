@@ -1,4 +1,4 @@
-// robcl-rx90: a simulated Staeubli RX90.
+// The program robcl-rx90: serves a simulated Staeubli RX90.
 #include "arm/arm_program.hpp"
 #include "robcl/rx90_server.hpp"
 #include "rx90/rx90_urdf.hpp"
@@ -11,7 +11,7 @@ int main(int count, char** words) {
       .urdf = devices::rx90_urdf,
       .base_link = "foot",
       .flange_link = "flange",
-      // The tool is in front of the arm and points down, far from every singularity.
+      // At the start, the tool is in front of the arm and points down, far from every singularity.
       .start_degrees = {0, -20, 110, 0, 90, 0},
       .place = "an RX90 weighs 111 kg and stands on the floor",
   };

@@ -1,4 +1,5 @@
-// The position of devices that are mounted on a moving carrier.
+// Computes the positions of devices that are mounted on a moving carrier, such as the flange of an
+// arm.
 #pragma once
 
 #include <memory>
@@ -14,25 +15,26 @@ namespace devices {
 
 using FlangeStream = gecos::ReconnectingStream<robcl::Manipulator, robcl::Frame>;
 
-/// What carries a device: the flange of a manipulator, as the last sample of the flange's stream
-/// reported it, or the fixed world. Any thread may call `frame`; one thread calls `tick`.
+/// The carrier of a device: the flange of a manipulator, or the fixed world. The last sample of the
+/// flange's stream gives the position of a flange. Any thread may call `frame`; only one thread may
+/// call `tick`.
 class Carrier {
  public:
-  /// Longest silence of the flange's stream, after which the frame is unknown.
+  /// The frame of a flange counts as unknown when its stream has had no sample for this time.
   static constexpr gecos::Duration patience = std::chrono::seconds(1);
 
   explicit Carrier(gecos::Lab& lab) : lab_(lab) {}
 
-  /// Follows the flange of the object `name` from now on, or the world if `name` is empty. The
-  /// object need not be online yet.
+  /// From now on, the carrier is the flange of the object `name`, or the world if `name` is empty.
+  /// The object need not be online yet.
   void follow(const std::string& name);
   std::string name() const;
 
-  /// Connects or reconnects when needed. Call it regularly, on a thread that may block for up to
-  /// 0.2 s.
+  /// Connects or reconnects to the flange's stream when needed. Must be called regularly, on a
+  /// thread that may block for up to 0.2 s.
   void tick();
 
-  /// The frame of the flange in the world, or the reason why it is unknown.
+  /// Returns the frame of the carrier in the world, or the reason why the frame is unknown.
   tl::expected<robcl::Frame, std::string> frame();
 
  private:
@@ -43,17 +45,17 @@ class Carrier {
   std::shared_ptr<FlangeStream> flange_ GECOS_GUARDED_BY(guard_);  // null: the world is the carrier
 };
 
-/// The base of a device, fixed to a carrier.
+/// Says where the base of a device is: at a fixed frame, seen from the device's carrier.
 class Mounting {
  public:
   Mounting(gecos::Lab& lab, const std::string& carrier, const robcl::Frame& carrier_from_base);
 
   Carrier& carrier() { return carrier_; }
   std::string parent() const { return carrier_.name(); }
-  /// The frame of the base in the world, or the reason why it is unknown.
+  /// Returns the frame of the base in the world, or the reason why the frame is unknown.
   gecos::Result<robcl::Frame> base();
-  /// Waits for the first sample of the new carrier. If none arrives, fails with robcl::MountRefused
-  /// and changes nothing.
+  /// Mounts the device on another carrier. Waits for the first sample of the new carrier's stream.
+  /// If no sample arrives, fails with robcl::MountRefused and changes nothing.
   gecos::Result<void> mount(const std::string& carrier, const robcl::Frame& carrier_from_base);
 
  private:

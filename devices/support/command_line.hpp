@@ -10,26 +10,28 @@
 
 namespace devices {
 
-/// One option `--word VALUE` of a program.
+/// An option `--WORD VALUE` of a program.
 struct Option {
   std::string word;      ///< name of the option, without the dashes
   std::string standard;  ///< default value
   std::string says;      ///< text for --help, with the unit
 };
 
-/// The arguments of a program. `main` must return `exit_status` if it has a value.
+/// Reads the arguments of a program. If `exit_status` has a value, `main` must return this value.
 class CommandLine {
  public:
-  /// Prints the usage for --help. For a bad argument prints the error, then the usage.
+  /// Reads the arguments. Prints the usage if one of them is --help. Prints an error and the usage
+  /// if an argument is bad.
   CommandLine(std::string program, std::string purpose, std::vector<Option> options, int count,
               char** words);
 
-  /// 0 after --help, 2 after a bad argument, nullopt if the program should continue.
+  /// Returns 0 after --help, 2 after a bad argument, and nullopt if the program should continue.
   std::optional<int> exit_status() const { return exit_status_; }
 
   const std::string& text(std::string_view word) const;
-  /// The value in the option's unit: millimetres, degrees, newtons or none. If the option's default
-  /// is a number, the constructor has already refused values that are not finite numbers.
+  /// Returns the value of the option `word` as a number, in the unit that the help text of the
+  /// option states. @pre the default value of the option is a number; the constructor then refuses
+  /// values that are not finite numbers.
   double number(std::string_view word) const;
 
  private:

@@ -33,7 +33,7 @@ int device_main(const char* program, const std::function<int()>& work) {
   } catch (const std::exception& error) {
     return fail(program, error.what());
   } catch (...) {  // KDL's exceptions do not derive from std::exception
-    return fail(program, "something was thrown that is no std::exception");
+    return fail(program, "stopped by an exception that is not a std::exception");
   }
 }
 

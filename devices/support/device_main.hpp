@@ -1,4 +1,4 @@
-// The part that all device programs share: serving one servant, and errors in `main`.
+// The code that all device programs share: it serves a servant, and reports errors in `main`.
 #pragma once
 
 #include <functional>
@@ -9,30 +9,33 @@
 
 namespace devices {
 
-/// Periodic work of a device while it is served, on a thread of its own.
+/// Periodic work of a device. While the device is served, the work runs on a separate thread.
 struct Beat {
   gecos::Duration period;
   std::function<void(double seconds)> work;  ///< argument: time since the last call, s
 };
 
 struct Served {
-  std::string program;  ///< "robcl-rx90": begins each line that is printed
-  std::string name;     ///< name to register
+  std::string program;  ///< begins each line that is printed, for example "robcl-rx90"
+  std::string name;     ///< name under which clients find the object
   bool simulated = true;
-  /// Whether handlers wait for other objects; then each handler runs on the object's worker.
+  /// Whether handlers wait for other objects. If so, the handlers run on the object's executor and
+  /// not on the I/O loop.
   bool blocking = false;
   std::vector<Beat> beats{};  ///< started once the object is served
 };
 
-/// Serves a thread-safe `servant` until SIGINT or SIGTERM. Prints one line when it is ready, or the
-/// reason why it cannot be served. Returns the program's exit status.
+/// Serves `servant` until the program gets SIGINT or SIGTERM. Prints one line when the object is
+/// ready, or the reason why the object cannot be served. Returns the program's exit status. @pre
+/// `servant` is thread-safe.
 int serve_device(gecos::Lab& lab, gecos::Servant& servant, const Served& how);
 
-/// The body of `main`. An exception of any type from `work` becomes one line on stderr and exit
-/// status 1.
+/// Calls `work` and returns its result, for `main`. If `work` throws, prints one line on stderr and
+/// returns the exit status 1.
 int device_main(const char* program, const std::function<int()>& work);
 
-/// Prints one line on stderr, "robcl-rx90: …", and returns exit status 1.
+/// Prints a line such as "robcl-rx90: …" with the reason `why` on stderr, and returns the exit
+/// status 1.
 int fail(const std::string& program, const std::string& why);
 
 }  // namespace devices

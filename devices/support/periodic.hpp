@@ -8,13 +8,14 @@
 
 namespace devices {
 
-/// Calls `work` every `period` on a thread of its own, from construction to destruction.
+/// Calls `work` once every `period` on a separate thread, from the constructor to the destructor.
 ///
-/// Cycles have absolute times: a late cycle does not shift the following ones, and missed cycles
-/// are skipped, not caught up.
+/// The cycles have absolute start times. A late cycle does not delay the following cycles, and
+/// missed cycles are skipped.
 class Periodic {
  public:
-  /// `work` gets the time since the last call, in s: `period`, or a multiple after missed cycles.
+  /// `work` receives the time since the last cycle in s: `period`, or a multiple of `period` after
+  /// missed cycles.
   Periodic(gecos::Duration period, std::function<void(double seconds)> work);
 
  private:

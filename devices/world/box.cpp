@@ -29,7 +29,8 @@ constexpr std::array<std::array<std::size_t, 2>, 12> edges = {{{0, 1},
                                                                {2, 6},
                                                                {3, 7}}};
 
-/// Where a line enters and leaves the box, in multiples of `direction` from `origin`.
+/// Returns the two positions on a line at which the line enters and leaves the box, as multiples of
+/// `direction` from `origin`; nullopt if the line misses the box.
 std::optional<std::array<double, 2>> through(const Box& box, const Vector3d& origin,
                                              const Vector3d& direction) {
   const Eigen::Quaterniond to_box = box.pose.orientation().conjugate();
@@ -50,7 +51,8 @@ std::optional<std::array<double, 2>> through(const Box& box, const Vector3d& ori
   return std::array<double, 2>{enter, leave};
 }
 
-/// The part of a convex polygon where sign·p[axis] <= limit (Sutherland and Hodgman).
+/// Returns the part of a convex polygon whose points p satisfy sign·p[axis] <= limit. This is the
+/// algorithm of Sutherland and Hodgman.
 std::vector<Vector3d> clipped(const std::vector<Vector3d>& polygon, Eigen::Index axis, double sign,
                               double limit) {
   std::vector<Vector3d> kept;
@@ -66,8 +68,8 @@ std::vector<Vector3d> clipped(const std::vector<Vector3d>& polygon, Eigen::Index
   return kept;
 }
 
-/// The height of edge a over edge b at the point where they cross, seen from above; nullopt if they
-/// do not cross.
+/// Returns the height of edge a, from a0 to a1, above edge b, from b0 to b1, at the point where the
+/// two edges cross when seen from above; nullopt if they do not cross.
 std::optional<double> height_over(const Vector3d& a0, const Vector3d& a1, const Vector3d& b0,
                                   const Vector3d& b1) {
   const Vector2d a = (a1 - a0).head<2>(), b = (b1 - b0).head<2>(), from = (b0 - a0).head<2>();
@@ -122,14 +124,16 @@ std::optional<Between> between_jaws(const Frame& jaws, const Vector2d& pad, doub
     }
   }
   if (found.lower <= found.upper) return found;
-  // No face is between the jaws: the box is outside, or it fills all the space between them.
+  // No face of the box is between the jaws. The box is outside, or it fills the whole space between
+  // the jaws.
   const Vector3d middle = box.pose.inverse().transform(jaws.position());
   if ((middle.cwiseAbs() - box.size / 2).maxCoeff() > 0) return std::nullopt;
   return Between{-opening / 2, opening / 2};
 }
 
 std::optional<double> fall_onto(const Box& upper, const Box& lower) {
-  // The fall ends where a corner of one box meets a face of the other, or two edges meet.
+  // The fall ends when a corner of one box meets a face of the other box, or when an edge of one
+  // box meets an edge of the other box.
   double fall = infinite;
   const auto meet = [&fall](double height) {
     if (height >= -touching) fall = std::min(fall, std::max(height, 0.0));

@@ -11,7 +11,8 @@ namespace devices {
 
 using robcl::Frame;
 
-/// A box. `pose` is the frame of its centre, `size` the lengths along the axes of that frame, m.
+/// A box. `pose` is the frame of the box's centre; `size` has the lengths in m along the axes of
+/// that frame.
 struct Box {
   Frame pose;
   Eigen::Vector3d size = Eigen::Vector3d::Zero();
@@ -19,8 +20,9 @@ struct Box {
   std::array<Eigen::Vector3d, 8> corners() const;
 };
 
-/// Distance from the origin of `ray`, along its z axis, to the box, at most `reach`, m; nullopt if
-/// the ray misses the box. It is 0 for a ray that starts inside the box.
+/// Returns the distance in m from the origin of `ray` to the box, along the z axis of `ray`; 0 if
+/// the ray starts inside the box. Returns nullopt if the ray misses the box, or if the box is
+/// further away than `reach`.
 std::optional<double> ray_hit(const Frame& ray, double reach, const Box& box);
 
 /// The part of a box that lies between two jaws.
@@ -28,13 +30,13 @@ struct Between {
   double lower = 0, upper = 0;  ///< limits of the part along the jaws' y axis, m
 };
 
-/// The part of the box with |x| <= pad[0]/2, |y| <= opening/2, |z| <= pad[1]/2 in the frame `jaws`;
-/// nullopt if there is none.
+/// Returns the part of the box that lies between jaws at the frame `jaws`, where |x| <= pad[0]/2,
+/// |y| <= opening/2 and |z| <= pad[1]/2. Returns nullopt if no part of the box lies there.
 std::optional<Between> between_jaws(const Frame& jaws, const Eigen::Vector2d& pad, double opening,
                                     const Box& box);
 
-/// Distance that `upper` can fall until it meets `lower`, m; 0 if the boxes touch. Nullopt if
-/// `upper` falls past `lower`, or is not above it.
+/// Returns the distance in m that the box `upper` can fall until it touches the box `lower`; 0 if
+/// the boxes touch. Returns nullopt if `upper` falls past `lower`, or is not above `lower`.
 std::optional<double> fall_onto(const Box& upper, const Box& lower);
 
 }  // namespace devices

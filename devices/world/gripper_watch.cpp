@@ -30,7 +30,7 @@ GripperWatch::GripperWatch(gecos::Lab& lab, SimulatedWorld& world, std::string g
 void GripperWatch::tick() {
   carrier_.tick();
   jaws_.tick();
-  // Without a sample, a held body stays held.
+  // While there is no sample, the gripper still holds its body.
   if (const auto jaws = jaws_.latest()) see(jaws->value);
   carry();
 }

@@ -9,16 +9,17 @@
 
 namespace devices {
 
-/// Moves the body that a gripper holds: watches the gripper's jaws and the flange that carries the
-/// gripper.
+/// Moves the body that a gripper holds in the simulated world. Reads the streams of the gripper's
+/// jaws and of the flange that carries the gripper.
 class GripperWatch {
  public:
   GripperWatch(gecos::Lab& lab, SimulatedWorld& world, std::string gripper);
 
-  /// Connects if needed, reads the state of the jaws and moves the held body. Called by one thread;
-  /// may block for up to 0.5 s while an object is not online.
+  /// Connects to the streams if needed, reads the state of the jaws and moves the held body. Only
+  /// one thread may call this method. May block for up to 0.5 s while an object is not online.
   void tick();
-  /// Moves the held body with the flange. Called by any thread; does not wait.
+  /// Moves the held body to where the flange is now. Any thread may call this method, which does
+  /// not wait.
   void carry();
 
  private:

@@ -1,4 +1,5 @@
-// robcl-world: the simulated laboratory, which grippers and sensors ask for the places of bodies.
+// The program robcl-world: serves a simulated laboratory. Simulated grippers and sensors ask it for
+// the positions of bodies.
 #include <chrono>
 #include <memory>
 #include <sstream>
@@ -26,7 +27,7 @@ int run(int count, char** words) {
   const devices::CommandLine line(
       "robcl-world",
       "Serves a simulated laboratory: a table with a block on it, which grippers can carry.",
-      {{"name", "WORLD", "name to register"},
+      {{"name", "WORLD", "name under which clients find the simulated world"},
        {"grippers", "GRIPPER", "names of the grippers that may carry bodies, separated by commas"}},
       count, words);
   if (line.exit_status()) return *line.exit_status();

@@ -13,7 +13,8 @@ SimulatedWorld::SimulatedWorld(double floor, std::vector<SimulatedBody> bodies)
   std::set<std::string> names;
   for (const SimulatedBody& body : bodies_) {
     if (!names.insert(body.name).second) {
-      throw std::invalid_argument("two bodies are called '" + body.name + "'");
+      throw std::invalid_argument("two bodies have the name '" + body.name +
+                                  "': give each body a different name");
     }
   }
 }

@@ -20,9 +20,10 @@ struct SimulatedBody {
   std::string held_by;  ///< name of the gripper that holds the body; empty if none
 };
 
-/// Grasping attaches a body, in its present pose, to the gripper's carrier. A released body falls
-/// straight down onto the body below and keeps its orientation. Bodies that are not held do not
-/// move, even when the body below them is taken away. Thread-safe.
+/// A simulated laboratory of bodies. A gripper that grips a body attaches the body, at its present
+/// pose, to the gripper's carrier. A released body falls straight down onto the body below it and
+/// keeps its orientation. A body that is not held does not move, even when the body below it is
+/// taken away. Thread-safe.
 class SimulatedWorld {
  public:
   struct Hit {
@@ -35,29 +36,33 @@ class SimulatedWorld {
   };
   enum class PlaceProblem { Unknown, Held, Fixed };
 
-  /// Size of a finger's contact area, m: across the finger (x) and along the approach (z).
+  /// Size in m of the area of a jaw that touches a body: its width along x of the jaws' frame, and
+  /// its length along z, the direction of approach.
   static constexpr double pad_across = 0.020, pad_along = 0.020;
 
-  /// The floor is infinite, at the height `floor`, m. Throws std::invalid_argument if two bodies
-  /// have the same name.
+  /// `floor` is the height of the floor in m; the floor is infinite. Throws std::invalid_argument
+  /// if two bodies have the same name.
   SimulatedWorld(double floor, std::vector<SimulatedBody> bodies);
 
   std::vector<SimulatedBody> bodies() const;
   std::optional<SimulatedBody> find(std::string_view name) const;
 
-  /// The first body on the ray along z of `origin`, at most `reach` m away.
+  /// Returns the first body on the ray that starts at `origin` and goes along the z axis of
+  /// `origin`; nullopt if no body is within `reach`, in m.
   std::optional<Hit> cast(const Frame& origin, double reach) const;
 
-  /// The body that jaws at the frame `jaws` meet when they close along y from the distance
-  /// `opening`. Of several bodies, returns the thickest. A body that is not in the middle is
-  /// gripped where it is.
+  /// Returns the body that would be gripped: the body between jaws that are at the frame `jaws`,
+  /// with the distance `opening` between them, and that close along y. If there are several bodies
+  /// between the jaws, returns the thickest one. The jaws grip a body where it is, even if it is
+  /// not in the middle.
   std::optional<Contact> between(const Frame& jaws, double opening) const;
 
   tl::expected<void, PlaceProblem> place(std::string_view name, const Frame& pose);
 
-  /// Reports that `gripper` holds `body` (empty: none) and that the gripper's carrier is at
-  /// `carrier` now. Attaches a newly held body, moves a body that is still held, and releases the
-  /// gripper's other bodies. A fixed body, or one that another gripper holds, is not attached.
+  /// Reports that `gripper` holds the body `body`, or no body if `body` is empty, and that the
+  /// frame of the gripper's carrier is `carrier` now. Attaches the body if the gripper did not hold
+  /// it before; otherwise moves the body with the carrier. Releases any other body of this gripper.
+  /// Does not attach a fixed body, or a body that another gripper holds.
   void track(const std::string& gripper, const std::string& body, const Frame& carrier);
 
  private:
@@ -68,11 +73,12 @@ class SimulatedWorld {
   const double floor_;
   mutable gecos::Mutex guard_;
   std::vector<SimulatedBody> bodies_ GECOS_GUARDED_BY(guard_);
-  // One entry for each gripper that holds a body.
+  // The key is the name of a gripper. There is one entry for each gripper that holds a body.
   std::map<std::string, Frame> carrier_from_body_ GECOS_GUARDED_BY(guard_);
 };
 
-/// The demo laboratory: a table with its top at height 0, the RX90's place, and a block to grip.
+/// The height of the floor and the bodies of the demo laboratory. Its bodies are a table, whose top
+/// is at height 0 and also carries the RX90, and a block to grip.
 double demo_floor();
 std::vector<SimulatedBody> demo_bodies();
 

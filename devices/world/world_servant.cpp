@@ -65,12 +65,13 @@ gecos::Result<void> WorldServant::place(const std::string& name, const robcl::Fr
     case SimulatedWorld::PlaceProblem::Unknown:
       return tl::unexpected(unknown(name));
     case SimulatedWorld::PlaceProblem::Fixed:
-      return tl::unexpected(gecos::Fault::rejected("'" + name + "' is fixed and cannot be placed"));
+      return tl::unexpected(
+          gecos::Fault::rejected("the body '" + name + "' is fixed and cannot be placed"));
     case SimulatedWorld::PlaceProblem::Held:
       break;
   }
   return tl::unexpected(
-      gecos::Fault::rejected("'" + name + "' is held by a gripper: open the gripper first"));
+      gecos::Fault::rejected("a gripper holds the body '" + name + "': open the gripper first"));
 }
 
 }  // namespace devices

@@ -7,10 +7,11 @@
 
 namespace devices {
 
-/// Serves a SimulatedWorld as the object `robcl::World`. Thread-safe; no handler waits.
+/// The servant of a simulated world: implements the interface `robcl::World` with a SimulatedWorld.
+/// Thread-safe. No handler waits.
 class WorldServant final : public robcl::WorldServant {
  public:
-  /// `catch_up` moves held bodies to their present places; every handler calls it first.
+  /// `catch_up` must move the held bodies to their present positions. Every handler calls it first.
   WorldServant(SimulatedWorld& world, std::function<void()> catch_up);
 
  private:

@@ -206,9 +206,9 @@ print(wire.to_message(value).hex())
 @pytest.mark.parametrize(
     ("steps", "why"),
     [
-        (["d", "d", "x"], "'x' is not a type code of numbers"),
+        (["d", "d", "x"], "'x' is not the type code of a number"),
         ([("struct", object), "d", "d"], "has no plan"),
-        ([("rubbish",), "d", "d"], "no step of a plan is called rubbish"),
+        ([("rubbish",), "d", "d"], "a plan has no kind of step that is called rubbish"),
         ([("items", "d", 0, None, 3), "d", "d"], "each item of a plan must take at least one byte"),
     ],
 )

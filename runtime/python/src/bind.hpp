@@ -2,7 +2,7 @@
 
 #include <nanobind/nanobind.h>
 
-/// Functions that define the classes of the module `_core`.
+/// Functions that define the Python classes of the module `_core`.
 namespace gecos::python {
 
 void bind_client(nanobind::module_& module);

@@ -1,5 +1,5 @@
-// The client classes of `_core`, with encoded bytes for values: Lab, Session, Command, Stream,
-// Lease.
+// The client classes of the module `_core`: Lab, Session, Command, Stream and Lease. Their methods
+// take and return values as encoded bytes.
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
@@ -18,7 +18,7 @@ namespace {
 
 namespace nb = nanobind;
 
-/// A proxy without an interface, to call the built-in operations, which every object has.
+/// A proxy that has no interface. It can call the built-in operations, which every object has.
 struct AnyObject : Object {
   explicit AnyObject(std::shared_ptr<session::ClientSession> session)
       : Object(std::move(session)) {}
@@ -69,7 +69,7 @@ nb::object create(LabHandle& self, nb::handle interface, const std::vector<std::
   }
 }
 
-/// The lab's own session with its broker, or the reason why there is none.
+/// Returns the session of the Lab with its broker, or a text that says why there is none.
 nb::object broker(LabHandle& self, nb::handle interface, double patience) {
   const InterfaceDescription& wanted = description_of(interface);
   auto opened =
@@ -135,7 +135,8 @@ CommandHandle ask_for_status(SessionHandle& self, int status, const std::string&
                                                patience_of(timeout)));
 }
 
-/// The lease that `asked` was granted, or why it was refused. `asked` must have ended.
+/// Returns the lease that the command `asked` acquired, or the failure of that command. The command
+/// must have ended.
 nb::object lease(SessionHandle& self, const CommandHandle& asked) {
   auto got = session::lease_from(self.get(), asked.core());
   if (got) return nb::cast(LeaseHandle(std::move(*got)));
@@ -144,7 +145,7 @@ nb::object lease(SessionHandle& self, const CommandHandle& asked) {
 
 // Command and stream -----------------------------------------------------------------------------
 
-/// The progress of a command, for messages only: reading it does not mark the command as observed.
+/// Returns the progress of a command for messages. Does not mark the command as observed.
 nb::tuple peek(const CommandHandle& self) {
   const Progress progress = self.core().progress();
   return nb::make_tuple(static_cast<int>(progress.detail), progress.position, progress.fraction);
@@ -161,7 +162,8 @@ bool wait(const CommandHandle& self, std::optional<double> timeout) {
   return wait_in_slices(timeout, [&](TimePoint until) { return self.awaited().wait_until(until); });
 }
 
-/// Waits, and returns the encoded result, or the number of the detail if there is no result.
+/// Waits for the end of the command, at most for `timeout`. Returns the encoded result, or the
+/// number of the detail if there is no result.
 nb::object answer(const CommandHandle& self, std::optional<double> timeout) {
   wait(self, timeout);
   const Detail detail = self.core().progress().detail;

@@ -13,13 +13,15 @@ namespace {
 
 namespace nb = nanobind;
 
-/// A table together with the data it points to. The elements of the deques never move.
+/// The description of an interface, together with the data to which it points. The elements of the
+/// deques never move.
 struct OwnedDescription {
   std::deque<std::string> texts;
   std::vector<std::string_view> bases;
   std::vector<OperationDescription> operations;
   std::vector<StreamDescription> streams;
-  /// The operations of the bases are in `operations`; these descriptions only have their models.
+  /// The descriptions of the base interfaces. They have only the models of the bases; the
+  /// operations of the bases are in `operations`.
   std::deque<InterfaceDescription> models;
   std::vector<const InterfaceDescription*> inherits;
   InterfaceDescription table;
@@ -32,7 +34,8 @@ T field(nb::handle table, const char* name) {
   return nb::cast<T>(table.attr(name));
 }
 
-/// Converts a Python IntEnum to the C++ enum with the same values; throws for values above `last`.
+/// Converts a Python IntEnum to the C++ enum that has the same values. Throws for values above
+/// `last`.
 template <class Enum>
 Enum enumerator(nb::handle table, const char* name, Enum last) {
   const auto number = field<std::uint8_t>(table, name);
@@ -91,7 +94,8 @@ StreamDescription stream_of(nb::handle table, OwnedDescription& owner) {
 }  // namespace
 
 const InterfaceDescription& description_of(nb::handle interface) {
-  // Leaked on purpose: threads of the session may still read tables while the process exits.
+  // These two containers are leaked on purpose: threads of sessions may still read the descriptions
+  // while the process exits.
   static auto& kept = *new std::deque<OwnedDescription>();
   static auto& known = *new std::unordered_map<PyObject*, const InterfaceDescription*>();
   if (const auto found = known.find(interface.ptr()); found != known.end()) return *found->second;

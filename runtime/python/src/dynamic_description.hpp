@@ -6,11 +6,12 @@
 
 namespace gecos::python {
 
-/// The session's table of an interface that generated Python describes
+/// Returns the C++ description of an interface that generated Python code describes
 /// (`gecos.interface.Interface`).
 ///
-/// Each table is made once per interface and kept until the process ends, like the tables of
-/// generated C++, so sessions, commands and servers may keep references to it.
+/// The description of an interface is made only once and is kept until the process ends, like the
+/// descriptions in generated C++ code. Therefore sessions, commands and servers may keep references
+/// to it.
 const InterfaceDescription& description_of(nanobind::handle interface);
 
 }  // namespace gecos::python

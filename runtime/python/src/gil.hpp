@@ -3,16 +3,17 @@
 #include <Python.h>
 #include <unistd.h>
 
-/// The only class with which this module may release the GIL.
+/// The class WithoutGil. The code of this Python module may release the GIL only with this class.
 namespace gecos::python {
 
-/// Releases the GIL for its lifetime. @pre the GIL is held.
+/// Releases the GIL while this object lives. @pre the calling thread holds the GIL.
 ///
-/// A daemon thread that wants the GIL back while the interpreter ends does not get it: up to
-/// CPython 3.13 the interpreter ends the thread instead, by unwinding its stack. The unwinding must
-/// not leave this destructor: noexcept frames would end the process by std::terminate, and others
-/// would release Python objects without the GIL. So the thread pauses here until the process has
-/// ended, as CPython itself does from 3.14 on.
+/// While the interpreter ends, a daemon thread cannot take the GIL again. Up to CPython 3.13, the
+/// interpreter then ends the thread by unwinding its stack. This unwinding must not leave the
+/// destructor of this class: a noexcept function on the stack would end the process by
+/// std::terminate, and other functions would release Python objects without the GIL. Therefore the
+/// thread pauses in the destructor until the process has ended. CPython 3.14 and later versions do
+/// the same.
 class WithoutGil {
  public:
   WithoutGil() : state_(PyEval_SaveThread()) {}

@@ -15,17 +15,18 @@
 #include "gecos/lab.hpp"
 #include "waiting.hpp"
 
-/// Python's handles to the session. The GIL guards them; dropping a handle may close a session,
-/// which is done without the GIL.
+/// The handles through which Python uses labs, sessions, commands, streams and leases. The GIL
+/// guards the handles. Dropping a handle may close a session; this is done without the GIL.
 namespace gecos::python {
 
-/// Detects in a forked child that a handle belongs to the parent. The child lacks the threads that
-/// would end the handle in order, and locks that these threads held at the fork stay locked. So the
-/// child must not call the object of such a handle or wait for it.
+/// Detects, in a forked child, that a handle belongs to the parent. The child does not have the
+/// threads that the object behind the handle needs, and locks that these threads held at the fork
+/// stay locked. Therefore the child must not call this object or wait for it.
 class Owner {
  public:
   bool inherited() const { return fork_generation_ != fork_generation(); }
-  /// Throws in a forked child; `what` is for example "this Lab".
+  /// Throws if this handle was made before the fork of this process. `what` names the handle in the
+  /// error text, for example "this Lab".
   void demand(const char* what) const {
     if (!inherited()) return;
     throw std::runtime_error(std::string(what) +
@@ -37,8 +38,8 @@ class Owner {
   std::uint64_t fork_generation_ = fork_generation();
 };
 
-/// Resets `pointer` without the GIL; the caller must hold the GIL. A forked child leaks an
-/// inherited object instead, because its threads do not exist in the child.
+/// Resets `pointer` without the GIL. The caller must hold the GIL. In a forked child, leaks an
+/// object of the parent, because the threads of this object do not exist in the child.
 template <class T>
 void drop(std::shared_ptr<T>& pointer, const Owner& owner) {
   if (pointer == nullptr) return;
@@ -57,8 +58,8 @@ class SessionHandle {
   SessionHandle& operator=(const SessionHandle&) = delete;
   ~SessionHandle() { drop(session_, owner_); }
 
-  /// Never null: after `close`, every call on the session reports that its Lab is closed.
-  /// Throws in a forked child.
+  /// Returns the session, which is never null: after `close`, every call on the session reports
+  /// that its Lab is closed. Throws in a forked child.
   std::shared_ptr<session::ClientSession> get() const {
     owner_.demand("this proxy");
     return session_;
@@ -79,8 +80,8 @@ class SessionHandle {
 
 class LabHandle {
  public:
-  /// Throws std::system_error when the process has no thread or descriptor left for the Lab, and
-  /// std::runtime_error when the environment variables ask for something that does not exist.
+  /// Makes a Lab. Throws std::system_error when the process has no thread or descriptor left for
+  /// the Lab, and std::runtime_error when the value of an environment variable is invalid.
   explicit LabHandle(LabOptions options) : lab_(std::make_shared<Lab>(std::move(options))) {
     const session::LabOrWhyNot& context = session::LabAccess::context(*lab_);
     if (context) return;
@@ -92,19 +93,19 @@ class LabHandle {
   LabHandle& operator=(const LabHandle&) = delete;
   ~LabHandle() { drop(lab_, owner_); }
 
-  /// Throws after `close`, and in a forked child.
+  /// Returns the Lab. Throws after `close`, and in a forked child.
   std::shared_ptr<Lab> get() const {
     owner_.demand("this Lab");
     if (lab_ == nullptr) throw nanobind::value_error("this Lab is closed; make a new one");
     return lab_;
   }
-  /// Registers the session, so that closing the lab also closes it.
+  /// Registers `session`, so that closing the Lab also closes this session.
   std::shared_ptr<SessionHandle> keep(std::shared_ptr<SessionHandle> session) {
     std::erase_if(sessions_, [](const auto& known) { return known.expired(); });
     sessions_.push_back(session);
     return session;
   }
-  /// Ends every session, even when a proxy still refers to it.
+  /// Closes the Lab and ends all its sessions, even those to which a proxy still refers.
   void close() {
     if (lab_ != nullptr && !owner_.inherited()) {
       without_gil([lab = lab_] { lab->close(); });
@@ -125,16 +126,16 @@ class CommandHandle {
  public:
   explicit CommandHandle(std::shared_ptr<session::CommandCore> core) : core_(std::move(core)) {}
   CommandHandle(CommandHandle&&) = default;
-  /// Destroys the command with the GIL held. No session is closed by this: the session keeps a
-  /// reference to a command that has not ended, and a command that has ended owns nothing that has
-  /// to be closed.
+  /// Destroys the handle without releasing the GIL. This is safe, because it cannot close a
+  /// session: the session keeps a reference to a command that has not ended, and a command that has
+  /// ended owns nothing that must be closed.
   ~CommandHandle() {
     if (core_ != nullptr && owner_.inherited()) drop(core_, owner_);
   }
 
   session::CommandCore& core() const { return *core_; }
   const std::shared_ptr<session::CommandCore>& shared() const { return core_; }
-  /// Throws in a forked child.
+  /// Returns the command, for a caller that will wait for it. Throws in a forked child.
   session::CommandCore& awaited() const {
     owner_.demand("this command");
     return *core_;
@@ -151,12 +152,12 @@ class StreamHandle {
   StreamHandle(StreamHandle&&) = default;
   ~StreamHandle() { drop(core_, owner_); }
 
-  /// Null after `close`. Throws in a forked child.
+  /// Returns the stream; null after `close`. Throws in a forked child.
   std::shared_ptr<session::StreamCore> get() const {
     owner_.demand("this stream");
     return core_;
   }
-  /// The sample buffer, whose memory each read reuses.
+  /// Returns the buffer for samples. Each read uses the memory of this buffer again.
   session::RawSample& sample() { return sample_; }
   void close() { drop(core_, owner_); }
 
@@ -177,7 +178,8 @@ class LeaseHandle {
 
   int status() const { return status_; }
   std::uint64_t epoch() const { return epoch_; }
-  /// Whether the lease was acquired less than 100 ms ago and no command was issued under it.
+  /// Returns whether the lease was acquired less than 100 ms ago and no command was issued under
+  /// it.
   bool fresh() const { return lease_ != nullptr && !owner_.inherited() && lease_->fresh(); }
   /// Releases the lease. A second call has no effect.
   void release() {

@@ -33,7 +33,7 @@ NB_MODULE(_core, module) {
     const auto detail = gecos::detail_from(number);
     return std::string(detail ? gecos::to_string(*detail) : "");
   });
-  // Proxies and servers in global variables live until the interpreter has ended; by then
-  // `gecos.shutdown` has closed their sessions. nanobind must not report them as leaks.
+  // Proxies and servers in global variables live until the interpreter has ended. nanobind must not
+  // report them as leaks, because `gecos.shutdown` has closed their sessions before.
   nanobind::set_leak_warnings(false);
 }

@@ -10,9 +10,11 @@
 #include "gecos/base/mutex.hpp"
 #include "gecos/servant.hpp"
 
-/// Servants that queue arriving calls for other threads, which pull and handle them.
+/// Servants that put the calls that arrive into queues. Other threads take the calls from the
+/// queues and handle them.
 ///
-/// Nothing here depends on Python, so the session's threads, which only push, never need the GIL.
+/// The code of this file does not depend on Python. The threads of a session only put calls into
+/// the queues, so that they never need the GIL.
 namespace gecos::python {
 
 enum class Lane : std::uint8_t {
@@ -21,17 +23,18 @@ enum class Lane : std::uint8_t {
   Fifo,    ///< all other operations, in the order of arrival
 };
 
-/// The task that tells the handlers that a client stopped the object.
+/// The task that tells the handlers that a client has stopped the object.
 struct Stopped {};
 using Task = std::variant<IncomingCall, Stopped>;
 
-/// The calls that wait for the handlers of one lane. Thread-safe.
+/// The queue of the calls that wait for the handlers of one lane. Thread-safe.
 class TaskQueue {
  public:
   void push(Task task);
-  /// Waits for the next task that may begin; nullopt after `close`. A returned call has started.
+  /// Waits for the next task that may start, and returns it. If the task is a call, the call counts
+  /// as started. Returns nullopt after `close`.
   std::optional<Task> next();
-  /// Makes `next` return nullopt and rejects the calls that still wait.
+  /// Makes `next` return nullopt, and rejects the calls that still wait.
   void close();
 
  private:
@@ -53,13 +56,15 @@ class PulledServant final : public Servant {
   bool gecos_begins_calls() const override { return true; }
   bool gecos_share_thread(const OperationDescription& one,
                           const OperationDescription& other) const override;
-  /// Queues a Stopped task. Any thread may call it.
+  /// Puts a Stopped task into the queue of the safety lane. Any thread may call this method.
   void stopped() { queue(Lane::Safety).push(Stopped{}); }
-  /// Waits for the next task of the lane; nullopt after `close`. Any thread may call it.
+  /// Waits for the next task of the lane and returns it; nullopt after `close`. Any thread may call
+  /// this method.
   std::optional<Task> next(Lane lane) { return queue(lane).next(); }
-  /// Closes all lanes: `next` returns no further task.
+  /// Closes all lanes, so that `next` returns no further task.
   void close();
-  /// Publishes a sample of the stream with this code; false when the interface has no such stream.
+  /// Publishes a sample of the stream whose code is `code`. Returns false when the interface has no
+  /// such stream.
   bool publish(FunctionCode code, ByteView sample, std::int64_t stamp_ns);
 
  private:

@@ -1,5 +1,5 @@
-// The server classes of `_core`, with encoded bytes for values: Server, PulledServant,
-// IncomingCall, Broker.
+// The server classes of the module `_core`: Server, PulledServant, IncomingCall and Broker. Their
+// methods take and return values as encoded bytes.
 #include "gecos/server.hpp"
 
 #include <nanobind/stl/optional.h>
@@ -25,8 +25,9 @@ namespace {
 
 namespace nb = nanobind;
 
-/// A call that Python answers. The first answer moves `call_` out; later answers are ignored.
-/// Answers of a child process that the handler forked are ignored, too: the parent must answer.
+/// A call that Python answers. Only the first answer counts: it moves the call out of `call_`, and
+/// later answers are ignored. Answers in a child process that the handler forked are ignored, too,
+/// because the parent must answer.
 class CallHandle {
  public:
   explicit CallHandle(IncomingCall call) : code_(call.operation().code), call_(std::move(call)) {}
@@ -56,9 +57,9 @@ class ServantHandle {
   explicit ServantHandle(std::shared_ptr<PulledServant> servant) : servant_(std::move(servant)) {}
   const std::shared_ptr<PulledServant>& servant() const { return servant_; }
 
-  /// The next call of a lane, "stopped", or None after the lane is closed or in a forked child.
-  /// Waits without interruption: only the main thread handles signals, and it never calls this
-  /// method.
+  /// Waits for the next task of a lane. Returns the call, or "stopped" if a client stopped the
+  /// object. Returns None when the lane is closed, and in a forked child. Signals do not interrupt
+  /// the wait: only the main thread handles signals, and the main thread never calls this method.
   nb::object next(int lane) {
     if (owner_.inherited()) return nb::none();
     auto task = without_gil([&] { return servant_->next(static_cast<Lane>(lane)); });
@@ -90,7 +91,8 @@ class ServerHandle {
   ServerHandle& operator=(const ServerHandle&) = delete;
   ~ServerHandle() { close(); }
 
-  /// Makes a servant for `add`, whose calls Python pulls. After `close`, its lanes are closed.
+  /// Makes a servant, which `add` can serve. Python takes the calls from its lanes. If this server
+  /// is closed, the lanes of the servant are closed, too.
   ServantHandle prepare(nb::handle interface) {
     owner_.demand("this Server");
     auto servant = std::make_shared<PulledServant>(description_of(interface));
@@ -98,7 +100,8 @@ class ServerHandle {
     return ServantHandle(servants_.emplace_back(std::move(servant)));
   }
 
-  /// Serves a prepared servant. Returns None, or the reason why it is not served.
+  /// Serves a servant that `prepare` made. Returns None, or a text that says why the servant is not
+  /// served.
   nb::object add(const ServantHandle& prepared, const std::string& name, bool simulated,
                  const std::vector<std::string>& media) {
     owner_.demand("this Server");
@@ -130,7 +133,8 @@ class ServerHandle {
     return nb::str((name + " is not served any more: the server was closed").c_str());
   }
 
-  /// Waits for a broker. Returns None if it answers, else the reason and where it was expected.
+  /// Waits for a broker. Returns None if the broker answers. Otherwise returns a text that says why
+  /// there is no answer, and where the broker was expected.
   nb::object await_broker(double patience) {
     owner_.demand("this Server");
     std::string why = "the server is closed";
@@ -149,8 +153,8 @@ class ServerHandle {
     return nb::str(closed() ? "the server is closed" : why.c_str());
   }
 
-  /// Ends the lanes of a prepared servant that will not be served. The servant itself is kept until
-  /// the server ends, because the server's threads may use it until then.
+  /// Closes the lanes of a servant that `prepare` made and that will not be served. The servant
+  /// itself is kept until the server ends, because the threads of the server may use it until then.
   void forget(const ServantHandle& prepared) {
     without_gil([this, servant = prepared.servant()] {
       const MutexLock lock(serving_);
@@ -170,7 +174,8 @@ class ServerHandle {
       for (const auto& servant : servants) servant->close();
       const MutexLock lock(serving_);  // waits while another thread adds a servant
       server.reset();
-      // This object keeps the servants alive; servants must not keep the lab and its thread alive.
+      // This object keeps the servants alive. The servants must not keep the Lab and its thread
+      // alive.
       for (const auto& servant : servants) servant->gecos_attach(nullptr);
     });
     drop(lab_, owner_);
@@ -179,14 +184,14 @@ class ServerHandle {
  private:
   const Owner owner_;
   std::shared_ptr<Lab> lab_;
-  /// Held while a servant is added or all are released; locked without the GIL. Guards no member:
-  /// the GIL guards the members below.
+  /// This mutex is held while a servant is added or all servants are released. Threads lock it
+  /// without the GIL. It guards no member; the GIL guards the members below.
   Mutex serving_;
   std::vector<std::shared_ptr<PulledServant>> servants_;
   std::shared_ptr<Server> server_;  // last member: destroyed before the servants it serves
 };
 
-/// A broker in this process, with a server of its own.
+/// A broker in this process. It has a separate server.
 class BrokerHandle {
  public:
   explicit BrokerHandle(const LabHandle& lab) : lab_(lab.get()) {

@@ -1,5 +1,5 @@
-// Where the programs of this user meet, and this user's keys: the runtime's own rules, for the
-// commands that show and check them.
+// Functions for the commands that show and check the runtime directory and the keys of this user.
+// They use the code of the runtime, so that commands and runtime follow the same rules.
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 

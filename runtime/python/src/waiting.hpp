@@ -15,22 +15,25 @@
 #include "gecos/base/thread.hpp"
 #include "gil.hpp"
 
-/// Waiting without the GIL; Python's signal handlers run after each slice of time.
+/// Functions that wait without the GIL. They wait in slices of time, and Python's signal handlers
+/// run after each slice.
 namespace gecos::python {
 
 inline constexpr Duration longest_deafness = std::chrono::milliseconds(100);
 
-/// Converts seconds from Python: None and infinity mean for ever, negative values and NaN zero.
+/// Converts a time in seconds from Python. None and infinity mean that the wait has no limit.
+/// Negative values and NaN mean zero.
 inline Duration patience_of(std::optional<double> seconds) {
   if (!seconds || *seconds > 1e9) return Duration::max();
   if (!(*seconds > 0)) return Duration::zero();
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(*seconds));
 }
 
-/// Calls `wait(until)` repeatedly, each time for a slice of time and without the GIL. Ends when
-/// `wait` returns true, when the whole time has passed, or when `given_up`, which is called with
-/// the GIL, returns true. Between two slices, Python's signal handlers run; an exception that they
-/// raise (KeyboardInterrupt) ends the wait. Returns whether `wait` returned true.
+/// Calls `wait(until)` repeatedly without the GIL, each time for one slice of time. Ends when
+/// `wait` returns true, when the time `seconds` has passed, or when `given_up` returns true;
+/// `given_up` is called with the GIL. Python's signal handlers run between two slices. If they
+/// raise an exception, such as KeyboardInterrupt, the exception ends the wait. Returns whether
+/// `wait` returned true.
 template <class Wait, class GivenUp>
 bool wait_in_slices(std::optional<double> seconds, Wait wait, GivenUp given_up) {
   const Duration patience = patience_of(seconds);
@@ -52,7 +55,7 @@ bool wait_in_slices(std::optional<double> seconds, Wait wait) {
   return wait_in_slices(seconds, std::move(wait), [] { return false; });
 }
 
-/// Waits until `until`, without the GIL.
+/// Waits until the time `until`, without the GIL.
 inline void sleep_in_slices(TimePoint until) {
   const double left = std::chrono::duration<double>(until - SystemClock().now()).count();
   wait_in_slices(left, [](TimePoint slice) {
@@ -61,8 +64,8 @@ inline void sleep_in_slices(TimePoint until) {
   });
 }
 
-/// Runs `work`, which blocks and must not touch Python, on a thread of its own, so that a signal
-/// can end the wait. The work then continues, and its result is dropped.
+/// Runs `work` on a separate thread and waits for its result. `work` may block and must not use
+/// Python. A signal can end the wait; `work` then continues, and its result is dropped.
 template <class Work>
 auto run_interruptibly(Work work) {
   using Value = decltype(work());
@@ -80,7 +83,7 @@ auto run_interruptibly(Work work) {
   return value.get();
 }
 
-/// Runs `work`, which may block for a short time, without the GIL.
+/// Runs `work` without the GIL. `work` may block only for a short time.
 template <class Work>
 decltype(auto) without_gil(Work work) {
   const WithoutGil released;

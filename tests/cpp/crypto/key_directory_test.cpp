@@ -106,12 +106,13 @@ TEST_F(KeyDirectoryTest, APublicFileThatIsNotWhatItSaysAdmitsNobody) {
   const PublicKey other = KeyPair::draw().public_key;
   const fs::path others = keys / (other.to_string() + ".public");
   const auto why = [&] { return directory.admission(other).error().text; };
-  const std::string refused = "its key " + other.short_name() + " is not admitted here: ";
-  EXPECT_EQ(why(), refused + "to admit it, copy the file " + others.filename().string() +
-                       " from its key directory into " + keys.string());
+  const std::string refused = "the key " + other.short_name() + " is not admitted here: ";
+  EXPECT_EQ(why(), refused + "to admit this key, copy the file " + others.filename().string() +
+                       " from the key directory of its user into " + keys.string());
   write(others, right);
-  EXPECT_EQ(why(), refused + others.string() +
-                       ": holds another key than its name says: copy it again, or remove it");
+  EXPECT_EQ(why(),
+            refused + others.string() +
+                ": the file holds another key than its name says: copy it again, or remove it");
   write(others, "");
   EXPECT_EQ(why(), refused + others.string() + ": is empty: copy it again, or remove it");
   write(keys / (own.to_string() + ".public"), right);
@@ -185,10 +186,11 @@ TEST_F(KeyDirectoryTest, ADamagedSecretIsNeverReplacedSilently) {
     ASSERT_NE(why_no_identity(), "an identity") << at;
   }
   write(secret(), right + "\n");
-  EXPECT_EQ(why_no_identity(),
-            secret().string() +
-                ": holds more than a key: restore it, or remove it for a new key (who admitted the "
-                "old one must admit the new one)");
+  EXPECT_EQ(
+      why_no_identity(),
+      secret().string() +
+          ": holds more than a key: restore the file, or remove it to get a new key (then every "
+          "user who admitted the old key must admit the new key)");
   write(secret(), right);
   EXPECT_EQ(why_no_identity(), "an identity");
 }
@@ -202,10 +204,11 @@ TEST_F(KeyDirectoryTest, APublicKeyIsNoSecretOne) {
 TEST_F(KeyDirectoryTest, ASecretThatOthersCanReadIsRefusedWithTheCommandThatMendsIt) {
   ASSERT_TRUE(open().identity());
   ::chmod(secret().c_str(), 0640);
-  EXPECT_EQ(why_no_identity(),
-            secret().string() +
-                ": is open to other users: run `chmod 600` on it, and remove it for a new key if "
-                "somebody may have read it");
+  EXPECT_EQ(
+      why_no_identity(),
+      secret().string() +
+          ": is open to other users: run `chmod 600` on it; if another user may have read the "
+          "key, remove the file instead, and a new key will be created");
 }
 
 TEST_F(KeyDirectoryTest, ADirectoryThatOthersCanEnterIsRefused) {
@@ -230,10 +233,10 @@ TEST_F(KeyDirectoryTest, ASecretIsAFileAndNoWayToAnother) {
   EXPECT_NE(why_no_identity().find("cannot be read"), std::string::npos);
   fs::remove(secret());
   fs::create_directory(secret());
-  EXPECT_EQ(why_no_identity(), secret().string() + ": is no regular file: remove it");
+  EXPECT_EQ(why_no_identity(), secret().string() + ": is not a regular file: remove it");
   fs::remove(secret());
   ASSERT_EQ(::mkfifo(secret().c_str(), 0600), 0);
-  EXPECT_EQ(why_no_identity(), secret().string() + ": is no regular file: remove it")
+  EXPECT_EQ(why_no_identity(), secret().string() + ": is not a regular file: remove it")
       << "and it does not wait for a writer";
 }
 
@@ -254,7 +257,7 @@ TEST_F(KeyDirectoryTest, ADirectoryThatCannotBeWrittenOrBelongsToAnotherIsSaidSo
                             ": the key cannot be written (Permission denied); set GECOS_KEY_DIR "
                             "to use another directory";
       ::_exit(said && ::seteuid(0) == 0 && ::chmod(keys.c_str(), 0700) == 0 &&
-                      why_not_opened().find("belongs to uid 65534, and this program runs as uid 0; "
+                      why_not_opened().find("belongs to uid 65534, but this program runs as uid 0; "
                                             "set GECOS_KEY_DIR") != std::string::npos
                   ? 0
                   : 1);
@@ -275,7 +278,7 @@ TEST_F(KeyDirectoryTest, ADirectoryThatCannotBeWrittenOrBelongsToAnotherIsSaidSo
 TEST_F(KeyDirectoryTest, APathThatCannotBeMadeIsSaidSo) {
   keys = "/proc/gecos/keys";
   EXPECT_EQ(why_not_opened(),
-            "/proc/gecos/keys: the key directory cannot be made (No such file or directory); "
+            "/proc/gecos/keys: the key directory cannot be created (No such file or directory); "
             "set GECOS_KEY_DIR to use another directory");
 }
 

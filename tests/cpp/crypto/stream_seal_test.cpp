@@ -36,7 +36,7 @@ TEST(StreamSeal, OneFrameIsReadByAll) {
   const Bytes frame = sample(writer, "pose");
   EXPECT_EQ(frame.size(), 4 + StreamSealer::overhead);
   EXPECT_EQ(opened(one, frame), "pose");
-  EXPECT_EQ(opened(one, frame), "refused: delivered already");
+  EXPECT_EQ(opened(one, frame), "refused: the packet was delivered already");
   EXPECT_EQ(opened(other, frame), "pose");
   EXPECT_EQ(opened(one, sample(writer, "")), "");
 }
@@ -63,7 +63,7 @@ TEST(StreamSeal, AReaderCannotForgeASampleToTheOthers) {
   ASSERT_EQ(text_of(inside.first(5)), "true!");
   inside[0] = std::byte{'T'};
   aead_seal(stolen.key, 0, {}, inside, tag);
-  EXPECT_EQ(opened(honest, forged), "refused: not from the peer, or altered");
+  EXPECT_EQ(opened(honest, forged), "refused: the packet is not from the peer, or it was altered");
 
   // The right words under a later counter are another sample, and signed by nobody.
   Bytes moved = real;
@@ -72,7 +72,7 @@ TEST(StreamSeal, AReaderCannotForgeASampleToTheOthers) {
   ASSERT_TRUE(aead_open(stolen.key, 0, {}, moved_inside, std::span(moved).last<tag_bytes>()));
   moved[7] = std::byte{9};
   aead_seal(stolen.key, 9, {}, moved_inside, std::span(moved).last<tag_bytes>());
-  EXPECT_EQ(opened(honest, moved), "refused: not from the peer, or altered");
+  EXPECT_EQ(opened(honest, moved), "refused: the packet is not from the peer, or it was altered");
   EXPECT_EQ(opened(honest, real), "true!");
 }
 
@@ -83,8 +83,9 @@ TEST(StreamSeal, WhoHasNoKeyCanNeitherReadNorWrite) {
   StreamOpener revoked(passed_on(another));
   const Bytes frame = sample(writer, "secret sample");
   EXPECT_EQ(text_of(frame).find("secret"), std::string::npos);
-  EXPECT_EQ(opened(revoked, frame), "refused: not from the peer, or altered");
-  EXPECT_EQ(opened(reader, sample(another, "x")), "refused: not from the peer, or altered");
+  EXPECT_EQ(opened(revoked, frame), "refused: the packet is not from the peer, or it was altered");
+  EXPECT_EQ(opened(reader, sample(another, "x")),
+            "refused: the packet is not from the peer, or it was altered");
 }
 
 TEST(StreamSeal, EveryChangedByteAndEveryLengthIsNoticed) {
@@ -99,11 +100,12 @@ TEST(StreamSeal, EveryChangedByteAndEveryLengthIsNoticed) {
     const Bytes shorter(frame.begin(), frame.begin() + static_cast<std::ptrdiff_t>(byte));
     ASSERT_NE(opened(reader, shorter, header), "pose") << byte;
   }
-  EXPECT_EQ(opened(reader, frame, bytes_of("stream 8")), "refused: not from the peer, or altered");
+  EXPECT_EQ(opened(reader, frame, bytes_of("stream 8")),
+            "refused: the packet is not from the peer, or it was altered");
   EXPECT_EQ(opened(reader, frame, header), "pose");
   Bytes last_counter(StreamSealer::overhead, std::byte{0xff});
   EXPECT_EQ(opened(reader, last_counter),
-            "refused: sealed under a key that the peer cannot use yet");
+            "refused: the packet is sealed under a key that the peer cannot use yet");
 }
 
 }  // namespace

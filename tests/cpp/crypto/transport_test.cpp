@@ -37,14 +37,14 @@ TEST(Transport, NothingOfThePacketIsReadableInTheFrame) {
 TEST(Transport, APacketIsNotAcceptedByTheSideThatSealedIt) {
   auto pair = open_pair();
   EXPECT_EQ(opened(pair.client.in, sealed(pair.client.out, "mirror")),
-            "refused: not from the peer, or altered");
+            "refused: the packet is not from the peer, or it was altered");
 }
 
 TEST(Transport, WhatTravelsBesideTheFrameInClearIsProtectedToo) {
   auto pair = open_pair();
   const Bytes header = bytes_of("header");
   EXPECT_EQ(opened(pair.server.in, sealed(pair.client.out, "x", header), bytes_of("Header")),
-            "refused: not from the peer, or altered");
+            "refused: the packet is not from the peer, or it was altered");
   EXPECT_EQ(opened(pair.server.in, sealed(pair.client.out, "y", header), header), "y");
 }
 
@@ -53,9 +53,9 @@ TEST(Transport, ARepeatedPacketIsDeliveredOnceAndAnOvertakenOneStill) {
   const Bytes first = sealed(pair.client.out, "1");
   const Bytes second = sealed(pair.client.out, "2");
   EXPECT_EQ(opened(pair.server.in, second), "2");
-  EXPECT_EQ(opened(pair.server.in, second), "refused: delivered already");
+  EXPECT_EQ(opened(pair.server.in, second), "refused: the packet was delivered already");
   EXPECT_EQ(opened(pair.server.in, first), "1");
-  EXPECT_EQ(opened(pair.server.in, first), "refused: delivered already");
+  EXPECT_EQ(opened(pair.server.in, first), "refused: the packet was delivered already");
 }
 
 TEST(Transport, WhatAThousandOthersOvertookIsTooOld) {
@@ -65,7 +65,7 @@ TEST(Transport, WhatAThousandOthersOvertookIsTooOld) {
   for (std::uint64_t i = 0; i < ReplayWindow::size - 1; ++i) {
     ASSERT_EQ(opened(pair.server.in, sealed(pair.client.out, "x")), "x");
   }
-  EXPECT_EQ(opened(pair.server.in, late), "refused: too old");
+  EXPECT_EQ(opened(pair.server.in, late), "refused: the packet is too old");
   EXPECT_EQ(opened(pair.server.in, in_time), "in time");
 }
 
@@ -74,7 +74,8 @@ TEST(Transport, AForgedPacketSpoilsNothing) {
   const Bytes frame = sealed(pair.client.out, "right");
   Bytes forged = frame;
   forged.back() ^= std::byte{1};
-  EXPECT_EQ(opened(pair.server.in, forged), "refused: not from the peer, or altered");
+  EXPECT_EQ(opened(pair.server.in, forged),
+            "refused: the packet is not from the peer, or it was altered");
   EXPECT_FALSE(pair.server.in.opened_any());
   EXPECT_EQ(opened(pair.server.in, frame), "right");
   EXPECT_TRUE(pair.server.in.opened_any());
@@ -83,7 +84,8 @@ TEST(Transport, AForgedPacketSpoilsNothing) {
 TEST(Transport, FramesThatAreTooShortAreRefused) {
   auto pair = open_pair();
   for (std::size_t size = 0; size < Sealer::overhead; ++size) {
-    EXPECT_EQ(opened(pair.server.in, Bytes(size)), "refused: too short for a sealed packet");
+    EXPECT_EQ(opened(pair.server.in, Bytes(size)),
+              "refused: the packet is too short for a sealed packet");
   }
   Bytes no_room(Sealer::overhead - 1);
   EXPECT_THROW(pair.client.out.seal({}, no_room), std::invalid_argument);
@@ -118,12 +120,13 @@ TEST(Transport, APacketThatTheNextKeyOvertookIsOpenedUntilThatKeyIsErased) {
   const Bytes late = sealed(pair.client.out, "late");
   ASSERT_EQ(opened(pair.server.in, sealed(pair.client.out, "next key")), "next key");
   EXPECT_EQ(opened(pair.server.in, early), "early");
-  EXPECT_EQ(opened(pair.server.in, early), "refused: delivered already");
+  EXPECT_EQ(opened(pair.server.in, early), "refused: the packet was delivered already");
   pair.server.in.on_tick(pair_opened);
   pair.server.in.on_tick(pair_opened + Opener::previous_kept - 1ns);
-  EXPECT_EQ(opened(pair.server.in, early), "refused: delivered already") << "its window is there";
+  EXPECT_EQ(opened(pair.server.in, early), "refused: the packet was delivered already")
+      << "its window is there";
   pair.server.in.on_tick(pair_opened + Opener::previous_kept);
-  EXPECT_EQ(opened(pair.server.in, late), "refused: too old");
+  EXPECT_EQ(opened(pair.server.in, late), "refused: the packet is too old");
 }
 
 TEST(Transport, GenerationsLostAsAWholeAreCaughtUpWithAndNoMore) {
@@ -137,7 +140,7 @@ TEST(Transport, GenerationsLostAsAWholeAreCaughtUpWithAndNoMore) {
     frame = sealed(pair.client.out, "too far");
   }
   EXPECT_EQ(opened(pair.server.in, frame),
-            "refused: sealed under a key that the peer cannot use yet");
+            "refused: the packet is sealed under a key that the peer cannot use yet");
   EXPECT_EQ(pair.server.in.generation(), Opener::most_lost_generations);
 }
 
@@ -145,7 +148,8 @@ TEST(Transport, AForgedGenerationMovesNoKey) {
   auto pair = open_pair({.packets = 1});
   Bytes forged = sealed(pair.client.out, "x");
   forged[3] = std::byte{5};  // the lowest byte of the generation
-  EXPECT_EQ(opened(pair.server.in, forged), "refused: not from the peer, or altered");
+  EXPECT_EQ(opened(pair.server.in, forged),
+            "refused: the packet is not from the peer, or it was altered");
   EXPECT_EQ(pair.server.in.generation(), 0U);
   EXPECT_EQ(opened(pair.server.in, sealed(pair.client.out, "y")), "y");
 }

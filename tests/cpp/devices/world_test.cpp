@@ -42,11 +42,11 @@ TEST_F(WorldServantTest, AnUnknownBodyIsToldWhichThereAre) {
 }
 
 TEST_F(WorldServantTest, WhatIsFixedOrHeldIsNotPutElsewhere) {
-  EXPECT_EQ(place("table").text, "'table' is fixed and cannot be placed");
+  EXPECT_EQ(place("table").text, "the body 'table' is fixed and cannot be placed");
   simulated_.track("GRIPPER", "block", robcl::Frame());
   const gecos::Failure held = place("block");
   EXPECT_EQ(held.detail, gecos::Detail::Rejected);
-  EXPECT_EQ(held.text, "'block' is held by a gripper: open the gripper first");
+  EXPECT_EQ(held.text, "a gripper holds the body 'block': open the gripper first");
 }
 
 TEST_F(WorldServantTest, ALengthBelowZeroIsABadParameter) {

@@ -42,7 +42,7 @@ TEST_F(LcmUsers, AServerWhoseKeyIsNotAdmittedIsRefusedAtOnce) {
   const auto refused = bob_->connect(acceptor->address());
   ASSERT_FALSE(refused);
   const auto key = SealedAddress::parse(acceptor->address())->key.value();
-  EXPECT_NE(refused.error().text.find("its key " + key.short_name() + " is not admitted here"),
+  EXPECT_NE(refused.error().text.find("the key " + key.short_name() + " is not admitted here"),
             std::string::npos)
       << refused.error().text;
   EXPECT_NE(refused.error().text.find(options("bob").key_directory), std::string::npos);

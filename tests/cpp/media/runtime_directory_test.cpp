@@ -59,10 +59,11 @@ TEST(RuntimeDirectory, HasAPathOfFiftyCharactersAtTheMost) {
   EXPECT_TRUE(acceptor) << acceptor.error().text;
   const auto refused = shm::prepare_directory(longest + "x");
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().text,
-            "shm: the path " + longest +
-                "x has 51 characters, and the sockets in that directory leave room for 50; name a "
-                "shorter directory in GECOS_RUNTIME_DIR");
+  EXPECT_EQ(
+      refused.error().text,
+      "shm: the path " + longest +
+          "x has 51 characters, but sockets need a directory whose path has at most 50; name a "
+          "shorter directory in GECOS_RUNTIME_DIR");
   EXPECT_FALSE(make_shm({.directory = longest + "x"})->listen("RX90", false));
 }
 
@@ -175,8 +176,9 @@ TEST(TwoUsers, NobodyIsToldToEndTheProgramOfAnother) {
   const ChildProcess broker = broker_of(ada);
   ASSERT_TRUE(broker.wait_ready());
   const auto said = heard_by(bob);
-  EXPECT_NE(said.find("the socket belongs to another user, who is reached over lcm only"),
-            std::string::npos)
+  EXPECT_NE(
+      said.find("the socket belongs to another user, whose programs are reached over lcm only"),
+      std::string::npos)
       << said;
   ASSERT_EQ(::chown(scratch.path().c_str(), 0, 0), 0);
   const auto second = make_shm()->listen("BROKER", true);

@@ -381,7 +381,7 @@ TEST_F(ShmProcess, AClientHearsThatTheDescriptorsOfTheServerEndedWhileItWasLetIn
     ::setrlimit(RLIMIT_NOFILE, &before);
     EXPECT_TRUE(client.wait([&] { return client.connection->loss() != Loss::None; }));
     const std::string why = client.connection->loss_text();
-    EXPECT_TRUE(why.find("no descriptors left (ulimit -n)") != std::string::npos ||
+    EXPECT_TRUE(why.find("no file descriptors left (see `ulimit -n`)") != std::string::npos ||
                 why.find("Too many open files") != std::string::npos)
         << left << ": " << why;
   }

@@ -136,7 +136,7 @@ TEST(ArmModel, RefusesWhatIsNoArmAndSaysWhy) {
             "joint 'j' needs a velocity limit above 0");
   EXPECT_EQ(refusal(robot("type='revolute'><limit lower='1' upper='1' velocity='1' effort='1'/>"),
                     "a", "b"),
-            "joint 'j': lower limit is not below the upper one");
+            "joint 'j': its lower limit must be below its upper limit");
   EXPECT_EQ(refusal(robot("type='fixed'>"), "a", "tip"), "the URDF has no link 'tip'");
   EXPECT_EQ(refusal(robot("type='fixed'>"), "b", "a"), "link 'a' is not a descendant of link 'b'");
   EXPECT_EQ(refusal(robot("type='fixed'>"), "a", "b"),

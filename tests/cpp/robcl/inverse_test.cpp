@@ -126,7 +126,8 @@ TEST_F(Rx90Inverse, SaysHowFarTheWristWouldBeWhenAGoalIsOutOfReach) {
   const auto solution = inverse_->solve(translate(2, 0, 0.42), joints({0, 0, 90, 0, 90, 0}));
   ASSERT_FALSE(solution.has_value());
   EXPECT_EQ(to_string(solution.error()),
-            "out of reach: the wrist centre would be 2001.8 mm from the shoulder, it can be 0.0 to "
+            "out of reach: the wrist centre would be 2001.8 mm from the shoulder, but this "
+            "distance must be 0.0 to "
             "900.0 mm");
 }
 

@@ -65,17 +65,18 @@ TEST(LyingDriver, EndsTheMotionWithAFaultThatSaysWhyItCannotBeTrue) {
   for (const Lie& lie : std::vector<Lie>{
            {[&](JointState& state) { state.position[3] = none; }, "a joint position is not finite"},
            {[](JointState& state) { state.position.conservativeResize(5); },
-            "it has 5 joint positions, the arm has 6 joints"},
+            "the answer has 5 joint positions, but the arm has 6 joints"},
            {[&](JointState& state) { state.velocity = JointValues::Constant(6, none); },
-            "its joint velocities are not 6 finite numbers"},
+            "the joint velocities are not 6 finite numbers"},
            {[](JointState& state) { state.torque = JointValues::Zero(2); },
-            "its joint torques are not 6 finite numbers"},
+            "the joint torques are not 6 finite numbers"},
            {[](JointState& state) { state.measured_at_ns -= 60'000'000'000; },
-            "its measurement is 60 s old"},
+            "the measurement is 60 s old"},
            {[](JointState& state) { state.measured_at_ns += 60'000'000'000; },
-            "its measurement is 60 s in the future"},
+            "the time of the measurement is 60 s in the future"},
            {[](JointState& state) { state.position[2] += 0.5; },
-            "joint 3 moved by 0.5 rad in 0.004 s; it can move by 0.02 rad"}}) {
+            "joint 3 moved by 0.5 rad in 0.004 s; the joint can move by at most 0.02 rad in this "
+            "time"}}) {
     LyingDriver driver(lie.tell);
     ArmController controller(robcl::rx90(), {}, driver);
     const auto outcome = outcome_of(controller);
@@ -251,7 +252,8 @@ TEST(DriverThatDoesNotReturn, EndsTheMoveAndNoOtherBeginsBeforeItDoes) {
   auto loop = std::async(std::launch::async, [&] { arm.step(beat); });
   const auto failed = arm.move_joints(beside_start(), {}, watcher);
   ASSERT_FALSE(failed);
-  EXPECT_EQ(to_string(failed.error()), "the driver does not return: the control loop has stalled");
+  EXPECT_EQ(to_string(failed.error()),
+            "the control loop has stalled: a call of the driver does not return");
   const auto refused = arm.move_joints(beside_start(), {}, watcher);
   ASSERT_FALSE(refused);
   EXPECT_TRUE(std::holds_alternative<DriverFault>(refused.error())) << to_string(refused.error());

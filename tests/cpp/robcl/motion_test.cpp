@@ -187,10 +187,9 @@ TEST_F(Motion, AStraightMoveThatLeavesTheReachOnTheWaySaysWhere) {
   ASSERT_FALSE(plan.has_value());
   const auto* reach = std::get_if<arm::OutOfReach>(&plan.error());
   ASSERT_NE(reach, nullptr) << to_string(plan.error());
-  EXPECT_EQ(
-      reach->reason,
-      "289.0 mm along the line: the wrist centre would be 149.4 mm from axis 1, it can come as "
-      "near as 150.1 mm");
+  EXPECT_EQ(reach->reason,
+            "289.0 mm along the line: the wrist centre would be 149.4 mm from axis 1, but this "
+            "distance must be at least 150.1 mm");
   EXPECT_TRUE(puma.joints_to(to_front->goal(), back, Frame(), {}).has_value());
 }
 
@@ -209,7 +208,7 @@ TEST_F(Motion, AJointGoalOutsideTheLimitsNamesTheJoint) {
   const auto plan = planner_.joints(ready, joints({0, 0, 0, 0, -110, 0}), {});
   ASSERT_FALSE(plan.has_value());
   EXPECT_EQ(to_string(plan.error()),
-            "joint 5 would have to stand at -110.0 deg, its range is -105.0 to 120.0 deg");
+            "joint 5 would have to stand at -110.0 deg, but its range is -105.0 to 120.0 deg");
 }
 
 TEST_F(Motion, AMoveToWhereItStandsIsOverAtOnce) {
@@ -281,7 +280,7 @@ TEST(Pace, ItsProblemIsNamed) {
   EXPECT_EQ(problem_of({}), std::nullopt);
   Pace pace;
   pace.speed = 0;
-  EXPECT_EQ(problem_of(pace), "speed is 0.000000, it must be above 0, at most 1");
+  EXPECT_EQ(problem_of(pace), "speed is 0.000000, but it must be above 0, at most 1");
   pace = {};
   pace.tool_speed = std::nan("");
   EXPECT_TRUE(problem_of(pace).has_value());

@@ -123,9 +123,11 @@ TEST(NothingLeft, AServerWithoutThreadsSaysSo) {
   });
   server.line().say("go");
   const std::string said = server.line().hear();
-  EXPECT_NE(said.find("this process has no resources left for a Lab: the thread gecos-maint (see "
-                      "`ulimit -u`): Resource temporarily unavailable"),
-            std::string::npos)
+  EXPECT_NE(
+      said.find(
+          "this process has no resources left for a Lab: cannot start the thread gecos-maint (see "
+          "`ulimit -u`): Resource temporarily unavailable"),
+      std::string::npos)
       << said;
   server.line().say("end");
   EXPECT_EQ(server.wait(), 0);
@@ -141,10 +143,10 @@ TEST(NothingLeft, AClientWithoutThreadsSaysSo) {
     lab.close();
   });
   client.line().say("go");
-  EXPECT_EQ(
-      client.line().hear(),
-      "PROBE: NO_SERVER: this process has no resources left for a Lab: the thread gecos-maint (see "
-      "`ulimit -u`): Resource temporarily unavailable");
+  EXPECT_EQ(client.line().hear(),
+            "PROBE: NO_SERVER: this process has no resources left for a Lab: cannot start the "
+            "thread gecos-maint (see "
+            "`ulimit -u`): Resource temporarily unavailable");
   EXPECT_EQ(client.wait(), 0);
 }
 

@@ -1,4 +1,4 @@
-// Owned and borrowed sequences of bytes.
+// Types for a sequence of bytes that is owned, and for one that is borrowed.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@ namespace gecos {
 
 using Bytes = std::vector<std::byte>;
 
-/// Borrowed: the bytes must outlive the view.
+/// A borrowed sequence of bytes. The bytes must outlive the view.
 using ByteView = std::span<const std::byte>;
 
 }  // namespace gecos

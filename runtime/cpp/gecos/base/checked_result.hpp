@@ -1,4 +1,5 @@
-// The result of an operation or its error; using an error as a result ends the program.
+// A type that holds the result of an operation or its error. If a program uses the result although
+// there is an error, the program ends.
 #pragma once
 
 #include <sstream>
@@ -9,13 +10,13 @@
 
 namespace gecos {
 
-/// Aborts the program, because it used a result that holds an error. Logs `why`, the text of that
-/// error.
+/// Logs `why`, the text of an error, and aborts the program. Called when the program uses a result
+/// that holds this error.
 [[noreturn]] void used_unchecked(const std::string& why);
 
 /// A `tl::expected` that checks each access. When it holds an error, `*result` and `result->…` end
-/// the program with the text of that error, also with NDEBUG, when a plain `tl::expected` would
-/// read memory that holds no value.
+/// the program with the text of that error. They do so even in a build with NDEBUG, in which a
+/// plain `tl::expected` would read memory that holds no value.
 template <class T, class E>
 class [[nodiscard]] Checked : public tl::expected<T, E> {
  public:

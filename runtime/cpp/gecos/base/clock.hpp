@@ -1,5 +1,5 @@
-// Most functions take the time as a parameter. Code that must read the time uses a Clock, so that
-// tests need not sleep.
+// Most functions of this project take the time as a parameter. Code that must read the time uses a
+// Clock, so that tests can replace the clock and need not sleep.
 #pragma once
 
 #include <atomic>
@@ -15,18 +15,20 @@ class Clock {
  public:
   virtual ~Clock() = default;
 
-  /// Monotonic time, unrelated to the time of day and to other hosts.
+  /// Returns monotonic time, which is unrelated to the time of day and to the clocks of other
+  /// hosts.
   virtual TimePoint now() const = 0;
 
-  /// Monotonic time that also counts while the machine is suspended (CLOCK_BOOTTIME). Compare it
-  /// only with other readings of since_boot().
+  /// Returns monotonic time that also advances while the machine is suspended (CLOCK_BOOTTIME).
+  /// Compare the returned time only with other results of since_boot().
   virtual TimePoint since_boot() const { return now(); }
 
-  /// True when this clock shows real time, so that other clocks of the system advance with it.
+  /// Returns true when this clock shows real time, so that other clocks of the system advance
+  /// together with this clock.
   virtual bool real() const { return false; }
 
-  /// Seconds since 1970 UTC, for stamps that leave the process. An operator may set this clock
-  /// back.
+  /// Returns seconds since 1970 UTC, for time stamps that leave the process. An operator may set
+  /// this clock back.
   virtual double unix_seconds() const = 0;
 };
 
@@ -38,11 +40,12 @@ class SystemClock final : public Clock {
   double unix_seconds() const override;
 };
 
-/// The time `patience` from now, by the system's clock. Duration::max() gives TimePoint::max():
-/// never.
+/// Returns the time that is `patience` from now by the system's clock. For Duration::max(), returns
+/// TimePoint::max(), a deadline that never comes.
 TimePoint deadline_after(Duration patience);
 
-/// A clock for tests: it advances only by `advance`. `unix_seconds` advances with it.
+/// A clock for tests. Both its monotonic time and its `unix_seconds` advance only when `advance` is
+/// called.
 class FakeClock final : public Clock {
  public:
   explicit FakeClock(TimePoint start = TimePoint{std::chrono::hours{1}}, double unix_start = 1.7e9);

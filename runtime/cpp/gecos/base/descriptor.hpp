@@ -6,7 +6,7 @@
 
 namespace gecos {
 
-/// Owns a file descriptor; -1 is none.
+/// Owns a file descriptor and closes it. The value -1 means that the object owns no descriptor.
 class Descriptor {
  public:
   Descriptor() = default;

@@ -1,12 +1,12 @@
-// Checks whether this process may open more file descriptors.
+// A check whether this process may open more file descriptors.
 #pragma once
 
 #include <cstddef>
 
 namespace gecos {
 
-/// Whether this process can open `count` more descriptors now: opens and closes that many. When
-/// false, errno is set.
+/// Returns whether this process can open `count` more file descriptors now: tries to open `count`
+/// descriptors and closes them again. Sets errno when it returns false.
 bool descriptors_left(std::size_t count);
 
 }  // namespace gecos

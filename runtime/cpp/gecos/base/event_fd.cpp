@@ -17,14 +17,15 @@ EventFd::EventFd() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
 bool EventFd::drain() {
   std::uint64_t count = 0;
   iovec piece{&count, sizeof count};
-  // RWF_NOWAIT, because every holder of the descriptor, also an untrusted peer, can clear
-  // O_NONBLOCK.
+  // RWF_NOWAIT is needed, because every process that holds the descriptor, even an untrusted peer,
+  // can clear O_NONBLOCK.
   return ::preadv2(fd_.get(), &piece, 1, -1, RWF_NOWAIT) == static_cast<ssize_t>(sizeof count);
 }
 
 void notify_event_fd(int descriptor) {
   const std::uint64_t one = 1;
-  // An eventfd whose counter is full is readable already, so a failed write loses no wake-up.
+  // The write fails only when the counter of the eventfd is full. The eventfd is then readable
+  // already, so that no wake-up is lost.
   [[maybe_unused]] const auto ignored = ::write(descriptor, &one, sizeof one);
 }
 

@@ -7,15 +7,16 @@ namespace gecos {
 /// Makes the eventfd `descriptor` readable, which wakes the threads that wait on it.
 void notify_event_fd(int descriptor);
 
-/// An eventfd on which its owner waits and which others notify.
+/// An eventfd. Its owner waits on it, and other threads or processes notify it.
 class EventFd {
  public:
-  /// Throws std::system_error when the process has no descriptor left.
+  /// Throws std::system_error when the process cannot open another file descriptor.
   EventFd();
   int descriptor() const { return fd_.get(); }
   void notify() const { notify_event_fd(fd_.get()); }
-  /// Makes the descriptor unreadable again. True when the eventfd had been notified. Never blocks,
-  /// even when an untrusted holder of the descriptor has changed its flags.
+  /// Makes the descriptor unreadable again. Returns true when the eventfd had been notified. Never
+  /// blocks, even when an untrusted process with the same eventfd has changed the flags of the
+  /// descriptor.
   bool drain();
   void close() { fd_.reset(); }
 

@@ -9,7 +9,8 @@ namespace gecos {
 template <class Signature>
 class FunctionRef;
 
-/// A borrowed callable: two words, no allocation. Valid only during the call it is passed to.
+/// A borrowed callable: a parameter type for functions that call the argument only before they
+/// return. Needs two words and no allocation. Must not be stored.
 template <class R, class... Args>
 class FunctionRef<R(Args...)> {
  public:

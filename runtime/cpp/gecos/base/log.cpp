@@ -18,9 +18,9 @@ namespace {
 
 constexpr std::array<std::string_view, 4> level_names{"error", "warning", "info", "debug"};
 
-/// Writes whole lines to stderr: lines of several threads never mix, and no thread waits when
-/// stderr is not read. Lines that a full pipe does not accept are lost; the log says how many once
-/// the pipe is read again.
+/// Writes whole lines to stderr. Lines of several threads never mix, and no thread waits when
+/// nobody reads stderr. Lines that a full pipe does not accept are lost; the log reports their
+/// number as soon as the pipe is read again.
 class Stderr {
  public:
   static Stderr& instance() {
@@ -31,24 +31,27 @@ class Stderr {
   void write_line(std::string line) {
     const MutexLock lock(mutex_);
     const bool told = lost_ == 0 || write("gecos warning log: " + std::to_string(lost_) +
-                                          " lines are lost: stderr was not read\n");
+                                          " lines were lost because nobody read stderr\n");
     if (told) lost_ = 0;
     if (!told || !write(shortened(std::move(line)))) ++lost_;
   }
 
  private:
-  /// The size that a pipe accepts in one piece whenever poll() reports it as writable.
+  /// The largest number of bytes that a pipe always accepts in one write() when poll() reports the
+  /// pipe as writable.
   static constexpr std::size_t longest = PIPE_BUF;
 
   Stderr() {  // a forked child must find the mutex unlocked
     ::pthread_atfork(before_fork, after_fork, after_fork);
   }
 
-  // before_fork() locks the mutex and after_fork() unlocks it: the analysis cannot follow that.
+  // before_fork() locks the mutex and after_fork() unlocks it. The thread-safety analysis cannot
+  // follow this.
   static void before_fork() GECOS_NOT_ANALYSED { instance().mutex_.lock(); }
   static void after_fork() GECOS_NOT_ANALYSED { instance().mutex_.unlock(); }
 
-  /// The text, without its middle when it is too long: the ends of a stack trace say most.
+  /// Returns the text `line`, with its middle left out when it is too long: the two ends of a stack
+  /// trace say most.
   static std::string shortened(std::string line) {
     constexpr std::string_view gap = " … ";
     if (line.size() > longest) {
@@ -77,7 +80,8 @@ void write_line(LogLevel level, std::string_view component, std::string_view mes
   Stderr::instance().write_line(std::move(line));
 }
 
-/// The log level that GECOS_LOG asks for, or why its value is not a log level.
+/// The log level that the environment variable GECOS_LOG sets, or an error text when its value is
+/// not a log level.
 struct Asked {
   LogLevel level = LogLevel::Warning;
   std::optional<std::string> problem;

@@ -10,8 +10,8 @@
 
 namespace gecos {
 
-/// A std::mutex for clang's thread-safety analysis: members declare which mutex guards them
-/// (thread_annotations.hpp).
+/// A std::mutex that clang's thread-safety analysis knows: members can declare that a Mutex guards
+/// them (thread_annotations.hpp).
 class GECOS_CAPABILITY("mutex") Mutex {
  public:
   Mutex() = default;
@@ -21,7 +21,8 @@ class GECOS_CAPABILITY("mutex") Mutex {
   void lock() GECOS_ACQUIRE() { mutex_.lock(); }
   bool try_lock() GECOS_TRY_ACQUIRE(true) { return mutex_.try_lock(); }
   void unlock() GECOS_RELEASE() { mutex_.unlock(); }
-  /// Tells the analysis that the caller holds this mutex; checks nothing at run time.
+  /// Tells clang's thread-safety analysis that the calling thread holds this mutex. Checks nothing
+  /// at run time.
   void assert_held() const GECOS_ASSERT_HELD() {}
 
  private:
@@ -29,9 +30,10 @@ class GECOS_CAPABILITY("mutex") Mutex {
   std::mutex mutex_;
 };
 
-/// A mutex for data that every call locks, briefly and hardly ever contended: this costs two atomic
-/// operations and no function call, less than half the time of std::mutex. A thread that has to
-/// wait sleeps. After U. Drepper, "Futexes Are Tricky", 2011, mutex2.
+/// A mutex for data that every call locks for a short time and for which threads hardly ever
+/// compete. Locking and unlocking cost two atomic operations and no function call, which is less
+/// than half the time of std::mutex. A thread that must wait sleeps. The algorithm is mutex2 of U.
+/// Drepper, "Futexes Are Tricky", 2011.
 class GECOS_CAPABILITY("mutex") FutexMutex {
  public:
   FutexMutex() = default;
@@ -45,13 +47,15 @@ class GECOS_CAPABILITY("mutex") FutexMutex {
   void unlock() GECOS_RELEASE() {
     if (state_.exchange(free, std::memory_order_release) == contended) state_.notify_one();
   }
-  /// Tells the analysis that the caller holds this mutex; checks nothing at run time.
+  /// Tells clang's thread-safety analysis that the calling thread holds this mutex. Checks nothing
+  /// at run time.
   void assert_held() const GECOS_ASSERT_HELD() {}
 
  private:
   static constexpr std::uint32_t free = 0;
   static constexpr std::uint32_t held = 1;
-  /// Held, and other threads may sleep until the mutex is free.
+  /// The state of a mutex that a thread holds while other threads may sleep until the mutex is
+  /// free.
   static constexpr std::uint32_t contended = 2;
 
   bool take() {
@@ -73,7 +77,7 @@ template <class M>
 class GECOS_SCOPED_CAPABILITY MutexLock {
  public:
   explicit MutexLock(M& mutex) GECOS_ACQUIRE(mutex) : mutex_(mutex) { mutex_.lock(); }
-  /// Takes over a mutex that the caller holds, after `try_lock()`.
+  /// Takes over a mutex that the calling thread has already locked, for example by `try_lock()`.
   MutexLock(M& mutex, std::adopt_lock_t) GECOS_REQUIRES(mutex) : mutex_(mutex) {}
   ~MutexLock() GECOS_RELEASE() {
     if (holds_) mutex_.unlock();
@@ -98,7 +102,8 @@ class GECOS_SCOPED_CAPABILITY MutexLock {
   bool holds_ = true;
 };
 
-/// Unlocks a mutex while this object lives. @pre the caller holds the mutex
+/// Unlocks a mutex while this object lives, and then locks the mutex again. @pre the caller holds
+/// the mutex
 template <class M>
 class GECOS_SCOPED_CAPABILITY MutexUnlock {
  public:
@@ -111,9 +116,9 @@ class GECOS_SCOPED_CAPABILITY MutexUnlock {
   M& mutex_;
 };
 
-/// A std::condition_variable for Mutex. (For FutexMutex use std::condition_variable_any.) The mutex
-/// is held before and after each wait, and while `done` is called; `done` must state that by
-/// `assert_held()` in its first line.
+/// A std::condition_variable for Mutex. (For FutexMutex use std::condition_variable_any.) The
+/// calling thread holds the mutex before and after each wait, and whenever `done` is called. The
+/// function `done` must call `assert_held()` of the mutex in its first line.
 class ConditionVariable {
  public:
   void notify_one() noexcept { changed_.notify_one(); }
@@ -128,12 +133,14 @@ class ConditionVariable {
     Native native(lock);
     changed_.wait(native.held, done);
   }
-  /// False when `deadline` passed before a notification.
+  /// Waits for a notification until `deadline`. Returns false when the deadline passed before a
+  /// notification.
   bool wait_until(MutexLock<Mutex>& lock, TimePoint deadline) {
     Native native(lock);
     return changed_.wait_until(native.held, deadline) == std::cv_status::no_timeout;
   }
-  /// Returns the last result of `done()`.
+  /// Waits until `done()` returns true or the deadline has passed. Returns the last result of
+  /// `done()`.
   template <class Done>
   bool wait_until(MutexLock<Mutex>& lock, TimePoint deadline, Done done) {
     Native native(lock);

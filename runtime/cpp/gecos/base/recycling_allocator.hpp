@@ -7,9 +7,9 @@
 
 namespace gecos {
 
-/// For std::allocate_shared of objects that every call creates: each thread keeps a few freed
-/// blocks and reuses them, in a third of the time of the heap. Under sanitizers every block is
-/// freed to the heap.
+/// An allocator for std::allocate_shared of objects that every call creates. Each thread keeps a
+/// few freed blocks and uses them again, which takes a third of the time of the heap. In builds
+/// with a sanitizer, every block is freed to the heap.
 template <class T>
 class RecyclingAllocator {
  public:
@@ -30,7 +30,8 @@ class RecyclingAllocator {
   bool operator==(const RecyclingAllocator&) const { return true; }
 
  private:
-  /// Has no destructor: a block may still be freed after the destructors of the thread have run.
+  /// The freed blocks of a thread. This struct has no destructor, because a block may still be
+  /// freed after the destructors of the thread have run.
   struct Kept {
     std::array<void*, 64> blocks;
     std::size_t count;

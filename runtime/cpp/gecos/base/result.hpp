@@ -1,5 +1,6 @@
-// Expected failures are values: `tl::expected<T, E>` where E is a small enum with its evidence. No
-// other header includes tl/expected.hpp, so that std::expected can replace it.
+// Functions return expected failures as values of the type `tl::expected<T, E>`; E is a small type
+// that says what failed. Only this header includes tl/expected.hpp, so that std::expected can
+// replace that library.
 #pragma once
 
 #include <tl/expected.hpp>

@@ -5,7 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
-// Declarations of <sys/rseq.h> of glibc 2.35. Weak symbols: an older glibc has neither.
+// Two declarations from <sys/rseq.h> of glibc 2.35. The symbols are weak, because an older glibc
+// does not define them.
 extern "C" {
 extern const std::ptrdiff_t __rseq_offset [[gnu::weak]];
 extern const unsigned int __rseq_size [[gnu::weak]];
@@ -13,12 +14,12 @@ extern const unsigned int __rseq_size [[gnu::weak]];
 
 namespace gecos {
 
-/// The value for a core that is not known.
+/// The number that means that the CPU core is unknown.
 inline constexpr std::int32_t unknown_core = -1;
 
-/// The core of the calling thread. The kernel stores it in the memory of the thread (restartable
-/// sequences), so this is one load. Negative when the thread has not registered for restartable
-/// sequences.
+/// Returns the number of the CPU core of the calling thread. The kernel stores this number in the
+/// memory of the thread (restartable sequences), so that this function is one load. The result is
+/// negative when the thread is not registered for restartable sequences.
 inline std::int32_t registered_core() {
 #if defined(__x86_64__) || defined(__aarch64__)
   constexpr std::ptrdiff_t cpu_id = 4;  // its offset in struct rseq, which is kernel ABI
@@ -35,7 +36,8 @@ inline std::int32_t registered_core() {
 #endif
 }
 
-/// The core that the calling thread runs on; the kernel may move the thread right afterwards.
+/// Returns the number of the CPU core that the calling thread runs on. The kernel may move the
+/// thread to another core right afterwards.
 inline std::int32_t running_core() {
   const std::int32_t core = registered_core();
   return core >= 0 ? core : ::sched_getcpu();

@@ -7,13 +7,13 @@
 
 namespace gecos {
 
-/// An owned sequence of bytes. Up to 128 bytes, enough for a usual call, lie in the object itself,
-/// without an allocation.
+/// An owned sequence of bytes. A sequence of up to 128 bytes, which is enough for a usual call, is
+/// stored in the object itself, without an allocation.
 class ShortBytes {
  public:
   ShortBytes() = default;
   explicit ShortBytes(ByteView bytes) { assign(bytes); }
-  // Not copyable, because the result of view() may point into the object.
+  // Objects cannot be copied, because the result of view() may point into the object.
   ShortBytes(const ShortBytes&) = delete;
   ShortBytes& operator=(const ShortBytes&) = delete;
 

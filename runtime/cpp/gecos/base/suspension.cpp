@@ -6,8 +6,8 @@
 namespace gecos {
 namespace {
 
-/// For how long the machine was suspended since its start. Nothing when this thread was interrupted
-/// between reading the two clocks.
+/// Returns the total time for which the machine was suspended since its start. Returns nothing when
+/// this thread was interrupted between its readings of the two clocks.
 std::optional<Duration> measured(const Clock& clock) {
   const TimePoint before = clock.now();
   const TimePoint since_boot = clock.since_boot();

@@ -4,11 +4,12 @@
 
 namespace gecos {
 
-/// The total time for which this machine was suspended since its start, as last noted by this
-/// process; coarse clocks do not count that time. One load; thread-safe.
+/// Returns the total time for which this machine was suspended since its start, as
+/// note_suspension() last measured it. The kernel's coarse monotonic clock does not count that
+/// time. Costs one load. Thread-safe.
 Duration noted_suspension();
-/// Measures and stores the total time of suspension again. The maintenance thread calls this at
-/// each tick.
+/// Measures the total time of suspension again, for noted_suspension(). The maintenance thread
+/// calls this function at each tick.
 void note_suspension(const Clock& clock);
 
 }  // namespace gecos

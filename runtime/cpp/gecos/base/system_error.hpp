@@ -1,4 +1,4 @@
-// Readable text for a failed system call.
+// Error texts and exceptions for system calls that failed.
 #pragma once
 
 #include <string>
@@ -6,10 +6,12 @@
 
 namespace gecos {
 
-/// The text of the errno `error`, "Permission denied", with advice if there is some.
+/// Returns the text of the errno `error`, for example "Permission denied". Adds advice for the
+/// errors of which the user can find the cause.
 std::string system_text(int error);
 
-/// Throws std::system_error for the errno `error`; its text begins with `what`, the failed call.
+/// Throws a std::system_error for the errno `error`. The text of the exception begins with `what`,
+/// the name of the call that failed.
 [[noreturn]] void throw_system_error(std::string_view what, int error);
 
 }  // namespace gecos

@@ -22,7 +22,8 @@ std::thread start_thread(const std::string& name, std::function<void()> run) {
     pthread_setname_np(thread.native_handle(), name.substr(0, 15).c_str());
     return thread;
   } catch (const std::system_error& failed) {
-    throw std::system_error(failed.code(), "the thread " + name + " (see `ulimit -u`)");
+    throw std::system_error(failed.code(),
+                            "cannot start the thread " + name + " (see `ulimit -u`)");
   }
 }
 

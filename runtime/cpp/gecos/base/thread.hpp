@@ -6,8 +6,9 @@
 
 namespace gecos {
 
-/// Starts a thread that has a name for debuggers (at most 15 characters) and blocks all signals, so
-/// that the program's own threads get them. Throws std::system_error when no thread can be started.
+/// Starts a thread that calls `run`. The thread has the first 15 characters of `name` as its name,
+/// which debuggers show. The thread blocks all signals, so that the program's own threads get the
+/// signals. Throws std::system_error when no thread can be started.
 std::thread start_thread(const std::string& name, std::function<void()> run);
 
 }  // namespace gecos

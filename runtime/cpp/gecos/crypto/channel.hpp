@@ -5,8 +5,8 @@
 
 namespace gecos::crypto {
 
-/// Result of a handshake: both directions and the peer's key. One thread may use `out` while
-/// another uses `in`.
+/// The result of a handshake: the peer's key, and the keys of both directions. One thread may use
+/// `out` while another thread uses `in`.
 struct Channel {
   PublicKey peer;
   Hash binding;  ///< equal on both sides, and unique to this channel

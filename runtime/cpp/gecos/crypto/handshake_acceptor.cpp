@@ -30,13 +30,13 @@ std::array<std::byte, 16> digest_of(ByteView first, ByteView context) {
 std::string_view to_string(Refusal refusal) {
   switch (refusal) {
     case Refusal::Busy:
-      return "too many handshakes at a time";
+      return "too many handshakes at a time; try again later";
     case Refusal::Malformed:
-      return "not for this server and context, or altered";
+      return "the message is not for this server and address, or it was altered";
     case Refusal::NotAdmitted:
       return "the key is not admitted";
     case Refusal::Replayed:
-      return "a replay: the message was answered long ago";
+      return "the message is a replay: it was answered long ago";
   }
   return "unknown";
 }
@@ -49,7 +49,7 @@ HandshakeAcceptor::HandshakeAcceptor(const Identity& own, Admission is_admitted,
       rekey_(rekey),
       budget_(rule.burst) {
   if (rule.remembered == 0)
-    throw std::invalid_argument("a HandshakeAcceptor must remember at least one message");
+    throw std::invalid_argument("HandshakeRule::remembered must be at least 1");
 }
 
 tl::expected<HandshakeAcceptor::Answer, HandshakeAcceptor::Refused> HandshakeAcceptor::answer(

@@ -14,13 +14,15 @@
 namespace gecos::crypto {
 
 struct HandshakeRule {
-  /// Limit for checking first messages: `burst` at once, then `per_second`. Each check takes up to
-  /// 0.2 ms, so a flood takes a bounded share of the thread that also serves calls.
+  /// Limits how many first messages of handshakes are checked: `burst` of them at once, and then
+  /// `per_second` of them. A check takes up to 0.2 ms on the thread that also serves calls, so that
+  /// a flood of first messages can take only a limited part of the thread's time.
   std::uint32_t burst = 256;
   std::uint32_t per_second = 200;
-  /// How long a repeated first message gets the same answer again.
+  /// For this time, a first message that is repeated gets the same answer again.
   Duration answers_kept = std::chrono::seconds{5};
-  /// Number of first messages that are remembered, so that a later replay of them is refused.
+  /// Number of first messages that the acceptor remembers, so that it can refuse their later
+  /// replay.
   std::size_t remembered = 4096;
 };
 
@@ -32,16 +34,17 @@ enum class Refusal : std::uint8_t {
 };
 std::string_view to_string(Refusal refusal);
 
-/// The server's side of opening channels. Stores nothing from a first message until the message has
-/// proved its sender and that sender is admitted.
+/// The server's side of the handshake that opens a channel. Stores nothing of a first message until
+/// the message has proved the identity of its sender, and this sender is admitted.
 ///
-/// A first message that is replayed after `remembered` other messages, or to a restarted server,
-/// opens a channel. The attacker who replays it does not have the keys of this channel. Therefore
-/// the owner of a new channel must wait for Channel::in.opened_any(). Before that, it must not
-/// replace another channel by the new one, and must not act on the payload. It must drop the new
-/// channel when nothing was opened within `answers_kept`.
+/// An attacker can replay an old first message to a restarted server, or after `remembered` other
+/// messages. Such a replay opens a channel, but the attacker does not have the keys of this
+/// channel. Therefore the owner of a new channel must wait until Channel::in.opened_any() returns
+/// true. Until then, the owner must not replace another channel by the new one, and must not act on
+/// the payload. The owner must drop the new channel when no packet was opened on it within
+/// `answers_kept`.
 ///
-/// Reads no clock; only one thread at a time may use an acceptor.
+/// A HandshakeAcceptor reads no clock. Only one thread at a time may use it.
 class HandshakeAcceptor {
  public:
   using Admission = std::function<bool(const PublicKey& peer)>;
@@ -59,8 +62,8 @@ class HandshakeAcceptor {
     Refusal why;
     std::optional<PublicKey> who;  ///< the client's key, if the client proved that it owns it
   };
-  /// Checks and answers a first message. `context`: see HandshakeInitiator. `payload` goes back to
-  /// the client, encrypted.
+  /// Checks the first message `first` and returns the answer to it. The answer contains `payload`,
+  /// encrypted for the client. For `context`, see HandshakeInitiator.
   tl::expected<Answer, Refused> answer(ByteView first, ByteView context, ByteView payload,
                                        TimePoint now);
 

@@ -10,7 +10,8 @@ constexpr std::size_t sealed_key_bytes = key_bytes + tag_bytes;
 SymmetricState begin(ByteView prologue, const PublicKey& responder) {
   SymmetricState state(noise_name);
   state.mix_hash(prologue);
-  // Noise's "<- s": the initiator knows the responder's key beforehand.
+  // This is the pre-message "<- s" of the Noise pattern: the initiator knows the responder's key
+  // beforehand.
   state.mix_hash(responder.bytes);
   return state;
 }
@@ -27,11 +28,11 @@ SymmetricState begin(ByteView prologue, const PublicKey& responder) {
 std::string_view to_string(HandshakeProblem problem) {
   switch (problem) {
     case HandshakeProblem::WrongSize:
-      return "too short for a message of this handshake";
+      return "the message is too short for this handshake";
     case HandshakeProblem::WeakKey:
-      return "a weak public key";
+      return "the message has an insecure public key";
     case HandshakeProblem::Forged:
-      return "not for this key and context, or altered";
+      return "the message is not for this key and address, or it was altered";
   }
   return "unknown";
 }

@@ -9,10 +9,10 @@
 #include "gecos/crypto/keys.hpp"
 #include "gecos/crypto/noise.hpp"
 
-/// The handshake Noise_IK_25519_ChaChaPoly_SHA256: two messages, after which both sides know each
-/// other's public key and share two keys. The initiator knows the responder's public key
-/// beforehand. Repetition, admission and limits are in handshake_initiator.hpp and
-/// handshake_acceptor.hpp.
+/// The handshake Noise_IK_25519_ChaChaPoly_SHA256. It consists of two messages. Afterwards both
+/// sides know each other's public key and share two secret keys. The initiator must know the
+/// responder's public key beforehand. The files handshake_initiator.hpp and handshake_acceptor.hpp
+/// add the repetition of messages, the check that a key is admitted, and limits.
 namespace gecos::crypto {
 
 inline constexpr std::string_view noise_name = "Noise_IK_25519_ChaChaPoly_SHA256";
@@ -37,14 +37,15 @@ class IkInitiator {
   IkInitiator(const Identity& own, const PublicKey& responder, ByteView prologue,
               const KeyPair& ephemeral = KeyPair::draw());
 
-  /// Writes the first message. Must be called only once.
+  /// Returns the first message of the handshake. Must be called only once.
   tl::expected<Bytes, HandshakeProblem> write_first(ByteView payload);
 
   struct Finished {
     SessionKeys keys;
     Bytes payload;
   };
-  /// A forged message changes nothing: the genuine message may still arrive.
+  /// Reads the second message of the handshake. Fails and changes nothing when the message is
+  /// forged; the genuine message may still arrive.
   tl::expected<Finished, HandshakeProblem> read_second(ByteView message) const;
 
  private:
@@ -58,7 +59,7 @@ class IkResponder {
  public:
   static constexpr std::size_t second_overhead = key_bytes + tag_bytes;
 
-  /// Stores nothing from a message that fails.
+  /// Reads the first message of a handshake. Stores nothing of a message that fails the checks.
   static tl::expected<IkResponder, HandshakeProblem> read_first(const Identity& own,
                                                                 ByteView message,
                                                                 ByteView prologue);

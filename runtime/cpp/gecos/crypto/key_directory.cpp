@@ -43,11 +43,12 @@ class File {
   const int descriptor_;
 };
 
-/// Why other users have access to the file `found`; nothing when they have none. `bits`: the rights
-/// that other users must not have.
+/// Returns an error text when the file `found` belongs to another user, or when other users have
+/// one of the permissions `bits`. Returns nothing otherwise. `mend` is the file mode that the text
+/// recommends.
 std::optional<std::string> not_ours(const struct stat& found, ::mode_t bits, const char* mend) {
   if (found.st_uid != ::geteuid()) {
-    return "belongs to uid " + std::to_string(found.st_uid) + ", and this program runs as uid " +
+    return "belongs to uid " + std::to_string(found.st_uid) + ", but this program runs as uid " +
            std::to_string(::geteuid()) + how_to_move;
   }
   if ((found.st_mode & bits) != 0) {
@@ -56,7 +57,8 @@ std::optional<std::string> not_ours(const struct stat& found, ::mode_t bits, con
   return std::nullopt;
 }
 
-/// Like mkdir -p; only this user may access the new directories. When false, errno is set.
+/// Creates a directory and its missing parents, like mkdir -p. Only this user may access the new
+/// directories. Sets errno when it returns false.
 bool make_directories(const std::string& path) {
   if (::mkdir(path.c_str(), S_IRWXU) == 0 || errno == EEXIST) return true;
   const auto slash = path.find_last_of('/');
@@ -75,14 +77,15 @@ bool write_all(int to, std::span<const std::byte> bytes) {
   return true;
 }
 
-/// Creates a complete file or none. When false, errno is set: EEXIST when the file exists already.
+/// Creates the file `path` with the contents `text`; creates no file if it cannot write all of
+/// them. Sets errno when it returns false; errno is EEXIST when the file exists already.
 bool put_file(const std::string& path, const std::string& directory, const KeyText& text) {
   const std::string fresh =
       directory + "/.new-" + KeyPair::draw().public_key.short_name() + std::to_string(::getpid());
   const File file(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW,
                          S_IRUSR | S_IWUSR));
   if (!file) return false;
-  // link(), because rename() would replace a file that another process has created.
+  // Uses link(), because rename() would replace a file that another process has created.
   const bool done = ::fchmod(file.get(), S_IRUSR | S_IWUSR) == 0 &&
                     write_all(file.get(), text.bytes()) && ::fsync(file.get()) == 0 &&
                     ::link(fresh.c_str(), path.c_str()) == 0;
@@ -92,7 +95,7 @@ bool put_file(const std::string& path, const std::string& directory, const KeyTe
   return done;
 }
 
-/// Reads the key in a file. The optional is empty when there is no such file.
+/// Reads the key in the file `path`. The result is an empty optional when there is no such file.
 tl::expected<std::optional<Secret<key_bytes>>, KeyError> read_file(const std::string& path,
                                                                    KeyFileKind kind) {
   const File file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
@@ -102,10 +105,12 @@ tl::expected<std::optional<Secret<key_bytes>>, KeyError> read_file(const std::st
   }
   struct stat found {};
   if (::fstat(file.get(), &found) != 0) return fail_with_errno(path, "cannot be examined");
-  if (!S_ISREG(found.st_mode)) return fail(path, "is no regular file: remove it");
+  if (!S_ISREG(found.st_mode)) return fail(path, "is not a regular file: remove it");
   if (kind == KeyFileKind::SecretKey) {
     if (const auto why = not_ours(found, open_to_others, "600")) {
-      return fail(path, *why + ", and remove it for a new key if somebody may have read it");
+      return fail(path, *why +
+                            "; if another user may have read the key, remove the file instead, "
+                            "and a new key will be created");
     }
   } else if (const auto why = not_ours(found, writable_by_others, "600")) {
     return fail(path, *why);
@@ -125,8 +130,8 @@ tl::expected<std::optional<Secret<key_bytes>>, KeyError> read_file(const std::st
     return fail(path,
                 std::string(key.error()) +
                     (kind == KeyFileKind::SecretKey
-                         ? ": restore it, or remove it for a new key (who admitted the old one "
-                           "must admit the new one)"
+                         ? ": restore the file, or remove it to get a new key (then every user "
+                           "who admitted the old key must admit the new key)"
                          : ": copy it again, or remove it"));
   }
   return std::optional(*key);
@@ -150,13 +155,13 @@ std::string KeyDirectory::default_path() {
       found != nullptr) {
     return std::string(found->pw_dir) + "/.config/gecos/keys";
   }
-  // open() refuses this directory when other users have access to it.
+  // KeyDirectory::open() refuses this directory when other users have access to it.
   return "/tmp/gecos-keys-" + std::to_string(::geteuid());
 }
 
 tl::expected<KeyDirectory, KeyError> KeyDirectory::open(std::string path) {
   while (path.size() > 1 && path.back() == '/') path.pop_back();
-  if (!make_directories(path)) return fail_with_errno(path, "the key directory cannot be made");
+  if (!make_directories(path)) return fail_with_errno(path, "the key directory cannot be created");
   struct stat found {};
   if (::stat(path.c_str(), &found) != 0) return fail_with_errno(path, "cannot be examined");
   if (!S_ISDIR(found.st_mode)) {
@@ -176,18 +181,21 @@ tl::expected<Identity, KeyError> KeyDirectory::identity() const {
     if (!put_file(secret_path, path_, text) && errno != EEXIST) {
       return fail_with_errno(secret_path, "the key cannot be written");
     }
-    // Another process may have created the file first, so the key is read from the file.
+    // Another process may have created the file first. Therefore the key is read from the file.
     secret = read_file(secret_path, KeyFileKind::SecretKey);
-    if (secret && !*secret) return fail(secret_path, "was removed right after its creation");
+    if (secret && !*secret)
+      return fail(secret_path, "the key file was removed right after its creation; try again");
   }
   if (!secret) return tl::unexpected(secret.error());
   const KeyPair pair = KeyPair::of(**secret);
-  // The user copies this file to other users. It is optional, so a read-only directory still works.
+  // The user can give this file to other users. The program works without this file, so that the
+  // directory may be read-only.
   const std::string public_path = path_ + "/" + pair.public_key.to_string() + ".public";
   if (::access(public_path.c_str(), F_OK) != 0 &&
       !put_file(public_path, path_, key_file_text(KeyFileKind::PublicKey, pair.public_key.bytes)) &&
       errno != EEXIST) {
-    log_warning("crypto", public_path + ": cannot be written: " + std::strerror(errno));
+    log_warning("crypto", public_path + ": the file with your public key cannot be written: " +
+                              std::strerror(errno));
   }
   return Identity(pair);
 }
@@ -196,16 +204,17 @@ tl::expected<void, KeyError> KeyDirectory::admission(const PublicKey& key) const
   const std::string name = key.to_string() + ".public";
   const auto refused = [&](const std::string& why) {
     return tl::unexpected(
-        KeyError{"its key " + key.short_name() + " is not admitted here: " + why});
+        KeyError{"the key " + key.short_name() + " is not admitted here: " + why});
   };
   const auto found = read_file(path_ + "/" + name, KeyFileKind::PublicKey);
   if (!found) return refused(found.error().text);
   if (!*found) {
-    return refused("to admit it, copy the file " + name + " from its key directory into " + path_);
+    return refused("to admit this key, copy the file " + name +
+                   " from the key directory of its user into " + path_);
   }
   if (PublicKey::of((*found)->bytes()) == key) return {};
   return refused(path_ + "/" + name +
-                 ": holds another key than its name says: copy it again, or remove it");
+                 ": the file holds another key than its name says: copy it again, or remove it");
 }
 
 }  // namespace gecos::crypto

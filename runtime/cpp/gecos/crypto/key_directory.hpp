@@ -11,32 +11,35 @@ struct KeyError {
   std::string text;  ///< what is wrong, with which file, and what to do
 };
 
-/// A user's keys, stored as files. The only part of gecos/crypto that does I/O. Thread-safe.
+/// The directory with a user's keys. No other part of gecos/crypto reads or writes files.
+/// Thread-safe. The directory has two kinds of files:
 ///
 ///     own.secret              this user's secret key, created at first use and never sent
 ///     <64 hex digits>.public  the public key of an admitted user; its name is the key
 ///
-/// Only the user may access the directory (0700) and its files (0600; others may read a .public
-/// file). A user with the same home directory on several hosts has one key. To connect with another
-/// user, copy that user's .public file here, and this user's .public file there.
+/// Only the user may access the directory (mode 0700) and its files (mode 0600); other users may
+/// read a .public file. A user who has the same home directory on several hosts has one key. To let
+/// two users connect, copy the .public file of each user into the key directory of the other user.
 class KeyDirectory {
  public:
-  /// $GECOS_KEY_DIR, else $XDG_CONFIG_HOME/gecos/keys, else ~/.config/gecos/keys.
+  /// Returns the path of the user's key directory: $GECOS_KEY_DIR if that variable is set, else
+  /// $XDG_CONFIG_HOME/gecos/keys, else ~/.config/gecos/keys.
   static std::string default_path();
 
-  /// Creates the directory when there is none. Fails when other users may access the directory or
-  /// it cannot be created.
+  /// Opens the key directory `path`, and creates it when it does not exist. Fails when other users
+  /// may access the directory, or when it cannot be created.
   static tl::expected<KeyDirectory, KeyError> open(std::string path = default_path());
 
   const std::string& path() const { return path_; }
 
-  /// The user's own keys, created when there are none. Processes that create them at the same time
-  /// all get the same keys. Fails when the file is damaged, open to other users or cannot be
-  /// written. A damaged file is never replaced, because other users may have admitted its key.
+  /// Returns the user's own keys, and creates them when there are none. Processes that create the
+  /// keys at the same time all get the same keys. Fails when the key file is damaged, when other
+  /// users may access it, or when it cannot be written. Never replaces a damaged file, because
+  /// other users may have admitted its key.
   tl::expected<Identity, KeyError> identity() const;
 
-  /// Checks that `key` is admitted now. Fails when the directory has no file for `key`, or the file
-  /// is damaged, holds another key or is open to other users.
+  /// Checks that the user admits the key `key` now. Fails when the directory has no file for `key`,
+  /// when the file is damaged or holds another key, or when other users may write it.
   tl::expected<void, KeyError> admission(const PublicKey& key) const;
   bool is_admitted(const PublicKey& key) const { return admission(key).has_value(); }
 

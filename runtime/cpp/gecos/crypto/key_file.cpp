@@ -21,7 +21,7 @@ std::string_view word_of(KeyFileKind kind) {
   return kind == KeyFileKind::SecretKey ? "gecos-secret-1 " : "gecos-public-1 ";
 }
 
-/// Writes the hex digits of `bytes` to `to`, without a NUL.
+/// Writes the hex digits of `bytes` to `to`, without a NUL at the end.
 void write_hex(std::span<const std::byte> bytes, std::byte* to) {
   constexpr std::string_view digits = "0123456789abcdef";
   for (const std::byte byte : bytes) {

@@ -11,7 +11,8 @@
 #include "gecos/base/bytes.hpp"
 #include "gecos/crypto/secret.hpp"
 
-/// X25519 keys, which identify a program to its peers over a network that others can read.
+/// X25519 keys. They identify the user of a program to its peers over a network that other people
+/// can read.
 namespace gecos::crypto {
 
 inline constexpr std::size_t key_bytes = 32;
@@ -20,9 +21,9 @@ struct PublicKey {
   std::array<std::byte, key_bytes> bytes{};
 
   auto operator<=>(const PublicKey&) const = default;
-  /// The key as 64 hex digits, as in files and addresses.
+  /// Returns the key as 64 hex digits. File names and addresses contain it in this form.
   std::string to_string() const;
-  /// The first eight hex digits of the key, for people.
+  /// Returns the first eight hex digits of the key, for messages to people.
   std::string short_name() const;
   static std::optional<PublicKey> parse(std::string_view hex_digits);
   /// @pre `from` has key_bytes bytes.
@@ -37,9 +38,9 @@ struct KeyPair {
   static KeyPair of(const Secret<key_bytes>& secret);
 };
 
-/// The key pair by which other programs recognize a user. The secret key lies between guard pages
-/// and is left out of core dumps. It is not swapped out, as far as the system's limit on locked
-/// memory allows.
+/// The key pair by which other programs recognize a user. The memory of the secret key lies between
+/// guard pages and is left out of core dumps. The system does not swap this memory out, as far as
+/// its limit on locked memory allows.
 class Identity {
  public:
   /// Throws std::bad_alloc when there is no memory for the secret key.
@@ -56,8 +57,8 @@ class Identity {
   PublicKey public_key_;
 };
 
-/// The shared secret of two keys. Nothing for a weak public key, which gives every secret key the
-/// same shared secret.
+/// Returns the secret that the owners of two keys share. Returns nothing when `peer` is a weak
+/// public key, which would give the same shared secret with every secret key.
 std::optional<Key> shared_secret(std::span<const std::byte, key_bytes> secret,
                                  const PublicKey& peer);
 

@@ -12,7 +12,7 @@ namespace {
 
 static_assert(sizeof(Hash) == crypto_hash_sha256_BYTES);
 
-/// HMAC-SHA256 of `first` followed by `second`.
+/// Returns the HMAC-SHA256 of `first` followed by `second`.
 Key hmac(const Key& key, ByteView first, ByteView second) {
   crypto_auth_hmacsha256_state state;
   ::crypto_auth_hmacsha256_init(&state, raw(key.bytes().data()), key.bytes().size());
@@ -24,7 +24,7 @@ Key hmac(const Key& key, ByteView first, ByteView second) {
   return result;
 }
 
-/// Noise's HKDF with two outputs.
+/// Returns the two outputs of the function HKDF of the Noise protocol.
 std::pair<Key, Key> derive(const Key& chaining, ByteView input) {
   constexpr std::array one{std::byte{1}};
   constexpr std::array two{std::byte{2}};

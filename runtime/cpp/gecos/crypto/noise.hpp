@@ -15,22 +15,24 @@ namespace gecos::crypto {
 
 using Hash = std::array<std::byte, 32>;
 
-/// Noise's SymmetricState (revision 34, section 5.2) with ChaChaPoly and SHA256. The data of a
-/// handshake is mixed in, in order; two sides that mixed in the same data have the same keys.
+/// The SymmetricState of the Noise protocol (revision 34, section 5.2) with ChaChaPoly and SHA256.
+/// Each side mixes in the data of the handshake in the same order. Two sides that mixed in the same
+/// data have the same keys.
 class SymmetricState {
  public:
   explicit SymmetricState(std::string_view protocol_name);
 
   void mix_hash(ByteView data);
   void mix_key(const Key& input);
-  /// Writes `text`, encrypted, and a tag to `to`. @pre `to` is tag_bytes longer than `text`; a key
-  /// was mixed in.
+  /// Encrypts `text` and writes it, followed by a tag, to `to`. @pre `to` is tag_bytes longer than
+  /// `text`, and mix_key() was called.
   void encrypt_and_hash(ByteView text, std::span<std::byte> to);
-  /// Decrypts `sealed` into `to`. False when `sealed` is forged; this state must then be discarded.
-  /// @pre `sealed` is tag_bytes longer than `to`; a key was mixed in.
+  /// Decrypts `sealed` into `to`. Returns false when `sealed` is forged; the caller must then
+  /// discard this state. @pre `sealed` is tag_bytes longer than `to`, and mix_key() was called.
   [[nodiscard]] bool decrypt_and_hash(ByteView sealed, std::span<std::byte> to);
 
-  /// The key for the initiator's messages and the key for the responder's messages.
+  /// Returns two keys after the handshake: the key for the initiator's messages, then the key for
+  /// the responder's messages.
   std::pair<Key, Key> split() const;
   const Hash& hash() const { return hash_; }
 

@@ -7,10 +7,12 @@
 
 namespace gecos::crypto {
 
-/// Records which of the last `size` packet numbers have been seen. Older numbers count as seen.
+/// Records which of the newest `size` packet numbers have been seen. All lower numbers count as
+/// seen.
 ///
-/// The ring of bits is twice as long as the window. So when the window moves, mark() can clear
-/// whole words ahead of it, and costs the same whether packets arrive in order or not.
+/// The numbers are bits in a ring that is twice as long as the window. When the window moves,
+/// mark() can therefore clear whole words that the window does not use yet, and costs the same
+/// whether packets arrive in order or not.
 class ReplayWindow {
  public:
   static constexpr std::uint64_t size = 1024;
@@ -19,7 +21,8 @@ class ReplayWindow {
   bool fresh(std::uint64_t number) const {
     return !too_old(number) && (number >= next_ || (word(number) & bit(number)) == 0);
   }
-  /// @pre fresh(number), and the sender is authenticated.
+  /// Records that the packet `number` was seen. @pre fresh(number) is true, and the sender of the
+  /// packet is authenticated.
   void mark(std::uint64_t number) {
     if (number >= next_) {
       const std::uint64_t from =

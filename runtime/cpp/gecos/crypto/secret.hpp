@@ -7,10 +7,10 @@
 
 namespace gecos::crypto {
 
-/// Overwrites `bytes` with zeros in a way that no compiler optimizes away.
+/// Overwrites `bytes` with zeros. No compiler can optimize this away.
 void wipe(std::span<std::byte> bytes);
 
-/// Bytes that must not outlive their use: every copy wipes itself.
+/// Secret bytes that must not stay in memory after their use: the destructor overwrites them.
 template <std::size_t N>
 class Secret {
  public:
@@ -27,7 +27,7 @@ class Secret {
   std::array<std::byte, N> bytes_{};
 };
 
-/// Key of a cipher, or of one direction of a channel.
+/// The key of a cipher, or of one direction of a channel.
 using Key = Secret<32>;
 
 }  // namespace gecos::crypto

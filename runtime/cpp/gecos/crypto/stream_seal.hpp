@@ -10,15 +10,17 @@
 #include "gecos/base/result.hpp"
 #include "gecos/crypto/transport.hpp"
 
-/// Seals samples for many readers. The writer signs each sample, so that no reader can forge a
-/// sample for the others, and encrypts it under a key that all admitted readers have.
+/// Encryption of a stream's samples for many readers. The writer signs each sample, so that no
+/// reader can forge a sample for other readers. It encrypts each sample under a key that all
+/// admitted readers have.
 ///
-/// A frame is a counter (8 bytes, big-endian), the sample and a signature (64 bytes), both
-/// encrypted, and a tag (16 bytes). To exclude a reader, make a new StreamSealer and send its key
-/// to the other readers.
+/// A sealed sample is called a frame. It consists of a counter (8 bytes, big-endian), the encrypted
+/// sample, an encrypted signature (64 bytes) and a tag (16 bytes). To exclude a reader, the writer
+/// makes a new StreamSealer and sends its key to the other readers.
 namespace gecos::crypto {
 
-/// The keys that a reader needs. Each reader receives them over its own channel.
+/// The keys that a reader of a stream needs. The writer sends them to each reader over the channel
+/// between the two.
 struct StreamKey {
   static constexpr std::size_t bytes = 64;
 
@@ -40,8 +42,9 @@ class StreamSealer {
   StreamSealer(const StreamSealer&) = delete;  // a copy would use the same counters again
 
   const StreamKey& key() const { return key_; }
-  /// Seals in place the sample in `frame`, which begins at text_at and is followed by overhead -
-  /// text_at bytes. @pre `frame` has at least `overhead` bytes.
+  /// Encrypts and signs, in place, the sample in `frame`. The sample begins at the offset text_at
+  /// and ends `overhead - text_at` bytes before the end of `frame`. @pre `frame` has at least
+  /// `overhead` bytes.
   void seal(ByteView associated, std::span<std::byte> frame);
 
  private:
@@ -50,12 +53,13 @@ class StreamSealer {
   std::uint64_t next_ = 0;
 };
 
-/// Opens the samples of a stream. Only one thread at a time may use a StreamOpener.
+/// Decrypts and checks the samples of a stream. Only one thread at a time may use a StreamOpener.
 class StreamOpener {
  public:
   explicit StreamOpener(const StreamKey& key) : key_(key) {}
 
-  /// Like Opener::open. A sample without the writer's signature is Forged.
+  /// Decrypts `frame` in place and returns the sample in it, like Opener::open. Fails with Forged
+  /// when the sample does not have the writer's signature.
   tl::expected<std::span<std::byte>, OpenProblem> open(ByteView associated,
                                                        std::span<std::byte> frame);
 

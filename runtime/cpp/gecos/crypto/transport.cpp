@@ -19,15 +19,15 @@ std::span<std::byte> text_of(std::span<std::byte> frame) {
 std::string_view to_string(OpenProblem problem) {
   switch (problem) {
     case OpenProblem::TooShort:
-      return "too short for a sealed packet";
+      return "the packet is too short for a sealed packet";
     case OpenProblem::Replayed:
-      return "delivered already";
+      return "the packet was delivered already";
     case OpenProblem::TooOld:
-      return "too old";
+      return "the packet is too old";
     case OpenProblem::TooNew:
-      return "sealed under a key that the peer cannot use yet";
+      return "the packet is sealed under a key that the peer cannot use yet";
     case OpenProblem::Forged:
-      return "not from the peer, or altered";
+      return "the packet is not from the peer, or it was altered";
   }
   return "unknown";
 }
@@ -55,7 +55,7 @@ void Sealer::on_tick(TimePoint now) {
 
 void Sealer::next_generation() {
   if (generation_ == std::numeric_limits<std::uint32_t>::max()) {
-    throw std::length_error("this channel has used up its keys: open a new channel");
+    throw std::length_error("this channel has used all its keys: open a new channel");
   }
   key_ = next_key(key_);
   ++generation_;

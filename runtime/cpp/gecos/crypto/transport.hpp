@@ -12,14 +12,15 @@
 #include "gecos/crypto/aead.hpp"
 #include "gecos/crypto/replay_window.hpp"
 
-/// One direction of a channel. Packets may be lost, repeated or reordered on their way; each is
-/// delivered at most once, and unaltered.
+/// Encryption of the packets of one direction of a channel. Packets may be lost, repeated or
+/// reordered on their way. The receiver delivers each packet at most once, and unaltered.
 ///
-/// A frame is a counter (8 bytes, big-endian), the packet encrypted, and a tag (16 bytes). The
-/// upper half of the counter is the generation of the key, the lower half numbers the packets of a
-/// generation from 0. The key of a generation is Noise's REKEY of the previous key, so stolen keys
-/// cannot decrypt earlier packets, and a new key needs no message. The whole counter is the nonce;
-/// in generation 0 the encryption is that of Noise's transport messages.
+/// A sealed packet is called a frame. It consists of a counter (8 bytes, big-endian), the encrypted
+/// packet and a tag (16 bytes). The upper half of the counter is the generation of the key. The
+/// lower half numbers the packets of a generation from 0. The key of the next generation is
+/// computed from the previous key by the function REKEY of Noise. Therefore stolen keys cannot
+/// decrypt earlier packets, and a change of the key needs no message. The whole counter is the
+/// nonce. In generation 0 the encryption equals that of the transport messages of Noise.
 ///
 ///     Bytes frame(Sealer::overhead + packet.size());
 ///     std::ranges::copy(packet, frame.begin() + Sealer::text_at);
@@ -27,13 +28,13 @@
 ///     …
 ///     if (auto packet = opener.open(header, frame)) deliver(*packet);  // lies within `frame`
 ///
-/// Sealer and Opener do not allocate, lock or read a clock. Only one thread at a time may use each
-/// of them. A forked child must not use an inherited Sealer: two packets under one counter reveal
-/// their contents.
+/// The classes Sealer and Opener do not allocate, lock or read a clock. Only one thread at a time
+/// may use a Sealer or an Opener. A forked child must not use a Sealer of its parent, because two
+/// packets with the same counter reveal their contents.
 namespace gecos::crypto {
 
-/// When one direction of a channel changes to its next key: after this time or this number of
-/// packets, whichever is reached first.
+/// Says when one direction of a channel changes to its next key: after the time `after`, or after
+/// the number `packets` of packets, whichever is reached first.
 struct RekeyRule {
   Duration after = std::chrono::minutes{2};
   std::uint32_t packets = 1U << 24;  ///< at least 1
@@ -48,12 +49,13 @@ class Sealer {
   Sealer(Sealer&&) = default;
   Sealer(const Sealer&) = delete;  // a copy would use the same counters again
 
-  /// Seals in place the packet in `frame`, which begins at text_at and is followed by tag_bytes
-  /// bytes. `associated` is not sent; the opener must pass identical associated data. @pre `frame`
-  /// has at least `overhead` bytes.
+  /// Encrypts in place the packet in `frame`. The packet begins at the offset text_at and ends
+  /// tag_bytes before the end of `frame`. `associated` is not sent; the receiver must pass
+  /// identical data to Opener::open(). @pre `frame` has at least `overhead` bytes.
   void seal(ByteView associated, std::span<std::byte> frame);
 
-  /// Must be called regularly, at least every tenth of RekeyRule::after.
+  /// Changes the key when RekeyRule::after has passed. Must be called regularly, at least ten times
+  /// in the time RekeyRule::after.
   void on_tick(TimePoint now);
 
   std::uint32_t generation() const { return generation_; }
@@ -71,7 +73,7 @@ class Sealer {
 enum class OpenProblem : std::uint8_t {
   TooShort,  ///< shorter than a frame
   Replayed,  ///< the packet was delivered already
-  TooOld,    ///< over a thousand numbers behind the newest packet, or its key is erased
+  TooOld,    ///< the number is over 1000 below the newest one, or the packet's key is erased
   TooNew,    ///< the peer cannot use this generation of the key yet
   Forged,    ///< not from the peer, not for this channel, or altered
 };
@@ -79,25 +81,27 @@ std::string_view to_string(OpenProblem problem);
 
 class Opener {
  public:
-  /// How many successive generations may be lost with all their packets. The limit bounds the cost
-  /// of a forged frame.
+  /// The number of successive generations of which all packets may be lost. A limit is needed
+  /// because a forged frame can name any generation, and each generation costs the computation of a
+  /// key.
   static constexpr std::uint32_t most_lost_generations = 8;
-  /// How long packets under the previous key are still opened after the key changed.
+  /// For this time after a change of the key, packets that were sealed under the previous key can
+  /// still be opened.
   static constexpr Duration previous_kept = std::chrono::seconds{1};
 
   explicit Opener(const Key& key);
 
-  /// Opens `frame` in place and returns the packet, which lies within `frame`. A failure leaves the
-  /// Opener unchanged and `frame` unusable.
+  /// Decrypts `frame` in place and returns the packet, which lies within `frame`. On failure the
+  /// Opener does not change, and the contents of `frame` are lost.
   tl::expected<std::span<std::byte>, OpenProblem> open(ByteView associated,
                                                        std::span<std::byte> frame);
 
-  /// Call this at every heartbeat. The first call after a key change starts a period of
-  /// `previous_kept`; a call after that period erases the previous key.
+  /// Must be called at every heartbeat. The first call after a change of the key starts the time
+  /// `previous_kept`. A call after the end of this time erases the previous key.
   void on_tick(TimePoint now);
 
-  /// True when a packet was opened. This proves that the peer has the keys, and that the handshake
-  /// was not a replay.
+  /// Returns true when a packet was opened. This proves that the peer has the keys, and that the
+  /// handshake was not a replay.
   bool opened_any() const { return opened_any_; }
   std::uint32_t generation() const { return current_.number; }
 

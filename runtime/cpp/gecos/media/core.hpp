@@ -7,7 +7,7 @@
 
 namespace gecos::media {
 
-/// What an end of a connection publishes so that the other end can choose how to wait
+/// The values that an end of a connection publishes so that the other end can choose how to wait
 /// (waiting.hpp). A wrong value costs time, but does no other harm.
 struct Whereabouts {
   std::int32_t core = unknown_core;  ///< core from which this end last polled the connection
@@ -15,15 +15,16 @@ struct Whereabouts {
   TimePoint rang_at{};  ///< when this end last notified the other end, by the steady clock
 };
 
-/// The CPU core on which a waiting thread runs. An interface, so that tests can replace it.
+/// Tells on which CPU core the calling thread runs. This class is an interface, so that tests can
+/// replace it.
 class Core {
  public:
   virtual ~Core() = default;
   virtual std::int32_t number() const = 0;
-  /// Lets another ready thread run on the core first.
+  /// Lets another thread run on this core first, if one is ready to run.
   virtual void yield() const = 0;
 
-  /// The core that the calling thread runs on.
+  /// Returns the Core that asks the kernel.
   static const Core& real();
 };
 

@@ -10,12 +10,14 @@
 
 #include "gecos/media/medium.hpp"
 
-/// The media of this library by their names, for code that must not know how each of them works.
+/// The list of the media of this library, for code that opens a medium by its name and must not
+/// know how the medium works.
 namespace gecos::media {
 
-/// All media, the shortest reach first. Each line has an enumerator and a name; the folder of the
-/// medium has the same name. To add a medium, add its folder and one line here (registration.hpp).
-/// Other code must check the Capabilities instead of the enumerator.
+/// The list of all media; the medium with the shortest reach comes first. Each line has the
+/// enumerator and the name of a medium. The folder of the medium has the same name. To add a
+/// medium, add its folder and one line here (see registration.hpp). Other code must not check the
+/// enumerator, but the Capabilities.
 #define GECOS_MEDIA(MEDIUM) \
   MEDIUM(Inproc, inproc)    \
   MEDIUM(Shm, shm)          \
@@ -29,29 +31,31 @@ enum class Kind : std::uint8_t {
 
 std::string_view to_string(Kind kind);
 std::optional<Kind> kind_from(std::string_view name);
-/// The medium that an address names before its first ':'.
+/// Returns the medium of an address, which is the name before the first ':'.
 std::optional<Kind> kind_of(std::string_view address);
 std::span<const Kind> all_kinds();
 Reach reach_of(Kind kind);
-/// Whether `kinds` is not empty and all of them stay within this process.
+/// Returns whether `kinds` is not empty and has only media that stay within this process.
 bool within_process(std::span<const Kind> kinds);
 
-/// Wraps a medium: returns the medium to use instead of the one that is passed.
+/// A function that wraps a medium: it takes a medium and returns the medium to use in its place.
 using WrapMedium = std::function<std::unique_ptr<Medium>(std::unique_ptr<Medium>)>;
 
-/// Opens a medium with its usual settings and the layers that it needs, or returns why it cannot be
-/// used here. `wrap`, if set, is applied below these layers.
+/// Opens the medium `kind` with its usual settings and with the layers that it needs. Returns an
+/// error when the medium cannot be used here. If `wrap` is set, it wraps the medium below these
+/// layers.
 tl::expected<std::unique_ptr<Medium>, MediumError> open(Kind kind, const WrapMedium& wrap = {});
 
-/// Wraps `medium` in the layers that its capabilities require: checksums if packets may be
-/// damaged, fragmentation if the session's largest packet does not fit.
+/// Wraps `medium` in the layers that its capabilities require: in checksums if packets may be
+/// damaged, and in fragmentation if the session's largest packet does not fit.
 std::unique_ptr<Medium> with_layers(std::unique_ptr<Medium> medium, const Clock& clock);
 
-/// A text that is equal in two programs if and only if they reach each other over shm. Where shm is
-/// unusable, the text says why.
+/// Returns a text that identifies this host. The texts of two programs are equal if and only if the
+/// programs can reach each other over shm. If shm cannot be used here, the text says why.
 std::string host_identity();
 
-/// Whether two host identities belong to one machine, possibly with different runtime directories.
+/// Returns whether two host identities belong to the same machine. Their runtime directories may
+/// differ.
 bool on_one_machine(std::string_view one, std::string_view other);
 
 }  // namespace gecos::media

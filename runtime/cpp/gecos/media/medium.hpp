@@ -13,44 +13,46 @@
 #include "gecos/base/result.hpp"
 #include "gecos/media/core.hpp"
 
-/// The interface of a medium. A medium moves opaque packets between two endpoints and states its
-/// guarantees for them (Capabilities).
+/// The interface of a medium. A medium moves packets between two endpoints without reading their
+/// contents. Its Capabilities state what it guarantees for the packets.
 ///
-/// Code that uses this interface must not depend on how a medium works; code that implements it
-/// must not depend on what a packet means. One conformance suite (tests/cpp/media) runs on every
-/// medium.
+/// Code that uses this interface must not depend on how a medium works. Code that implements this
+/// interface must not depend on what a packet means. One conformance suite (tests/cpp/media) tests
+/// all media.
 ///
-/// Threads: for one connection, at most one thread at a time may call receive(), prepare_to_sleep()
-/// and woke(), and at most one, possibly another, may call send(), make_stream(), share() and
-/// unshare(); the user of the connection must ensure that. Any thread may call all other functions
-/// of a connection at any time: the maintenance thread may call beat() while another thread is in
-/// send(). At most one thread at a time may use an acceptor; other threads may use its connections.
+/// Threads: on one connection, at most one thread at a time may call receive(), prepare_to_sleep()
+/// and woke(). At most one thread at a time, which may be another thread, may call send(),
+/// make_stream(), share() and unshare(). The user of the connection must ensure both. Any thread
+/// may call all other functions of a connection at any time; for example, the maintenance thread
+/// may call beat() while another thread is in send(). At most one thread at a time may use an
+/// acceptor; at the same time, other threads may use its connections.
 ///
-/// In a forked child, the connections and acceptors of its parent are dead (Loss::Broken): the
-/// child must make its own.
+/// A forked child cannot use the connections and acceptors of its parent (they are Loss::Broken).
+/// The child must make new ones.
 namespace gecos::media {
 
-/// The distance that a medium spans.
+/// Says which programs a medium can connect.
 enum class Reach : std::uint8_t {
   Process,  ///< within one process
   Host,     ///< between programs that share a runtime directory of one host
   Network,  ///< between hosts
 };
 
-/// What a medium guarantees for each of its connections. Code must check these members instead of
-/// the medium's name.
+/// What a medium guarantees for each of its connections. Code must check these members and must not
+/// check the medium's name.
 struct Capabilities {
-  std::string_view name = "inproc";  ///< prefix of the medium's addresses; of static storage
+  std::string_view name = "inproc";  ///< prefix of the medium's addresses; has static storage
   Reach reach = Reach::Process;
   bool ordered = true;
   bool reliable = true;  ///< no packet is lost or repeated while both ends live
   bool intact = true;  ///< packets arrive undamaged; else the medium must be wrapped (checked.hpp)
-  bool real_time = true;           ///< no shared queue, no loss: fit for HARD_REALTIME
-  bool reports_death = true;       ///< the kernel reports the death of the peer
-  bool authenticated = true;       ///< the identity of the peer's user is proved
-  bool overheard = false;          ///< other programs receive the packets: they must be sealed
-  bool connectionless = false;     ///< only silence shows that no server is running; the acceptor
-                                   ///< receives the packets for its connections
+  bool real_time = true;      ///< no shared queue and no loss: suitable for HARD_REALTIME
+  bool reports_death = true;  ///< the kernel reports the death of the peer
+  bool authenticated = true;  ///< the identity of the peer's user is proved
+  bool overheard = false;     ///< other programs can receive packets: packets must be sealed
+  /// Whether only silence shows that no server is running. An acceptor then receives the packets
+  /// for its connections.
+  bool connectionless = false;
   bool shared_words = false;       ///< write_word() and peer_word() work
   std::size_t largest_packet = 0;  ///< in bytes
   std::size_t piece = 0;           ///< bytes of content in a piece; 0: as many as fit in a packet
@@ -77,53 +79,53 @@ enum class Loss : std::uint8_t {
   Broken,  ///< the peer violated the protocol of the medium (see Connection::loss_text)
 };
 
-/// One sample of a stream as stored in the medium.
+/// One sample of a stream as the medium stores it.
 struct StreamSample {
   std::uint64_t sequence = 0;  ///< 1 for the first sample of the stream, then rising by one
   std::int64_t stamp_ns = 0;   ///< time of measurement: Unix time in ns, by the writer's clock
   Bytes bytes;
 };
 
-/// A sample that is read in place.
+/// A sample that a reader reads in place, without a copy.
 struct LentSample {
   std::uint64_t sequence = 0;
   std::int64_t stamp_ns = 0;
   ByteView bytes;
 };
 
-/// Writes one stream for all readers that it is shared with. At most one thread at a time may
-/// write. The writer never waits for a reader: a slow reader loses old samples.
+/// Writes one stream for all readers with which the stream is shared. At most one thread at a time
+/// may write. The writer never waits for a reader. A slow reader loses old samples.
 class StreamWriter {
  public:
   virtual ~StreamWriter() = default;
-  /// Publishes a copy of `sample` and wakes sleeping readers. Fails with TooLarge only.
+  /// Publishes a copy of `sample` and wakes sleeping readers. The only possible error is TooLarge.
   virtual tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns) = 0;
-  /// Lends `size` bytes of memory, with undefined values, in which the caller writes the next
-  /// sample; shared memory thus needs no copy. A loan that is not published ends with the next call
-  /// of lend() or publish(). Fails with TooLarge only.
+  /// Lends the caller `size` bytes of uninitialized memory for the next sample, so that shared
+  /// memory needs no copy. If the caller does not publish the lent memory, the next call of lend()
+  /// or publish() takes it back. The only possible error is TooLarge.
   virtual tl::expected<std::span<std::byte>, SendProblem> lend(std::size_t size) = 0;
-  /// Publishes the sample that was written into the lent memory, and wakes sleeping readers. @pre
-  /// lend() was called.
+  /// Publishes the sample in the lent memory, and wakes sleeping readers. @pre lend() was called.
   virtual void publish_lent(std::int64_t stamp_ns) = 0;
 };
 
-/// Reads one stream. One thread at a time.
+/// Reads one stream. Only one thread at a time may use a reader.
 class StreamReader {
  public:
   virtual ~StreamReader() = default;
-  /// Copies the newest sample to `into`, reusing its memory. Returns false when no sample has a
-  /// larger sequence number than `after`.
+  /// Copies the newest sample to `into`, whose memory is used again. Returns false when no sample
+  /// has a sequence number larger than `after`.
   virtual bool latest(std::uint64_t after, StreamSample& into) = 0;
-  /// Copies the oldest stored sample with a larger sequence number than `after`; a gap in the
-  /// sequence numbers shows how many samples were lost. The first sample returned is the one that
-  /// was the newest when the stream was opened.
+  /// Copies the oldest stored sample whose sequence number is larger than `after` to `into`.
+  /// Returns false when there is none. A gap in the sequence numbers shows how many samples were
+  /// lost. The first call returns the sample that was the newest when the reader opened the stream.
   virtual bool next(std::uint64_t after, StreamSample& into) = 0;
-  /// As latest(), without a copy. The bytes stay readable until the next call of lend_latest() or
-  /// the end of the reader. In shared memory the writer overwrites them after `depth` further
-  /// samples: discard what was read unless intact() returns true afterwards. The peer may be
-  /// hostile: validate the values, and never read a length twice.
+  /// Returns the newest sample like latest(), but without a copy. The bytes stay readable until the
+  /// next call of lend_latest() or until the reader is destroyed. In shared memory, the writer
+  /// overwrites the bytes after `depth` further samples. Therefore the caller must call intact()
+  /// after reading the bytes, and must discard the values if it returns false. The peer may be
+  /// hostile: the caller must validate the values, and must not read a length twice.
   virtual std::optional<LentSample> lend_latest(std::uint64_t after) = 0;
-  /// Whether the writer has not yet overwritten the bytes of `sample`.
+  /// Returns true when the writer has not yet overwritten the bytes of `sample`.
   virtual bool intact(const LentSample& sample) const = 0;
 };
 
@@ -132,115 +134,123 @@ inline constexpr std::size_t shared_word_count = 4;
 /// One end of a connection between a client and a server.
 class Connection {
  public:
-  virtual ~Connection() = default;  ///< closes the connection in order: the peer sees Loss::Closed
+  virtual ~Connection() = default;  ///< closes the connection; the peer sees Loss::Closed
 
   virtual const Capabilities& capabilities() const = 0;
   virtual const Peer& peer() const = 0;
 
-  /// Sends head and body as one packet; both are copied before the function returns. Never blocks.
-  /// Returns the packet's number on this connection: 1 for the first, rising by one.
+  /// Sends `head` and `body` as one packet. Copies both before it returns. Never blocks. Returns
+  /// the number of the packet on this connection: 1 for the first packet, and one more for each
+  /// further packet.
   virtual tl::expected<std::uint64_t, SendProblem> send(ByteView head, ByteView body) = 0;
 
-  /// Returns the next packet, or nullopt when none has arrived. The bytes are a private copy, valid
-  /// until the next call of receive() or prepare_to_sleep(). Never blocks; on shm and inproc a call
-  /// that finds no packet costs no system call.
+  /// Returns the next packet, or nullopt when no packet has arrived. The bytes are a private copy,
+  /// which is valid until the next call of receive() or prepare_to_sleep(). Never blocks. On shm
+  /// and inproc, a call that finds no packet makes no system call.
   virtual std::optional<ByteView> receive() = 0;
 
-  /// Time since the peer sent the packet that receive() returned last, including time in which this
-  /// process was stopped. Zero when the medium cannot know it; taken_by_peer() then tells which
-  /// packets were read.
+  /// Returns the time since the peer sent the packet that receive() returned last. This time
+  /// includes pauses of this process. Returns zero when the medium cannot know the time;
+  /// taken_by_peer() then tells which packets the peer has read.
   virtual Duration age() { return Duration::zero(); }
 
-  /// Our CLOCK_BOOTTIME minus the peer's CLOCK_BOOTTIME, plus the shortest transit time of a
-  /// packet: the smallest difference between arrival and send time in the last minutes. nullopt
-  /// when both ends read the same clock.
+  /// Returns this host's CLOCK_BOOTTIME minus the peer's CLOCK_BOOTTIME, plus the shortest transit
+  /// time of a packet. The medium measures this sum as the smallest difference between the arrival
+  /// time and the send time of a packet in the last minutes. Returns nullopt when both ends read
+  /// the same clock.
   virtual std::optional<Duration> clock_difference() { return std::nullopt; }
 
-  /// Number of our packets that the peer has read; available also after the peer's death. nullopt
-  /// when the medium cannot know.
+  /// Returns how many packets of this end the peer has read, even after the death of the peer.
+  /// Returns nullopt when the medium cannot know.
   virtual std::optional<std::uint64_t> taken_by_peer() = 0;
 
   /// Announces that this end is about to sleep on `descriptors()`. Returns false when a packet has
-  /// arrived or the connection is lost: do not sleep. Call `woke()` afterwards, whatever the
-  /// result.
+  /// arrived or the connection is lost; the caller must then not sleep. The caller must call
+  /// `woke()` afterwards, whatever the result.
   virtual bool prepare_to_sleep() = 0;
   virtual void woke() = 0;
-  /// File descriptors that become readable when a packet or sample may have arrived or the
-  /// connection was lost. They are valid for the life of the connection; poll them level- or
-  /// edge-triggered. woke() makes them unreadable again. With edge-triggered polling, call loss()
-  /// on every event that comes while the connection is not prepared to sleep, because a second
-  /// event may never come. The descriptors of a lost connection may stay readable. On a
-  /// connectionless medium, packets for connections that an acceptor made arrive through the
-  /// acceptor's descriptors: poll those as well, and call accept() when they are readable.
+  /// Returns the file descriptors that become readable when a packet or sample may have arrived, or
+  /// when the connection was lost. The descriptors are valid for the life of the connection, and
+  /// can be polled level-triggered or edge-triggered. woke() makes them unreadable again. With
+  /// edge-triggered polling, call loss() on every event that comes while the connection is not
+  /// prepared to sleep, because there may be no second event. The descriptors of a lost connection
+  /// may stay readable. On a connectionless medium, the packets for an acceptor's connections
+  /// arrive through the acceptor's descriptors. Poll these descriptors, too, and call accept() when
+  /// they are readable.
   virtual std::span<const int> descriptors() const = 0;
 
-  /// Writes a word of shared memory, zero at first, that the peer reads in place. No packet is
-  /// sent, and the peer need not run: a suspended process finds the value when it continues.
-  /// Sequentially consistent; any thread. @pre capabilities().shared_words and `index` <
-  /// shared_word_count
+  /// Writes a word of shared memory that the peer reads in place. The word is zero at first. Sends
+  /// no packet, and the peer need not run: a peer that is suspended finds the value when it
+  /// continues. The write is sequentially consistent. Any thread may call this function. @pre
+  /// capabilities().shared_words is true, and `index` < shared_word_count
   virtual void write_word(std::size_t index, std::uint64_t value);
-  /// Reads a word that the peer writes. A hostile peer may write any value: trust the word only
-  /// where a wrong value harms the peer alone.
+  /// Reads a word that the peer writes by write_word(). A hostile peer may write any value.
+  /// Therefore use the word only where a wrong value harms only the peer.
   virtual std::uint64_t peer_word(std::size_t index);
 
-  /// On which core the peer runs and whether it sleeps, read from shared memory; unknown_core when
-  /// no memory is shared. Any thread.
+  /// Returns on which CPU core the peer runs and whether it sleeps, as shared memory says. The core
+  /// is unknown_core when the medium shares no memory. Any thread may call this function.
   virtual Whereabouts peer_whereabouts();
 
-  /// Sends a heartbeat; the maintenance thread calls this every 100 ms. On shm and inproc a
-  /// heartbeat does not wake the peer.
+  /// Sends a heartbeat. The maintenance thread calls this function every 100 ms. On shm and inproc,
+  /// a heartbeat does not wake the peer.
   virtual void beat() = 0;
-  /// Number of heartbeats received; on lcm, packets count as heartbeats. The session detects
-  /// silence, with its own clock, when this number does not rise.
+  /// Returns the number of received heartbeats; on lcm, packets count as heartbeats. The session
+  /// uses this number to detect a silent peer: it measures the time in which the number does not
+  /// rise.
   virtual std::uint64_t beats_seen() = 0;
-  /// Number of received heartbeats that no unread packet precedes. A packet counts as read when
-  /// receive() was called again after it had returned the packet. Equals beats_seen() on a medium
-  /// that does not order heartbeats with packets. Any thread.
+  /// Returns the number of received heartbeats before which there is no unread packet. A packet
+  /// counts as read as soon as receive() is called again after it returned the packet. On a medium
+  /// that does not order heartbeats with packets, the result equals beats_seen(). Any thread may
+  /// call this function.
   virtual std::uint64_t beats_read() { return beats_seen(); }
 
-  /// Asks the kernel whether the connection is lost. This is a system call on shm: call it on ticks
-  /// and after a wake-up without a packet, not for every packet. Packets that the peer sent before
-  /// the loss can still be received. Once a loss was found, the result never changes.
+  /// Asks the kernel whether the connection is lost. On shm this is a system call: call this
+  /// function at each tick and after a wake-up without a packet, but not for every packet. Packets
+  /// that the peer sent before the loss can still be received. After the function has found a loss,
+  /// its result never changes.
   virtual Loss loss() = 0;
-  /// Why the connection is lost; on lcm also why no peer answers.
+  /// Returns a text that says why the connection is lost; on lcm also why no peer answers.
   virtual std::string loss_text() const = 0;
 
-  /// Makes a stream for this peer alone: samples from a client to its server. Use
-  /// Acceptor::make_stream for many readers. `largest`: bytes of a sample; `depth`: samples kept.
-  /// Throws std::exception when no memory or no descriptor is left.
+  /// Makes a stream for this peer alone, for example for samples from a client to its server. Use
+  /// Acceptor::make_stream for many readers. `largest` is the largest size of a sample in bytes;
+  /// `depth` is the number of samples that are kept. Throws a std::exception when no memory or no
+  /// descriptor is left.
   virtual std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) = 0;
   /// Lets the peer read `stream` under the number `id`. The session chooses `id`; each end numbers
-  /// the streams that it shares. `stream` must have been made by this connection or by its
-  /// acceptor.
+  /// the streams that it shares. @pre this connection or its acceptor made `stream`.
   virtual tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) = 0;
   /// Ends the peer's access to the stream `id`.
   virtual void unshare(std::uint32_t id) = 0;
-  /// Opens the stream that the peer shared under `id`; null before the announcement of the stream
-  /// has arrived, or when the stream cannot be opened (why_no_stream).
+  /// Opens the stream that the peer shared under the number `id`. Returns null when the
+  /// announcement of the stream has not arrived yet, or when the stream cannot be opened (see
+  /// why_no_stream).
   virtual std::unique_ptr<StreamReader> open_stream(std::uint32_t id) = 0;
-  /// Why the stream that the peer shared under `id` cannot be opened here; empty while the
-  /// announcement of the stream may still arrive.
+  /// Returns a text that says why the stream that the peer shared under the number `id` cannot be
+  /// opened here. The text is empty while the announcement of the stream may still arrive.
   virtual std::string why_no_stream(std::uint32_t id);
 };
 
-/// Server side of one object on one medium: makes a connection for each client that connects.
+/// The server's side of one object on one medium. Makes a connection for each client that connects.
 class Acceptor {
  public:
-  /// No client can connect afterwards; existing connections stay open.
+  /// Closes the acceptor. No client can connect afterwards, but existing connections stay open.
   virtual ~Acceptor() = default;
   virtual const Capabilities& capabilities() const = 0;
-  /// The address that a client passes to Medium::connect, such as "shm:/run/gecos/1f3a.sock".
+  /// Returns the address that a client passes to Medium::connect, for example
+  /// "shm:/run/gecos/1f3a.sock".
   virtual const std::string& address() const = 0;
-  /// The connection of the next client that has connected, or null.
+  /// Returns the connection to the next client that has connected, or null when there is none.
   virtual std::unique_ptr<Connection> accept() = 0;
-  /// Whether a client is waiting but the process is out of file descriptors. Call accept() again
-  /// later: no event announces that a descriptor is free again.
+  /// Returns whether a client is waiting but the process is out of file descriptors. Call accept()
+  /// again later; no event announces that a descriptor can be opened again.
   virtual bool short_of_descriptors() const { return false; }
-  /// File descriptors that become readable when a client may have connected; on lcm also when
-  /// packets for the acceptor's connections may have arrived.
+  /// Returns the file descriptors that become readable when a client may have connected; on lcm
+  /// also when packets for the acceptor's connections may have arrived.
   virtual std::span<const int> descriptors() const = 0;
-  /// Makes a stream that all connections of this acceptor can share. `largest`: bytes of a sample;
-  /// `depth`: samples kept.
+  /// Makes a stream that all connections of this acceptor can share. `largest` is the largest size
+  /// of a sample in bytes; `depth` is the number of samples that are kept.
   virtual std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) = 0;
 };
 
@@ -248,20 +258,20 @@ struct MediumError {
   std::string text;  ///< what failed, where, and what to do
 };
 
-/// A way to move packets: makes acceptors and connections.
+/// A medium: a way to move packets between programs. Makes acceptors and connections.
 class Medium {
  public:
   virtual ~Medium() = default;
   virtual const Capabilities& capabilities() const = 0;
-  /// Opens an address at which the clients of one object connect. The address is unique and `name`
-  /// serves diagnostics only, unless `well_known` requests the well-known address of `name` on this
-  /// host (the broker's).
+  /// Opens an address at which the clients of one object connect. If `well_known` is true, this is
+  /// the well-known address of `name` on this host, as the broker needs. Otherwise the address is
+  /// unique, and `name` serves only diagnostics.
   virtual tl::expected<std::unique_ptr<Acceptor>, MediumError> listen(std::string_view name,
                                                                       bool well_known) = 0;
-  /// Connects to an address returned by `Acceptor::address`.
+  /// Connects to an address that `Acceptor::address` returned.
   virtual tl::expected<std::unique_ptr<Connection>, MediumError> connect(
       std::string_view address) = 0;
-  /// The well-known address of `name`, whether or not a server listens there.
+  /// Returns the well-known address of `name`, even when no server listens there.
   virtual std::string well_known_address(std::string_view name) const = 0;
 };
 

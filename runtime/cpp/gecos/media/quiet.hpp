@@ -4,24 +4,26 @@
 
 #include "gecos/media/medium.hpp"
 
-/// Sends packets without waking a sleeping peer.
+/// A way to send packets without waking a sleeping peer.
 namespace gecos::media {
 
-/// A connection that can leave a sleeping peer asleep, because both ends read the same memory.
+/// An interface of connections whose two ends read the same memory. Such a connection can send a
+/// packet without waking a sleeping peer.
 class QuietSender {
  public:
-  /// Like Connection::send, and called by the same thread, but without waking a sleeping peer: the
-  /// peer reads the packet at its next poll, before any packet that wakes it. A packet stored
-  /// outside the ring, or one that leaves less than half of the ring free, wakes the peer
-  /// nevertheless, so that quiet packets do not fill the ring while the peer sleeps.
+  /// Sends a packet like Connection::send, but without waking a sleeping peer. The peer reads the
+  /// packet at its next poll, before any packet that wakes it. The thread that calls
+  /// Connection::send must call this function. A packet that is stored outside the ring, and a
+  /// packet after which less than half of the ring is free, wake the peer nevertheless. So quiet
+  /// packets do not fill the ring while the peer sleeps.
   virtual tl::expected<std::uint64_t, SendProblem> send_quietly(ByteView head, ByteView body) = 0;
 
  protected:
   ~QuietSender() = default;
 };
 
-/// Sends a packet for which the peer does not wait: without waking the peer if `connection`
-/// supports that, else by Connection::send.
+/// Sends a packet for which the peer does not wait. Does not wake the peer if `connection` is a
+/// QuietSender; otherwise uses Connection::send.
 inline tl::expected<std::uint64_t, SendProblem> send_quietly(Connection& connection, ByteView head,
                                                              ByteView body) {
   if (auto* const quiet = dynamic_cast<QuietSender*>(&connection)) {

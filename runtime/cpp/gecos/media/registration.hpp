@@ -6,11 +6,12 @@
 
 namespace gecos::media {
 
-/// What is known about a medium before it is opened. The folder of a medium `x` defines
-/// `x_registration`.
+/// The data of a medium that are known before it is opened. For example, the folder of the medium
+/// shm defines the variable `shm_registration`.
 struct Registration {
   const Capabilities& capabilities;
-  /// Opens the medium with its usual settings, or returns why it cannot be used here.
+  /// Opens the medium with its usual settings, or returns an error that says why it cannot be used
+  /// here.
   tl::expected<std::unique_ptr<Medium>, MediumError> (*open)();
 };
 

@@ -1,11 +1,11 @@
-// Checks of the numbers in arrays and sequences against a range.
+// Checks whether the numbers in arrays and sequences are within a range.
 #pragma once
 
 #include <limits>
 
 namespace gecos::wire {
 
-/// The range from `low` to `high`, both included. NaN is outside.
+/// The range from `low` to `high`, which includes both limits. NaN is outside every range.
 template <class T>
 struct Bounds {
   static constexpr bool is_float = std::numeric_limits<T>::has_infinity;
@@ -15,8 +15,8 @@ struct Bounds {
   constexpr bool hold(T number) const { return (number >= low) & (number <= high); }
 };
 
-/// A pointer to the first number outside `bounds`, or null. When all numbers are inside, only one
-/// loop without branches runs.
+/// Returns a pointer to the first number outside `bounds`, or null if there is none. When all
+/// numbers are within `bounds`, the function runs only one loop, which has no branches.
 template <class Numbers>
 constexpr const typename Numbers::value_type* first_outside(
     const Numbers& numbers, Bounds<typename Numbers::value_type> bounds) {

@@ -1,4 +1,5 @@
-// GeneralContents: values that encode themselves, generated or written by hand.
+// The concept GeneralContents: types whose values encode themselves. Such types are generated or
+// written by hand.
 #pragma once
 
 #include <array>
@@ -16,9 +17,9 @@
 
 namespace gecos::wire {
 
-/// A type that encodes itself: `encode` writes the fields, exactly `encoded_size()` bytes; `decode`
-/// reads and validates them. `fingerprint` is the value that lcm-gen computes for the declared
-/// layout.
+/// A type whose values encode themselves. `encode` writes the fields, which take exactly
+/// `encoded_size()` bytes. `decode` reads and validates the fields. `fingerprint` returns the value
+/// that lcm-gen computes for the declared layout of the type.
 template <typename T>
 concept GeneralContents = std::default_initializable<T> &&
     requires(const T& value, T& target, Encoder& encoder, Decoder& decoder) {
@@ -28,7 +29,8 @@ concept GeneralContents = std::default_initializable<T> &&
   { T::fingerprint() } -> std::same_as<std::int64_t>;
 };
 
-/// Why a value must not be sent. Empty when it may be sent, and for types without checks.
+/// Returns an error text that says why `value` must not be sent. The text is empty when the value
+/// may be sent, and for types without checks.
 template <class T>
 std::string violation_of([[maybe_unused]] const T& value) {
   if constexpr (requires { gecos_violation(value); }) {
@@ -38,7 +40,7 @@ std::string violation_of([[maybe_unused]] const T& value) {
   }
 }
 
-/// Encoded size in bytes of a number, or of a value that encodes itself.
+/// Returns the encoded size in bytes of a number, or of a value that encodes itself.
 template <class T>
 std::size_t plain_size(const T& value) {
   if constexpr (std::is_arithmetic_v<T>) {
@@ -56,14 +58,16 @@ void put_plain(Encoder& to, const T& value) {
   }
 }
 
-/// Writes an appendable value as a block: its encoded size, passed by the caller, then its fields.
+/// Writes an appendable value as a block: first the encoded size of the value, then its fields.
+/// `size` is the encoded size.
 template <class T>
 void put_block(Encoder& to, const T& value, std::size_t size) {
   to.put_count(size);
   value.encode(to);
 }
 
-/// Converts to any array, also to an array of arrays. Every element then equals `value`.
+/// Converts to an array of any size, or to an array of arrays, in which every element equals
+/// `value`.
 template <class T>
 struct Everywhere {
   T value;
@@ -84,7 +88,7 @@ Everywhere(T) -> Everywhere<T>;
 
 inline constexpr std::size_t fingerprint_size = 8;
 
-/// Encodes the fields, without the fingerprint.
+/// Returns the encoded fields of `value`, without the fingerprint.
 template <GeneralContents T>
 Bytes to_bytes(const T& value) {
   Bytes bytes(value.encoded_size());
@@ -94,7 +98,7 @@ Bytes to_bytes(const T& value) {
   return bytes;
 }
 
-/// The inverse of `to_bytes`; bytes left over are an error.
+/// Decodes the result of `to_bytes`. Fails if bytes are left over.
 template <GeneralContents T>
 tl::expected<T, DecodeError> from_bytes(ByteView bytes) {
   tl::expected<T, DecodeError> result;
@@ -105,7 +109,7 @@ tl::expected<T, DecodeError> from_bytes(ByteView bytes) {
   return result;
 }
 
-/// An LCM message: fingerprint, then the fields.
+/// Returns `value` as an LCM message: the fingerprint of the type, then the encoded fields.
 template <GeneralContents T>
 Bytes to_message(const T& value) {
   Bytes bytes(fingerprint_size + value.encoded_size());
@@ -116,7 +120,7 @@ Bytes to_message(const T& value) {
   return bytes;
 }
 
-/// The inverse of `to_message`; a message of another type is refused as WrongFingerprint.
+/// Decodes the result of `to_message`. Fails with WrongFingerprint for a message of another type.
 template <GeneralContents T>
 tl::expected<T, DecodeError> from_message(ByteView message) {
   tl::expected<T, DecodeError> result;

@@ -1,4 +1,4 @@
-// Why bytes were refused, and where.
+// The error that says why a decoder refused bytes, and at which position.
 #pragma once
 
 #include <cstddef>
@@ -22,10 +22,10 @@ enum class DecodeProblem : std::uint8_t {
   OutOfRange,         ///< a number is outside the declared `@range`
   UnsortedMap,        ///< the keys of a map are not strictly ascending
   WrongFingerprint,   ///< a message of another type
-  InvalidValue,       ///< a hand-written value type refused the value
+  InvalidValue,       ///< a hand-written type refused the value
 };
 
-/// The problem in words: "the string is not UTF-8".
+/// Returns the problem as a text, for example "the string is not UTF-8".
 const char* describe(DecodeProblem problem);
 
 struct DecodeError {
@@ -34,7 +34,7 @@ struct DecodeError {
       0;  ///< position of the refused value, counted from the first byte given to the decoder
   const char* field = "";  ///< static text; empty when the reader passed no field name
 
-  /// "field 'speed' at byte 12: outside its declared range"
+  /// Returns a text such as "field 'speed' at byte 12: outside its declared range".
   std::string message() const;
 
   friend bool operator==(const DecodeError& a, const DecodeError& b);

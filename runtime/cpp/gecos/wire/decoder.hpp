@@ -1,4 +1,4 @@
-// Reads values in the LCM type encoding from untrusted bytes.
+// A decoder that reads values in the LCM type encoding from untrusted bytes.
 #pragma once
 
 #include <cstddef>
@@ -20,12 +20,14 @@ inline constexpr std::size_t npos = std::numeric_limits<std::size_t>::max();
 inline constexpr int max_depth = 16;
 inline constexpr std::size_t max_zero_width = 65'536;
 
-/// Every read returns whether it succeeded. After the first failure all reads fail, and `error()`
-/// keeps the first error. Nothing is allocated for a count that the bytes cannot hold. Never
-/// throws, except std::bad_alloc. `field` names are static text; they appear in the error.
+/// Reads values from bytes, one after the other. Every function that reads returns whether it
+/// succeeded. After the first failure, all reads fail, and `error()` returns the first error. A
+/// count of more elements than the bytes can hold is refused before any memory is allocated. Throws
+/// only std::bad_alloc. The parameter `field` is the name of the field for the error, and must be
+/// static text.
 class Decoder {
  public:
-  /// An empty decoder, to be filled by `open_block`.
+  /// Makes an empty decoder, which `open_block` can set.
   Decoder() : Decoder(ByteView{}) {}
 
   explicit Decoder(ByteView bytes)
@@ -46,7 +48,7 @@ class Decoder {
     return true;
   }
 
-  /// Reads a string of at most `max` bytes of UTF-8, not counting the NUL.
+  /// Reads a UTF-8 string of at most `max` bytes, without its terminating NUL.
   [[nodiscard]] bool get_string(std::string& text, std::size_t max = npos, const char* field = "") {
     std::string_view view;
     if (!get_string_view(view, max, field)) return false;
@@ -54,7 +56,7 @@ class Decoder {
     return true;
   }
 
-  /// Reads a string without a copy: `text` borrows the bytes given to the decoder.
+  /// Reads a string without a copy: `text` refers to the bytes that were given to the decoder.
   [[nodiscard]] bool get_string_view(std::string_view& text, std::size_t max = npos,
                                      const char* field = "") {
     const std::byte* const start = cursor_;
@@ -75,9 +77,9 @@ class Decoder {
     return true;
   }
 
-  /// Reads a count of elements that take at least `min_bytes_each` bytes each. Refuses a count that
-  /// is negative, above `max`, or more than the remaining bytes can hold, so that the caller may
-  /// allocate memory for it.
+  /// Reads the count of elements of which each takes at least `min_bytes_each` bytes. Refuses a
+  /// count that is negative, larger than `max`, or larger than the remaining bytes can hold. So the
+  /// caller can safely allocate memory for `count` elements.
   [[nodiscard]] bool get_count(std::size_t& count, std::size_t min_bytes_each,
                                std::size_t max = npos, const char* field = "") {
     const std::byte* const start = cursor_;
@@ -95,7 +97,8 @@ class Decoder {
     return true;
   }
 
-  /// Fills a span, vector or array with numbers, byte-swapped in bulk.
+  /// Fills a span, vector or array with numbers. Swaps the bytes of all numbers at once, which is
+  /// faster than reading one number after the other.
   template <typename Range>
   requires NumberRange<std::remove_reference_t<Range>>
   [[nodiscard]] bool get_array(Range&& numbers, const char* field = "") {
@@ -111,7 +114,7 @@ class Decoder {
     return get_array(bytes, field);
   }
 
-  /// Reads `size` bytes without a copy: `view` borrows the bytes given to the decoder.
+  /// Reads `size` bytes without a copy: `view` refers to the bytes that were given to the decoder.
   [[nodiscard]] bool get_view(ByteView& view, std::size_t size, const char* field = "") {
     if (failed_) return false;
     if (size > remaining()) return fail(DecodeProblem::Truncated, field);
@@ -120,8 +123,8 @@ class Decoder {
     return true;
   }
 
-  /// Skips an appendable struct and makes `inner` a decoder of its bytes. Bytes that `inner` leaves
-  /// unread come from a newer writer and are ignored.
+  /// Skips the block of an appendable struct, and makes `inner` a decoder of the bytes in the
+  /// block. Bytes that `inner` does not read come from a newer writer and are ignored.
   [[nodiscard]] bool open_block(Decoder& inner, const char* field = "") {
     std::size_t size = 0;
     if (!get_count(size, 1, npos, field)) return false;
@@ -131,8 +134,8 @@ class Decoder {
     return true;
   }
 
-  /// Call this after reading `inner`, the decoder from `open_block`. Takes over its first error.
-  /// Returns true when neither decoder has an error.
+  /// Must be called after the struct was read from `inner`, the decoder that `open_block` made.
+  /// Takes over the first error of `inner`. Returns true when neither decoder has an error.
   [[nodiscard]] bool close_block(const Decoder& inner) {
     if (!inner.failed_) return !failed_;
     if (failed_) return false;
@@ -140,7 +143,8 @@ class Decoder {
     return give_up();
   }
 
-  /// Call this before reading a nested struct; DepthGuard does it. Fails beyond `max_depth` levels.
+  /// Must be called before a nested struct is read; a DepthGuard calls it. Fails when structs are
+  /// nested more than `max_depth` levels deep.
   [[nodiscard]] bool enter(const char* field = "") {
     if (depth_ == max_depth) return fail(DecodeProblem::TooDeep, field);
     ++depth_;
@@ -148,18 +152,19 @@ class Decoder {
   }
   void leave() { --depth_; }
 
-  /// Refuses the value that was just read; keeps the first failure. Always returns false.
+  /// Records that the value that was just read is invalid, unless there is an earlier error. Always
+  /// returns false.
   bool fail(DecodeProblem problem, const char* field = "") {
     return fail_at(cursor_, problem, field);
   }
 
-  /// Refuses a value that was read some time ago. The parameter `offset` is the position at which
-  /// the value began: call `offset()` before you read it.
+  /// Records that a value that was read earlier is invalid. `offset` is the position at which that
+  /// value began: the result of `offset()` before the value was read.
   bool fail(DecodeProblem problem, const char* field, std::size_t offset) {
     return fail_at(begin_ + offset, problem, field);
   }
 
-  /// Succeeds when no read failed and no bytes are left.
+  /// Returns true when no read failed and no bytes are left. Otherwise records an error.
   [[nodiscard]] bool expect_end() {
     if (failed_) return false;
     return cursor_ == end_ ? true : fail(DecodeProblem::TrailingBytes);
@@ -170,7 +175,7 @@ class Decoder {
   std::size_t remaining() const { return static_cast<std::size_t>(end_ - cursor_); }
   std::size_t offset() const { return static_cast<std::size_t>(cursor_ - begin_); }
 
-  /// @pre a read failed.
+  /// Returns the first error. @pre a read failed
   const DecodeError& error() const { return error_; }
 
  private:
@@ -194,7 +199,8 @@ class Decoder {
   DecodeError error_;
 };
 
-/// `if (DepthGuard guard(decoder); guard) …`: one nesting level deeper while the guard lives.
+/// Makes a decoder count one more nesting level while the guard lives. Use it like this: `if
+/// (DepthGuard guard(decoder); guard) …`.
 class DepthGuard {
  public:
   explicit DepthGuard(Decoder& decoder, const char* field = "")

@@ -1,4 +1,5 @@
-// Writes values in the LCM type encoding: big-endian, fields in order.
+// An encoder that writes values in the LCM type encoding: numbers are big-endian, and fields are
+// written in their declared order.
 #pragma once
 
 #include <cassert>
@@ -16,7 +17,7 @@
 
 namespace gecos::wire {
 
-/// A contiguous range of numbers: span, vector, array.
+/// A contiguous range of numbers, for example a span, a vector or an array.
 template <typename Range>
 concept NumberRange = requires(Range& range) {
   range.data();
@@ -24,18 +25,19 @@ concept NumberRange = requires(Range& range) {
   requires Number<std::remove_cvref_t<decltype(*range.data())>>;
 };
 
-/// Bytes that `put_string` writes for a text of this length: count, text, NUL.
+/// Returns the number of bytes that `put_string` writes for `text`: a count, the text and a NUL.
 constexpr std::size_t string_size(std::string_view text) { return 4 + text.size() + 1; }
 
-/// Writes values into a buffer, one after the other. The caller makes the buffer as large as
-/// `encoded_size()`. Writes are not checked; a debug build asserts that they fit.
+/// Writes values into a buffer, one after the other. The caller must make the buffer as large as
+/// the `encoded_size()` of the value. Writes are not checked; only a debug build asserts that they
+/// fit.
 class Encoder {
  public:
   explicit Encoder(std::span<std::byte> buffer)
       : begin_(buffer.data()), cursor_(begin_), end_(begin_ + buffer.size()) {}
 
   /// Appends numbers and booleans, one after the other. One call with many values is faster than
-  /// many calls: the compiler must assume that each write may alias `cursor_`.
+  /// many calls, because the compiler must assume that each write may change `cursor_`.
   template <typename... T>
   requires((Number<T> || std::same_as<T, bool>)&&...) void put(T... values) {
     assert((sizeof(T) + ... + 0) <= room());
@@ -44,13 +46,14 @@ class Encoder {
     cursor_ = cursor;
   }
 
-  /// Appends the count of the elements that follow, or the size of a block, as int32.
+  /// Appends the count of the elements that follow, or the size of a block, as a 32-bit integer.
   void put_count(std::size_t count) {
     assert(count <= static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()));
     put(static_cast<std::int32_t>(count));
   }
 
-  /// @pre `text` is UTF-8 without NUL (`valid_text`). Readers refuse any other text.
+  /// Appends a string. @pre `text` is UTF-8 without NUL (`valid_text`); readers refuse any other
+  /// text.
   void put_string(std::string_view text) {
     put_count(text.size() + 1);
     put_bytes(std::as_bytes(std::span(text.data(), text.size())));
@@ -64,7 +67,8 @@ class Encoder {
     cursor_ += bytes.size();
   }
 
-  /// Appends all numbers of a span, vector or array, byte-swapped in bulk, without a count.
+  /// Appends all numbers of a span, vector or array, without a count. Swaps the bytes of all
+  /// numbers at once, which is faster than writing one number after the other.
   template <NumberRange Range>
   void put_array(const Range& numbers) {
     constexpr std::size_t width = sizeof(*numbers.data());

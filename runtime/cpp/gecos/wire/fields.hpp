@@ -1,4 +1,4 @@
-// Functions that decode composite values. Generated decoders call one of them per member.
+// Functions that decode composite values. Generated decoders call one of them for each member.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace gecos::wire {
 
-/// Reads an appendable value from its block. Members that a newer writer appended are skipped.
+/// Reads an appendable value from its block. Skips members that a newer writer appended.
 template <class T>
 [[nodiscard]] bool get_block(Decoder& from, T& value, const char* field) {
   Decoder block;
@@ -29,7 +29,7 @@ inline bool skip_rest(Decoder& from) {
   return from.get_view(rest, from.remaining());
 }
 
-/// Reads a count and that many numbers, byte-swapped in bulk.
+/// Reads a sequence of numbers: first the count, then the numbers.
 template <class T>
 [[nodiscard]] bool get_numbers(Decoder& from, std::vector<T>& numbers, std::size_t max,
                                const char* field) {
@@ -39,7 +39,7 @@ template <class T>
   return from.get_array(numbers, field);
 }
 
-/// Reads a count and that many elements, each by `get(T&)`.
+/// Reads a sequence of elements: first the count, then each element by a call of `get(T&)`.
 template <class T, class Get>
 [[nodiscard]] bool get_sequence(Decoder& from, std::vector<T>& elements, std::size_t min_bytes_each,
                                 std::size_t max, const char* field, Get&& get) {
@@ -58,7 +58,7 @@ template <class T, class Get>
   return true;
 }
 
-/// Reads every element of a fixed array, each by `get(T&)`.
+/// Reads every element of an array of fixed size by a call of `get(T&)`.
 template <class Array, class Get>
 [[nodiscard]] bool get_each(Array& elements, Get&& get) {
   for (auto& element : elements) {
@@ -67,7 +67,7 @@ template <class Array, class Get>
   return true;
 }
 
-/// Reads whether an optional value is present, then the value by `get(T&)`.
+/// Reads whether an optional value is present, and then the value by a call of `get(T&)`.
 template <class T, class Get>
 [[nodiscard]] bool get_optional(Decoder& from, std::optional<T>& value, const char* field,
                                 Get&& get) {
@@ -77,8 +77,8 @@ template <class T, class Get>
   return !present || get(value.emplace());
 }
 
-/// Reads a count and that many entries. Their keys must be strictly ascending, so that each map has
-/// only one encoding.
+/// Reads a map: first the count, then the entries. The keys must be strictly ascending, so that
+/// each map has only one encoding.
 template <class Key, class T, class Order, class GetKey, class Get>
 [[nodiscard]] bool get_map(Decoder& from, std::map<Key, T, Order>& entries,
                            std::size_t min_bytes_each, std::size_t max, const char* field,
@@ -98,12 +98,14 @@ template <class Key, class T, class Order, class GetKey, class Get>
   return true;
 }
 
-/// Refuses the number of `size` bytes that was just read, unless `valid`.
+/// Returns `valid`. If it is false, records that the number that was just read is out of range.
+/// `size` is the size of that number in bytes.
 [[nodiscard]] inline bool in_range(Decoder& from, bool valid, std::size_t size, const char* field) {
   return valid || from.fail(DecodeProblem::OutOfRange, field, from.offset() - size);
 }
 
-/// Refuses the numbers that were just read, unless all lie within `bounds`.
+/// Returns whether the numbers that were just read are all within `bounds`. If not, records an
+/// error.
 template <class Numbers>
 [[nodiscard]] bool all_within(Decoder& from, const Numbers& numbers,
                               Bounds<typename Numbers::value_type> bounds, const char* field) {
@@ -113,8 +115,8 @@ template <class Numbers>
   return in_range(from, false, after * sizeof *outlier, field);
 }
 
-/// Reads the discriminator (tag) of a union, encoded as a `Wire`. Refuses a number that the type of
-/// the discriminator cannot represent.
+/// Reads the discriminator (tag) of a union, which is encoded as a number of the type `Wire`.
+/// Refuses a number that the type of the discriminator cannot represent.
 template <class Wire, class Tag>
 [[nodiscard]] bool get_tag(Decoder& from, Tag& tag, const char* field) {
   using Narrow = std::conditional_t<std::is_same_v<Tag, char>, unsigned char, Tag>;
@@ -127,8 +129,8 @@ template <class Wire, class Tag>
          from.fail(DecodeProblem::UnknownUnionTag, field, offset);
 }
 
-/// Reads whether a member (arm) of a union is present. The member must be present exactly when the
-/// discriminator selects it.
+/// Reads whether a member (arm) of a union is present. Fails unless the member is present exactly
+/// when the discriminator selects it.
 [[nodiscard]] inline bool get_arm(Decoder& from, bool selected, const char* field) {
   const std::size_t offset = from.offset();
   bool present = false;

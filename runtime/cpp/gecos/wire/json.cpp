@@ -46,7 +46,8 @@ bool deeper_than(const json& data, int levels) {
          });
 }
 
-/// A parser callback that refuses duplicate members: without it the parser silently keeps the last.
+/// A callback for the parser that refuses an object in which a member occurs twice. Without this
+/// callback, the parser would silently use the last occurrence.
 class Once {
  public:
   struct Twice : std::exception {
@@ -357,8 +358,8 @@ bool read_json_members(const JsonReader& from, JsonVisit visit, void* value) {
   return from.expect_object(naming.names()) && visit(reading, value);
 }
 
-// --------------------------------------------------------------------------------------------- The
-// parts of the functions in json.hpp that do not depend on the type
+// ---------------------------------------------------------------------------------------------
+// The parts of the functions in json.hpp that do not depend on the type
 
 namespace json_detail {
 

@@ -1,5 +1,5 @@
-// Converts values to and from objects of the JSON library, whose header takes seconds to compile.
-// When text is enough, include json_text.hpp instead.
+// Converts values to and from objects of the JSON library. The header of that library takes seconds
+// to compile. Code that needs only JSON text should include json_text.hpp.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -15,7 +15,8 @@ bool check_depth(const nlohmann::json& data, JsonError& error);
 
 }  // namespace json_detail
 
-/// Like `to_json_text`, but gives an object, whose members are sorted by name.
+/// Returns `value` as a JSON object, not as text like `to_json_text`. The members of the object are
+/// sorted by name.
 template <class T>
 nlohmann::json to_json(const T& value) {
   nlohmann::ordered_json draft;
@@ -23,7 +24,8 @@ nlohmann::json to_json(const T& value) {
   return draft;
 }
 
-/// Like `from_json_text`, but cannot detect duplicate members: `data` has only one of each.
+/// Converts a JSON object to a value, like `from_json_text`. Cannot detect a member that occurred
+/// twice in the text, because `data` has only one member of each name.
 template <class T>
 tl::expected<T, JsonError> from_json(const nlohmann::json& data) {
   tl::expected<T, JsonError> result;

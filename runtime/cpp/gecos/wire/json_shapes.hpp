@@ -1,5 +1,6 @@
-// How each kind of value is represented in JSON. Generated `<file>_json.cpp` files add the declared
-// types. Does not include the header of the JSON library, which takes seconds to compile.
+// The representation of each kind of value in JSON. Generated files `<file>_json.cpp` add the
+// declared types. This header does not include the header of the JSON library, which takes seconds
+// to compile.
 #pragma once
 
 #include <array>
@@ -21,8 +22,8 @@
 
 namespace gecos::wire {
 
-/// Why a JSON value does not fit the C++ type: the path of the wrong value, "joints[2].speed", and
-/// the reason.
+/// The error for a JSON value that does not fit the C++ type. It has the path of the wrong value,
+/// for example "joints[2].speed", and the reason.
 struct JsonError {
   std::string path;
   std::string why;
@@ -32,7 +33,7 @@ struct JsonError {
 };
 inline std::string describe(const JsonError& error) { return error.message(); }
 
-/// Name and number of an enumerator or a flag.
+/// The name and the number of an enumerator or a flag.
 struct JsonName {
   std::string_view name;
   std::uint64_t number;
@@ -43,12 +44,13 @@ using MemberNames = std::span<const std::string_view>;
 class JsonWriter;
 class JsonReader;
 
-/// How a T is written and read: `write(JsonWriter, const T&)`, `bool read(const JsonReader&, T&)`.
+/// The functions that write and read a value of type T: `write(JsonWriter, const T&)` and `bool
+/// read(const JsonReader&, T&)`.
 template <class T>
 struct JsonShape;
 
-/// The functions of a JsonShape for code that does not know its type: the code for structs is
-/// compiled once, not once for each struct.
+/// The functions of a JsonShape, for code that does not know the type of the value. So the code for
+/// structs is compiled only once, and not for each struct.
 struct JsonKind {
   void (*write)(JsonWriter to, const void* value);
   bool (*read)(const JsonReader& from, void* value);
@@ -60,7 +62,7 @@ bool read_json_of(const JsonReader& from, void* value);
 template <class T>
 inline constexpr JsonKind json_kind{&write_json_of<T>, &read_json_of<T>};
 
-/// Writes one value to its place in a JSON document.
+/// Writes a value to its place in a JSON document.
 class JsonWriter {
  public:
   explicit JsonWriter(nlohmann::ordered_json& place) : place_(&place) {}
@@ -77,9 +79,11 @@ class JsonWriter {
 
   void open_object() const;
   void open_list() const;
-  /// The writer of the member `name` of an open object; valid until the next member is added.
+  /// Returns a writer for the member `name` of an open object. The writer is valid until the next
+  /// member is added.
   JsonWriter at(std::string_view name) const;
-  /// The writer of the next element of an open list; valid until the element after it is added.
+  /// Returns a writer for a new element of an open list. The writer is valid until a further
+  /// element is added.
   JsonWriter item() const;
 
   template <class T>
@@ -93,10 +97,10 @@ class JsonWriter {
   nlohmann::ordered_json* place_;
 };
 
-/// Reads a JSON value, and knows its path. When a function returns false, the error is set and the
-/// caller must stop. Keeps pointers to the JSON value, to the error, and to the readers of the
-/// enclosing values. Has more methods than other classes: one for each kind of value that generated
-/// code reads.
+/// Reads a JSON value and knows the path of this value in its document. When a function returns
+/// false, it has set the error, and the caller must stop. A reader keeps pointers to the JSON
+/// value, to the error, and to the readers of the enclosing values. This class has more methods
+/// than other classes, because it has one for each kind of value that generated code reads.
 class JsonReader {
  public:
   JsonReader(const nlohmann::json& data, JsonError& error) : data_(&data), error_(&error) {}
@@ -116,25 +120,26 @@ class JsonReader {
   bool expect_items(std::size_t count) const;
   bool expect_pair() const;
   JsonReader item(std::size_t index) const;
-  /// The key (0) or value (1) of a pair; an error in it shows the path of the pair.
+  /// Returns a reader for the key (`index` 0) or the value (`index` 1) of a pair. An error in this
+  /// reader shows the path of the pair.
   JsonReader half(std::size_t index) const;
 
-  /// Requires an object without members other than `known`.
+  /// Requires a JSON object that has no members other than `known`.
   bool expect_object(MemberNames known) const;
   bool expect_member(std::string_view name) const;
   bool expect_tag() const;
-  /// Requires the member `value` in the object of a union exactly when `selected` is true, and no
-  /// other members besides `tag`.
+  /// Checks the members of a union's object. The member `value` must exist exactly when `selected`
+  /// is true. No member other than `value` and `tag` may exist.
   bool expect_arm(bool selected) const;
   std::optional<JsonReader> find(std::string_view name) const;
 
-  /// Reads a member. True also when the member is missing: `value` is then unchanged.
+  /// Reads a member. If the member is missing, returns true and leaves `value` unchanged.
   template <class T>
   bool member(std::string_view name, T& value) const {
     return member(name, &value, json_kind<T>);
   }
   bool member(std::string_view name, void* value, const JsonKind& kind) const;
-  /// Reads a secret member. Refuses "***", which is written instead of a secret.
+  /// Reads a secret member. Refuses the text "***", which writers put in place of a secret.
   template <class T>
   bool hidden_member(std::string_view name, T& value) const {
     return hidden_member(name, &value, json_kind<T>);
@@ -160,7 +165,8 @@ class JsonReader {
   std::size_t index_ = no_item;
 };
 
-/// Visits the members of a struct in order and names, writes or reads each of them.
+/// Visits the members of a struct in order. Depending on the constructor, it collects the names of
+/// the members, writes the members, or reads them.
 class JsonMembers {
  public:
   JsonMembers() = default;  ///< collects the names of the members
@@ -172,7 +178,7 @@ class JsonMembers {
     return member(name, &value, json_kind<T>);
   }
   bool member(std::string_view name, void* value, const JsonKind& kind);
-  /// Visits a secret member, which is never shown.
+  /// Visits a secret member. Its value is never written.
   template <class T>
   bool hidden_member(std::string_view name, T& value) {
     return hidden_member(name, &value, json_kind<T>);
@@ -186,12 +192,13 @@ class JsonMembers {
   std::vector<std::string_view> names_;
 };
 
-/// Calls `each` for each member of the struct at `value`, in order.
+/// A function that calls `each` for each member of the struct at `value`, in order.
 using JsonVisit = bool (*)(JsonMembers& each, void* value);
 void write_json_members(JsonWriter to, JsonVisit visit, void* value);
 bool read_json_members(const JsonReader& from, JsonVisit visit, void* value);
 
-/// The shape of a struct. A generated `<file>_json.cpp` lists its members.
+/// The JSON representation of a struct. A generated file `<file>_json.cpp` lists the members of the
+/// struct.
 template <class T>
 struct JsonStruct {
   static void write(JsonWriter to, const T& value) {
@@ -205,7 +212,8 @@ struct JsonStruct {
   static bool visit_any(JsonMembers& each, void* value) {
     return visit(each, *static_cast<T*>(value));
   }
-  /// Visits the members of T in order, members of bases first; stops at the first refused one.
+  /// Visits the members of T in order; members of its bases come first. Stops at the first member
+  /// that is refused.
   static bool visit(JsonMembers& each, T& value);
 };
 
@@ -262,7 +270,8 @@ struct JsonShape<T> {
   }
 };
 
-/// The shape of an enum: a name. A generated `<file>_json.cpp` lists the names.
+/// The JSON representation of an enum: the name of the enumerator. A generated file
+/// `<file>_json.cpp` lists the names.
 template <class T>
 struct JsonEnum {
   static void write(JsonWriter to, T value) {
@@ -277,7 +286,8 @@ struct JsonEnum {
   static JsonNames names();
 };
 
-/// The shape of a bitmask: a list of names. A generated `<file>_json.cpp` lists the names.
+/// The JSON representation of a bitmask: the list of the names of its flags. A generated file
+/// `<file>_json.cpp` lists all names.
 template <class T>
 struct JsonFlags {
   static void write(JsonWriter to, T value) {
@@ -402,8 +412,8 @@ struct JsonShape<std::map<Key, T, Order>> {
   }
 };
 
-/// How a union is represented in JSON. Generated functions tell which member a discriminator (tag)
-/// selects.
+/// The JSON representation of a union. A generated function tells which member a discriminator
+/// (tag) selects.
 template <class T>
 requires requires(const T& value) {
   typename T::Held;
@@ -449,11 +459,12 @@ struct JsonShape<T> {
   }
 };
 
-/// The struct that the interface declares in place of the hand-written type `T`.
+/// Gives the struct that the interface declares for the hand-written type `T`.
 template <class T>
 struct JsonLayout;
 
-/// Writes a hand-written type as `Layout`, the declared struct, which has the same encoding.
+/// Writes a value of a hand-written type in the form of `Layout`, the declared struct, which has
+/// the same encoding.
 template <class Layout, GeneralContents T>
 void write_json_as(JsonWriter to, const T& value) {
   const auto layout = from_bytes<Layout>(to_bytes(value));

@@ -15,7 +15,7 @@ struct HeadField {
   std::size_t size;
 };
 
-// The fields of the packet head in order, up to body_n.
+// The fields of the head of a packet in their order, up to the field body_n.
 constexpr std::array<HeadField, 11> head_fields{{{"", fingerprint_size},
                                                  {"version", 1},
                                                  {"kind", 1},
@@ -29,7 +29,8 @@ constexpr std::array<HeadField, 11> head_fields{{{"", fingerprint_size},
                                                  {"deadline_ns", 8}}};
 constexpr std::size_t deadline_offset = packet_head_size - 4 - 8;
 
-/// Fails with the name of the field in which a head of `size` bytes ends.
+/// Records that a packet is truncated. The error has the name of the field in which a head of
+/// `size` bytes ends.
 bool refuse_short_head(Decoder& in, std::size_t size) {
   std::size_t offset = 0;
   for (const HeadField& field : head_fields) {
@@ -39,7 +40,8 @@ bool refuse_short_head(Decoder& in, std::size_t size) {
   return false;  // not reached: a short head ends inside a field
 }
 
-/// Checks the size once, then loads from fixed offsets, because every call decodes a header.
+/// Decodes the header of a packet. Checks the size only once and then loads the fields from fixed
+/// offsets, because every call decodes a header.
 bool decode_header(Decoder& in, PacketHeader& header) {
   constexpr std::size_t size = packet_head_size - 4;
   if (in.remaining() < size) return refuse_short_head(in, in.remaining());

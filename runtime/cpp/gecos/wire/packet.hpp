@@ -1,4 +1,5 @@
-// The packet in which all calls are sent: a stable LCM type, see docs/protocol-packet.lcm.
+// The packet in which all calls are sent. The packet is an LCM type that does not change; see
+// docs/protocol-packet.lcm.
 #pragma once
 
 #include <array>
@@ -14,8 +15,8 @@
 
 namespace gecos::wire {
 
-/// The purpose of a packet. New kinds may be added at the end; a receiver ignores kinds that it
-/// does not know. 8, 9, 10 and 13 to 16 are reserved.
+/// The purpose of a packet. New kinds may be added at the end. A receiver ignores kinds that it
+/// does not know. The numbers 8, 9, 10 and 13 to 16 are reserved.
 enum class PacketKind : std::int8_t {
   Hello = 1,     ///< client asks for a session
   Welcome = 2,   ///< server opens the session
@@ -30,7 +31,8 @@ enum class PacketKind : std::int8_t {
 
 inline constexpr std::int8_t packet_version = 1;
 
-/// All fields except body and tag. A field that the packet's kind does not use is zero.
+/// All fields of a packet except its body and its tag. A field that the packet's kind does not use
+/// is zero.
 struct PacketHeader {
   std::int8_t version = packet_version;
   PacketKind kind{};
@@ -45,41 +47,44 @@ struct PacketHeader {
   friend bool operator==(const PacketHeader&, const PacketHeader&) = default;
 };
 
-/// A decoded packet. Body and tag borrow the bytes that were decoded.
+/// A decoded packet. Its body and its tag refer to the bytes that were decoded.
 struct PacketView {
   PacketHeader header;
   ByteView body;
   ByteView tag;  ///< authenticates the bytes before it; empty where the medium needs none
 };
 
-/// The fingerprint, which an LCM reader checks first.
+/// The fingerprint of the packet type. An LCM reader checks it before anything else.
 inline constexpr std::int64_t packet_fingerprint = static_cast<std::int64_t>(0x90a18da222518b52u);
 
-inline constexpr std::size_t packet_head_size = 8 + 4 + 4 + 5 * 8 + 4;  ///< up to the body
-inline constexpr std::size_t packet_tail_size = 4;                      ///< the tag's count
+inline constexpr std::size_t packet_head_size =
+    8 + 4 + 4 + 5 * 8 + 4;                          ///< size of the part before the body
+inline constexpr std::size_t packet_tail_size = 4;  ///< size of the tag's count
 
-/// Size of a packet with `body_size` bytes of body and `tag_size` bytes of tag.
+/// Returns the size in bytes of a packet whose body has `body_size` bytes and whose tag has
+/// `tag_size` bytes.
 constexpr std::size_t packet_size(std::size_t body_size, std::size_t tag_size = 0) {
   return packet_head_size + body_size + packet_tail_size + tag_size;
 }
 
-/// Writes the bytes before the body, so that a sender can gather {head, body, tail, tag} or encode
-/// the body right after the head, and copies the body only once. @pre body_size fits int32,
-/// deadline is not negative.
+/// Writes the bytes of a packet before its body. So a sender copies the body only once: it can send
+/// head, body, tail and tag together, or encode the body right after the head. @pre `body_size`
+/// fits in 32 bits, and the deadline is not negative.
 void encode_packet_head(std::span<std::byte, packet_head_size> to, const PacketHeader& header,
                         std::size_t body_size);
 
-/// Writes the time left until the deadline into a packet that is sent again. @pre `packet` is an
-/// encoded packet, `left` is not negative
+/// Writes the time that is left until the deadline into a packet that is sent again. @pre `packet`
+/// is an encoded packet, and `left` is not negative
 void write_deadline(std::span<std::byte> packet, Duration left);
 
-/// Writes the bytes between body and tag: the size of the tag.
+/// Writes the bytes between the body and the tag of a packet. They are the size of the tag.
 void encode_packet_tail(std::span<std::byte, packet_tail_size> to, std::size_t tag_size);
 
-/// A complete packet in one buffer; copies body and tag.
+/// Returns a complete packet in one buffer. Copies the body and the tag.
 Bytes encode_packet(const PacketHeader& header, ByteView body, ByteView tag = {});
 
-/// Accepts any version and kind, so that the caller can answer a newer peer instead of dropping it.
+/// Decodes a packet. Accepts packets of any version and kind, so that the caller can answer a newer
+/// peer and need not drop its packets.
 tl::expected<PacketView, DecodeError> decode_packet(ByteView bytes);
 
 }  // namespace gecos::wire

@@ -1,4 +1,5 @@
-// Prints the members of generated types, for people and logs; the text is never parsed.
+// Functions that print the members of generated types for people and logs. No program parses the
+// text.
 #pragma once
 
 #include <array>
@@ -76,7 +77,8 @@ void print(std::ostream& out, const std::map<Key, T, Order>& entries) {
   out << '}';
 }
 
-/// Prints the parts one after the other: a string literal unchanged, any other part as a value.
+/// Prints the parts one after the other. Prints a string literal unchanged, and any other part as a
+/// value.
 template <class... Parts>
 std::ostream& print_all(std::ostream& out, const Parts&... parts) {
   const auto put = [&out](const auto& part) {

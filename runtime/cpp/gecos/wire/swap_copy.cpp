@@ -25,7 +25,8 @@ constexpr SwapLoops portable_loops{swap_copy_portable<2>, swap_copy_portable<4>,
 
 #if GECOS_SWAP_X86
 
-// Shuffle masks: where byte i of each 16-byte lane comes from.
+// Returns the mask of a shuffle that reverses the bytes of each number. Element i of the mask is
+// the index of the byte, in each group of 16 bytes, that moves to position i.
 template <std::size_t width>
 __attribute__((target("ssse3"))) inline __m128i reversal() {
   if constexpr (width == 2) {
@@ -54,7 +55,8 @@ __attribute__((target("ssse3"))) void swap_copy_ssse3(std::byte* to, const std::
 template <std::size_t width>
 __attribute__((target("avx2"))) void swap_copy_avx2(std::byte* to, const std::byte* from,
                                                     std::size_t count) {
-  // Four registers per iteration, and moving pointers: two instructions for each register.
+  // Each iteration handles four registers and advances the pointers, so that a register needs only
+  // two instructions.
   constexpr std::size_t step = 4 * sizeof(__m256i) / width;
   const __m256i mask = _mm256_broadcastsi128_si256(reversal<width>());
   const std::byte* const end = from + count / step * step * width;

@@ -1,5 +1,5 @@
-// Copies numbers between host order and the wire's big-endian order; both directions use the same
-// functions.
+// Copies numbers and converts them between the byte order of the host and the big-endian order of
+// encoded values. The same functions convert in both directions.
 #pragma once
 
 #include <bit>
@@ -48,24 +48,24 @@ inline void swap_copy_portable(std::byte* to, const std::byte* from, std::size_t
 
 enum class SwapKind { Portable, Ssse3, Avx2, Avx512 };
 
-// Runs the loop `kind`, so that tests and benchmarks can compare the loops; false when this
-// processor does not support it. `width` is 2, 4 or 8. The host must be little-endian.
+// Runs the loop `kind`, so that tests and benchmarks can compare the loops. Returns false when this
+// processor does not support the loop. `width` is 2, 4 or 8. The host must be little-endian.
 bool swap_copy_with(SwapKind kind, std::size_t width, std::byte* to, const std::byte* from,
                     std::size_t count);
 
-// These functions run the fastest loop that this processor supports. It is chosen at the first
-// call.
+// These functions run the fastest loop that this processor supports. The first call chooses the
+// loop.
 void swap_copy_16(std::byte* to, const std::byte* from, std::size_t count);
 void swap_copy_32(std::byte* to, const std::byte* from, std::size_t count);
 void swap_copy_64(std::byte* to, const std::byte* from, std::size_t count);
 
 }  // namespace detail
 
-/// Fewer elements than this are swapped inline: a function call would cost more.
+/// Fewer elements than this are swapped inline, because a function call would cost more.
 inline constexpr std::size_t swap_inline_below = 16;
 
-/// Copies `count` elements of `width` bytes, each with its bytes reversed on a little-endian host.
-/// Any alignment; source and destination must not overlap.
+/// Copies `count` elements of `width` bytes. On a little-endian host, reverses the bytes of each
+/// element. The memory may have any alignment, but source and destination must not overlap.
 template <std::size_t width>
 inline void swap_copy(std::byte* to, const std::byte* from, std::size_t count) {
   if constexpr (width == 1 || std::endian::native == std::endian::big) {
@@ -82,7 +82,8 @@ inline void swap_copy(std::byte* to, const std::byte* from, std::size_t count) {
   }
 }
 
-/// A number on the wire: an integer or floating-point number of 1 to 8 bytes, or a byte; not bool.
+/// A type of number that can be encoded: an integer or floating-point type of 1 to 8 bytes, or
+/// std::byte, but not bool.
 template <typename T>
 concept Number = (std::integral<T> || std::floating_point<T> ||
                   std::same_as<T, std::byte>)&&!std::same_as<T, bool> &&

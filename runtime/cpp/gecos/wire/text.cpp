@@ -11,11 +11,12 @@ std::uint8_t byte_at(std::string_view text, std::size_t i) {
   return static_cast<std::uint8_t>(text[i]);
 }
 
-/// Bytes of the character that starts at `i`; 0 when it is malformed.
+/// Returns the number of bytes of the character that starts at index `i`; 0 when the character is
+/// malformed.
 std::size_t character_size(std::string_view text, std::size_t i) {
   const std::uint8_t lead = byte_at(text, i);
   std::size_t size = 0;
-  std::uint8_t lowest = 0x80;  // bounds of the second byte
+  std::uint8_t lowest = 0x80;  // limits of the second byte
   std::uint8_t highest = 0xBF;
   if (lead < 0x80) {
     return 1;

@@ -1,4 +1,4 @@
-// Validity of strings on the wire.
+// Checks whether strings may be sent.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,8 @@
 
 namespace gecos::wire {
 
-/// Whether `text` is ASCII without NUL, as most strings are. Checks eight bytes at a time.
+/// Returns whether `text` is ASCII without NUL, which is true for most strings. Checks eight bytes
+/// at a time.
 inline bool plain_ascii(std::string_view text) {
   constexpr std::uint64_t high_bits = 0x8080808080808080u;
   constexpr std::uint64_t low_bits = 0x0101010101010101u;
@@ -25,13 +26,15 @@ inline bool plain_ascii(std::string_view text) {
   return (suspicious & high_bits) == 0;
 }
 
-/// Well-formed UTF-8 by RFC 3629: no overlong forms, no surrogates, nothing above U+10FFFF.
+/// Returns whether `text` is well-formed UTF-8 by RFC 3629, which has no overlong forms, no
+/// surrogates, and no characters above U+10FFFF.
 bool valid_utf8(std::string_view text);
 
-/// Whether `text` may be sent as a string: UTF-8 without NUL.
+/// Returns whether `text` may be sent as a string: whether it is UTF-8 without NUL.
 bool valid_text(std::string_view text);
 
-/// Orders characters by their Latin-1 code, even where `char` is signed: the order of map keys.
+/// The order of characters that are keys of a map. Orders them by their Latin-1 code, even where
+/// `char` is signed.
 struct LatinOrder {
   bool operator()(char a, char b) const {
     return static_cast<unsigned char>(a) < static_cast<unsigned char>(b);

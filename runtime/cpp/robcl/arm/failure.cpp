@@ -15,7 +15,7 @@ std::string words(const Singular& failure) { return "singular: " + failure.reaso
 std::string words(const JointLimit& failure) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(1) << "joint " << failure.axis
-       << " would have to stand at " << in_deg(failure.value) << " deg, its range is "
+       << " would have to stand at " << in_deg(failure.value) << " deg, but its range is "
        << in_deg(failure.lower) << " to " << in_deg(failure.upper) << " deg";
   return text.str();
 }

@@ -1,4 +1,4 @@
-// The reasons why an arm cannot reach a goal: one struct per exception in
+// The reasons why an arm cannot reach a goal. Each struct corresponds to an exception in
 // idl/robcl/manipulator.gidl.
 #pragma once
 
@@ -8,12 +8,12 @@
 
 namespace robcl::arm {
 
-/// No joint positions put the flange at the goal.
+/// The arm cannot reach the goal: no joint positions put the flange there.
 struct OutOfReach {
   std::string reason;
 };
 
-/// The goal needs a joint position outside the joint's limits.
+/// The goal needs a joint position that is outside the limits of the joint.
 struct JointLimit {
   std::size_t axis = 0;  ///< number of the joint, from 1
   double value = 0;      ///< position that the goal needs, rad

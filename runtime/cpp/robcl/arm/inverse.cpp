@@ -36,8 +36,8 @@ double travel_time(const ArmModel& model, const JointValues& from, const JointVa
 double nearest_turn(double angle, double reference, const JointLimits& limits) {
   const double nearest = reference + std::remainder(angle - reference, whole_turn);
   double best = nearest;
-  // Tries the sum nearest to `reference`, then the sums one and two turns away: no known joint
-  // turns further.
+  // Tries the sum that is nearest to `reference`, and then the sums that are one and two turns away
+  // from it. No known joint turns further.
   for (const int turns : {1, -1, 2, -2}) {
     if (outside(best, limits) == 0) break;
     const double copy = nearest + turns * whole_turn;

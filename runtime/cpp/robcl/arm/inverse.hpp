@@ -1,4 +1,4 @@
-// Inverse kinematics: joint positions that put the flange at a wanted pose.
+// Inverse kinematics: the computation of joint positions that put the flange at a wanted pose.
 #pragma once
 
 #include <memory>
@@ -13,35 +13,39 @@
 
 namespace robcl::arm {
 
-/// The interface of all inverse kinematics solvers. Used by one thread at a time.
+/// The interface of all solvers for inverse kinematics. Only one thread at a time may use a solver.
 class InverseKinematics {
  public:
   virtual ~InverseKinematics() = default;
 
-  /// Considers the joint positions inside the limits and in a configuration that `wanted` admits.
-  /// Returns those that the arm reaches soonest from `reference`. At a singularity, a joint without
-  /// effect keeps its position in `reference`.
+  /// Returns joint positions that put the flange at `base_from_flange`. They are inside the limits
+  /// of the joints, and in a configuration that `wanted` admits. If there are several solutions,
+  /// returns the one that the arm reaches soonest from `reference`. At a singularity, a joint that
+  /// has no effect keeps its position in `reference`.
   virtual tl::expected<JointValues, Failure> solve(const Frame& base_from_flange,
                                                    const JointValues& reference,
                                                    const Configuration& wanted = {}) = 0;
 
-  /// The configuration of an arm at `joints`. Members are empty at a singularity; all are empty if
-  /// the solver does not know configurations.
+  /// Returns the configuration of an arm at the joint positions `joints`. A member is empty at its
+  /// singularity. All members are empty if the solver does not know configurations.
   virtual Configuration configuration(const JointValues& joints) = 0;
 };
 
-/// Makes the closed-form solver if the arm's geometry allows it and forward kinematics of its
-/// solutions reproduces test poses, else KDL's iterative solver, which may miss solutions.
+/// Makes a solver for `model`. This is the closed-form solver if the geometry of the arm allows it
+/// and a test of its solutions by forward kinematics succeeds. Otherwise it is KDL's iterative
+/// solver, which may miss solutions.
 std::unique_ptr<InverseKinematics> make_inverse(const ArmModel& model);
 
-/// Shortest time from the joint positions `from` to `to`, s: all joints move at full speed.
+/// Returns the shortest time in s for a move from the joint positions `from` to the joint positions
+/// `to`. Assumes that all joints move at full speed.
 double travel_time(const ArmModel& model, const JointValues& from, const JointValues& to);
 
-/// Adds whole turns to `angle`: returns the sum inside the limits that is nearest to `reference`,
-/// or, if no sum is inside, the one least outside.
+/// Adds whole turns to `angle` and returns the sum that is inside `limits` and nearest to
+/// `reference`. If no sum is inside `limits`, returns the sum that is least outside.
 double nearest_turn(double angle, double reference, const JointLimits& limits);
 
-/// The joint that is furthest outside its limits; nullopt if all joints are inside.
+/// Returns the joint that is furthest outside its limits; nullopt if all joints are inside their
+/// limits.
 std::optional<JointLimit> first_outside(const ArmModel& model, const JointValues& joints);
 
 }  // namespace robcl::arm

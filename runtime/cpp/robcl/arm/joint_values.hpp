@@ -4,14 +4,15 @@
 
 namespace robcl::arm {
 
-/// Largest number of joints of an arm; loading an arm with more joints fails.
+/// The largest number of joints of an arm. Loading the model of an arm with more joints fails.
 inline constexpr int max_axes = 8;
 
-/// One value per joint, rad (or rad/s, rad/s²). Stored inside the object: never allocates.
+/// One value for each joint, in rad, rad/s or rad/s². The values are stored inside the object, so
+/// that it never allocates memory.
 using JointValues = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, max_axes, 1>;
 
-/// Column i: twist of the flange, seen from the base, per rad/s of joint i; three rows in m/s, then
-/// three in rad/s.
+/// A Jacobian matrix. Column i is the twist of the flange, seen from the base, for a speed of 1
+/// rad/s of joint i. The first three rows are in m/s, and the other three rows in rad/s.
 using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, max_axes>;
 
 struct JointLimits {

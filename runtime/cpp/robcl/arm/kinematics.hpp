@@ -9,15 +9,19 @@
 
 namespace robcl::arm {
 
-/// Multiplies KDL's segments without allocating. Used by one thread at a time, because KDL::Joint
-/// caches its last pose; copies are independent.
+/// Computes forward kinematics by multiplying KDL's segments, without allocating memory. Only one
+/// thread at a time may use a Kinematics object, because KDL::Joint caches its last pose. Copies
+/// are independent of each other.
 class Kinematics {
  public:
   explicit Kinematics(const ArmModel& model);
 
-  /// @pre `joints` has one position per axis. The same holds for `jacobian`.
+  /// Returns the pose of the flange at the joint positions `joints`. @pre `joints` has one position
+  /// for each axis.
   Frame base_from_flange(const JointValues& joints);
-  /// Column i: twist of the flange, seen from the base, while joint i turns with 1 rad/s.
+  /// Returns the Jacobian matrix at the joint positions `joints`. Column i is the twist of the
+  /// flange, seen from the base, while joint i turns with 1 rad/s. @pre `joints` has one position
+  /// for each axis.
   Jacobian jacobian(const JointValues& joints);
 
  private:

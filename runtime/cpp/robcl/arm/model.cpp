@@ -22,7 +22,8 @@ tl::unexpected<ModelError> refuse(const std::string& what) {
   return tl::unexpected(ModelError{what});
 }
 
-/// The joints from `base` to `flange`, in this order; empty if no chain of joints connects them.
+/// Returns the joints of the chain from the link `base` to the link `flange`, in this order. The
+/// result is empty if no chain of joints connects the two links.
 std::vector<urdf::JointConstSharedPtr> joints_between(const urdf::ModelInterface& robot,
                                                       const std::string& base,
                                                       const std::string& flange) {
@@ -41,12 +42,12 @@ std::vector<urdf::JointConstSharedPtr> joints_between(const urdf::ModelInterface
 tl::expected<JointLimits, ModelError> limits_of(const urdf::Joint& joint,
                                                 double seconds_to_full_speed) {
   const bool endless = joint.type == urdf::Joint::CONTINUOUS;
-  if (!joint.limits) return refuse("joint '" + joint.name + "' has no <limit>");
+  if (!joint.limits) return refuse("joint '" + joint.name + "' needs a <limit> element");
   const urdf::JointLimits& given = *joint.limits;
   if (!(given.velocity > 0))
     return refuse("joint '" + joint.name + "' needs a velocity limit above 0");
   if (!endless && !(given.lower < given.upper)) {
-    return refuse("joint '" + joint.name + "': lower limit is not below the upper one");
+    return refuse("joint '" + joint.name + "': its lower limit must be below its upper limit");
   }
   constexpr double infinite = std::numeric_limits<double>::infinity();
   return JointLimits{endless ? -infinite : given.lower, endless ? infinite : given.upper,

@@ -1,4 +1,5 @@
-// Model of an arm: its chain of joints from a URDF file, and their limits.
+// The model of an arm: its chain of joints, which is read from a URDF file, and the limits of the
+// joints.
 #pragma once
 
 #include <filesystem>
@@ -15,14 +16,15 @@ struct ModelError {
   std::string text;
 };
 
-/// A chain of revolute joints from a base link to a flange link. Immutable.
+/// The model of an arm: a chain of revolute joints from a base link to a flange link. A model never
+/// changes.
 ///
-/// KDL::Joint caches its last pose inside const methods, so a chain must not be shared between
-/// threads: a computation takes a copy (see Kinematics).
+/// Threads must not share a chain, because const methods of KDL::Joint cache its last pose. A
+/// computation must therefore use a copy of the chain (see Kinematics).
 class ArmModel {
  public:
-  /// URDF has no acceleration limits: each joint gets the acceleration with which it reaches its
-  /// full speed in `seconds_to_full_speed`.
+  /// Makes a model from the text of a URDF file. URDF has no acceleration limits. Therefore each
+  /// joint gets the acceleration with which it reaches its full speed in `seconds_to_full_speed`.
   static tl::expected<ArmModel, ModelError> from_urdf(const std::string& xml,
                                                       const std::string& base_link,
                                                       const std::string& flange_link,
@@ -38,7 +40,7 @@ class ArmModel {
   const std::vector<JointLimits>& limits() const { return limits_; }
   const std::vector<std::string>& joint_names() const { return joint_names_; }
 
-  /// Upper bound of the flange's distance from the base, m.
+  /// Returns an upper limit of the distance of the flange from the base, in m.
   double reach() const { return reach_; }
 
  private:

@@ -9,7 +9,8 @@
 namespace robcl::arm {
 namespace {
 
-// Weights of the pose error: 1 rad counts as much as 0.1 m.
+// Returns the weights of the parts of a pose error: an error of 1 rad counts as much as an error of
+// 0.1 m.
 Eigen::Matrix<double, 6, 1> weights() {
   Eigen::Matrix<double, 6, 1> each;
   each << 1, 1, 1, 0.1, 0.1, 0.1;
@@ -36,7 +37,8 @@ JointValues NumericInverse::start(int attempt, const JointValues& reference) con
     const JointLimits& limits = model_.limits()[static_cast<std::size_t>(i)];
     const double lower = std::max(limits.lower, -std::numbers::pi);
     const double upper = std::min(limits.upper, std::numbers::pi);
-    // Multiples of irrational numbers fill the joint ranges evenly (Weyl's sequence).
+    // The start points are multiples of irrational numbers, which fill the joint ranges evenly
+    // (Weyl's sequence).
     const double step = std::sqrt(static_cast<double>(2 + 3 * i));
     joints[i] = lower + (upper - lower) * std::fmod(attempt * step, 1.0);
   }

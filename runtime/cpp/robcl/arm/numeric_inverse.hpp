@@ -9,9 +9,10 @@
 
 namespace robcl::arm {
 
-/// Searches from the reference first, then from points spread evenly inside the joint limits.
-/// Checks each solution by forward kinematics, because KDL reports success for some wrong ones. May
-/// miss solutions (about one pose in 400), so its OutOfReach means "not found". Does not know
+/// A solver that searches for a solution. It starts at the reference, and then at points that are
+/// spread evenly inside the joint limits. It checks each solution by forward kinematics, because
+/// KDL reports success for some wrong solutions. It finds no solution for about one reachable pose
+/// in 400; its error OutOfReach therefore means only that no solution was found. It does not know
 /// configurations.
 class NumericInverse final : public InverseKinematics {
  public:
@@ -19,7 +20,7 @@ class NumericInverse final : public InverseKinematics {
 
   explicit NumericInverse(const ArmModel& model);
 
-  /// Fails unless all members of `wanted` are empty.
+  /// Finds a solution. Fails if a member of `wanted` is not empty.
   tl::expected<JointValues, Failure> solve(const Frame& base_from_flange,
                                            const JointValues& reference,
                                            const Configuration& wanted) override;

@@ -17,12 +17,15 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double geometry_tolerance = 1e-6;  // m or rad: rounding of a URDF's values
-// m: a goal that is out of reach by less counts as reachable, because of rounding.
+// A goal that is out of reach by less than this distance, in m, counts as reachable, because of
+// rounding errors.
 constexpr double stretched = 1e-9;
-// m: if the wrist centre is nearer to axis 1 (axis 2), joint 1 (joint 2) may have any position.
+// If the wrist centre is nearer to axis 1 than this distance, in m, joint 1 may have any position.
+// The same is true for axis 2 and joint 2.
 constexpr double singular = 1e-9;
-// rad: if joint 5 is smaller, joint 4 may have any position. In a stretched arm, a rounding error
-// of 1e-16 changes the angles by 1e-8.
+// If joint 5 is closer than this angle, in rad, to the position where axes 4 and 6 are in one line,
+// joint 4 may have any position. The limit is not smaller, because a rounding error of 1e-16
+// changes the angles of a stretched arm by 1e-8.
 constexpr double aligned = 1e-7;
 
 double angle_of(const Vector2d& in_plane) { return std::atan2(in_plane.x(), in_plane.y()); }
@@ -36,7 +39,7 @@ struct Line {
   Vector3d direction;
 };
 
-/// The point where `a` meets `b` or is nearest to it; nullopt if the lines are parallel.
+/// Returns the point of line `a` that is nearest to line `b`; nullopt if the lines are parallel.
 std::optional<Vector3d> meeting_point(const Line& a, const Line& b) {
   const double cosine = a.direction.dot(b.direction);
   const double denominator = 1 - cosine * cosine;
@@ -192,7 +195,8 @@ void SphericalWristInverse::add_wrists(const Frame& base_from_flange, const Vect
   const Matrix3d arm = (AngleAxisd(first_three[0], axes_[0]) *
                         AngleAxisd(first_three[1], axes_[1]) * AngleAxisd(first_three[2], axes_[2]))
                            .toRotationMatrix();
-  // left = Rz(q4)·Ry(q5 + tilt)·Rz(±q6) in the frame of the wrist.
+  // `left` is the rotation Rz(q4)·Ry(q5 + tilt)·Rz(±q6) in the frame of the wrist, which joints 4
+  // to 6 must make.
   const Matrix3d left = base_from_wrist_.transpose() * arm.transpose() *
                         base_from_flange.rotation() * zero_turn_.transpose() * base_from_wrist_ *
                         AngleAxisd(sixth_tilt_, Vector3d::UnitY()).toRotationMatrix();
@@ -274,12 +278,14 @@ std::string SphericalWristInverse::why_out_of_reach(const Frame& base_from_flang
   text << std::fixed << std::setprecision(1);
   if (from_axis < std::abs(lateral_)) {
     text << "the wrist centre would be " << in_mm(from_axis)
-         << " mm from axis 1, it can come as near as " << in_mm(std::abs(lateral_)) << " mm";
+         << " mm from axis 1, but this distance must be at least " << in_mm(std::abs(lateral_))
+         << " mm";
     return text.str();
   }
   const double along = std::sqrt(from_axis * from_axis - lateral_ * lateral_);
   const double length = std::hypot(along - shoulder_, wrist.z());
-  text << "the wrist centre would be " << in_mm(length) << " mm from the shoulder, it can be "
+  text << "the wrist centre would be " << in_mm(length)
+       << " mm from the shoulder, but this distance must be "
        << in_mm(std::abs(upper_arm_ - forearm_)) << " to " << in_mm(upper_arm_ + forearm_) << " mm";
   return text.str();
 }

@@ -1,11 +1,12 @@
 // Closed-form inverse kinematics of six-axis arms whose last three axes meet in one point.
 //
-// Geometry (all industrial six-axis arms of this kind, the RX90 and the Puma 560 among them): axis
-// 2 is at right angles to axis 1, axis 3 parallel to axis 2, axes 4, 5, 6 meet in the wrist centre
-// with axis 5 at right angles to both others. Offsets between axes 1 and 2, and of the arm's plane,
-// are allowed. Solved after D. Pieper, "The Kinematics of Manipulators under Computer Control"
-// (1968): joints 1 to 3 alone place the wrist centre (a planar arm with two links, turned by joint
-// 1); joints 4 to 6 are a ZYZ rotation that gives the remaining orientation.
+// The geometry of the arm must be as follows. Axis 2 is at right angles to axis 1, and axis 3 is
+// parallel to axis 2. Axes 4, 5 and 6 meet in the wrist centre, and axis 5 is at right angles to
+// axes 4 and 6. Axis 2 may have an offset from axis 1, and so may the arm's plane. All industrial
+// six-axis arms of this kind have this geometry, for example the RX90 and the Puma 560. The method
+// is that of D. Pieper, "The Kinematics of Manipulators under Computer Control" (1968). Joints 1 to
+// 3 alone place the wrist centre: they are a planar arm with two links, which joint 1 turns. Joints
+// 4 to 6 are a ZYZ rotation, which gives the remaining orientation.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -19,8 +20,8 @@ namespace robcl::arm {
 
 class SphericalWristInverse final : public InverseKinematics {
  public:
-  /// Returns null if the arm has another geometry, or if forward kinematics of the solutions does
-  /// not reproduce test poses.
+  /// Makes a solver for `model`. Returns null if the arm has another geometry, or if the solver's
+  /// solutions for test poses are wrong by forward kinematics.
   static std::unique_ptr<SphericalWristInverse> for_arm(const ArmModel& model);
 
   tl::expected<JointValues, Failure> solve(const Frame& base_from_flange,
@@ -36,7 +37,7 @@ class SphericalWristInverse final : public InverseKinematics {
     std::array<Solution, 8> each;
     std::size_t count = 0;
   };
-  /// All solutions, at most eight. At a singularity, some solutions are equal.
+  /// Returns all solutions, at most eight. At a singularity, some of them are equal.
   Solutions all(const Frame& base_from_flange, const JointValues& reference) const;
 
  private:
@@ -51,14 +52,16 @@ class SphericalWristInverse final : public InverseKinematics {
 
   ArmModel model_;
 
-  // Geometry of the arm with all joints at zero, in the base frame. Axes are unit vectors.
+  // The following members are the geometry of the arm in the base frame while all joints are at
+  // zero. Axes are unit vectors.
   std::array<Eigen::Vector3d, 6> axes_;
   Eigen::Matrix3d zero_turn_;        // orientation of the flange
   Eigen::Vector3d flange_to_wrist_;  // wrist centre, seen from the flange (constant)
   Eigen::Matrix3d base_from_plane_;  // columns: joint 1's direction, axis 2, axis 1
   Eigen::Vector3d origin_;           // point of axis 1 at the height of axis 2
 
-  // In the arm's plane: lengths in m, and angles in rad from axis 1 towards joint 1's direction.
+  // The following members are lengths in m and angles in rad in the arm's plane. The angles are
+  // measured from axis 1 towards the direction of joint 1.
   double shoulder_ = 0;  // distance from axis 1 to axis 2
   double lateral_ = 0;   // offset of the wrist centre along axis 2
   double upper_arm_ = 0, upper_arm_angle_ = 0;

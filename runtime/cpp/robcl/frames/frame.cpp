@@ -8,8 +8,8 @@
 namespace robcl {
 namespace {
 
-// If sin or cos of the angle b (ZYZ: of b/2) is smaller, the angles a and c turn about the same
-// axis, and c is set to 0.
+// If the sine or cosine of the Euler angle b (of b/2 for ZYZ angles) is smaller than this, the
+// angles a and c turn about the same axis. Then c is set to 0.
 constexpr double parallel_axes = 1e-9;
 
 Eigen::Quaterniond about(const Eigen::Vector3d& axis, double angle) {
@@ -83,7 +83,8 @@ Frame Frame::from_matrix(const Eigen::Matrix4d& matrix) {
 }
 
 std::array<double, 3> Frame::euler_zyz() const {
-  // q = (cos(b/2)·cos s, -sin(b/2)·sin d, sin(b/2)·cos d, cos(b/2)·sin s), s = (a+c)/2, d = (a-c)/2
+  // With s = (a+c)/2 and d = (a-c)/2, the quaternion w, x, y, z is cos(b/2)·cos s, -sin(b/2)·sin d,
+  // sin(b/2)·cos d, cos(b/2)·sin s.
   const Quaternion& q = orientation_;
   const double cosine = std::hypot(q.w(), q.z());
   const double sine = std::hypot(q.x(), q.y());
@@ -170,7 +171,7 @@ bool Frame::decode(gecos::wire::Decoder& from) {
 }
 
 std::int64_t Frame::fingerprint() {
-  // The fingerprint that lcm-gen computes for struct Frame { Vector position; Quaternion
+  // This is the fingerprint that lcm-gen computes for struct Frame { Vector position; Quaternion
   // orientation; }.
   return 0x249634ce2aa17b5e;
 }

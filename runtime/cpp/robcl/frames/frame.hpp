@@ -1,6 +1,6 @@
-// Frames: where something is and how it is turned, seen from something else.
+// Frames. A frame says where one coordinate system is and how it is turned, seen from another one.
 //
-// One vocabulary in C++ and Python (`from robcl.frames import Frame, translate, mm, deg`):
+// C++ and Python have the same functions (`from robcl.frames import Frame, translate, mm, deg`):
 //
 //   make     translate(x, y, z)   rotate_x(a)   rotate_y(a)   rotate_z(a)
 //            Frame()                                    identity
@@ -16,7 +16,8 @@
 //            near(a, b, position_tolerance, angle_tolerance)
 //   units    metres and radians; mm(200), deg(90), in C++ also 200_mm, 90_deg
 //
-// Name frames so that neighbours cancel: world_from_tool = world_from_base * base_from_tool.
+// The names of frames in a product should cancel: world_from_tool = world_from_base *
+// base_from_tool.
 #pragma once
 
 #include <Eigen/Core>
@@ -34,28 +35,31 @@
 
 namespace robcl {
 
-/// Thrown for values that describe no rigid transformation: a value that is not finite, a
-/// quaternion without unit length, a matrix that stretches, shears, mirrors or projects. The text
-/// says which value is wrong, and by how much.
+/// The exception for values that do not describe a rigid transformation. Examples are a value that
+/// is not finite, a quaternion without unit length, and a matrix that stretches, shears, mirrors or
+/// projects. The text says which value is wrong, and by how much.
 class InvalidFrame : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
 };
 
-/// Position (m) and orientation of a coordinate system seen from another. A value type of 56 bytes,
-/// aligned as a double. A quaternion and its negative are the same orientation but not `==`.
+/// The position, in m, and the orientation of a coordinate system, seen from another coordinate
+/// system. The type is a value type of 56 bytes with the alignment of a double. A quaternion and
+/// its negative are the same orientation, but `==` returns false for them.
 class Frame {
  public:
-  /// How far the length of a quaternion or of a matrix's column may be from 1; allows for rounding
-  /// to single precision. Beyond this tolerance construction throws and decoding fails.
+  /// The length of a quaternion, or of a column of a rotation matrix, may differ from 1 by this
+  /// tolerance, which allows for rounding to single precision. If the difference is larger, a
+  /// constructor throws and decoding fails.
   static constexpr double unit_tolerance = 1e-6;
 
-  /// The identity: both coordinate systems are the same.
+  /// Makes the identity, for which both coordinate systems are the same.
   Frame() = default;
-  /// Normalises `orientation`. Throws InvalidFrame for invalid values.
+  /// Makes a frame, and normalises `orientation`. Throws InvalidFrame for invalid values.
   Frame(const Eigen::Vector3d& position, const Eigen::Quaterniond& orientation);
 
-  /// Make a frame from metres and radians. All throw InvalidFrame for invalid values.
+  /// The functions `from_…` make a frame. Lengths are in metres and angles in radians. All of them
+  /// throw InvalidFrame for invalid values.
   static Frame from_euler_zyz(double x, double y, double z, double a, double b, double c);
   static Frame from_euler_zyx(double x, double y, double z, double a, double b, double c);
   static Frame from_fixed_xyz(double x, double y, double z, double rx, double ry, double rz);
@@ -69,31 +73,35 @@ class Frame {
   const Eigen::Vector3d& position() const { return position_; }
   Eigen::Quaterniond orientation() const { return Eigen::Quaterniond(orientation_); }
 
-  /// Angles a, b, c in rad: b in [0, pi], a and c in [-pi, pi]; c = 0 if b is 0 or pi.
+  /// Returns the ZYZ Euler angles a, b, c in rad. b is in [0, pi]; a and c are in [-pi, pi]. c is 0
+  /// if b is 0 or pi.
   std::array<double, 3> euler_zyz() const;
-  /// Angles a, b, c in rad: b in [-pi/2, pi/2], a and c in [-pi, pi]; c = 0 if b is ±pi/2.
+  /// Returns the ZYX Euler angles a, b, c in rad. b is in [-pi/2, pi/2]; a and c are in [-pi, pi].
+  /// c is 0 if b is ±pi/2.
   std::array<double, 3> euler_zyx() const;
-  /// Angles rx, ry, rz in rad: the angles of `euler_zyx` in reverse order.
+  /// Returns the angles rx, ry, rz about the fixed axes in rad. They are the angles of `euler_zyx`
+  /// in reverse order.
   std::array<double, 3> fixed_xyz() const;
-  /// The quaternion as w, x, y, z.
+  /// Returns the orientation as a quaternion w, x, y, z.
   std::array<double, 4> quaternion() const;
   Eigen::Matrix4d matrix() const;
   Eigen::Matrix3d rotation() const { return orientation().toRotationMatrix(); }
 
-  /// Composition of two frames: a_from_c = a_from_b * b_from_c.
+  /// Composes two frames: a_from_c = a_from_b * b_from_c.
   friend Frame operator*(const Frame& left, const Frame& right);
   Frame inverse() const;
-  /// Converts a point from this coordinate system to the coordinate system from which this frame is
-  /// seen.
+  /// Converts a point from this frame's coordinate system to the coordinate system from which this
+  /// frame is seen.
   Eigen::Vector3d transform(const Eigen::Vector3d& point) const;
 
-  /// Compares exactly, value by value; `near` compares with tolerances.
+  /// Compares two frames exactly, value by value. The function `near` compares them with
+  /// tolerances.
   friend bool operator==(const Frame& left, const Frame& right);
   friend bool operator!=(const Frame& left, const Frame& right) { return !(left == right); }
 
-  // Implements GeneralContents in the layout of `robcl::Frame` in idl/robcl/geometry.gidl: x, y, z,
-  // then w, x, y, z of the quaternion. Decoding does not normalise, so encoding a decoded frame
-  // gives the same bytes again.
+  // The following functions implement GeneralContents. The layout is that of `robcl::Frame` in
+  // idl/robcl/geometry.gidl: x, y, z, and then w, x, y, z of the quaternion. Decoding does not
+  // normalise the quaternion, so that encoding a decoded frame gives the same bytes again.
   std::size_t encoded_size() const { return 7 * sizeof(double); }
   void encode(gecos::wire::Encoder& to) const;
   bool decode(gecos::wire::Decoder& from);
@@ -111,15 +119,15 @@ Frame rotate_x(double angle);
 Frame rotate_y(double angle);
 Frame rotate_z(double angle);
 
-/// Distance between the two origins, m.
+/// Returns the distance between the origins of two frames, in m.
 double distance(const Frame& left, const Frame& right);
-/// Angle of the single turn that brings one orientation to the other, rad in [0, pi]. Accurate for
-/// small angles.
+/// Returns the angle of the rotation from one orientation to the other, in rad. The angle is in [0,
+/// pi]. The result is accurate also for small angles.
 double angle(const Frame& left, const Frame& right);
 bool near(const Frame& left, const Frame& right, double position_tolerance, double angle_tolerance);
 
-/// For people: "(452.1, -150.0, 431.8) mm, ZYZ (0.00, 90.00, 0.00) deg". Rounded; programs use
-/// `encode`.
+/// Prints a frame for people, for example "(452.1, -150.0, 431.8) mm, ZYZ (0.00, 90.00, 0.00) deg".
+/// The values are rounded; programs should use `encode`.
 std::ostream& operator<<(std::ostream& out, const Frame& frame);
 std::string to_string(const Frame& frame);
 

@@ -57,7 +57,7 @@ void PathBounds::cap(std::size_t knot, double fastest) {
   caps_[knot] = std::min(caps_[knot], fastest);
 }
 
-/// Restricts `interval` to the values of u for which |per_u·u + offset| <= limit.
+/// Restricts `interval` to the values of u for which |per_u·u + offset| <= limit holds.
 void PathBounds::restrict(Interval& interval, double per_u, double offset, double limit) const {
   if (std::abs(per_u) <= negligible) {
     if (std::abs(offset) > limit) interval = {1, -1};

@@ -6,7 +6,7 @@
 
 namespace robcl::motion {
 
-/// The straight line between two frames: the position moves along the line while the orientation
+/// The straight line between two frames. While the position moves along the line, the orientation
 /// turns evenly about one axis, by at most 180 degrees.
 class Line {
  public:
@@ -14,9 +14,10 @@ class Line {
 
   double length() const { return way_.norm(); }  ///< m
   double turn() const { return turn_.norm(); }   ///< rad
-  /// The frame after the fraction `part` of the line, 0 to 1.
+  /// Returns the frame after the fraction `part` of the line. `part` is from 0 to 1.
   Frame at(double part) const;
-  /// Text for messages that says how far along the line `part` is: "120.0 mm along the line".
+  /// Returns a text for messages that says how far along the line the fraction `part` is, for
+  /// example "120.0 mm along the line".
   std::string place(double part) const;
 
  private:

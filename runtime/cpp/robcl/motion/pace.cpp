@@ -4,13 +4,13 @@ namespace robcl::motion {
 namespace {
 
 std::string says(const char* what, double value, const char* wanted) {
-  return std::string(what) + " is " + std::to_string(value) + ", it must be " + wanted;
+  return std::string(what) + " is " + std::to_string(value) + ", but it must be " + wanted;
 }
 
 }  // namespace
 
 std::optional<std::string> problem_of(const Pace& pace) {
-  // The comparisons also refuse NaN.
+  // These comparisons also refuse NaN.
   if (!(pace.speed > 0 && pace.speed <= 1)) return says("speed", pace.speed, "above 0, at most 1");
   if (!(pace.acceleration > 0 && pace.acceleration <= 1)) {
     return says("acceleration", pace.acceleration, "above 0, at most 1");

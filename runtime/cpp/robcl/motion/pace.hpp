@@ -7,7 +7,7 @@
 
 namespace robcl::motion {
 
-/// Limits of the tool on a straight line, in addition to the limits of the joints.
+/// The limits of the tool on a straight line. They apply in addition to the limits of the joints.
 struct ToolLimits {
   double speed = 1.0;                   ///< m/s
   double acceleration = 3.0;            ///< m/s²
@@ -15,7 +15,7 @@ struct ToolLimits {
   double turn_acceleration = deg(720);  ///< rad/s²
 };
 
-/// Requested limits of a move; the slowest of all limits applies.
+/// The limits that a caller requests for a move. The slowest of all limits applies.
 struct Pace {
   double speed = 1;                    ///< fraction of the robot's maximum, above 0, at most 1
   double acceleration = 1;             ///< fraction of the robot's maximum, above 0, at most 1
@@ -23,7 +23,7 @@ struct Pace {
   std::optional<double> turn_speed{};  ///< rad/s, above 0
 };
 
-/// The reason why `pace` is invalid; nullopt if it is valid.
+/// Returns an error text if `pace` is invalid; nullopt if it is valid.
 std::optional<std::string> problem_of(const Pace& pace);
 
 }  // namespace robcl::motion

@@ -6,8 +6,8 @@
 namespace robcl::motion {
 namespace {
 
-/// The derivative at index `i` of evenly spaced values: accurate to fourth order in the interior,
-/// to second order near the ends.
+/// Returns the derivative at index `i` of values that are evenly spaced by `step`. The result is
+/// accurate to fourth order in the interior, and to second order near the ends.
 JointValues derivative(const std::vector<JointValues>& values, std::size_t i, double step) {
   const std::size_t last = values.size() - 1;
   if (last == 1) return (values[1] - values[0]) / step;

@@ -1,4 +1,4 @@
-// The geometric path of the joints, without times.
+// The geometric path of the joints. It has no times.
 #pragma once
 
 #include <cstddef>
@@ -10,21 +10,25 @@ namespace robcl::motion {
 
 using arm::JointValues;
 
-/// Joint positions over s in [0, 1]: knots at equal steps, with cubic Hermite splines between them,
-/// so that position and slope are continuous. Reading never allocates.
+/// The joint positions as a function of the path parameter s in [0, 1]. The path has knots at equal
+/// steps of s. Between the knots it is a cubic Hermite spline, so that position and slope are
+/// continuous. Reading a path never allocates memory.
 class Path {
  public:
-  /// @pre at least two knots, all with the same number of joints.
+  /// Makes a path through the joint positions `knots`. @pre there are at least two knots, and all
+  /// have the same number of joints.
   explicit Path(std::vector<JointValues> knots);
 
   std::size_t intervals() const { return knots_.size() - 1; }
   double step() const { return 1.0 / static_cast<double>(intervals()); }
   const JointValues& knot(std::size_t i) const { return knots_[i]; }
-  /// First (slope) and second (curvature) derivative of the joint positions by s at a knot.
+  /// slope() and curvature() return the first and the second derivative of the joint positions by s
+  /// at the knot `i`.
   const JointValues& slope(std::size_t i) const { return slopes_[i]; }
   JointValues curvature(std::size_t i) const;
 
-  /// The joint positions at `s`; an `s` outside [0, 1] gives the nearer end.
+  /// Returns the joint positions at `s`. For an `s` outside [0, 1], returns the nearer end of the
+  /// path.
   JointValues position(double s) const;
 
  private:

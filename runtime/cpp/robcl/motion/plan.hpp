@@ -6,7 +6,7 @@
 
 namespace robcl::motion {
 
-/// A move that was checked from start to goal before it is executed.
+/// A planned move. It was checked from start to goal, so that it can be executed.
 struct Plan {
   Path path;
   PathBounds braking;  ///< for a stop on the path: the limits of the arm at full pace

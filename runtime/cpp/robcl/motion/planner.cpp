@@ -15,9 +15,9 @@ using arm::OutOfReach;
 constexpr int joint_move_knots = 100;
 constexpr double no_move = 1e-9;  // rad or m: a smaller move counts as none
 
-/// The factor by which `law` must be slowed so that the joint limits are also kept between the
-/// knots. Where a joint's path is steep (an arm that starts stretched), one interval may last many
-/// cycles.
+/// Returns the factor by which `law` must be slowed so that the joint limits are also kept between
+/// the knots. Where the path of a joint is steep, for example when an arm starts stretched, the
+/// interval between two knots may last many control cycles.
 double excess(const Path& path, const TimeLaw& law, const arm::ArmModel& model, const Pace& pace) {
   constexpr double look = 0.001, span = 0.004;  // s
   double factor = 1;

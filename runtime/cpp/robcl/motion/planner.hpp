@@ -1,4 +1,4 @@
-// Makes a checked plan from the position of an arm and the goal of its tool.
+// Makes checked plans for the moves of an arm.
 #pragma once
 
 #include <memory>
@@ -16,26 +16,28 @@
 
 namespace robcl::motion {
 
-/// Plans moves of one arm, from rest to rest. Allocates, so the control loop must not call it. Used
-/// by one thread at a time.
+/// Plans the moves of one arm. Each move starts and ends at rest. The planner allocates memory, so
+/// that the control loop must not use it. Only one thread at a time may use it.
 class Planner {
  public:
   Planner(const arm::ArmModel& model, const ToolLimits& limits);
 
-  /// Plans a straight line in joint space: all joints start and arrive together. Fails with
-  /// JointLimit. @pre of all plans: the arm is at rest at `from`, and problem_of(pace) is empty.
+  /// Plans a move of all joints to the positions `to`; the joints start and arrive together. May
+  /// fail with JointLimit. @pre for this and the following functions: the arm is at rest at the
+  /// joint positions `from`, and problem_of(pace) is empty.
   tl::expected<Plan, arm::Failure> joints(const JointValues& from, const JointValues& to,
                                           const Pace& pace, const Frame& flange_from_tool = {});
 
-  /// Plans a straight line in joint space that puts the tool at `base_from_goal`, in a
-  /// configuration that `wanted` admits. Of several possible joint positions, chooses those that
-  /// the arm reaches soonest. Fails with OutOfReach or JointLimit.
+  /// Plans a move of all joints that puts the tool at the frame `base_from_goal`, in a
+  /// configuration that `wanted` admits. If several joint positions are possible, chooses those
+  /// that the arm reaches soonest. May fail with OutOfReach or JointLimit.
   tl::expected<Plan, arm::Failure> joints_to(const JointValues& from, const Frame& base_from_goal,
                                              const Frame& flange_from_tool, const Pace& pace,
                                              const arm::Configuration& wanted = {});
 
-  /// Plans a straight line of the tool to `base_from_goal`, while its orientation turns about one
-  /// axis. The arm keeps its present configuration. Fails with OutOfReach, JointLimit or Singular.
+  /// Plans a move of the tool along a straight line to the frame `base_from_goal`. During the move,
+  /// the tool's orientation turns about one axis, and the arm keeps its present configuration. May
+  /// fail with OutOfReach, JointLimit or Singular.
   tl::expected<Plan, arm::Failure> straight(const JointValues& from, const Frame& base_from_goal,
                                             const Frame& flange_from_tool, const Pace& pace);
 

@@ -22,8 +22,9 @@ JointValues Playback::advance(double seconds) {
 }
 
 void Playback::brake(double seconds) {
-  // At every speed, the braking limit allows at least the deceleration of the plan's time law: a
-  // law that is slowed keeps all limits. So the arm stops at the goal at the latest.
+  // At every speed, the braking limits allow at least the deceleration that the plan's time law has
+  // there, because a time law keeps all limits even when it is slowed. Therefore the arm stops at
+  // the goal at the latest.
   const double braking = std::min(plan_.braking.near(s_, speed_ * speed_).lower, 0.0);
   const double after = speed_ + braking * seconds;
   if (after <= 0) {

@@ -1,11 +1,12 @@
-// The execution of a plan, cycle by cycle.
+// The execution of a plan, one control cycle after the other.
 #pragma once
 
 #include "robcl/motion/plan.hpp"
 
 namespace robcl::motion {
 
-/// Computes the set points of the joints once per control cycle. Never allocates, locks or logs.
+/// Computes the set points of the joints for each control cycle of a plan. Never allocates memory,
+/// locks or logs.
 class Playback {
  public:
   explicit Playback(Plan plan);
@@ -13,15 +14,16 @@ class Playback {
   /// Advances the time by `seconds` and returns the set points of the joints.
   JointValues advance(double seconds);
 
-  /// Decelerates on the path as hard as the arm's limits allow. The arm then stands somewhere on
-  /// the path.
+  /// Makes the following calls of `advance` decelerate on the path, as hard as the arm's limits
+  /// allow, until the arm stands somewhere on the path.
   void stop() { stopping_ = true; }
 
   bool standing() const { return standing_; }
   bool stopping() const { return stopping_; }
-  /// Fraction of the plan's duration that has passed, 0 to 1; does not rise while stopping.
+  /// Returns the fraction of the plan's duration that has passed, from 0 to 1. It does not rise
+  /// after `stop`.
   double fraction() const;
-  /// Remaining time to the goal, s; 0 after `stop` and at the goal.
+  /// Returns the remaining time to the goal in s; 0 after `stop` and at the goal.
   double remaining() const;
   const Plan& plan() const { return plan_; }
 

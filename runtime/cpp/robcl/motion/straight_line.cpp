@@ -1,5 +1,5 @@
-// The path of the joints along a straight line of the tool: solves the inverse kinematics at every
-// knot.
+// Computes the path of the joints for a straight line of the tool, by solving the inverse
+// kinematics at every knot.
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -31,8 +31,8 @@ Failure with_place(Failure failure, const std::string& where) {
   return failure;
 }
 
-/// Fills the empty members of `kept`. A member is empty until the arm has left the singularity at
-/// which the member is undefined.
+/// Fills the empty members of `kept` with those of `now`. A member is empty until the arm has left
+/// the singularity at which the member is undefined.
 void keep_what_is_known(arm::Configuration& kept, const arm::Configuration& now) {
   if (!kept.shoulder) kept.shoulder = now.shoulder;
   if (!kept.elbow) kept.elbow = now.elbow;
@@ -45,7 +45,7 @@ struct Step {
   double change = 0;  // rad
 };
 
-/// The greatest step of any joint between two knots.
+/// Returns the greatest step of a joint between two successive knots.
 Step greatest_step(const std::vector<JointValues>& knots) {
   Step greatest;
   for (std::size_t i = 1; i < knots.size(); ++i) {
@@ -69,7 +69,8 @@ tl::expected<std::vector<JointValues>, Failure> Planner::knots_of_line(
     const JointValues& before = knots.back();
     const auto solution = inverse_->solve(line.at(part) * tool_from_flange, before, kept);
     if (!solution) return tl::unexpected(with_place(solution.error(), line.place(part)));
-    // The solver adds a whole turn to a joint that would pass its limit: undo that turn.
+    // The solver adds a whole turn to a joint that would pass its limit. The following loop removes
+    // that turn.
     JointValues steady = *solution;
     for (Eigen::Index axis = 0; axis < steady.size(); ++axis) {
       steady[axis] =

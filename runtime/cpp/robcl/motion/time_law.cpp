@@ -8,8 +8,8 @@ namespace {
 
 using Interval = PathBounds::Interval;
 
-/// With x = (ds/dt)² at `knot`: the values of u = d²s/dt² that lead to an x of at most `next` at
-/// the following knot.
+/// Returns the allowed values of u = d²s/dt² after the knot `knot`, where (ds/dt)² is `x`. With
+/// these values, (ds/dt)² is at most `next` at the following knot.
 Interval allowed(const PathBounds& bounds, std::size_t knot, double x, double next) {
   Interval u = bounds.over_interval(knot, x);
   const double per_u = 2 * bounds.step();
@@ -18,11 +18,12 @@ Interval allowed(const PathBounds& bounds, std::size_t knot, double x, double ne
   return u;
 }
 
-/// The greatest x = (ds/dt)² at `knot` that allows an x of at most `next` at the following knot.
-/// The set of allowed x is convex and contains 0, so bisection finds its maximum.
+/// Returns the greatest (ds/dt)² at the knot `knot` from which the arm can reach a (ds/dt)² of at
+/// most `next` at the following knot. The set of allowed values is convex and contains 0, so that
+/// bisection finds its maximum.
 double fastest_at(const PathBounds& bounds, std::size_t knot, double next) {
-  // If `knot` has no speed limit, search for an x that is too great: the hardest braking does not
-  // reduce it to `next`.
+  // If the knot has no speed limit, the loop searches for a value that is too great, so that even
+  // the hardest braking does not reduce it to `next`.
   double good = 0, bad = bounds.speed_cap(knot);
   if (!std::isfinite(bad)) {
     bad = 1;

@@ -1,4 +1,4 @@
-// The path parameter s over time.
+// Time laws. A time law is the path parameter s as a function of time.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace robcl::motion {
 
-/// A time law from rest to rest, with constant d²s/dt² between knots.
+/// A time law that starts and ends at rest. Between two knots, d²s/dt² is constant.
 class TimeLaw {
  public:
   struct State {
@@ -16,22 +16,23 @@ class TimeLaw {
     double acceleration = 0;  ///< d²s/dt², 1/s²
   };
 
-  /// The fastest law that keeps all bounds. A backward pass finds the greatest speed at each knot
-  /// from which the arm can still stop at the end; a forward pass accelerates as hard as these
-  /// speeds allow (H. Pham and Q.-C. Pham, "A New Approach to Time-Optimal Path Parameterization
-  /// Based on Reachability Analysis", 2018). If only the tool's limits apply, the speed profile is
-  /// a trapezoid.
+  /// Returns the fastest time law that keeps all limits. A backward pass finds the greatest speed
+  /// at each knot from which the arm can still stop at the end. A forward pass then accelerates as
+  /// hard as these speeds allow. The method is that of H. Pham and Q.-C. Pham, "A New Approach to
+  /// Time-Optimal Path Parameterization Based on Reachability Analysis", 2018. If only the limits
+  /// of the tool apply, the speed profile is a trapezoid.
   static TimeLaw fastest(const PathBounds& bounds);
-  /// The time law of a path without length.
+  /// Returns the time law of a path without length.
   static TimeLaw standing();
 
-  /// This law slowed by `factor`, which multiplies all times.
+  /// Returns this time law with all times multiplied by `factor`.
   TimeLaw slowed(double factor) const;
 
   double duration() const { return times_.back(); }
-  /// The state at a time: before 0 the start, after `duration()` the end. Never allocates.
+  /// Returns the state at the time `seconds`: the start for times before 0, and the end for times
+  /// after `duration()`. Never allocates memory.
   State at(double seconds) const;
-  /// ds/dt of this law at `s`, 1/s.
+  /// Returns the speed ds/dt of this time law at `s`, in 1/s.
   double speed_at(double s) const;
 
  private:

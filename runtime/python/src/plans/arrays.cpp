@@ -10,7 +10,7 @@ namespace {
 
 static_assert(sizeof(npy_intp) == sizeof(Py_ssize_t));
 
-/// Imports numpy's C interface; returns whether numpy can be used.
+/// Imports the C interface of numpy. Returns whether numpy can be used.
 bool numpy_there() {
   static bool there = false;
   if (!there) {
@@ -20,7 +20,8 @@ bool numpy_there() {
   return there;
 }
 
-/// Whether numpy is imported and can be used. Before its import no numpy arrays exist.
+/// Returns whether the program has imported numpy and numpy can be used. Before the import, no
+/// numpy arrays exist.
 bool numpy_used() {
   static bool used = false;
   if (!used) {

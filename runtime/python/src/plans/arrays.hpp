@@ -9,10 +9,11 @@
 
 #include "plans/plan.hpp"
 
-/// Reading and writing of numpy arrays. numpy's C interface is loaded with the first array.
+/// Functions that read and write numpy arrays. The C interface of numpy is loaded for the first
+/// array.
 namespace gecos::python::plans {
 
-/// Owns one reference to a Python object, or null.
+/// Owns one reference to a Python object, or holds null.
 class Owned {
  public:
   explicit Owned(PyObject* object) : object_(object) {}
@@ -27,22 +28,24 @@ class Owned {
   PyObject* object_ = nullptr;
 };
 
-/// The elements of a numpy array, in C order and the machine's byte order; the array owns them.
+/// A view of the elements of a numpy array, which owns them. They are in C order and in the
+/// machine's byte order.
 struct Numbers {
   const std::byte* data = nullptr;
   Py_ssize_t count = 0;
   std::span<const Py_ssize_t> shape;
 };
 
-/// The elements of `object`; nullopt unless it is a numpy array with the type code `code`, in C
-/// order and the machine's byte order.
+/// Returns the elements of `object` if it is a numpy array whose type code is `code` and whose
+/// elements are in C order and in the machine's byte order. Otherwise returns nullopt.
 std::optional<Numbers> numbers_of(PyObject* object, char code);
 
-/// Copies `count` numbers between the machine's and the wire's byte order.
+/// Copies `count` numbers and converts them between the machine's byte order and the byte order of
+/// encoded values.
 void swap_numbers(char code, std::byte* to, const std::byte* from, Py_ssize_t count);
 
-/// Reads `count` numbers into a new array of the shape of `step`; null when the Python codec must
-/// read them. @pre `from` has the bytes of `count` numbers.
+/// Reads `count` numbers into a new array that has the shape of `step`. Returns null when the
+/// Python codec must read them. @pre `from` has the bytes of `count` numbers.
 PyObject* array_of(const Step& step, Py_ssize_t count, const std::byte* from);
 
 }  // namespace gecos::python::plans

@@ -34,7 +34,7 @@ PyObject*& slot(PyObject* object, Py_ssize_t at) {
   return *reinterpret_cast<PyObject**>(reinterpret_cast<char*>(object) + at);
 }
 
-/// Borrows the bytes of a Python object until the Source is destroyed.
+/// Borrows the bytes of a Python object until this Source is destroyed.
 class Source {
  public:
   Source() = default;
@@ -43,7 +43,8 @@ class Source {
   ~Source() {
     if (view_.obj != nullptr) PyBuffer_Release(&view_);
   }
-  /// False, possibly with an error set, when the bytes cannot be borrowed.
+  /// Borrows the bytes of `data`. Returns false when this is not possible; a Python error may then
+  /// be set.
   bool open(PyObject* data) {
     if (PyBytes_CheckExact(data)) {
       first_ = reinterpret_cast<const std::byte*>(PyBytes_AS_STRING(data));
@@ -71,13 +72,13 @@ bool append(PyObject* out, PyObject* made) {
   return bytes && PyList_Append(out, bytes.get()) == 0;
 }
 
-/// Calls the replaced Python function with all arguments.
+/// Calls the replaced Python function with all arguments of the call.
 PyObject* in_python(PyObject* self, PyObject* const* given, std::size_t count, PyObject* names) {
   PyErr_Clear();
   return PyObject_Vectorcall(reinterpret_cast<Callable*>(self)->python, given, count, names);
 }
 
-/// Whether a call has exactly `wanted` arguments, all of them positional.
+/// Returns whether a call has exactly `wanted` arguments and all of them are positional.
 bool plain(std::size_t count, PyObject* names, Py_ssize_t wanted) {
   return names == nullptr && PyVectorcall_NARGS(count) == wanted;
 }
@@ -91,13 +92,15 @@ PyObject* call_encode(PyObject* self, PyObject* const* given, std::size_t count,
   return in_python(self, given, count, names);
 }
 
-/// Reads the next value of `source` and advances; null when the Python codec must read it.
+/// Decodes the next value of `source` and advances `source`. Returns null when the Python codec
+/// must decode the value.
 PyObject* decoded_from(const Plan& plan, PyObject* source) {
   PyObject* const data = slot(source, decoder.data);
   PyObject* const offset = slot(source, decoder.offset);
   PyObject* const end = slot(source, decoder.end);
   if (data == nullptr || offset == nullptr || end == nullptr) return nullptr;
-  // Garbage collection may run arbitrary code, which may release `data`.
+  // The reference is needed, because garbage collection may run arbitrary code, which may release
+  // `data`.
   const Owned kept(Py_NewRef(data));
   Source bytes;
   const Py_ssize_t first = PyLong_AsSsize_t(offset);
@@ -126,7 +129,8 @@ PyObject* call_to(PyObject* self, PyObject* const* given, std::size_t count, PyO
   return bytes != nullptr ? bytes : in_python(self, given, count, names);
 }
 
-/// Decodes a value that takes all of `data`; null when the Python codec must decode it.
+/// Decodes a value that takes all bytes of `data`. Returns null when the Python codec must decode
+/// the value.
 PyObject* decoded_whole(const Plan& plan, PyObject* data, Frame frame) {
   Source bytes;
   if (!bytes.open(data)) return nullptr;
@@ -148,7 +152,7 @@ PyObject* call_from(PyObject* self, PyObject* const* given, std::size_t count, P
   return value != nullptr ? value : in_python(self, given, count, names);
 }
 
-/// Implements `put(value, kind, out, field)` and `put_block` of `gecos.wire`.
+/// Implements the functions `put(value, kind, out, field)` and `put_block` of `gecos.wire`.
 template <Frame frame>
 PyObject* call_put(PyObject* self, PyObject* const* given, std::size_t count, PyObject* names) {
   if (plain(count, names, 4) && reinterpret_cast<PyObject*>(Py_TYPE(given[0])) == given[1] &&
@@ -189,8 +193,8 @@ PyObject* bind_method(PyObject* self, PyObject* object, PyObject*) {
   return object == nullptr ? Py_NewRef(self) : PyMethod_New(self, object);
 }
 
-/// Binds `decode` to a class. A derived class gets the Python function instead, because only that
-/// makes objects of the derived class.
+/// Binds `decode` to a class. For a derived class, binds the Python function, because only the
+/// Python function makes objects of the derived class.
 PyObject* bind_class_method(PyObject* self, PyObject* object, PyObject* type) {
   const auto& mine = *reinterpret_cast<Callable*>(self);
   PyObject* const asked = type != nullptr ? type : reinterpret_cast<PyObject*>(Py_TYPE(object));

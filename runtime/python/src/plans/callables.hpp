@@ -4,20 +4,21 @@
 
 #include "plans/plan.hpp"
 
-/// Callables that replace Python functions: each handles the usual case and calls the replaced
-/// function, its `__wrapped__`, for the rest.
+/// Callables that replace Python functions. A callable handles only the usual case. In all other
+/// cases it calls the function that it replaced, which is its `__wrapped__`.
 namespace gecos::python::plans {
 
-/// Must be called once, before the other functions: prepares the types of their results and finds
-/// the slots of `gecos.wire.Decoder`. Returns false with an error set on failure.
+/// Prepares the types of the results of the other functions, and finds the slots of
+/// `gecos.wire.Decoder`. Must be called once, before the other functions. On failure, sets a Python
+/// error and returns false.
 bool prepare_callables(PyObject* decoder);
 
-/// Makes the method `encode` of a struct, which replaces the function `python`.
+/// Makes the method `encode` of a struct. The method replaces the Python function `python`.
 PyObject* encoding(const Plan& plan, PyObject* python);
-/// Makes the class method `decode` of a struct, which replaces the function `python`.
+/// Makes the class method `decode` of a struct. The method replaces the Python function `python`.
 PyObject* decoding(const Plan& plan, PyObject* python);
-/// Makes the function `name` of `gecos.wire` for all types with a plan; it replaces `python`. Null
-/// with an error set on failure.
+/// Makes the function `name` of `gecos.wire` for all types that have a plan. The new function
+/// replaces the Python function `python`. On failure, sets a Python error and returns null.
 PyObject* entry(const char* name, PyObject* python);
 
 }  // namespace gecos::python::plans

@@ -27,7 +27,7 @@ const Plan& demanded(nb::handle kind) {
 char code_of(nb::handle given) {
   const std::string code = nb::cast<nb::str>(given).c_str();
   if (code.size() != 1 || size_of(code.front()) == 0) {
-    throw nb::type_error(("'" + code + "' is not a type code of numbers").c_str());
+    throw nb::type_error(("'" + code + "' is not the type code of a number").c_str());
   }
   return code.front();
 }
@@ -66,7 +66,7 @@ void describe_numbers(Step& step, const nb::tuple& given) {
   }
   step.limits = limits_of(step.code, given[3], given[4]);
   if (step.limits.there && step.code != 'd') {
-    throw nb::type_error("only arrays of doubles may have limits in a plan");
+    throw nb::type_error("in a plan, only arrays of doubles may have limits");
   }
 }
 
@@ -102,7 +102,7 @@ Step step_of(nb::handle given) {
     step.code = code_of(parts[1]);
     step.limits = limits_of(step.code, parts[2], parts[3]);
     if (step.code == 'Q' || step.code == '?')
-      throw nb::type_error("a plan has no limits for the type codes Q and ?");
+      throw nb::type_error("in a plan, numbers of the type codes 'Q' and '?' may not have limits");
   } else if (what == "enumerator") {
     step.what = What::Enumerator;
     describe_enumerator(step, parts);
@@ -127,7 +127,7 @@ Step step_of(nb::handle given) {
     step.what = What::Items;
     describe_items(step, parts);
   } else {
-    throw nb::type_error(("no step of a plan is called " + what).c_str());
+    throw nb::type_error(("a plan has no kind of step that is called " + what).c_str());
   }
   if (PyErr_Occurred() != nullptr) throw nb::python_error();
   return step;

@@ -9,16 +9,17 @@
 #include <type_traits>
 #include <vector>
 
-/// Compiled codecs of generated structs, as described by `gecos.wire.plans`.
+/// Compiled codecs of generated structs. `gecos.wire.plans` gives the descriptions of the structs.
 ///
-/// A plan handles only the usual case. For any other value or bytes it returns null; then the
-/// Python codec runs from the start, and only the Python codec reports errors. Callers must hold
-/// the GIL. Plans live until the process ends.
+/// A plan is the codec of one struct. It handles only the usual case, and returns null for any
+/// other value or bytes. The Python codec then handles the value from the start; only the Python
+/// codec reports errors. Callers must hold the GIL. Plans live until the process ends.
 namespace gecos::python::plans {
 
 struct Plan;
 
-/// Limits of a number: `low` and `high` of floats, `least` and `most` of integers.
+/// The limits of a number. `low` and `high` are the limits of floats; `least` and `most` are the
+/// limits of integers.
 struct Limits {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -51,7 +52,7 @@ enum class What : std::uint8_t {
   Items,  ///< a sequence or array of other elements
 };
 
-/// How one member of a struct is encoded and decoded.
+/// The step of a plan that encodes and decodes one member of a struct.
 struct Step {
   What what = What::Number;
   char code = 0;  ///< type code of numbers, as in `wire.Fields`
@@ -67,7 +68,7 @@ struct Step {
   std::vector<Step> inner;        ///< the step of an optional value or of items
 };
 
-/// A generated struct: a dataclass with slots.
+/// The plan of a generated struct, which is a dataclass with slots.
 struct Plan {
   PyTypeObject* kind = nullptr;
   std::uint64_t fingerprint = 0;
@@ -78,8 +79,8 @@ struct Plan {
   Py_ssize_t least = 0;             ///< smallest size of a value in bytes
 };
 
-/// Calls `act` with a zero of the C++ type that `code` denotes. Returns false for `?` and for
-/// unknown codes.
+/// Calls `act` with a zero of the C++ type that the type code `code` denotes. Returns false for the
+/// code `?` and for unknown codes.
 template <class Act>
 bool with_number_of(char code, Act act) {
   switch (code) {
@@ -108,7 +109,7 @@ bool with_number_of(char code, Act act) {
   }
 }
 
-/// Size of a number in bytes; 0 if `code` is unknown.
+/// Returns the size in bytes of a number with the type code `code`; 0 if `code` is unknown.
 constexpr Py_ssize_t size_of(char code) {
   constexpr std::string_view codes = "?bBhHiIqQfd";
   constexpr Py_ssize_t sizes[] = {1, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
@@ -122,18 +123,19 @@ enum class Frame : std::uint8_t {
   Block,    ///< the size, then the members
 };
 
-/// Encodes `value`; null without an error set when the Python codec must encode it. @pre the type
-/// of `value` is exactly the plan's kind, not a derived class.
+/// Encodes `value`. When the Python codec must encode it, returns null and sets no Python error.
+/// @pre the type of `value` is exactly the class of the plan, and not a derived class.
 PyObject* encoded(const Plan& plan, PyObject* value, Frame frame);
 
-/// The bytes that are still to be read, from `at` to `end`.
+/// The bytes that are not decoded yet, from `at` to `end`.
 struct Input {
   const std::byte* at = nullptr;
   const std::byte* end = nullptr;
   Py_ssize_t remaining() const { return end - at; }
 };
 
-/// Decodes a new value; null without an error set when the Python codec must decode it.
+/// Decodes a new value. When the Python codec must decode it, returns null and sets no Python
+/// error.
 PyObject* decoded(const Plan& plan, Input& from);
 
 }  // namespace gecos::python::plans

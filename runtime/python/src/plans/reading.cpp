@@ -9,7 +9,7 @@ namespace {
 
 PyObject* taken(Input& from, const Step& step);
 
-/// The next `size` bytes, which are consumed; null if there are fewer.
+/// Returns the next `size` bytes and advances `from`; null if there are fewer bytes.
 const std::byte* next(Input& from, Py_ssize_t size) {
   if (size > from.remaining()) return nullptr;
   const std::byte* const at = from.at;
@@ -59,8 +59,8 @@ PyObject* taken_enumerator(Input& from, const Step& step) {
   return found;
 }
 
-/// The number of elements that follow; -1 if the number is invalid or too few bytes follow. The
-/// Python codec then reports the error.
+/// Decodes the number of elements that follow. Returns -1 if the number is invalid or too few bytes
+/// follow; the Python codec then reports the error.
 Py_ssize_t taken_count(Input& from, const Step& step) {
   std::int32_t count = 0;
   if (step.size >= 0) {
@@ -129,7 +129,8 @@ PyObject* taken_items(Input& from, const Step& step) {
   return list.release();
 }
 
-/// Decodes the next member; null, possibly with an error set, when the Python codec must decode it.
+/// Decodes the next member. Returns null when the Python codec must decode it; a Python error may
+/// then be set.
 PyObject* taken(Input& from, const Step& step) {
   switch (step.what) {
     case What::Double:

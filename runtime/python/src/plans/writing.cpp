@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::int64_t exact_in_double = std::int64_t{1} << 53;
 
-/// A Python bytes object that grows.
+/// A buffer that grows and becomes a Python bytes object.
 class Output {
  public:
   explicit Output(Py_ssize_t expected)
@@ -23,7 +23,8 @@ class Output {
   Output& operator=(const Output&) = delete;
   ~Output() { Py_XDECREF(bytes_); }
 
-  /// Reserves `size` bytes at the end; null if there is no memory.
+  /// Reserves `size` bytes at the end of the buffer and returns them; null if there is not enough
+  /// memory.
   std::byte* room(Py_ssize_t size) {
     if (size > capacity_ - used_ && !grow(size)) return nullptr;
     std::byte* const at = data() + used_;
@@ -65,8 +66,9 @@ class Output {
 
 bool put_all(Output& out, const Plan& plan, PyObject* value);
 
-/// Converts a float, or a whole number that a double represents. If the member has limits, the
-/// object must be exactly a float or an int, because a derived class may compare differently.
+/// Converts `value` to a double. `value` must be a float, or an int that a double can represent
+/// exactly. If the member has limits, derived classes of float are refused, because a derived class
+/// may compare differently.
 bool as_double(PyObject* value, bool limited, double& x) {
   if (PyFloat_CheckExact(value) || (!limited && PyFloat_Check(value))) {
     x = PyFloat_AS_DOUBLE(value);
@@ -124,7 +126,7 @@ bool all_within(const Step& step, const std::byte* numbers, Py_ssize_t count) {
   return std::all_of(first, first + count, [&](double x) { return step.limits.hold(x); });
 }
 
-/// Writes a list of floats where an array is expected.
+/// Encodes a list of floats that is given for an array.
 bool put_list(Output& out, const Step& step, PyObject* list) {
   if (!PyList_CheckExact(list) || step.code != 'd' || step.shape.size() > 1) return false;
   const Py_ssize_t count = PyList_GET_SIZE(list);
@@ -183,8 +185,8 @@ bool put_items(Output& out, const Step& step, PyObject* value) {
   return true;
 }
 
-/// Writes a member; false, possibly with an error set, when the Python codec must write it. No
-/// Python code runs meanwhile, so borrowed references stay valid.
+/// Encodes a member. Returns false when the Python codec must encode it; a Python error may then be
+/// set. No Python code runs meanwhile, so that borrowed references stay valid.
 bool put(Output& out, const Step& step, PyObject* value) {
   switch (step.what) {
     case What::Double:
@@ -214,7 +216,8 @@ bool put(Output& out, const Step& step, PyObject* value) {
   return false;
 }
 
-/// Writes all members. @pre the type of `value` is exactly the plan's kind, not a derived class.
+/// Encodes all members of `value`. @pre the type of `value` is exactly the class of the plan, and
+/// not a derived class.
 bool put_all(Output& out, const Plan& plan, PyObject* value) {
   for (std::size_t i = 0; i < plan.steps.size(); ++i) {
     PyObject* const member =

@@ -22,7 +22,7 @@
 namespace gecos::media {
 namespace {
 
-/// One side of a connection: the memory that this side writes and the other side reads.
+/// One side of a connection. It owns the memory that this side writes and the other side reads.
 struct Side {
   Mapping mapping = Mapping::anonymous(RingMemory::bytes(usual_slot_count));
   RingMemory ring = RingMemory::at(mapping.data(), usual_slot_count);
@@ -41,11 +41,11 @@ struct SharedStream {
   std::shared_ptr<void> owner;
 };
 
-/// Both sides of a connection. The last of its two ends destroys it.
+/// Both sides of a connection. The end that is destroyed last destroys the pair.
 struct SidePair {
   std::array<Side, 2> sides;
   Mutex mutex;
-  /// Streams that each side shares.
+  /// The streams that each side shares with the other side.
   std::array<std::map<std::uint32_t, SharedStream>, 2> streams GECOS_GUARDED_BY(mutex);
   std::atomic<bool> inherited{false};  // true in a forked child; read by both ends
   ForkWatch watch{this, [](void* owner) noexcept {
@@ -55,7 +55,7 @@ struct SidePair {
                   }};
 };
 
-/// Makes the areas for the large packets that one side sends.
+/// Makes the memory areas for the large packets that one side sends.
 class InprocAreas final : public AreaMaker {
  public:
   explicit InprocAreas(BulkReader& reader) : reader_(reader) {}
@@ -237,14 +237,15 @@ class InprocConnection final : public Connection, public QuietSender {
   const Peer peer_;
 };
 
-/// The clients that wait for one acceptor.
+/// The clients that have connected to an address and that its acceptor has not accepted yet.
 struct Backlog {
   Mutex mutex;
   std::deque<std::shared_ptr<SidePair>> waiting GECOS_GUARDED_BY(mutex);
   EventFd event;  // drained and notified under `mutex`: readable while a client may wait
 };
 
-/// All backlogs of this process by address. shm looks addresses up in the file system instead.
+/// All backlogs of this process by their address. (The medium shm looks addresses up in the file
+/// system.)
 struct Backlogs {
   Mutex mutex;
   std::map<std::string, std::weak_ptr<Backlog>, std::less<>> by_address GECOS_GUARDED_BY(mutex);

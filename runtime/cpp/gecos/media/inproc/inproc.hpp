@@ -18,9 +18,10 @@ inline constexpr Capabilities inproc_capabilities{
     .shared_words = true,
     .largest_packet = largest_bulk_packet};
 
-/// A medium within this process: the rings of shm in private memory, with eventfds for wake-ups.
-/// The reference implementation of a medium. All media that this function makes reach each other.
-/// Connections that a forked child inherits are dead.
+/// Makes a medium that connects threads of this process. It uses the rings of the medium shm, but
+/// in private memory, and eventfds for wake-ups. It is the reference implementation of a medium.
+/// All media that this function makes reach each other. A forked child cannot use the connections
+/// of its parent.
 std::unique_ptr<Medium> make_inproc();
 
 }  // namespace gecos::media

@@ -8,12 +8,14 @@
 
 namespace gecos::media {
 
-/// CRC-32C (Castagnoli), as iSCSI and ext4 use it: it detects every error burst of up to 32 bits,
-/// and misses one in 2^32 of all other errors.
+/// Returns the checksum CRC-32C (Castagnoli), which iSCSI and ext4 also use. It detects every error
+/// burst of up to 32 bits, and misses one in 2^32 of all other errors. `before` is the checksum of
+/// the bytes that precede `bytes`.
 std::uint32_t crc32c(ByteView bytes, std::uint32_t before = 0);
 
-/// Wraps a medium over which packets may arrive damaged: each packet carries a checksum, and a
-/// packet with a wrong checksum is dropped. Protects against damage, not against attacks.
+/// Wraps a medium over which packets may arrive damaged. Each packet gets a checksum, and the
+/// receiver drops a packet whose checksum is wrong. This protects against damage, but not against
+/// attacks.
 std::unique_ptr<Medium> make_checked(std::unique_ptr<Medium> inner);
 
 }  // namespace gecos::media

@@ -17,12 +17,13 @@ std::size_t piece_of(const Capabilities& capabilities) {
 
 Capabilities fragmented_capabilities(const Medium& inner) {
   Capabilities capabilities = inner.capabilities();
-  capabilities.ordered = false;  // a small packet may overtake a large one
+  capabilities.ordered = false;  // a small packet may arrive before a large packet sent earlier
   capabilities.largest_packet = largest_transfer;
   return capabilities;
 }
 
-/// The age of a large packet is the age of its last piece.
+/// A connection that splits large packets into pieces. Its age() of a large packet is the age of
+/// the piece that arrived last.
 class FragmentedConnection final : public ConnectionLayer {
  public:
   FragmentedConnection(std::unique_ptr<Connection> inner, const Capabilities& capabilities,
@@ -42,8 +43,9 @@ class FragmentedConnection final : public ConnectionLayer {
       return ++sent_;
     }
     if (inner().loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
-    // A complete packet that the caller sends again is transferred again: the peer received it but
-    // did not accept it, for example because it was too old.
+    // If the caller sends a packet again whose transfer is complete, the packet is transferred
+    // again: the peer received the packet but did not accept it, for example because it was too
+    // old.
     const bool under_way = transfer_ && !transfer_->complete();
     if (!under_way || !is_packet(transfer_->packet(), head, body)) {
       if (under_way) return tl::unexpected(SendProblem::Full);
@@ -105,7 +107,8 @@ class FragmentedConnection final : public ConnectionLayer {
     std::array<std::byte, Received::bytes> bytes;
     incoming_.take(piece).write(bytes);
     const MutexLock lock(mutex_);
-    // If this acknowledgement is lost, the peer sends the piece again.
+    // The result of send() does not matter: if this acknowledgement is lost, the peer sends the
+    // piece again.
     static_cast<void>(inner().send(bytes, {}));
   }
 
@@ -122,10 +125,11 @@ class FragmentedConnection final : public ConnectionLayer {
   const Clock& clock_;
   IncomingTransfers incoming_;  // used by the receiving thread only
   Bytes current_;               // used by the receiving thread only
-  /// Also held while inner() sends, makes or shares a stream: inner() allows one thread at a time
-  /// to do so, but the receiving thread and the maintenance thread of this layer send, too.
+  /// This mutex is also held while inner() sends a packet, or makes or shares a stream. inner()
+  /// allows only one thread at a time to do this, but in this layer the receiving thread and the
+  /// maintenance thread also send packets.
   Mutex mutex_;
-  /// The current transfer, or the last one.
+  /// The transfer of the large packet that is being sent now, or that was sent last.
   std::optional<OutgoingTransfer> transfer_ GECOS_GUARDED_BY(mutex_);
   std::uint64_t transfers_ GECOS_GUARDED_BY(mutex_) = 0;
   std::uint64_t sent_ GECOS_GUARDED_BY(mutex_) = 0;

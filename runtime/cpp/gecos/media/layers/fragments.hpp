@@ -7,14 +7,14 @@
 
 namespace gecos::media {
 
-/// Wraps a medium that loses packets or accepts only small ones, so that packets up to
-/// `largest_transfer` bytes can be sent. Packets above the piece size of the medium's capabilities
-/// are split into pieces (transfer.hpp); lost pieces are sent again until the other end has all
-/// pieces. Both ends must be wrapped.
+/// Wraps a medium that loses packets or accepts only small packets, so that packets of up to
+/// `largest_transfer` bytes can be sent. Packets that are larger than the piece size in the
+/// medium's capabilities are split into pieces (transfer.hpp). Lost pieces are sent again until the
+/// receiver has all pieces. The media of both ends must be wrapped.
 ///
-/// A connection sends one large packet at a time; sending another one meanwhile fails with Full.
-/// Sending the same large packet again while it is under way does not start another transfer.
-/// receive() and beat() of both ends drive the transfer.
+/// A connection sends only one large packet at a time. Sending another large packet meanwhile fails
+/// with Full. Sending the same large packet again during its transfer does not start a second
+/// transfer. The transfer makes progress when receive() and beat() are called at both ends.
 std::unique_ptr<Medium> make_fragmented(std::unique_ptr<Medium> inner, const Clock& clock);
 
 }  // namespace gecos::media

@@ -7,7 +7,8 @@
 
 namespace gecos::media {
 
-/// A connection on top of another: calls that a layer does not override go to the connection below.
+/// The base class of layers: a connection that uses an inner connection. Functions that a layer
+/// does not override call the inner connection.
 class ConnectionLayer : public Connection {
  public:
   ConnectionLayer(std::unique_ptr<Connection> inner, const Capabilities& capabilities)
@@ -57,13 +58,13 @@ class ConnectionLayer : public Connection {
 
 enum class Role : std::uint8_t { Client, Server };
 
-/// Wraps a connection of the given role in a layer; the resulting connection has the given
-/// Capabilities. Any thread may call the function.
+/// A function that wraps a connection of the given role in a layer. The connection that it returns
+/// must have the given Capabilities. Any thread may call the function.
 using PutLayer = std::function<std::unique_ptr<Connection>(std::unique_ptr<Connection>,
                                                            const Capabilities&, Role)>;
 
-/// Makes a medium that wraps every connection of `inner` by `put`. Acceptors return streams of
-/// `inner` unwrapped.
+/// Makes a medium that calls `put` to wrap every connection of `inner`. Its acceptors do not wrap
+/// the streams of `inner`.
 std::unique_ptr<Medium> make_layer(std::unique_ptr<Medium> inner, const Capabilities& capabilities,
                                    PutLayer put);
 

@@ -107,7 +107,8 @@ Received IncomingTransfers::take(const Piece& piece) {
     packet_.assign(piece.size, std::byte{0});
     ready_ = false;
   }
-  // A piece of an older packet: that packet is complete.
+  // The piece belongs to an older packet, which is complete, because the peer sends one packet at a
+  // time.
   if (piece.transfer < number_) return {piece.transfer, pieces_of(piece.size, piece_bytes_), 0};
   if (missing_ != 0 && piece.size == packet_.size() && !arrived_[piece.index]) {
     arrived_[piece.index] = true;

@@ -9,15 +9,15 @@
 #include "gecos/base/clock.hpp"
 #include "gecos/base/function_ref.hpp"
 
-/// Transfers a large packet in pieces over a medium that may lose, repeat and reorder pieces. Only
-/// lost pieces are sent again. The functions do no input or output and read no clock: the caller
-/// passes the time and sends the pieces. docs/protocol.md, "Large packets", is normative. One
-/// thread at a time.
+/// The transfer of a large packet in pieces over a medium that may lose, repeat and reorder pieces.
+/// Only lost pieces are sent again. The functions of this file do no input or output and read no
+/// clock: the caller passes the time and sends the pieces. The section "Large packets" of
+/// docs/protocol.md is normative. Only one thread at a time may use an object of these classes.
 namespace gecos::media {
 
 inline constexpr std::size_t largest_transfer = 8 * 1024 * 1024;
 
-/// A fragment of a large packet.
+/// A piece of a large packet.
 struct Piece {
   static constexpr std::size_t head_bytes = 24;
   std::uint64_t transfer = 0;  ///< number of the large packet; each sender counts from 1
@@ -26,18 +26,19 @@ struct Piece {
   ByteView content;
 
   void write_head(std::span<std::byte, head_bytes> to) const;
-  /// Returns nullopt for a packet that is not a piece or is inconsistent. `piece_bytes`: content of
-  /// every piece but the last.
+  /// Reads a piece from `packet`. Returns nullopt for a packet that is not a piece or is
+  /// inconsistent. `piece_bytes` is the size of the content of each piece except the last one.
   static std::optional<Piece> read(ByteView packet, std::size_t piece_bytes);
 };
 
-/// An acknowledgement: the pieces that the receiver has.
+/// An acknowledgement. It tells the sender which pieces have arrived at the receiver.
 struct Received {
   static constexpr std::size_t bytes = 24;
   std::uint64_t transfer = 0;
-  std::uint32_t all_before = 0;  ///< all pieces with a smaller index have arrived; the number of
-                                 ///< pieces when the packet is complete
-  std::uint32_t beyond = 0;      ///< bit i: piece all_before + 1 + i has arrived
+  /// All pieces with a smaller index have arrived. Equals the number of pieces when the packet is
+  /// complete.
+  std::uint32_t all_before = 0;
+  std::uint32_t beyond = 0;  ///< bit i: piece all_before + 1 + i has arrived
 
   void write(std::span<std::byte, bytes> to) const;
   static std::optional<Received> read(ByteView packet);
@@ -46,18 +47,18 @@ struct Received {
 /// Sends one large packet.
 class OutgoingTransfer {
  public:
-  static constexpr std::uint32_t window =
-      8;  ///< maximum number of pieces in flight; they fit in a usual socket buffer
-  /// After this time without an acknowledgement, the pieces in flight are sent again.
+  /// The maximum number of pieces in flight. They fit in a usual socket buffer.
+  static constexpr std::uint32_t window = 8;
+  /// After this time without an acknowledgement, all pieces in flight are sent again.
   static constexpr Duration silence = std::chrono::milliseconds(20);
-  /// A piece that has not arrived counts as lost, not reordered, when a piece that was sent this
-  /// many sendings later has arrived (RFC 9002, 6.1.1).
+  /// A piece that has not arrived counts as lost when a piece has arrived that was sent this many
+  /// sendings later. Otherwise the missing piece may only be reordered (RFC 9002, 6.1.1).
   static constexpr std::uint64_t reordering_threshold = 3;
 
-  /// `piece_bytes`: content of every piece but the last.
+  /// `piece_bytes` is the size of the content of each piece except the last one.
   OutgoingTransfer(std::uint64_t number, Bytes packet, std::size_t piece_bytes);
 
-  /// Sends the pieces that may be sent now.
+  /// Calls `send` for each piece that may be sent now.
   void advance(TimePoint now, FunctionRef<void(const Piece&)> send);
   void take(const Received& received, TimePoint now);
   bool complete() const { return all_before_ == pieces_.size(); }
@@ -78,14 +79,15 @@ class OutgoingTransfer {
   TimePoint last_word_{};
 };
 
-/// Reassembles large packets, one after the other.
+/// Reassembles large packets from their pieces, one packet after the other.
 class IncomingTransfers {
  public:
   explicit IncomingTransfers(std::size_t piece_bytes) : piece_bytes_(piece_bytes) {}
 
-  /// Returns the acknowledgement to send for this piece; `whole()` may then return the packet.
+  /// Takes a piece that has arrived. Returns the acknowledgement to send for it. If the piece
+  /// completes a packet, `whole()` then returns the packet.
   Received take(const Piece& piece);
-  /// Returns the packet that the last piece completed, but only once; else nullopt.
+  /// Returns the packet that the last piece completed, but only once. Returns nullopt otherwise.
   std::optional<Bytes> whole();
 
  private:

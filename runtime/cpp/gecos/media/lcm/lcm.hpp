@@ -8,36 +8,40 @@
 #include "gecos/crypto/transport.hpp"
 #include "gecos/media/medium.hpp"
 
-/// UDP multicast through LCM, for programs of several hosts.
+/// The medium lcm: UDP multicast through the library LCM, for programs on several hosts.
 ///
-/// Each object has its own UDP port for calls, and each client has its own UDP port for answers.
-/// The reason: the kernel wakes every process that listens on a port, whatever the group or
-/// channel. Each sample of a stream is sent once for all readers. All packets are sealed
-/// (gecos/media/sealed); this folder only sends and receives datagrams. Packets may be lost and
-/// reordered; the session puts them in order.
+/// Each object has a separate UDP port for calls, and each client has a separate UDP port for
+/// answers. The reason is that the kernel wakes every process that listens on a port, whatever the
+/// multicast group or LCM channel of the datagram. Each sample of a stream is sent once for all
+/// readers. All packets are sealed (gecos/media/sealed); the code in this folder only sends and
+/// receives datagrams. Packets may be lost and reordered; the session puts them in order.
 namespace gecos::media {
 
 struct LcmOptions {
   std::string group = "239.255.76.67";
   std::uint16_t well_known_port = 7668;  ///< not LCM's 7667, so that calls do not wake lcm-spy
-  /// How many routers a packet may pass. 0: packets stay on this host.
+  /// The number of routers that a packet may pass. With 0, packets stay on this host.
   int ttl = 0;
-  /// Requested receive buffer of each socket; net.core.rmem_max may limit it.
+  /// The size of the receive buffer that each socket requests. The kernel setting net.core.rmem_max
+  /// may limit this size.
   int receive_buffer_bytes = 2 * 1024 * 1024;
-  /// Directory of the keys; empty: crypto::KeyDirectory::default_path(). Opened on first use.
+  /// The path of the key directory, which is opened on first use. If the path is empty,
+  /// crypto::KeyDirectory::default_path() is used.
   std::string key_directory;
   crypto::RekeyRule rekey;
-  /// The clock for retries and rekeying; null: the system's. Must outlive the medium and its
-  /// connections.
+  /// The clock for repeated sending and for changes of the keys. If null, the system's clock is
+  /// used. The clock must outlive the medium and its connections.
   const Clock* clock = nullptr;
 };
 
-/// Bytes of the largest packet. Sealed and with all headers, it fits in one LCM datagram, because
-/// LCM reassembles fragmented messages wrongly when a fragment is repeated. Between hosts it still
-/// takes about 42 Ethernet frames, none of which may be lost: use shm for large data.
+/// The size of the largest packet in bytes. With its seal and all headers, such a packet fits in
+/// one LCM datagram. This is necessary because LCM reassembles a fragmented message wrongly when a
+/// fragment is repeated. Between hosts, such a packet takes about 42 Ethernet frames, and the
+/// packet is lost if one of them is lost. Use shm for large data.
 inline constexpr std::size_t largest_lcm_packet = 60 * 1024;
 
-/// Larger packets are sent in pieces of this many bytes; only lost pieces are sent again.
+/// A packet that is larger than this number of bytes is sent in pieces of this size. Only lost
+/// pieces are sent again.
 inline constexpr std::size_t largest_lcm_piece = 8 * 1024;
 
 inline constexpr Capabilities lcm_capabilities{.name = "lcm",

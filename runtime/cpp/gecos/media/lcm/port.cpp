@@ -15,11 +15,11 @@
 namespace gecos::media {
 namespace {
 
-/// Maximum number of descriptors that lcm_create opens. LCM crashes when descriptors run out in
-/// that call.
+/// The maximum number of descriptors that lcm_create opens. LCM crashes when the process runs out
+/// of descriptors in that call.
 constexpr std::size_t descriptors_needed = 16;
 
-/// Returns nullopt when `group` is a multicast group; else the error.
+/// Returns an error when `group` is not a multicast group; otherwise nullopt.
 std::optional<MediumError> no_group(const std::string& group) {
   in_addr address{};
   if (::inet_pton(AF_INET, group.c_str(), &address) == 1 && IN_MULTICAST(ntohl(address.s_addr))) {
@@ -31,8 +31,8 @@ std::optional<MediumError> no_group(const std::string& group) {
                      LcmOptions{}.group};
 }
 
-/// Returns nullopt when packets can be sent to `port` of the group; else the reason why not. LCM
-/// checks that as well, but writes fifteen lines to stderr each time.
+/// Returns an error when no packet can be sent to `port` of the group; otherwise nullopt. LCM also
+/// checks this, but writes fifteen lines to stderr each time.
 std::optional<MediumError> no_route(const LcmOptions& options, std::uint16_t port) {
   sockaddr_in place{};
   place.sin_family = AF_INET;

@@ -17,8 +17,8 @@ struct _lcm_t;
 
 namespace gecos::media {
 
-/// One UDP port of a multicast group: sends through LCM, and receives the datagrams that LCM sends.
-/// Only port.cpp may use the LCM library.
+/// One UDP port of a multicast group. Sends datagrams through the LCM library, and receives
+/// datagrams that LCM has sent. Only port.cpp may use the LCM library.
 class LcmPort final : public DatagramPort {
  public:
   static tl::expected<std::unique_ptr<LcmPort>, MediumError> open(const LcmOptions& options,
@@ -38,8 +38,8 @@ class LcmPort final : public DatagramPort {
     Take take;
   };
   LcmPort(_lcm_t* lcm, LcmOptions options, std::uint16_t port);
-  /// Runs in a forked child and takes no lock: the child has one thread, and a thread of the parent
-  /// may have held the mutex.
+  /// Must be called in a forked child: makes this port unusable there. Takes no lock, because the
+  /// child has only one thread, and a thread of the parent may have held the mutex.
   void abandon() noexcept GECOS_NOT_ANALYSED;
 
   _lcm_t* const lcm_;

@@ -25,7 +25,8 @@ bool set(int socket, int level, int option, const T& value) {
   return ::setsockopt(socket, level, option, &value, sizeof value) == 0;
 }
 
-/// Warns once per process when the receive buffer is smaller than wanted.
+/// Logs a warning when the receive buffer of `socket` is smaller than `wanted` bytes, but only once
+/// per process.
 void warn_of_small_buffer(int socket, int wanted) {
   int doubled = 0;  // the kernel reports twice the usable size
   socklen_t size = sizeof doubled;
@@ -79,7 +80,8 @@ tl::expected<LcmReceiver, MediumError> LcmReceiver::open(const LcmOptions& optio
   if (::inet_pton(AF_INET, options.group.c_str(), &place.sin_addr) != 1) errno = EINVAL;
   const ip_mreq membership{place.sin_addr, {htonl(INADDR_ANY)}};
   Descriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  // A socket that is bound to the group's address receives no unicast packets.
+  // The socket is bound to the address of the multicast group, so that it receives no unicast
+  // packets.
   if (!socket || !set(socket.get(), SOL_SOCKET, SO_REUSEADDR, 1) ||
       ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place) != 0 ||
       !set(socket.get(), IPPROTO_IP, IP_ADD_MEMBERSHIP, membership)) {

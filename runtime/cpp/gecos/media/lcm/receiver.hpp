@@ -11,26 +11,29 @@
 
 namespace gecos::media {
 
-/// An LCM message that arrived in one datagram.
+/// An LCM message that fits in one datagram.
 struct LcmMessage {
   std::string_view channel;
   ByteView content;
 
-  /// Returns nullopt for a piece of a larger message, and for a datagram that is not from LCM.
+  /// Reads a message from a datagram. Returns nullopt for a piece of a larger message, and for a
+  /// datagram that is not from LCM.
   static std::optional<LcmMessage> read(ByteView datagram);
 };
 
-/// Receives on a UDP port of a multicast group. LCM's own receiver runs a thread for each port,
-/// which passes every message on through a pipe: two wake-ups for each message. This class is a
-/// socket that the waiting thread reads itself: one wake-up. One thread at a time.
+/// Receives LCM messages on a UDP port of a multicast group. The receiver of the LCM library has a
+/// thread for each port, which passes every message on through a pipe, so that each message needs
+/// two wake-ups. With this class, the waiting thread reads the socket itself, so that a message
+/// needs only one wake-up. Only one thread at a time may use a receiver.
 class LcmReceiver {
  public:
-  /// Fails with a text that tells the user what to do.
+  /// Opens the port. On failure, the error text tells the user what to do.
   static tl::expected<LcmReceiver, MediumError> open(const LcmOptions& options, std::uint16_t port);
 
-  /// The next message, or nullopt when none has arrived. The message is valid until the next call.
+  /// Returns the next message, or nullopt when no message has arrived. The message is valid until
+  /// the next call.
   std::optional<LcmMessage> next();
-  /// Readable when next() may return a message.
+  /// Returns the file descriptor that is readable when next() may return a message.
   int descriptor() const { return socket_.get(); }
   void close() { socket_.reset(); }
 
@@ -41,7 +44,8 @@ class LcmReceiver {
   std::unique_ptr<std::byte[]> memory_;
 };
 
-/// The commands to run when no multicast route exists: " (no multicast route? run as root: …)".
+/// Returns a hint for an error text: the commands to run if the cause is a missing multicast route.
+/// The hint is a text such as " (no multicast route? run as root: …)".
 std::string multicast_advice(const LcmOptions& options);
 
 }  // namespace gecos::media

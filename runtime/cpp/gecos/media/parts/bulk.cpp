@@ -15,9 +15,11 @@ constexpr int most_looks = 16;  // calls of look_(): enough to empty a full sock
 
 std::size_t whole_pages(std::size_t bytes) { return (bytes + page - 1) / page * page; }
 
-/// Makes the kernel back the pages with memory now. So a lack of memory is reported here; at the
-/// first access to a page, it would kill this process. This is also faster than one page fault for
-/// each page. Linux before 5.14 does not support this and still faults in each page.
+/// Makes the kernel back the pages with memory now, and returns false when there is not enough
+/// memory. Without this call, a lack of memory would kill this process at the first access to a
+/// page. The call is also faster than one page fault for each page. Linux before version 5.14 does
+/// not support the call; there, the function returns true, and each page is still backed at its
+/// first access.
 bool bring(const std::byte* at, std::size_t bytes, int how) {
   int done = 0;
   do {
@@ -125,8 +127,8 @@ std::optional<ByteView> BulkReader::copy(const BulkPlace& place) {
   const auto area = find(place.area);
   if (!area) return std::nullopt;
   if (backed_area_ != place.area) backed_area_ = place.area, backed_ = 0;
-  // A packet begins at the start of the area or directly after an earlier packet, so its offset is
-  // at most backed_, the end of the packets that were read before.
+  // A packet begins at the start of the area or directly after an earlier packet. So its offset is
+  // at most backed_, which is the end of the packets that were read before.
   if (place.size == 0 || place.size > largest_bulk_packet || place.offset > backed_ ||
       place.size > area_bytes - place.offset) {
     return std::nullopt;

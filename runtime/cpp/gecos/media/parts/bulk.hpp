@@ -13,34 +13,36 @@
 #include "gecos/media/parts/mapping.hpp"
 #include "gecos/media/parts/ring.hpp"
 
-/// Packets that are too large for a ring.
+/// Memory for packets that are too large for a ring.
 ///
 /// When an end of a connection sends its first large packet, it makes an *area* outside its ring:
-/// memory that only this end may write. A large packet is written into the area, and a slot of the
-/// ring says where. So large and small packets stay in order and are counted together. When the
-/// reader has taken the slot, the memory in the area is free too: the reader sends nothing back,
-/// and a dead reader holds no memory.
+/// memory that only this end may write. The sender writes a large packet into the area, and writes
+/// into a slot of the ring where the packet is. So large and small packets stay in order and are
+/// counted together. As soon as the reader has taken the slot, the sender may use the packet's
+/// memory in the area again. The reader need not send anything back, and a dead reader occupies no
+/// memory.
 ///
 /// Each packet is placed at the lowest free offset. If packets come one at a time, they all use the
-/// same memory, which stays in the caches; pages above the highest use so far are never touched and
-/// cost nothing. An area that was not used for `area_kept` beats is released.
+/// same memory, which stays in the CPU caches. Pages of the area that no packet has used yet cost
+/// no memory. An area that was not used for `area_kept` heartbeats is released.
 namespace gecos::media {
 
 inline constexpr std::size_t largest_bulk_packet = std::size_t{32} << 20;
-/// As much as memory bandwidth moves in one maintenance tick (10 ms): a sender that found no room
-/// and retries at the next tick does not limit the throughput.
+/// The size of an area. This is about the number of bytes that the memory can move in one
+/// maintenance tick (10 ms). So a sender that found no room can try again at the next tick without
+/// limiting the throughput.
 inline constexpr std::size_t area_bytes = std::size_t{64} << 20;
 inline constexpr unsigned area_kept = 100;  ///< number of heartbeats: 10 s
 
-/// Makes areas and shows them to the reader; each medium implements it.
+/// The interface that makes areas and announces them to the reader. Each medium implements it.
 class AreaMaker {
  public:
   virtual ~AreaMaker() = default;
-  /// Makes area_bytes of zeroed memory, which the reader knows as area `number`. Null when that is
-  /// not possible now.
+  /// Makes an area: area_bytes bytes of zeroed memory. Announces the area to the reader under the
+  /// number `number`. Returns null when this is not possible now.
   virtual std::shared_ptr<Mapping> make_area(std::uint64_t number) = 0;
-  /// Notifies the reader that the area is not used any more. Returns false when the reader cannot
-  /// be notified now.
+  /// Tells the reader that the area is not used any more. Returns false when the reader cannot be
+  /// told now.
   virtual bool release(std::uint64_t number) = 0;
 };
 
@@ -50,66 +52,71 @@ class BulkWriter {
  public:
   BulkWriter(RingWriter& ring, AreaMaker& maker) : ring_(ring), maker_(maker) {}
 
-  /// As RingWriter::write(). Fails with Full also when memory cannot be allocated.
+  /// Sends a large packet, like RingWriter::write(). Fails with Full also when no memory can be
+  /// allocated.
   tl::expected<std::uint64_t, SendProblem> write(ByteView head, ByteView body);
-  /// Sends a packet in two steps, so that it is built in the area. place() returns `size` bytes of
-  /// memory, or none when there is no room now; send_placed() sends the packet in that memory.
-  /// Between the two calls nothing may be written to the ring. The next place() drops a place that
-  /// was not sent.
+  /// The functions place() and send_placed() send a packet in two steps, so that the caller can
+  /// build the packet in the area. place() returns `size` bytes of memory, or an empty span when
+  /// there is no room now. send_placed() sends the packet in that memory. Between the two calls
+  /// nothing may be written to the ring. If the packet is not sent, the next call of place() takes
+  /// the memory back.
   std::span<std::byte> place(std::size_t size);
   std::uint64_t send_placed();
 
-  /// Releases an unused area. Must be called every 100 ms; any thread.
+  /// Releases the area when it was not used for a long time. Must be called every 100 ms. Any
+  /// thread may call this function.
   void beat();
   /// Must be called in a forked child: detaches the child from the memory of its parent. Takes no
-  /// lock: the child has one thread, and a thread of the parent may have held the mutex.
+  /// lock, because the child has only one thread, and a thread of the parent may have held the
+  /// mutex.
   void forget() noexcept GECOS_NOT_ANALYSED;
 
  private:
   struct Held {
     std::size_t offset = 0;
     std::size_t bytes = 0;
-    std::uint64_t until = 0;  // the memory is free once the reader has taken this many slots
+    std::uint64_t until = 0;  // the memory is free when the reader has taken this many slots
   };
   bool find_room(std::size_t bytes) GECOS_REQUIRES(mutex_);
   bool back(std::size_t end) GECOS_REQUIRES(mutex_);
 
   RingWriter& ring_;
   AreaMaker& maker_;
-  Mutex mutex_;  // only beat() runs on another thread than the writing one
+  Mutex mutex_;  // needed because beat() may run on another thread than the other functions
   std::shared_ptr<Mapping> area_ GECOS_GUARDED_BY(mutex_);
   std::uint64_t number_ GECOS_GUARDED_BY(mutex_) = 0;  // number of the area
-  /// Bytes from the start of the area that the kernel has backed with memory.
+  /// Number of bytes, from the start of the area, that the kernel has backed with memory.
   std::size_t backed_ GECOS_GUARDED_BY(mutex_) = 0;
   std::vector<Held> held_ GECOS_GUARDED_BY(mutex_);  // sorted by offset
-  /// Index in held_ of the packet that is not sent yet.
+  /// Index in held_ of the packet that place() has placed and that is not sent yet.
   std::optional<std::size_t> placed_ GECOS_GUARDED_BY(mutex_);
   std::size_t placed_size_ GECOS_GUARDED_BY(mutex_) = 0;
   std::uint64_t last_packet_ GECOS_GUARDED_BY(mutex_) = 0;
   unsigned quiet_beats_ GECOS_GUARDED_BY(mutex_) = 0;
 };
 
-/// Receives large packets. Only the thread that reads the ring may call copy() and rest(); any
+/// Receives large packets. Only the thread that reads the ring may call copy() and rest(). Any
 /// thread may call the other functions.
 class BulkReader final : public BulkSource {
  public:
-  /// `look` processes the announcements of areas that have arrived from the writer.
+  /// `look` must process the announcements of areas that have arrived from the writer.
   explicit BulkReader(std::function<void()> look) : look_(std::move(look)) {}
 
-  /// Sets `area`, with the number `number`, as the current area in place of the previous one. @pre
-  /// `area` has area_bytes
+  /// Sets `area`, which has the number `number`, as the current area in place of the previous area.
+  /// @pre the size of `area` is area_bytes
   void know(std::uint64_t number, std::shared_ptr<const Mapping> area);
   /// Must be called when the writer has released the area `number`.
   void end(std::uint64_t number);
 
   std::optional<ByteView> copy(const BulkPlace& place) override;
-  /// Must be called before the reading thread sleeps: frees the copy if the area that it was copied
-  /// from has been released.
+  /// Must be called before the reading thread sleeps. Frees the reader's copy of the last large
+  /// packet if the area of that packet was released.
   void rest() {
     if (ended_.load(std::memory_order_relaxed)) free_copy();
   }
   /// Must be called in a forked child: detaches the child from the memory of its parent. Takes no
-  /// lock: the child has one thread, and a thread of the parent may have held the mutex.
+  /// lock, because the child has only one thread, and a thread of the parent may have held the
+  /// mutex.
   void forget() noexcept GECOS_NOT_ANALYSED;
 
  private:
@@ -117,7 +124,7 @@ class BulkReader final : public BulkSource {
   void free_copy();
 
   const std::function<void()> look_;
-  // Used by the reading thread only:
+  // The following members are used only by the reading thread.
   std::unique_ptr<std::byte[]> copy_;
   std::size_t copy_bytes_ = 0;
   std::uint64_t backed_area_ = 0;

@@ -6,8 +6,8 @@
 
 namespace gecos::media {
 
-/// All watches of this process. The handlers of pthread_atfork take no argument, so the list is
-/// global.
+/// The list of all watches of this process. The list is global, because the handlers of
+/// pthread_atfork have no parameter.
 struct ForkList {
   Mutex mutex;
   ForkWatch* first GECOS_GUARDED_BY(mutex) = nullptr;
@@ -19,7 +19,8 @@ struct ForkList {
     return *list;
   }
 
-  // The thread that forks holds the mutex from the first of these functions to one of the others.
+  // The thread that forks locks the mutex in before_fork(). One of the two functions after_fork_…
+  // unlocks it, in the parent and in the child.
   static void before_fork() GECOS_ACQUIRE(instance().mutex) { instance().mutex.lock(); }
   static void after_fork_in_parent() GECOS_RELEASE(instance().mutex) { instance().mutex.unlock(); }
   static void after_fork_in_child() GECOS_RELEASE(instance().mutex) {

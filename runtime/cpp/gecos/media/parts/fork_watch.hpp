@@ -2,17 +2,17 @@
 
 namespace gecos::media {
 
-/// Notifies its owner, in a forked child, that the owner's descriptors and memory belong to the
+/// Tells its owner, in a forked child, that the owner's descriptors and memory belong to the
 /// parent.
 ///
-/// A child shares the parent's sockets and rings: using them would corrupt the parent's packets,
-/// and merely holding them hides the parent's death from the parent's peers. A ForkWatch must be
-/// its owner's last member.
+/// A child shares the sockets and rings of its parent. If the child used them, it would corrupt the
+/// parent's packets. If the child only kept them open, the parent's peers could not notice the
+/// death of the parent. A ForkWatch must be the last member of its owner.
 class ForkWatch {
  public:
   using Abandon = void (*)(void* owner) noexcept;
-  /// `abandon` runs in the child's only thread inside fork(): it may close and unmap, but must not
-  /// allocate or take a lock.
+  /// `abandon` runs in the only thread of the child, inside fork(). It may close descriptors and
+  /// unmap memory, but must not allocate memory or take a lock.
   ForkWatch(void* owner, Abandon abandon);
   ~ForkWatch();
   ForkWatch(const ForkWatch&) = delete;
@@ -22,7 +22,7 @@ class ForkWatch {
   friend struct ForkList;
   void* owner_;
   Abandon abandon_;
-  // The list of all watches, guarded by its mutex.
+  // The neighbours of this watch in the list of all watches. The mutex of the list guards them.
   ForkWatch* previous_ = nullptr;
   ForkWatch* next_ = nullptr;
 };

@@ -5,13 +5,15 @@
 
 namespace gecos::media {
 
-/// Owns a page-aligned block of mapped memory; the kernel backs a page at its first use.
+/// Owns a page-aligned block of mapped memory. The kernel backs a page with memory at its first
+/// use.
 class Mapping {
  public:
   Mapping() = default;
-  /// Private zeroed memory. Throws std::bad_alloc.
+  /// Maps private zeroed memory. Throws std::bad_alloc on failure.
   static Mapping anonymous(std::size_t size);
-  /// Memory of a memfd, shared with all processes that map it. Empty when the kernel refuses.
+  /// Maps the memory of a memfd, which is shared with all processes that map it. Returns an empty
+  /// Mapping when the kernel refuses.
   static Mapping shared(int memfd, std::size_t size, bool writable);
 
   Mapping(Mapping&& other) noexcept
@@ -23,8 +25,9 @@ class Mapping {
   std::byte* data() const { return data_; }
   std::size_t size() const { return size_; }
 
-  /// Must be called in a forked child: replaces the memory by private zeroes, so that nothing is
-  /// shared any more and code that still reads the memory sees an empty ring. Does not allocate.
+  /// Must be called in a forked child: replaces the memory by private zeroed memory. The child then
+  /// shares nothing with its parent, and code that still reads the memory sees an empty ring. Does
+  /// not allocate memory.
   void forget();
 
  private:

@@ -14,7 +14,7 @@ std::size_t slots_for(std::size_t size) {
   return size <= slot_payload ? 1 : (size + slot_payload - 1) / slot_payload;
 }
 
-/// Copies bytes one after the other into the payloads of successive slots.
+/// Copies sequences of bytes, one after the other, into the payloads of successive slots.
 class SlotFiller {
  public:
   SlotFiller(RingMemory ring, std::uint64_t position) : ring_(ring), position_(position) {}
@@ -39,9 +39,10 @@ class SlotFiller {
   std::size_t filled_ = 0;
 };
 
-/// Approximates CLOCK_BOOTTIME at a cost of a few nanoseconds. All processes that have noted the
-/// last suspension of the host get the same value. A packet from a process that has not noted it
-/// yet looks older than it is.
+/// Returns an approximation of CLOCK_BOOTTIME in milliseconds, at a cost of a few nanoseconds. All
+/// processes that have noted the last suspension of the host (suspension.hpp) get the same value. A
+/// process that has not noted it yet gets a smaller value, so that its packets look older than they
+/// are.
 std::uint32_t coarse_milliseconds() {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC_COARSE, &now);
@@ -68,7 +69,7 @@ std::uint64_t RingWriter::publish(std::size_t size, std::size_t slots) {
   first.stamp_ms.store(coarse_milliseconds(), std::memory_order_relaxed);
   first.sequence.store(position_ + 1, std::memory_order_seq_cst);
   position_ += slots;
-  // Fetches the first cache line of the next packet while no thread waits for it.
+  // Fetches the first cache line for the next packet now, while no thread waits for that packet.
   __builtin_prefetch(&own_.slots[position_ & mask_], 1);
 
   const std::uint64_t number = written_.load(std::memory_order_relaxed) + 1;
@@ -104,8 +105,8 @@ std::uint64_t RingWriter::slots_taken() {
   const RingControl* reader = reader_.load(std::memory_order_acquire);
   if (reader == nullptr) return taken_seen_;
   const std::uint64_t taken = reader->slots_taken.load(std::memory_order_acquire);
-  // A count that decreases, or that exceeds the number of slots written, is ignored: the ring stays
-  // full.
+  // A count that decreases, or that exceeds the number of written slots, is invalid. The writer
+  // ignores it, so that the ring stays full.
   if (taken <= position_ && taken > taken_seen_) taken_seen_ = taken;
   return taken_seen_;
 }
@@ -131,7 +132,7 @@ void RingReader::advance(std::size_t slots) {
 }
 
 std::optional<ByteView> RingReader::take(const RingSlot& slot) {
-  // Read each value once: the peer may change it meanwhile.
+  // Each value is read only once, because the peer may change it at any time.
   const std::size_t size = slot.size.load(std::memory_order_relaxed);
   stamp_ms_ = slot.stamp_ms.load(std::memory_order_relaxed);
   if (size > largest_ring_packet || slots_for(size) > writer_.slot_count || broken()) {
@@ -151,7 +152,8 @@ std::optional<ByteView> RingReader::take(const RingSlot& slot) {
 
 Duration RingReader::age() const {
   const std::uint32_t passed = coarse_milliseconds() - stamp_ms_;
-  // A stamp in the future is invalid and taken as age 0: that harms only the writer's own calls.
+  // A stamp in the future is invalid. It gives the age 0, which harms only the calls of the writer
+  // that wrote it.
   return std::chrono::milliseconds(passed < 1U << 31U ? passed : 0);
 }
 

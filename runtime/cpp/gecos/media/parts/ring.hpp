@@ -10,54 +10,62 @@
 #include "gecos/base/bytes.hpp"
 #include "gecos/media/medium.hpp"
 
-/// The single-producer single-consumer ring between two sides that do not trust each other.
+/// A ring buffer with one writer and one reader that do not trust each other.
 ///
-/// Each side has one block of memory that only it may write: its control block, and the slots for
-/// the packets that it sends. The classes take addresses, so that they work between threads with
-/// one mapping and between processes with two mappings. Data written by the other side is copied
-/// before use and never trusted: a wrong value yields a wrong packet or a broken ring, never a
-/// wrong address.
+/// Each side of a connection has one block of memory that only this side may write. The block has
+/// the control block of the side, and the slots for the packets that the side sends. The classes
+/// take addresses, so that they work between threads with one mapping and between processes with
+/// two mappings. Data of the other side are copied before use and never trusted: a wrong value
+/// leads to a wrong packet or a broken ring, but never to a wrong address.
 namespace gecos::media {
 
-/// What one side publishes for the other: its progress in reading, its state, its heartbeats.
+/// The data that one side publishes for the other side: its progress in reading, its state and its
+/// heartbeats.
 struct RingControl {
-  /// Number of slots that this side has read: tells the writer which slots are free again.
+  /// Number of slots that this side has read. The number tells the other side, which writes the
+  /// slots, which of them are free again.
   alignas(64) std::atomic<std::uint64_t> slots_taken{0};
-  /// Number of packets that this side has read; the writer can look it up after the reader died.
+  /// Number of packets that this side has read. The other side can still read the number after the
+  /// death of this side.
   std::atomic<std::uint64_t> packets_taken{0};
-  /// Nonzero while this side sleeps: the writer must then notify it after publishing. Begins a new
-  /// cache line, because the writer reads it with every packet.
+  /// Nonzero while this side sleeps. The other side must then notify this side after it has
+  /// published a packet. This member begins a new cache line, because the other side reads it with
+  /// every packet.
   alignas(64) std::atomic<std::uint32_t> asleep{0};
-  /// Number of the core on which this side ran last, plus one; 0 when unknown. The other side uses
-  /// it to choose how to wait.
+  /// Number of the CPU core on which this side ran last, plus one; 0 when the core is unknown. The
+  /// other side uses this number to choose how to wait.
   std::atomic<std::uint32_t> core{0};
-  /// When this side last notified the other side: nanoseconds of the steady clock.
+  /// Time at which this side last notified the other side, in nanoseconds of the steady clock.
   std::atomic<std::int64_t> rang_at{0};
-  /// Number of heartbeats: tells the other side's maintenance thread that this side is alive.
+  /// Number of heartbeats of this side. When the number rises, the maintenance thread of the other
+  /// side knows that this side is alive.
   alignas(64) std::atomic<std::uint64_t> beats{0};
-  /// Words that the session publishes without sending a packet (Connection::write_word).
+  /// The words that the session publishes without sending a packet (Connection::write_word).
   alignas(64) std::array<std::atomic<std::uint64_t>, shared_word_count> words{};
 };
 
-/// Publishes in `own` the core on which the calling thread runs.
+/// Publishes in `own` the CPU core on which the calling thread runs.
 inline void note_core(RingControl& own) {
   const auto core = static_cast<std::uint32_t>(running_core() + 1);
-  // The other side reads this cache line with every packet, so write it only when it changes.
+  // The other side reads this cache line with every packet. Therefore this function writes it only
+  // when the core has changed.
   if (own.core.load(std::memory_order_relaxed) != core) {
     own.core.store(core, std::memory_order_relaxed);
   }
 }
-/// Publishes in `own` the current time as the last notification of the other side.
+/// Publishes in `own` that the owner notifies the other side now.
 void note_ring(RingControl& own);
-/// Reads the whereabouts that a side has published in its `control`.
+/// Reads from `control` the core, the sleep state and the time of the last notification that a side
+/// has published there.
 Whereabouts whereabouts(const RingControl& control);
 
 inline constexpr std::size_t slot_payload = 240;
 
-/// A packet begins in a slot and continues in the payloads of the slots after it.
+/// One slot of a ring. A packet begins in one slot and continues in the payloads of the slots that
+/// follow.
 struct alignas(64) RingSlot {
-  /// Running number of the slot, from 1 for the first slot ever written. Storing the number
-  /// publishes the packet that begins in this slot.
+  /// Running number of the slot; the first slot that is ever written has the number 1. The store of
+  /// this number publishes the packet that begins in this slot.
   std::atomic<std::uint64_t> sequence;
   std::atomic<std::uint32_t> size;      // bytes of the packet; published by `sequence`
   std::atomic<std::uint32_t> stamp_ms;  // send time, coarse_milliseconds(); published by `sequence`
@@ -66,7 +74,7 @@ struct alignas(64) RingSlot {
 static_assert(sizeof(RingSlot) == 256);
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 
-/// The memory of one side, zero at first.
+/// The block of memory of one side of a connection. It is zero at first.
 struct RingMemory {
   RingControl* control = nullptr;
   RingSlot* slots = nullptr;
@@ -76,62 +84,66 @@ struct RingMemory {
   static constexpr std::size_t bytes(std::size_t slot_count) {
     return control_bytes + slot_count * sizeof(RingSlot);
   }
-  /// @pre `base` has bytes(slot_count) bytes.
+  /// Returns the parts of the block of memory at `base`. @pre the block has bytes(slot_count) bytes
   static RingMemory at(std::byte* base, std::size_t slot_count) {
     return {reinterpret_cast<RingControl*>(base), reinterpret_cast<RingSlot*>(base + control_bytes),
             slot_count};
   }
 };
 
-/// Bytes of the largest packet that is stored in a ring itself; the limit leaves room for many
-/// packets. Larger packets are stored outside the ring (bulk.hpp).
+/// Size in bytes of the largest packet that is stored in a ring. The limit is small, so that a ring
+/// has room for many packets. Larger packets are stored outside the ring (bulk.hpp).
 inline constexpr std::size_t largest_ring_packet = 8 * 1024;
-/// 256 KiB per direction: the ring stays in the level-2 cache of a core.
+/// The usual number of slots of a ring. They take 256 KiB for each direction, so that a ring stays
+/// in the level-2 cache of a core.
 inline constexpr std::size_t usual_slot_count = 1024;
 
-/// The payload of a slot whose packet is stored outside the ring: where the packet is.
+/// The place of a packet that is stored outside the ring. This struct is the payload of the
+/// packet's slot.
 struct BulkPlace {
   std::uint64_t area = 0;    ///< number of the writer's area (bulk.hpp), counted from 1
   std::uint64_t offset = 0;  ///< bytes from the start of the area
   std::uint64_t size = 0;
 };
-/// Value of RingSlot::size that marks a slot with a BulkPlace instead of a packet.
+/// The value of RingSlot::size that marks a slot that holds a BulkPlace and no packet.
 inline constexpr std::uint32_t beside_ring = 0xffffffff;
 
-/// Gives a reader the packets that are stored outside its ring.
+/// The interface by which a reader gets the packets that are stored outside the ring.
 class BulkSource {
  public:
   virtual ~BulkSource() = default;
-  /// Copies the packet at `place` into the reader's own memory, where it is valid until the next
-  /// call. nullopt when no packet can be there.
+  /// Copies the packet at `place` into private memory of the reader. The copy is valid until the
+  /// next call. Returns nullopt when no packet can be at `place`.
   virtual std::optional<ByteView> copy(const BulkPlace& place) = 0;
 };
 
-/// Writes packets into a ring; at most one thread at a time.
+/// Writes packets into a ring. Only one thread at a time may use a writer.
 class RingWriter {
  public:
   explicit RingWriter(RingMemory own) : own_(own), mask_(own.slot_count - 1) {}
 
-  /// Sets where the reader publishes its progress. Before this call the writer reuses no slot: it
-  /// can fill the ring only once. Any thread.
+  /// Sets the memory in which the reader publishes its progress. Before this call the writer uses
+  /// no slot a second time, so that it can fill the ring only once. Any thread may call this
+  /// function.
   void set_reader(const RingControl* reader) {
     reader_.store(reader, std::memory_order_release);  // publishes the mapping of the peer's memory
   }
   tl::expected<std::uint64_t, SendProblem> write(ByteView head, ByteView body);
-  /// Sends a packet that is stored outside the ring: writes its place into a slot. Returns the
-  /// packet's number. @pre has_room()
+  /// Sends a packet that is stored outside the ring: writes the place of the packet into a slot.
+  /// Returns the number of the packet. @pre has_room() is true
   std::uint64_t announce(const BulkPlace& place);
   bool has_room() { return free_slots(1) != 0; }
   bool half_full() { return slots_written() - slots_taken() > own_.slot_count / 2; }
   std::uint64_t slots_written() const { return position_; }
-  /// Number of slots that the reader has taken and will not read again.
+  /// Returns the number of slots that the reader has taken and will not read again.
   std::uint64_t slots_taken();
-  /// Whether the reader sleeps and must be woken. Call this after write().
+  /// Returns whether the reader sleeps, so that the caller must wake it. Must be called after
+  /// write().
   bool reader_sleeps() const {
     const RingControl* reader = reader_.load(std::memory_order_acquire);
     return reader != nullptr && reader->asleep.load(std::memory_order_seq_cst) != 0;
   }
-  /// Number of packets that the reader has taken. Any thread.
+  /// Returns the number of packets that the reader has taken. Any thread may call this function.
   std::uint64_t taken() const;
 
  private:
@@ -146,31 +158,32 @@ class RingWriter {
   std::atomic<std::uint64_t> written_{0};  // packets written; upper bound for taken()
 };
 
-/// Reads packets from a ring; at most one thread at a time.
+/// Reads packets from a ring. Only one thread at a time may use a reader.
 class RingReader {
  public:
-  /// `own` is where this reader publishes its progress, `writer` the memory of the other side,
-  /// `bulk` the source of the packets stored outside the ring. Without `bulk` such a packet breaks
-  /// the ring.
+  /// `own` is the memory in which this reader publishes its progress. `writer` is the memory of the
+  /// other side. `bulk` is the source of packets that are stored outside the ring; without `bulk`,
+  /// such a packet breaks the ring.
   RingReader(RingControl& own, RingMemory writer, BulkSource* bulk = nullptr);
 
-  /// Returns the next packet, copied into this reader's own memory and valid until the next call;
-  /// nullopt when none has arrived.
+  /// Returns the next packet, or nullopt when no packet has arrived. The packet is a copy in
+  /// private memory of this reader, and is valid until the next call.
   std::optional<ByteView> read() {
     const RingSlot& slot = writer_.slots[position_ & mask_];
     if (slot.sequence.load(std::memory_order_acquire) != position_ + 1) return std::nullopt;
     return take(slot);
   }
-  /// Whether a packet can be read. The check is ordered after the store to RingControl::asleep, so
-  /// that no wake-up is lost.
+  /// Returns whether a packet can be read. This check is ordered after the store to
+  /// RingControl::asleep, so that no wake-up is lost.
   bool ready() const {
     return writer_.slots[position_ & mask_].sequence.load(std::memory_order_seq_cst) ==
            position_ + 1;
   }
-  /// Whether the writer has written an invalid slot; then no more packets are read.
+  /// Returns true when the writer has written an invalid slot. The reader then reads no more
+  /// packets.
   bool broken() const { return broken_.load(std::memory_order_relaxed); }
-  /// How long the packet that read() returned last was in the ring, by the writer's time stamp;
-  /// accurate to some milliseconds.
+  /// Returns how long the packet that read() returned last was in the ring. The result depends on
+  /// the writer's time stamp and is accurate to some milliseconds.
   Duration age() const;
 
  private:

@@ -6,24 +6,27 @@
 #include "gecos/base/mutex.hpp"
 #include "gecos/media/medium.hpp"
 
-/// The newest samples of a stream whose samples arrive as packets.
+/// A buffer for the newest samples of a stream whose samples arrive as packets, and the base
+/// classes of its writers and readers.
 namespace gecos::media {
 
 /// Keeps the newest samples of one stream. Thread-safe.
 class SampleBuffer {
  public:
-  /// `depth`: samples kept, at least 1.
+  /// `depth` is the number of samples that the buffer keeps. @pre `depth` is at least 1
   explicit SampleBuffer(std::size_t depth) : depth_(depth) {}
 
-  /// Sequence number of the newest sample; 0 before the first. A sample that is not newer is never
-  /// stored, so it need not be decrypted.
+  /// Returns the sequence number of the newest sample; 0 before the first sample. The buffer never
+  /// stores a sample that is not newer, so that the caller need not decrypt such a sample.
   std::uint64_t newest() const;
-  /// Stores a copy of `sample`. A full buffer drops its oldest sample and reuses its memory.
-  /// Returns false when `sequence` is not newer than the newest.
+  /// Stores a copy of `sample`. A full buffer drops its oldest sample and uses the memory of that
+  /// sample again. Returns false and stores nothing when `sequence` is not larger than newest().
   bool put(std::uint64_t sequence, std::int64_t stamp_ns, ByteView sample);
-  /// As StreamReader::latest() with `newest`, else as StreamReader::next().
+  /// Reads a sample like StreamReader::latest() if `newest` is true; otherwise like
+  /// StreamReader::next().
   bool read(std::uint64_t after, bool newest, StreamSample& into);
-  /// Whether a sample has arrived that neither a read nor an earlier call has seen.
+  /// Returns whether a sample has arrived that neither read() nor an earlier call of this function
+  /// has seen.
   bool anything_new();
 
  private:
@@ -33,10 +36,11 @@ class SampleBuffer {
   std::uint64_t seen_ GECOS_GUARDED_BY(mutex_) = 0;
 };
 
-/// A writer that lends private memory, because the medium copies, encrypts or splits every sample.
+/// A stream writer that lends private memory, because its medium copies, encrypts or splits every
+/// sample.
 class CopyingWriter : public StreamWriter {
  public:
-  /// `largest`: bytes of a sample.
+  /// `largest` is the largest size of a sample in bytes.
   explicit CopyingWriter(std::size_t largest) : largest_(largest) {}
   tl::expected<std::span<std::byte>, SendProblem> lend(std::size_t size) override;
   void publish_lent(std::int64_t stamp_ns) override;
@@ -46,7 +50,7 @@ class CopyingWriter : public StreamWriter {
   Bytes lent_;
 };
 
-/// A reader that lends its own copy.
+/// A stream reader that lends a private copy of the sample.
 class CopyingReader : public StreamReader {
  public:
   std::optional<LentSample> lend_latest(std::uint64_t after) override;

@@ -11,10 +11,11 @@ namespace {
 using Word = std::atomic<std::uint64_t>;
 static_assert(sizeof(Word) == 8 && Word::is_always_lock_free);
 
-// Layout of a slot: version (2·sequence, minus one while the sample is written), time stamp, size,
-// sample in whole words. All are atomic words, stored with release and loaded with acquire. So a
-// reader that has loaded any word of a newer sample also sees the changed version when it checks
-// again; on x86 this costs nothing.
+// A slot consists of a version, a time stamp, a size, and the sample in whole words. The version is
+// 2 * sequence, or 2 * sequence - 1 while the writer writes the sample. All of them are atomic
+// words, which are stored with release and loaded with acquire. So a reader that has loaded any
+// word of a newer sample also sees the changed version when it checks the version again. On x86
+// this costs nothing.
 constexpr std::size_t sample_at = 3;
 constexpr int most_tries = 8;
 
@@ -116,8 +117,8 @@ tl::expected<std::span<std::byte>, SendProblem> StreamRingWriter::lend(std::size
   const std::uint64_t sequence = newest_ + 1;
   Word* const slot = memory_.slot(sequence);
   slot[0].store(2 * sequence - 1, std::memory_order_relaxed);
-  // A reader of the previous sample of this slot sees the new version before any byte that is
-  // written into the lent memory.
+  // The fence ensures that a reader of this slot's previous sample sees the new version before it
+  // sees any byte that the caller writes into the lent memory.
   std::atomic_thread_fence(std::memory_order_release);
   lent_ = size;
   return std::span(reinterpret_cast<std::byte*>(slot + sample_at), size);

@@ -9,19 +9,20 @@
 #include "gecos/base/mutex.hpp"
 #include "gecos/media/medium.hpp"
 
-/// A stream in memory: one writer, any number of readers that never write.
+/// A stream in memory that has one writer and any number of readers. The readers never write to the
+/// memory.
 ///
-/// Each sample has a slot with a version, which is odd while the sample is written. A reader copies
-/// the sample and checks the version again. The number of tries is bounded, so a writer that died
-/// while writing cannot block a reader. Readers write nothing, so they can neither slow the writer
-/// nor disturb each other.
+/// Each sample has a slot with a version. The version is odd while the writer writes the sample. A
+/// reader copies the sample and then checks that the version has not changed. The number of tries
+/// is limited, so that a writer that died during a write cannot block a reader. Readers write
+/// nothing, so that they can neither slow down the writer nor disturb each other.
 namespace gecos::media {
 
 /// The memory of a stream.
 struct StreamMemory {
   std::byte* base = nullptr;
-  std::size_t largest = 0;  ///< bytes of a sample
-  std::size_t depth = 0;    ///< samples kept, besides the one that is being written
+  std::size_t largest = 0;  ///< largest size of a sample in bytes
+  std::size_t depth = 0;    ///< number of samples kept, without the one that is being written
 
   static constexpr std::size_t most_bytes = std::size_t{1} << 30;
   static constexpr std::size_t slot_bytes(std::size_t largest) {
@@ -34,15 +35,16 @@ struct StreamMemory {
   std::atomic<std::uint64_t>* slot(std::uint64_t sequence) const;
 };
 
-/// A reader that may sleep until the next sample.
+/// The interface of a reader that may sleep until the next sample.
 class Sleeper {
  public:
   virtual ~Sleeper() = default;
-  /// Wakes the reader if it sleeps. Any thread.
+  /// Wakes the reader if it sleeps. Any thread may call this function.
   virtual void wake_if_asleep() = 0;
 };
 
-/// The readers that a stream wakes. Thread-safe; forgets destroyed readers.
+/// The list of the readers that the writer of a stream must wake. Thread-safe. Destroyed readers
+/// are removed automatically.
 class SleeperList {
  public:
   void add(std::weak_ptr<Sleeper> sleeper);
@@ -56,7 +58,7 @@ class SleeperList {
 
 class StreamRingWriter : public StreamWriter {
  public:
-  /// `owner` keeps `memory` alive. @pre `memory` is zero.
+  /// `owner` keeps `memory` alive. @pre all bytes of `memory` are zero.
   StreamRingWriter(StreamMemory memory, std::shared_ptr<void> owner);
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns) override;
   tl::expected<std::span<std::byte>, SendProblem> lend(std::size_t size) override;
@@ -76,16 +78,16 @@ class StreamRingWriter : public StreamWriter {
   std::size_t lent_ = 0;  ///< bytes
 };
 
-/// The state of a stream that is read through a connection.
+/// The state of a stream that this end of a connection reads.
 struct StreamWatch {
   StreamMemory memory;
   std::shared_ptr<void> owner;
-  /// next() returns only samples with a larger sequence number. Other samples were older than the
-  /// newest sample when this reader subscribed; the shared memory holds them for earlier
-  /// subscribers.
+  /// StreamRingReader::next() returns only samples whose sequence number is larger than this. The
+  /// other samples in the shared memory were already old when this reader subscribed; they are
+  /// there for earlier subscribers.
   std::uint64_t past = 0;
-  /// Sequence number of the newest sample that the reader or prepare_to_sleep() has seen; tells
-  /// prepare_to_sleep() whether a newer sample has arrived.
+  /// Sequence number of the newest sample that the reader or Connection::prepare_to_sleep() has
+  /// seen. With this number, prepare_to_sleep() knows whether a newer sample has arrived.
   std::atomic<std::uint64_t> seen{0};
 };
 
@@ -101,12 +103,12 @@ class StreamRingReader : public StreamReader {
   const std::shared_ptr<StreamWatch> watch_;
 };
 
-/// The streams read through one connection. Thread-safe.
+/// The streams that one end of a connection reads. Thread-safe.
 class StreamWatches {
  public:
   std::unique_ptr<StreamReader> open(StreamMemory memory, std::shared_ptr<void> owner);
-  /// Whether a sample has arrived that neither its reader nor an earlier call has seen. The check
-  /// is ordered after the store to RingControl::asleep.
+  /// Returns whether a sample has arrived that neither its reader nor an earlier call has seen. The
+  /// check is ordered after the store to RingControl::asleep.
   bool anything_new();
 
  private:

@@ -45,7 +45,8 @@ bool SpinPolicy::crowded() const {
          clock_.now() < crowded_.until;
 }
 
-/// Allows some polls before it reads the clock, so that a quick answer costs no clock reading.
+/// Allows some polls before it reads the clock, so that a wait for a quick answer does not read the
+/// clock.
 bool SpinPolicy::look(State as) {
   if (std::exchange(state_, as) == as) {
     const TimePoint now = clock_.now();
@@ -57,14 +58,15 @@ bool SpinPolicy::look(State as) {
       return over();
     }
   }
-  // With a small budget, only a few polls fit between two readings of the clock.
+  // With a small budget, the clock must be read after fewer polls.
   looks_ = budget_ < options_.shortest ? options_.looks_alone / 4 : options_.looks_alone;
   return true;
 }
 
-/// The time between two readings of the clock is the exact duration of a yield that directly
-/// follows another yield or a reading. For other yields it is an upper bound; only when this bound
-/// is long, the next yields are timed exactly. So a wait with a single yield reads the clock once.
+/// Yields, and measures the duration of the yield by two readings of the clock. The duration is
+/// exact when the yield directly follows another yield or a reading of the clock. Otherwise it is
+/// only an upper bound; if this bound is long, the following yields are measured exactly. So a wait
+/// with a single yield reads the clock only once.
 bool SpinPolicy::yield() {
   const bool next_in_row = std::exchange(state_, State::Yielding) == State::Yielding;
   if (next_in_row && spent()) {
@@ -88,8 +90,9 @@ bool SpinPolicy::yield() {
   return true;
 }
 
-/// A wait that polls for longer than `shortest` may never sleep. So one of `waits_between_probes`
-/// such waits sleeps early, to notice when wake-ups have become cheaper.
+/// Returns whether the wait has used its polling time. Waits that poll for longer than `shortest`
+/// may never sleep, and then measure no wake-up. Therefore one of `waits_between_probes` such waits
+/// sleeps early, to notice when wake-ups have become cheaper.
 bool SpinPolicy::spent() {
   if (wait_.looked >= options_.shortest && !std::exchange(wait_.late, true) &&
       ++late_waits_ % options_.waits_between_probes == 0) {

@@ -6,11 +6,11 @@
 #include "gecos/base/clock.hpp"
 #include "gecos/media/core.hpp"
 
-/// How a thread waits: it polls while polling is cheaper than a wake-up, then sleeps on
-/// descriptors.
+/// The way in which a thread waits: the thread polls as long as polling is cheaper than a wake-up,
+/// and then sleeps on descriptors.
 namespace gecos::media {
 
-/// Whether the peers that a thread waits for run on the thread's core or on other cores.
+/// Says whether the peers for which a thread waits run on the thread's core or on other cores.
 enum class Peers : std::uint8_t {
   Unknown,    ///< the medium cannot tell
   Here,       ///< on this core: the peers need it to send a packet
@@ -18,10 +18,10 @@ enum class Peers : std::uint8_t {
   Both,
 };
 
-/// Where one peer runs, relative to the core of the calling thread.
+/// Returns whether `peer` runs on the core of the calling thread or on another core.
 Peers place_of(const Whereabouts& peer);
 
-/// What ended a sleep.
+/// The kind of event that ended a sleep.
 enum class Woken : std::uint8_t {
   ByAnswer,  ///< the event that the thread awaits
   Early,     ///< another event, before the awaited event
@@ -31,10 +31,11 @@ struct SpinOptions {
   Duration shortest = std::chrono::microseconds(50);    ///< assumed minimum cost of a wake-up
   Duration longest = std::chrono::milliseconds(5);      ///< assumed maximum cost; 0: never poll
   Duration least = std::chrono::microseconds(2);        ///< minimum of the polling budget
-  Duration long_wait = std::chrono::milliseconds(8);    ///< longer waits are not worth polling
+  Duration long_wait = std::chrono::milliseconds(8);    ///< polling does not pay in longer waits
   Duration lost_core = std::chrono::microseconds(200);  ///< a yield this long has lost a time slice
-  Duration crowded_first = std::chrono::milliseconds(20);    ///< no yields after a lost time slice
-  Duration crowded_longest = std::chrono::seconds(1);        ///< crowded_first doubles up to this
+  Duration crowded_first =
+      std::chrono::milliseconds(20);                   ///< time without yields after a lost slice
+  Duration crowded_longest = std::chrono::seconds(1);  ///< crowded_first doubles up to this
   Duration between_yields = std::chrono::microseconds(400);  ///< interval of yields if Peers::Both
   int wake_ups_averaged = 8;   ///< length of the moving average of wake-up costs
   unsigned exact_yields = 64;  ///< yields timed one by one after a suspiciously long one
@@ -43,7 +44,8 @@ struct SpinOptions {
   std::uint32_t looks_alone = 256;     ///< polls between two readings of the clock
 };
 
-/// Decides after each fruitless poll whether to poll again or to sleep.
+/// Decides, after each poll that found nothing, whether a thread should poll again or sleep. It is
+/// used like this:
 ///
 ///     for (;;) {
 ///       if (auto packet = connection.receive()) return packet;
@@ -53,37 +55,39 @@ struct SpinOptions {
 ///       spin.begin();
 ///     }
 ///
-/// Two facts decide whether to poll again. Neither is derived from the duration of a yield.
+/// The decision depends on two facts. Neither of them is derived from the duration of a yield.
 ///
-/// *Where the peers run.* A peer on this core needs the core to answer: every poll is followed by a
-/// yield. Peers on other cores gain nothing from a yield; a yield could only give the core to an
-/// unrelated program for a whole time slice.
+/// *The cores on which the peers run.* A peer on this core needs the core to answer, so that a
+/// yield follows every poll. Peers on other cores do not need this core; a yield could only give
+/// the core to an unrelated program for a whole time slice.
 ///
-/// *What a wake-up costs here and now*: the mean time from the peer's notification to the end of
-/// the sleep. A wait polls for as long as a wake-up costs and then sleeps, so it never costs more
-/// than twice the cheaper of polling and sleeping. Time in which another program had the core does
-/// not count. A long wait halves the polling time of later waits, so that long waits cost next to
-/// nothing.
+/// *The present cost of a wake-up.* This is the mean time from the peer's notification to the end
+/// of the sleep. A wait polls for this time and then sleeps. Therefore a wait costs at most twice
+/// as much as the better of the two ways would have cost. Time in which another program had the
+/// core does not count. A long wait halves the polling time of later waits, so that long waits need
+/// hardly any CPU time.
 ///
-/// A yield that takes at least `lost_core` gave the core to an unrelated program. For a while
-/// afterwards a wait for a peer on this core sleeps at once: a wake-up takes the core back, a yield
-/// does not.
+/// If a yield takes at least the time `lost_core`, it gave the core to an unrelated program. For
+/// some time afterwards, waits for a peer on this core sleep at once, because a wake-up takes the
+/// core back from that program but a yield does not.
 ///
-/// One thread at a time. Keep one policy per waiting thread, because it learns from earlier waits.
+/// Only one thread at a time may use a policy. Each waiting thread should have a separate policy,
+/// because the policy learns from earlier waits.
 class SpinPolicy {
  public:
   explicit SpinPolicy(const Clock& clock, SpinOptions options = {},
                       const Core& core = Core::real());
 
-  /// Begins a new wait. Costs nothing until the first poll has found nothing.
+  /// Begins a new wait. Costs nearly nothing if the first poll is successful.
   void begin() {
     if (state_ == State::Crowded) crowded_.vain = 0;
     state_ = State::Fresh;
     looks_ = 0;
   }
-  /// Must be called after a poll that found nothing. Returns true: poll again. Returns false:
-  /// sleep; further calls return false until begin(). `ask_peers` returns Peers; it is called
-  /// before the second poll of a wait and occasionally later.
+  /// Must be called after a poll that found nothing. Returns true when the thread should poll
+  /// again, and false when it should sleep. After false, all further calls return false until
+  /// begin(). `ask_peers` is a function that returns Peers; it is called before the second poll of
+  /// a wait and occasionally later.
   template <class AskPeers>
   bool again(AskPeers ask_peers) {
     if (looks_ > 0) {
@@ -92,16 +96,17 @@ class SpinPolicy {
     }
     return state_ != State::Over && go_on(ask_peers());
   }
-  /// Must be called after the sleep of a wait and before the next begin(). `rang_at`: when the peer
-  /// notified this thread, as the peer states it.
+  /// Must be called after the sleep of a wait and before the next begin(). `rang_at` is the time at
+  /// which the peer says that it notified this thread.
   void woke(TimePoint rang_at, Woken woken);
 
-  /// How long a wait polls before it sleeps.
+  /// Returns how long a wait polls before it sleeps.
   Duration budget() const { return budget_; }
-  /// Whether the wait sleeps at once because its peer and an unrelated program need this core.
+  /// Returns whether the wait sleeps at once because both its peer and an unrelated program need
+  /// this core.
   bool gave_way() const { return gave_way_; }
-  /// The moment until which waits do not yield the core that lost a time slice. It is in the past
-  /// when yields are allowed.
+  /// Returns the time until which waits do not yield the core on which a time slice was lost. The
+  /// time is in the past when yields are allowed.
   TimePoint crowded_until() const { return crowded_.until; }
 
  private:
@@ -136,12 +141,12 @@ class SpinPolicy {
   TimePoint last_yield_{};
   unsigned doubtful_ = 0;  ///< number of yields still to be timed one by one
 
-  /// The core on which a yield lost a time slice.
+  /// The core on which a yield lost a whole time slice to an unrelated program.
   struct CrowdedCore {
     std::int32_t number = unknown_core;
-    TimePoint until{};  ///< waits do not yield this core before
-    Duration next{};    ///< for how long they do not yield it when it loses the next time slice
-    unsigned vain = 0;  ///< consecutive spins on it that ended with sleep
+    TimePoint until{};  ///< before this time, waits do not yield this core
+    Duration next{};    ///< how long waits will not yield the core after the next lost time slice
+    unsigned vain = 0;  ///< consecutive spins on the core that ended with sleep
   };
   CrowdedCore crowded_;
 };
@@ -152,8 +157,9 @@ enum class Wake : std::uint8_t {
   Interrupted,  ///< a signal handler ran: check what it requested, then sleep again
 };
 
-/// Sleeps until one of `descriptors` is readable or `deadline` has passed (steady clock;
-/// TimePoint::max(): no deadline). Negative descriptors are skipped.
+/// Sleeps until one of `descriptors` is readable or `deadline` has passed. `deadline` is a time of
+/// the steady clock; TimePoint::max() means that there is no deadline. Negative descriptors are
+/// skipped.
 Wake sleep_on(std::span<const int> descriptors, TimePoint deadline);
 
 }  // namespace gecos::media

@@ -11,10 +11,10 @@
 namespace gecos::media {
 namespace {
 
-/// Streams per connection; a peer that shares more is hostile.
+/// The largest number of streams of a connection. A peer that shares more streams is hostile.
 constexpr std::size_t most_streams = 1024;
 
-/// Describes a peer: "key 3fa9c1d2, 239.255.76.67:20017".
+/// Returns a description of a peer, for example "key 3fa9c1d2, 239.255.76.67:20017".
 std::string peer_text(const std::optional<crypto::PublicKey>& key, const DatagramNetwork& network,
                       std::uint16_t port) {
   return (key ? "key " + key->short_name() + ", " : "") + network.name() + ":" +
@@ -178,7 +178,7 @@ void SealedClient::woke() {
 
 void SealedClient::pump() {
   // Unread datagrams keep LCM's descriptor readable, but an edge-triggered poller gets no new event
-  // for them: so the eventfd is notified.
+  // for them. Therefore this function notifies the eventfd.
   if (in_->pump()) queue_->event().notify();
   initiator_->advance();
   for (const auto& notice : queue_->notices()) {
@@ -198,7 +198,7 @@ void SealedClient::take_share(const SharedStream& where) {
   Arrived& arrived = arrived_[where.id];
   if (arrived.where.channel != where.channel) arrived = {where, false};
   heard_of_streams_ = true;
-  // The peer announces an open stream again: our Opened message was lost.
+  // The peer announces a stream again that is open here already, so our Opened message was lost.
   if (arrived.opened) say(InnerKind::Opened, where.id);
 }
 
@@ -279,7 +279,7 @@ std::unique_ptr<StreamReader> SealedClient::open_stream(std::uint32_t id) {
   }
   const std::shared_ptr<DatagramPort> port = std::move(*opened);
   auto queue = std::make_shared<SampleQueue>(port, where, queue_);
-  // The queue owns the port, and the port owns the callback: a weak pointer to the queue avoids a
+  // The queue owns the port, and the port owns the callback. A weak pointer to the queue avoids a
   // cycle.
   const auto subscribed = port->subscribe(channel_name("GS", where.channel),
                                           [weak = std::weak_ptr(queue)](ByteView datagram) {
@@ -383,7 +383,7 @@ void SealedServer::take_share(const InwardShare& where) {
   if (inward_.size() >= most_streams && !inward_.contains(where.id)) return;
   Inward& inward = inward_[where.id];
   inward.where = where;
-  // The peer announces an open stream again: our Opened message was lost.
+  // The peer announces a stream again that is open here already, so our Opened message was lost.
   if (inward.opened) say(InnerKind::Opened, where.id);
 }
 
@@ -405,7 +405,8 @@ void SealedServer::tell(std::uint32_t id, const SealedStream& stream) {
   say(InnerKind::Share, id, body);
 }
 
-/// A stream of the acceptor serves many readers, so it serves a single reader as well.
+/// Makes a stream of the acceptor. Such a stream can have many readers, so that it is also suitable
+/// for a single reader.
 std::unique_ptr<StreamWriter> SealedServer::make_stream(std::size_t largest, std::size_t depth) {
   return responder_->make_stream(largest, depth);
 }

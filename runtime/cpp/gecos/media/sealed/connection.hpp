@@ -20,8 +20,8 @@
 
 namespace gecos::media {
 
-/// The common part of a client's and a server's connection: sends packets, and takes received
-/// packets from the queue.
+/// The part that the connections of a client and of a server have in common: sends packets, and
+/// takes received packets from the queue.
 class SealedConnection : public Connection {
  public:
   const Capabilities& capabilities() const override { return options_.network->capabilities(); }
@@ -41,7 +41,8 @@ class SealedConnection : public Connection {
   SealedConnection(std::shared_ptr<ReceiveQueue> queue, std::shared_ptr<SealedSender> sender,
                    const SealedOptions& options, Peer peer);
 
-  /// Reads arrived datagrams into the queue and handles messages that are not packets.
+  /// Reads the datagrams that have arrived into the queue, and handles messages that are not
+  /// packets.
   virtual void pump() = 0;
   void say(InnerKind kind, std::uint64_t number = 0, ByteView body = {});
   const std::shared_ptr<SealedSender>& sender() const { return sender_; }
@@ -90,7 +91,7 @@ class SealedClient final : public SealedConnection {
   };
   struct Inward {
     std::weak_ptr<InwardStream> stream;
-    bool opened = false;  ///< while false, the stream is announced again with every beat
+    bool opened = false;  ///< while false, the stream is announced again with every heartbeat
   };
   void pump() override;
   bool new_samples();
@@ -102,13 +103,14 @@ class SealedClient final : public SealedConnection {
   const std::shared_ptr<HandshakeInitiator> initiator_;
   const Descriptor streams_;  // an epoll of the ports of streams; these ports open later
   const std::array<int, 3> descriptors_;
-  /// Whether a stream was announced since the last open_stream(). Another thread may have read the
-  /// announcement, so a thread that is about to sleep must check this flag. Orders no other memory.
+  /// Whether a stream was announced since the last call of open_stream(). Another thread may have
+  /// read the announcement, so that a thread must check this flag before it sleeps. This atomic
+  /// orders no other memory.
   std::atomic<bool> heard_of_streams_{false};
   Mutex mutex_;
   std::map<std::uint32_t, Arrived> arrived_ GECOS_GUARDED_BY(mutex_);
   std::vector<std::weak_ptr<SampleQueue>> reading_ GECOS_GUARDED_BY(mutex_);
-  /// Streams made by this connection; they end with the connection.
+  /// The streams that this connection made. They end with the connection.
   std::vector<std::weak_ptr<InwardStream>> made_ GECOS_GUARDED_BY(mutex_);
   std::map<std::uint32_t, Inward> inward_ GECOS_GUARDED_BY(mutex_);
 };
@@ -135,7 +137,7 @@ class SealedServer final : public SealedConnection {
  private:
   struct Shared {
     std::weak_ptr<SealedStream> stream;
-    bool opened = false;  // while false, the stream is announced again with every beat
+    bool opened = false;  // while false, the stream is announced again with every heartbeat
   };
   /// A stream that the client has shared.
   struct Inward {

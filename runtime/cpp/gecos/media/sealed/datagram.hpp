@@ -12,9 +12,10 @@
 #include "gecos/crypto/stream_seal.hpp"
 #include "gecos/crypto/transport.hpp"
 
-/// Encodes and decodes the datagrams of a sealed medium: a plaintext header of 16 bytes, then one
-/// frame, which authenticates the header. docs/protocol.md, sections "Datagrams" to "Streams", is
-/// normative; integers are big-endian. The functions only convert bytes: no input or output.
+/// Encoding and decoding of the datagrams of a sealed medium. A datagram consists of a plaintext
+/// header of 16 bytes and one frame, which authenticates the header. Integers are big-endian. The
+/// sections "Datagrams" to "Streams" of docs/protocol.md are normative. The functions only convert
+/// bytes; they do no input or output.
 namespace gecos::media {
 
 enum class DatagramKind : std::uint8_t {
@@ -33,11 +34,11 @@ struct DatagramHeader {
   std::uint64_t client = 0;      ///< random number of the connection; 0 in a sample
 
   void write(std::span<std::byte, bytes> to) const;
-  /// Returns nullopt for bytes that are not a gecos datagram.
+  /// Reads the header of a datagram. Returns nullopt for bytes that are not a datagram of gecos.
   static std::optional<DatagramHeader> read(ByteView from);
 };
 
-/// The kinds of sealed messages on the channel of a connection.
+/// The kinds of sealed messages that are sent on the channel of a connection.
 enum class InnerKind : std::uint8_t {
   Packet = 1,
   Beat,
@@ -60,8 +61,8 @@ struct InnerHeader {
   static std::optional<InnerHeader> read(ByteView from);
 };
 
-/// The announcement of a stream to a client: its channel and the key that decrypts its samples.
-/// Sent sealed.
+/// The announcement of a stream from a server to a client: the stream's channel, and the key that
+/// decrypts its samples. The announcement is sent sealed.
 struct SharedStream {
   static constexpr std::uint16_t most_depth = 1024;
   static constexpr std::size_t bytes = 20 + crypto::StreamKey::bytes;
@@ -77,10 +78,10 @@ struct SharedStream {
 };
 
 inline constexpr std::size_t stamp_bytes = 8;  ///< size of the time stamp in front of a sample
-/// Bytes that a datagram has in addition to its packet.
+/// The number of bytes that a datagram has in addition to its packet.
 inline constexpr std::size_t packet_overhead =
     DatagramHeader::bytes + crypto::Sealer::overhead + InnerHeader::bytes;
-/// Bytes that a datagram has in addition to its sample.
+/// The number of bytes that a datagram has in addition to its sample.
 inline constexpr std::size_t sample_overhead =
     DatagramHeader::bytes + crypto::StreamSealer::overhead + stamp_bytes;
 
@@ -103,7 +104,8 @@ struct InwardSampleHead {
   std::int64_t stamp_ns = 0;
 
   void write(std::span<std::byte, bytes> to) const;
-  /// Returns nullopt when `from` is shorter than the header; the sample follows the header.
+  /// Reads the header at the start of `from`; the sample follows it. Returns nullopt when `from` is
+  /// shorter than the header.
   static std::optional<InwardSampleHead> read(ByteView from);
 };
 
@@ -111,8 +113,8 @@ void write_stamp(std::span<std::byte, 8> to, std::int64_t stamp_ns);
 /// @pre `from` has 8 bytes.
 std::int64_t read_stamp(ByteView from);
 
-/// The address of a server: "lcm:239.255.76.67:20017/GO0123456789abcdef#" and the server's key in
-/// 64 hex digits. A well-known address has no key.
+/// The address of a server. Its text is for example "lcm:239.255.76.67:20017/GO0123456789abcdef#",
+/// followed by the server's key in 64 hex digits. A well-known address has no '#' and no key.
 struct SealedAddress {
   std::string medium;
   std::string network;  ///< letters, digits, '.' and '-'; at most 45 characters
@@ -120,14 +122,15 @@ struct SealedAddress {
   std::string channel;  ///< at most 63 characters
   std::optional<crypto::PublicKey> key;
 
-  /// The address without its key.
+  /// Returns the text of the address without the key.
   std::string place() const;
   std::string to_string() const;
   static std::optional<SealedAddress> parse(std::string_view text);
 };
 
-/// The context of a handshake, which both sides know without sending it: the name and version of
-/// the medium, the address without its key, and the plaintext header of the first message.
+/// Returns the context of a handshake: the name and version of the medium, the address without its
+/// key, and the plaintext header of the first message. Both sides know the context, so that it is
+/// not sent.
 Bytes handshake_context(const SealedAddress& address, ByteView first_header);
 
 }  // namespace gecos::media

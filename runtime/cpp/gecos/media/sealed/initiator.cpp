@@ -8,7 +8,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Interval before the next repetition: 20, 40, 80, then 160 ms.
+/// Returns the time until the next repetition of a message: 20, 40, 80, and then always 160 ms.
 Duration repeated_after(int said) { return 20ms * (1 << std::min(said - 1, 3)); }
 
 }  // namespace

@@ -14,13 +14,13 @@
 
 namespace gecos::media {
 
-/// Opens a client's channel: asks for the server's key if the address has none, repeats the first
-/// handshake message until the server answers, then repeats a beat until the first sealed packet of
-/// the server arrives. Never waits: the owner of the connection must call advance() often. Any
-/// thread.
+/// Opens the channel of a client. First it asks for the server's key, if the address has no key.
+/// Then it repeats the first handshake message until the server answers. Then it repeats a
+/// heartbeat until the first sealed packet of the server arrives. It never waits; the owner of the
+/// connection must call advance() often. Any thread may use it.
 class HandshakeInitiator {
  public:
-  /// Time without an answer after which the handshake starts again, because by then the server has
+  /// After this time without an answer, the handshake starts again, because the server has then
   /// forgotten the handshake.
   static constexpr Duration begins_anew_after = std::chrono::seconds{5};
 
@@ -28,12 +28,13 @@ class HandshakeInitiator {
                      SealedAddress address, std::shared_ptr<SealedSender> sender,
                      std::shared_ptr<ReceiveQueue> queue);
 
-  /// Sends the messages that are due. Costs nothing once a sealed packet of the server has arrived.
+  /// Sends the messages that are due. Does nothing after a sealed packet of the server has arrived.
   void advance();
-  /// Processes a message that the server sends before the channel is open: Key or Second.
+  /// Processes a message that the server sends before the channel is open. Its kind is Key or
+  /// Second.
   void take(const DatagramHeader& header, ByteView frame);
-  /// Why there is no connection yet, as text for the user; empty once the server has answered on
-  /// the channel.
+  /// Returns a text for the user that says why there is no connection yet. The text is empty after
+  /// the server has answered on the channel.
   std::string trouble() const;
 
  private:

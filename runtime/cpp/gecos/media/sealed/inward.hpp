@@ -9,25 +9,26 @@
 #include "gecos/media/sealed/datagram.hpp"
 #include "gecos/media/sealed/sender.hpp"
 
-/// Streams from a client to its server. Their samples are sent on the sealed channel of the
+/// Streams from a client to its server. The client sends their samples on the sealed channel of the
 /// connection.
 namespace gecos::media {
 
-/// Sends the samples of one stream. Thread-safe.
+/// Sends the samples of one stream from a client to its server. Thread-safe.
 class InwardStream {
  public:
-  /// `largest` in bytes, `depth` samples kept by the reader.
+  /// `largest` is the largest size of a sample in bytes. `depth` is the number of samples that the
+  /// reader keeps.
   InwardStream(std::shared_ptr<SealedSender> sender, const SealedOptions& options,
                std::size_t largest, std::size_t depth);
 
-  /// Shares this stream under `id` from now on. Returns the announcement that the server must
-  /// receive.
+  /// From now on, this stream is shared under the number `id`. Returns the announcement that the
+  /// server must receive.
   InwardShare shared_as(std::uint32_t id);
   std::size_t largest() const { return largest_; }
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns);
-  /// Sends the last sample again, for a reader that opened the stream after the sample was sent.
+  /// Sends the last sample again, for a reader that opened the stream after that sample was sent.
   void repeat_last();
-  /// Must be called when the connection is closed: no sample is sent any more.
+  /// Stops the sending of samples. Must be called when the connection is closed.
   void end() { ended_.store(true); }
 
  private:
@@ -44,8 +45,8 @@ class InwardStream {
   std::int64_t stamp_ns_ GECOS_GUARDED_BY(mutex_) = 0;
   Bytes last_ GECOS_GUARDED_BY(mutex_);
   Bytes datagram_ GECOS_GUARDED_BY(mutex_);
-  /// Also set in a forked child, which must not seal: it would reuse the nonce counters of its
-  /// parent.
+  /// True after end(), and in a forked child. A forked child must not seal samples, because it
+  /// would use the nonce counters of its parent again.
   std::atomic<bool> ended_{false};
   const ForkWatch fork_watch_;
 };
@@ -63,7 +64,7 @@ class InwardWriter final : public CopyingWriter {
   const std::shared_ptr<InwardStream> stream_;
 };
 
-/// Reads the samples that the server's connection has received.
+/// Reads the samples of a client's stream that the server's connection has received.
 class InwardReader final : public CopyingReader {
  public:
   explicit InwardReader(std::shared_ptr<SampleBuffer> samples) : samples_(std::move(samples)) {}

@@ -8,14 +8,14 @@
 
 namespace gecos::media {
 
-/// The key of this program, and the keys that it admits. Connections share the keys, which may
-/// outlive the medium that opened them. Any thread.
+/// The key of the user of this program, and the keys that the user admits. The connections of a
+/// medium share this object, which may live longer than the medium. Any thread may use it.
 struct SealedKeys {
   crypto::KeyDirectory directory;
   crypto::Identity own;
 
-  /// Reads the keys in the directory `path`, or makes them. Empty: the user's default key
-  /// directory.
+  /// Opens the key directory `path`, or the user's default key directory if `path` is empty.
+  /// Creates the directory and the user's key if they do not exist.
   static tl::expected<std::shared_ptr<const SealedKeys>, MediumError> open(const std::string& path);
 
   bool admits(const crypto::PublicKey& key) const { return directory.is_admitted(key); }

@@ -27,9 +27,10 @@ std::string channel_of_name(std::string_view name) {
   return channel;
 }
 
-/// Reserves a well-known address on this host. Several processes may listen to one multicast
-/// address, so the reservation is the name of an abstract Unix socket; the kernel removes the name
-/// when the process ends.
+/// Reserves a well-known address on this host for one process. Several processes can listen to one
+/// multicast address, so that listening alone does not reserve the address. Therefore the
+/// reservation is the name of an abstract Unix socket. The kernel removes this name when the
+/// process ends.
 class Claim {
  public:
   static tl::expected<std::unique_ptr<Claim>, MediumError> stake(const SealedAddress& place) {
@@ -62,7 +63,7 @@ class Claim {
 
 class SealedAcceptor final : public Acceptor {
  public:
-  /// `claim` is null unless the address is well-known.
+  /// `claim` is null if the address is not well-known.
   SealedAcceptor(std::shared_ptr<HandshakeResponder> responder, std::unique_ptr<Claim> claim)
       : claim_(std::move(claim)),
         responder_(std::move(responder)),
@@ -152,7 +153,7 @@ class Sealed final : public Medium {
             channel_of_name(name), std::nullopt};
   }
 
-  /// Opens the keys on first use, because most programs never need them.
+  /// Returns the keys. Opens them on first use, because most programs never need them.
   tl::expected<std::shared_ptr<const SealedKeys>, MediumError> keys() {
     const MutexLock lock(mutex_);
     if (keys_ == nullptr) {

@@ -11,73 +11,82 @@
 #include "gecos/crypto/transport.hpp"
 #include "gecos/media/medium.hpp"
 
-/// The interface between a medium that others can overhear and the code that seals it.
+/// The interface between a medium whose packets other programs can read, and the code that encrypts
+/// the packets.
 ///
-/// A medium provides ports that send and receive datagrams. Datagrams may be lost, repeated and
-/// reordered; anybody may overhear datagrams and send forged ones. This folder implements the rest
-/// once for all such media: proving keys, sealing, connections, streams. docs/protocol.md is
-/// normative for the bytes.
+/// The medium provides ports that send and receive datagrams. Datagrams may be lost, repeated and
+/// reordered. Anybody may read the datagrams and send forged datagrams. The code in this folder
+/// implements the rest once for all such media: the proof of keys, the encryption, connections and
+/// streams. docs/protocol.md is normative for the bytes of the datagrams.
 namespace gecos::media {
 
-/// One numbered port: sends to and receives from its channels.
+/// One numbered port of a network. It sends datagrams to channels, and receives the datagrams of
+/// channels.
 class DatagramPort {
  public:
   using Take = std::function<void(ByteView datagram)>;
 
   virtual ~DatagramPort() = default;
-  /// From now on pump() passes the datagrams of `channel` to `take`. Must not be called during
+  /// Makes pump() pass the datagrams of `channel` to `take` from now on. Must not be called during
   /// pump().
   virtual tl::expected<void, MediumError> subscribe(const std::string& channel, Take take) = 0;
-  /// Readable when pump() has something to do; -1 before the first subscription.
+  /// Returns a file descriptor that is readable when pump() has something to do; -1 before the
+  /// first subscription.
   virtual int descriptor() const = 0;
-  /// Reads at most `most` arrived datagrams; never blocks. Returns true when there may be more. Any
-  /// thread, but the port calls `take` from one thread at a time; must not be called from a `take`.
+  /// Reads at most `most` datagrams that have arrived. Never blocks. Returns true when there may be
+  /// more datagrams. Any thread may call this function, but a `take` function must not. The port
+  /// calls the `take` functions from one thread at a time.
   virtual bool pump(int most = 1024) = 0;
-  /// Sends a datagram. Returns false when the kernel refused it. Any thread.
+  /// Sends a datagram. Returns false when the kernel refused the datagram. Any thread may call this
+  /// function.
   virtual bool publish(const std::string& channel, ByteView datagram) = 0;
 };
 
-/// Opens the ports of one network. Any thread.
+/// Opens the ports of one network. Any thread may use it.
 class DatagramNetwork {
  public:
   virtual ~DatagramNetwork() = default;
-  /// The guarantees of a sealed connection over this network.
+  /// Returns the guarantees of a sealed connection over this network.
   virtual const Capabilities& capabilities() const = 0;
-  /// The name of this network in addresses, such as "239.255.76.67": letters, digits, '.' and '-'.
+  /// Returns the name of this network in addresses, for example "239.255.76.67". The name consists
+  /// of letters, digits, '.' and '-'.
   virtual const std::string& name() const = 0;
-  /// Bytes of the largest datagram; must be at least capabilities().largest_packet +
-  /// packet_overhead (datagram.hpp).
+  /// Returns the size of the largest datagram in bytes. The size must be at least
+  /// capabilities().largest_packet + packet_overhead (datagram.hpp).
   virtual std::size_t largest_datagram() const = 0;
   virtual tl::expected<std::unique_ptr<DatagramPort>, MediumError> open(
       std::uint16_t port) const = 0;
-  /// The network that an address calls `name`; usually this network.
+  /// Returns the network that has the name `name` in an address. This is usually the same network.
   virtual std::shared_ptr<const DatagramNetwork> named(const std::string& name) const = 0;
-  /// Text for the user when no server answers: what may keep packets from arriving. May be empty.
+  /// Returns a text for the user when no server answers. The text says why packets may not arrive.
+  /// It may be empty.
   virtual std::string advice() const { return {}; }
 };
 
 struct SealedOptions {
   std::shared_ptr<const DatagramNetwork> network{};
   std::uint16_t well_known_port = 0;  ///< the port of all well-known addresses
-  /// Directory of the keys; empty: crypto::KeyDirectory::default_path(). Opened on first use.
+  /// The path of the key directory, which is opened on first use. If the path is empty,
+  /// crypto::KeyDirectory::default_path() is used.
   std::string key_directory{};
   crypto::RekeyRule rekey{};
-  /// The clock for retries and rekeying; null: the system's. Must outlive the medium and its
-  /// connections.
+  /// The clock for repeated sending and for changes of the keys. If null, the system's clock is
+  /// used. The clock must outlive the medium and its connections.
   const Clock* clock = nullptr;
 
-  /// The time by CLOCK_BOOTTIME, so that the age of a packet in a socket includes the time in which
-  /// the machine was suspended.
+  /// Returns the time by CLOCK_BOOTTIME. So the age of a packet that waits in a socket includes the
+  /// time in which the machine was suspended.
   TimePoint now() const {
     return clock != nullptr ? clock->since_boot() : SystemClock().since_boot();
   }
-  /// The result of now() in ns, as sent in packets.
+  /// Returns the result of now() in ns, which is the form of the time in packets.
   std::int64_t now_ns() const { return now().time_since_epoch().count(); }
 };
 
-/// A medium of sealed connections over `options.network`. Both ends prove their keys to each other,
-/// and each must have admitted the other's key (gecos/crypto/key_directory.hpp). Altered, forged
-/// and replayed packets are discarded.
+/// Makes a medium whose connections send encrypted packets over `options.network`. Both ends of a
+/// connection prove to each other that they own their keys, and each end must have admitted the key
+/// of the other end (gecos/crypto/key_directory.hpp). Altered, forged and replayed packets are
+/// discarded.
 std::unique_ptr<Medium> make_sealed(SealedOptions options);
 
 }  // namespace gecos::media

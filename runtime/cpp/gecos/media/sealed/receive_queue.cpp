@@ -8,7 +8,7 @@ namespace {
 constexpr std::size_t most_notices = 1024;
 constexpr Duration oldest_sign_of_life = std::chrono::milliseconds(250);
 
-/// The plaintext in a frame that was decrypted in place.
+/// Returns the plaintext in a frame that was decrypted in place.
 ByteView text_in(const Bytes& frame) {
   return ByteView(frame).subspan(crypto::Sealer::text_at, frame.size() - crypto::Sealer::overhead);
 }
@@ -41,8 +41,8 @@ void ReceiveQueue::put_locked(Bytes frame, TimePoint now) {
   const auto header = InnerHeader::read(text_in(frame));
   if (!header) return;
   const Duration age = clock_.age(header->sent_ns, now);
-  // A packet that waited here while this process was suspended does not show that the peer is alive
-  // now.
+  // Only a fresh packet counts as a sign of life. A packet that waited while this process was
+  // suspended does not show that the peer is alive now.
   if (age < oldest_sign_of_life) beats_.fetch_add(1, std::memory_order_relaxed);
   switch (header->kind) {
     case InnerKind::Beat:

@@ -18,34 +18,35 @@
 
 namespace gecos::media {
 
-/// The packets that have arrived for one end of a connection, stored by the thread that reads the
-/// port. Packets are decrypted before they are stored, so that only those of the peer take room.
-/// Thread-safe.
+/// The packets that have arrived for one end of a connection. The thread that reads the port stores
+/// them here. Packets are decrypted before they are stored, so that only packets of the peer take
+/// memory. Thread-safe.
 class ReceiveQueue final : public Sleeper {
  public:
-  /// Packets beyond these bounds are dropped, as on a network: the sender notices the missing
-  /// answer.
+  /// The limits of the queue. A packet that would exceed a limit is dropped, as if the network had
+  /// lost it; the sender notices that there is no answer.
   static constexpr std::size_t most_bytes = 8 * 1024 * 1024;
   static constexpr std::size_t most_packets = 16 * 1024;
 
-  /// Throws std::system_error when no descriptor is left.
+  /// Throws std::system_error when the process cannot open another file descriptor.
   ReceiveQueue() = default;
   explicit ReceiveQueue(const crypto::Opener& opener) : opener_(opener) {}
 
-  /// Sets the opener, which decrypts arriving packets; packets that arrive earlier are dropped.
-  /// Must be called at most once.
+  /// Sets the opener, which decrypts the packets that arrive. Packets that arrive before this call
+  /// are dropped. Must be called at most once.
   void open(const crypto::Opener& opener);
-  /// Decrypts and stores a sealed datagram of the peer, read at `now`: its header, and the frame
-  /// after it.
+  /// Decrypts and stores a sealed datagram that was read from the port at the time `now`. The
+  /// datagram consists of `header` and `frame`.
   void take(ByteView header, ByteView frame, TimePoint now);
-  /// Stores a frame that was decrypted in place.
+  /// Stores a frame that the caller has decrypted in place.
   void put(Bytes frame, TimePoint now);
 
   struct Packet {
     Bytes frame;       ///< a decrypted frame; packet_in() returns its packet
     TimePoint sent{};  ///< send time by our clock
   };
-  /// Moves the next packet to `packet`, whose memory is reused. Returns false when there is none.
+  /// Moves the next packet to `packet`, whose memory the queue uses again. Returns false when there
+  /// is no packet.
   bool pop(Packet& packet);
   static ByteView packet_in(const Bytes& frame);
   bool has_packets();
@@ -58,17 +59,20 @@ class ReceiveQueue final : public Sleeper {
     InwardShare inward;
   };
   std::vector<Notice> notices();
-  /// From now on inward samples of `id` go to `samples`, as long as it exists.
+  /// Makes the queue put the samples of the client's stream `id` into `samples` from now on, as
+  /// long as `samples` exists.
   void collect(std::uint32_t id, std::weak_ptr<SampleBuffer> samples);
-  /// Whether an inward sample has arrived that no reader and no earlier call has seen.
+  /// Returns whether a sample of a client's stream has arrived that neither its reader nor an
+  /// earlier call has seen.
   bool new_samples();
-  /// Must be called with every beat: deletes keys that were replaced.
+  /// Deletes keys that were replaced. Must be called with every heartbeat.
   void on_tick(TimePoint now);
 
-  /// Whether a packet was decrypted, which proves that the peer has the keys of the channel.
+  /// Returns whether a packet was decrypted. This proves that the peer has the keys of the channel.
   bool heard() const { return beats() != 0; }
   std::uint64_t beats() const { return beats_.load(std::memory_order_relaxed); }
-  /// As Connection::beats_read. The reader has handled a packet when it calls `pop` again.
+  /// Returns the value of Connection::beats_read. The reader has handled a packet when it calls
+  /// `pop` again.
   std::uint64_t beats_read() const { return beats_read_.load(std::memory_order_relaxed); }
   bool closed() const { return closed_.load(std::memory_order_acquire); }
   std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
@@ -95,9 +99,9 @@ class ReceiveQueue final : public Sleeper {
   std::optional<crypto::Opener> opener_ GECOS_GUARDED_BY(mutex_);
   SendersClock clock_ GECOS_GUARDED_BY(mutex_);
   std::deque<Packet> packets_ GECOS_GUARDED_BY(mutex_);
-  /// The reader may still be handling the packet that it took last.
+  /// True when the reader may still be handling the packet that it took last.
   bool in_hand_ GECOS_GUARDED_BY(mutex_) = false;
-  /// Memory of a packet that was read; reused for the next frame.
+  /// Memory of a packet that was read. It is used again for the next frame.
   Bytes spare_ GECOS_GUARDED_BY(mutex_);
   std::size_t bytes_ GECOS_GUARDED_BY(mutex_) = 0;
   std::vector<Notice> notices_ GECOS_GUARDED_BY(mutex_);

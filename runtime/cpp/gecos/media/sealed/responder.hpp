@@ -17,13 +17,13 @@
 
 namespace gecos::media {
 
-/// What the acceptor of an object and its connections share: the port that receives the datagrams
-/// of all clients, and the handshake. A client counts as connected once one of its sealed packets
-/// was decrypted. A replayed handshake never leads to a decrypted packet, so it displaces no client
-/// and holds no descriptor.
+/// The part that the acceptor of an object shares with its connections: the port that receives the
+/// datagrams of all clients, and the handshake. A client counts as connected after one of its
+/// sealed packets was decrypted. A replayed handshake never leads to a decrypted packet. Therefore
+/// it cannot take the place of a client, and it occupies no descriptor.
 class HandshakeResponder {
  public:
-  /// A client that has connected and was not yet accepted.
+  /// A client that has connected and that the acceptor has not accepted yet.
   struct PendingPeer {
     std::uint64_t client = 0;
     std::uint16_t reply_port = 0;
@@ -35,17 +35,17 @@ class HandshakeResponder {
                      std::unique_ptr<DatagramPort> in, SealedAddress address);
 
   tl::expected<void, MediumError> open();
-  /// Puts arrived datagrams into the queues of connections and pending peers. Returns true when
-  /// there may be more.
+  /// Puts the datagrams that have arrived into the queues of the connections and of the clients
+  /// that are not accepted yet. Returns true when there may be more datagrams.
   bool pump() { return in_->pump(); }
   std::optional<PendingPeer> next_pending();
   void forget(std::uint64_t client);
-  /// A stream for all clients of the object. Throws std::runtime_error when its port cannot be
-  /// opened. Any thread.
+  /// Makes a stream for all clients of the object. Throws std::runtime_error when the port of the
+  /// stream cannot be opened. Any thread may call this function.
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth);
 
   int descriptor() const { return in_->descriptor(); }
-  /// The eventfd that pump() notifies when a client has connected.
+  /// Returns the eventfd that pump() notifies when a client has connected.
   EventFd& event() { return event_; }
   const SealedOptions& options() const { return options_; }
   const SealedAddress& address() const { return address_; }
@@ -63,7 +63,7 @@ class HandshakeResponder {
     std::optional<TimePoint> since_;
     unsigned taken_ = 0;
   };
-  /// A handshake that was answered; the client has not yet proved that it has the keys.
+  /// A handshake that was answered, but whose client has not yet proved that it has the keys.
   struct Unconfirmed {
     std::uint64_t client = 0;
     std::uint16_t reply_port = 0;
@@ -82,7 +82,7 @@ class HandshakeResponder {
   const SealedAddress address_;
   EventFd event_;
   std::atomic<bool> closed_{false};  // the acceptor is destroyed: no further client is accepted
-  // Used only in take(), which the port calls from one thread at a time:
+  // The following members are used only in take(), which the port calls from one thread at a time.
   crypto::HandshakeAcceptor handshakes_;
   Budget answers_{400};
   Budget warnings_{1};

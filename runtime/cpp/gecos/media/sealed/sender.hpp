@@ -13,11 +13,12 @@
 
 namespace gecos::media {
 
-/// The sending side of one end of a connection: seals and publishes. Any thread.
+/// Encrypts and sends the messages of one end of a connection. Any thread may use it.
 class SealedSender {
  public:
-  /// Packets sent before the channel is open are held up to these bounds; further packets are lost,
-  /// as on a network.
+  /// The limits for packets that are sent before the channel is open. Such packets are held until
+  /// the channel opens. A packet that would exceed a limit is dropped, as if the network had lost
+  /// it.
   static constexpr std::size_t most_held = 64;
   static constexpr std::size_t most_bytes_held = 1024 * 1024;
 
@@ -27,14 +28,16 @@ class SealedSender {
   /// Sets the sealer and sends the packets that were held. Must be called at most once.
   void open(crypto::Sealer sealer);
   bool is_open();
-  /// Seals head and body in `memory` and sends them. While the channel is not open, holds packets
-  /// and drops other messages. Returns false when the kernel refused the datagram.
+  /// Encrypts `head` and `body` as one message in `memory`, and sends the message. While the
+  /// channel is not open, holds packets and drops other messages. Returns false when the kernel
+  /// refused the datagram.
   bool send(InnerHeader what, ByteView head, ByteView body, Bytes& memory);
-  /// Sends an unsealed datagram of the handshake: header(kind) and `frame`.
+  /// Sends a datagram of the handshake, which is not encrypted. The datagram consists of
+  /// header(kind) and `frame`.
   bool send_bare(DatagramKind kind, ByteView frame);
-  /// The header of a handshake datagram. The handshake authenticates this header.
+  /// Returns the header of a handshake datagram. The handshake authenticates this header.
   std::array<std::byte, DatagramHeader::bytes> header(DatagramKind kind) const;
-  /// Must be called with every beat: changes to the next key when that is due.
+  /// Changes to the next key when it is time to do so. Must be called with every heartbeat.
   void on_tick(TimePoint now);
 
  private:

@@ -9,18 +9,19 @@
 
 namespace gecos::media {
 
-/// Computes the age of packets from the sender's time stamps. The two clocks need only run at the
-/// same rate: the transit time of the quickest packet is taken as zero, so an age is too small by
-/// that time, and never too large. One thread at a time.
+/// Computes the age of packets from the sender's time stamps. The clocks of the two hosts may show
+/// different times, but must run at the same rate. The computation assumes that the transit time of
+/// the quickest packet is zero. Therefore an age is too small by this transit time, and is never
+/// too large. Only one thread at a time may use a SendersClock.
 class SendersClock {
  public:
-  /// Assumed maximum drift between two clocks: one part in 2000.
+  /// The assumed maximum drift between two clocks is one part in this number.
   static constexpr std::int64_t drift = 2000;
-  /// The assumed maximum difference between two clocks, 73 years. Differences to the times of a
-  /// peer are clamped to this range.
+  /// The assumed maximum difference between two clocks: 73 years. Differences to the times of a
+  /// peer are limited to this range.
   static constexpr Duration longest{std::int64_t{1} << 61};
 
-  /// The age of a packet with the time stamp `sent_ns` that was read at `now`.
+  /// Returns the age of a packet that has the time stamp `sent_ns` and was read at the time `now`.
   Duration age(std::int64_t sent_ns, TimePoint now) {
     const auto here = static_cast<std::uint64_t>(now.time_since_epoch().count());
     const Duration took =
@@ -35,8 +36,9 @@ class SendersClock {
     return took - *least_ - (now - since_) / drift;
   }
 
-  /// Our clock minus the sender's, plus the shortest transit time: the smallest difference of the
-  /// last five to ten minutes. In that time clocks drift apart by less than packets are delayed.
+  /// Returns our clock minus the sender's clock, plus the shortest transit time of a packet. This
+  /// is the smallest difference between the arrival time and the send time of a packet in the last
+  /// five to ten minutes. In this period the clocks drift apart by less than the delay of a packet.
   std::optional<Duration> difference() const {
     return before_ && smallest_ ? std::min(before_, smallest_) : smallest_;
   }

@@ -55,7 +55,8 @@ void SampleQueue::take(ByteView datagram) {
   {
     const MutexLock lock(mutex_);
     const ByteView sealed = datagram.subspan(DatagramHeader::bytes);
-    // The first sample of a stream has sequence number 1 and nonce counter 0.
+    // The sequence number is the nonce counter plus one: the first sample of a stream has sequence
+    // number 1 and nonce counter 0.
     const std::uint64_t sequence =
         crypto::read_u64(sealed.first<crypto::StreamSealer::text_at>()) + 1;
     if (sequence <= samples_.newest()) return;  // repeated, or reordered after a newer one

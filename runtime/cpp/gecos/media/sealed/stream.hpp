@@ -13,16 +13,16 @@
 
 namespace gecos::media {
 
-/// Sends each sample of a stream once for all readers, on a channel and under a key that only this
-/// stream uses.
+/// Sends each sample of a stream once for all readers. The channel and the key are used by this
+/// stream only.
 class SealedStream {
  public:
   SealedStream(std::shared_ptr<DatagramPort> port, SharedStream where);
 
   const SharedStream& where() const { return where_; }
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns);
-  /// Sends the last sample again for readers that subscribed after it was sent. Readers that have
-  /// the sample already ignore it. Any thread.
+  /// Sends the last sample again, for readers that subscribed after the sample was sent. Other
+  /// readers ignore the repetition. Any thread may call this function.
   void repeat_last();
 
  private:
@@ -47,16 +47,17 @@ class SealedStreamWriter final : public CopyingWriter {
   const std::shared_ptr<SealedStream> stream_;
 };
 
-/// The newest samples of a stream that is being read, filled by the thread that reads `port`.
+/// The newest samples of a stream that this program reads. The thread that reads `port` stores them
+/// here.
 class SampleQueue {
  public:
-  /// `sleeper` is woken with every new sample.
+  /// Every new sample wakes `sleeper`.
   SampleQueue(std::shared_ptr<DatagramPort> port, const SharedStream& where,
               std::weak_ptr<Sleeper> sleeper);
 
   void take(ByteView datagram);
   bool read(std::uint64_t after, bool newest, StreamSample& into);
-  /// Whether a sample has arrived that neither the reader nor an earlier call has seen.
+  /// Returns whether a sample has arrived that neither the reader nor an earlier call has seen.
   bool anything_new();
 
  private:
@@ -82,12 +83,14 @@ class SealedStreamReader final : public CopyingReader {
   const std::shared_ptr<SampleQueue> queue_;
 };
 
-/// The name of a channel: `prefix` and 16 hex digits, such as "GS0123456789abcdef".
+/// Returns the name of a channel: `prefix` and the number in 16 hex digits, for example
+/// "GS0123456789abcdef".
 std::string channel_name(std::string_view prefix, std::uint64_t number);
-/// A random number that is not 0 and that, almost certainly, no other program has drawn.
+/// Returns a random number that is not 0. It is almost certain that no other program has drawn the
+/// same number.
 std::uint64_t draw_number();
-/// A random port from 20000 to 32000: below the ephemeral port range, and rarely drawn by two
-/// programs.
+/// Returns a random port number from 20000 to 32000. These numbers are below the range of ephemeral
+/// ports, and two programs rarely draw the same number.
 std::uint16_t draw_port();
 
 }  // namespace gecos::media

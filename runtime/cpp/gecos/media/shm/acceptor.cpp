@@ -29,7 +29,8 @@ namespace {
 constexpr std::size_t most_pending = 64;  // above this, the oldest client without Hello is dropped
 constexpr int most_at_once = 64;
 constexpr std::size_t longest_name = 32;
-constexpr std::string_view no_descriptors = "the server has no descriptors left (ulimit -n)";
+constexpr std::string_view no_descriptors =
+    "the server has no file descriptors left (see `ulimit -n`)";
 
 bool none_left(int error) { return error == EMFILE || error == ENFILE; }
 
@@ -62,12 +63,14 @@ bool is_socket(const std::string& path) {
   return ::lstat(path.c_str(), &found) == 0 && S_ISSOCK(found.st_mode);
 }
 
-/// @pre the directory's lock is held.
+/// Returns whether `path` is a socket at which no process listens. @pre the caller holds the lock
+/// of the directory.
 bool server_is_dead(const std::string& path) {
   return is_socket(path) && !connect_to(path) && errno == ECONNREFUSED;
 }
 
-/// Returns why no server can listen at `path`, which exists already, and what the user can do.
+/// Returns an error text for a `path` that exists already. The text says why no server can listen
+/// there, and what the user can do.
 std::string occupied(const std::string& path) {
   const std::string elsewhere = "name a directory of your own in GECOS_RUNTIME_DIR";
   const Descriptor their = connect_to(path);
@@ -95,8 +98,8 @@ std::string occupied(const std::string& path) {
          std::to_string(*server->pid) + "), or " + elsewhere;
 }
 
-/// Removes the sockets that killed servers have left: "<name>.<pid>.<number>.sock".
-/// @pre the directory's lock is held.
+/// Removes the sockets that killed servers have left. Their names have the form
+/// "<name>.<pid>.<number>.sock". @pre the caller holds the lock of the directory.
 void sweep(const std::string& directory) {
   DIR* const opened = ::opendir(directory.c_str());
   if (opened == nullptr) return;
@@ -105,7 +108,8 @@ void sweep(const std::string& directory) {
     if (!name.ends_with(".sock")) continue;
     const std::size_t dot = name.find('.');
     const auto pid = static_cast<pid_t>(std::atol(name.c_str() + dot + 1));
-    // If the process lives, do not connect: its server would get a connection without a Hello.
+    // A socket of a living process is skipped: its server would get a connection without a Hello
+    // message.
     if (pid <= 0 || (::kill(pid, 0) == 0 || errno != ESRCH)) continue;
     const std::string path = directory + "/" + name;
     if (server_is_dead(path)) ::unlink(path.c_str());
@@ -113,8 +117,8 @@ void sweep(const std::string& directory) {
   ::closedir(opened);
 }
 
-/// A bound and listening socket. errno is EADDRINUSE when the file exists.
-/// @pre the directory's lock is held.
+/// Returns a socket that listens at `path`. On failure, returns an empty Descriptor and sets errno,
+/// which is EADDRINUSE when the file exists. @pre the caller holds the lock of the directory.
 Descriptor bind_and_listen(const std::string& path, bool for_all_users) {
   sockaddr_un address{};
   if (!address_of(path, address)) {
@@ -241,7 +245,8 @@ std::unique_ptr<Connection> ShmAcceptor::accept() {
   for (std::size_t pending = pending_.size(); pending-- > 0;) {
     if (auto connection = hear(pending)) return connection;
   }
-  // A client sends Hello right after it connects, so most Hellos can be read right after accept4().
+  // A client sends its Hello message right after it connects, so that most of these messages can be
+  // read right after accept4().
   for (int i = 0; i < most_at_once; ++i) {
     if (!let_in()) return nullptr;
     if (pending_.empty()) continue;
@@ -277,9 +282,11 @@ bool ShmAcceptor::let_in() {
   return true;
 }
 
-/// Returns false when no client was waiting, or another thread took the spare descriptor meanwhile.
+/// Refuses a waiting client when the process has no descriptor left. Returns false when no client
+/// was waiting, or when another thread took the spare descriptor meanwhile.
 bool ShmAcceptor::turn_away() {
-  // A client that is left in the backlog would keep the listener readable and this thread awake.
+  // The client must be accepted in order to be refused. If it stayed in the backlog, the listener
+  // would stay readable and keep this thread awake.
   spare_.reset();
   const Descriptor unwanted(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
   short_of_descriptors_ = !unwanted && none_left(errno);

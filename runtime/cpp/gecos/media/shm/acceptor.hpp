@@ -12,7 +12,8 @@
 
 namespace gecos::media::shm {
 
-/// Listens at a Unix socket in the runtime directory. Removes the sockets of dead servers there.
+/// An acceptor that listens at a Unix socket in the runtime directory. When it opens, it removes
+/// the sockets of dead servers from that directory.
 class ShmAcceptor final : public Acceptor {
  public:
   static tl::expected<std::unique_ptr<Acceptor>, MediumError> open(const ShmOptions& options,
@@ -30,7 +31,7 @@ class ShmAcceptor final : public Acceptor {
   ShmAcceptor(std::string path, Descriptor listener, bool other_users);
 
  private:
-  /// A client that has connected and not yet sent Hello.
+  /// A client that has connected and has not yet sent its Hello message.
   struct PendingPeer {
     Descriptor socket;
     Peer peer;
@@ -57,9 +58,10 @@ class ShmAcceptor final : public Acceptor {
   const ForkWatch fork_watch_;
 };
 
-/// The path of the well-known socket named `name`.
+/// Returns the path of the well-known socket with the name `name`.
 std::string well_known_path(const std::string& directory, std::string_view name);
-/// A socket connected to `path`; empty, with errno set, when that fails.
+/// Returns a socket that is connected to `path`. On failure, returns an empty Descriptor and sets
+/// errno.
 Descriptor connect_to(const std::string& path);
 
 }  // namespace gecos::media::shm

@@ -9,15 +9,17 @@
 
 namespace gecos::media::shm {
 
-/// The areas for large packets of one connection. Each area is a sealed memfd, whose descriptor is
-/// sent over the socket before the first packet in the area is announced.
+/// The memory areas for the large packets of one connection. Each area is a sealed memfd. Its
+/// descriptor is sent over the socket before the first packet in the area is announced.
 class ShmBulk final : private AreaMaker {
  public:
-  /// `look` reads the socket, and waits until another thread that reads it has finished.
+  /// `look` must read the messages on the socket; if another thread is reading them, it must wait
+  /// until that thread has finished.
   ShmBulk(int socket, RingWriter& ring, std::function<void()> look)
       : out(ring, *this), in(std::move(look)), socket_(socket) {}
 
-  /// Processes a message Area or AreaEnd of the peer. Fails with the reason when it is invalid.
+  /// Processes a message of the peer whose type is Area or AreaEnd. Returns an error text when the
+  /// message is invalid.
   tl::expected<void, std::string> take(ReceivedControl& control);
 
   BulkWriter out;

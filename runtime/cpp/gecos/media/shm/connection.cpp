@@ -13,7 +13,9 @@ namespace gecos::media::shm {
 namespace {
 
 constexpr std::size_t ring_bytes = RingMemory::bytes(usual_slot_count);
-/// A server has many clients, and each stream takes a mapping in the process that reads it.
+/// Returns how many streams an end may share and receive. A server has many clients, and each
+/// stream that it reads needs a mapping; therefore a server accepts fewer streams from a client
+/// than a client accepts from its server.
 constexpr SharedStreams::Limits limits_of(ShmConnection::Role role) {
   constexpr std::size_t of_server = 1024;
   constexpr std::size_t of_client = 64;
@@ -22,7 +24,8 @@ constexpr SharedStreams::Limits limits_of(ShmConnection::Role role) {
 }
 constexpr int most_messages_at_once = 64;  // so that a flood of messages cannot block the reader
 
-/// Fails with the system's error text when no descriptor is left for the connection's eventfd.
+/// Makes a connection. Returns the system's error text when no descriptor is left for the eventfd
+/// of the connection.
 tl::expected<std::unique_ptr<ShmConnection>, std::string> make_connection(
     ShmConnection::Role role, std::shared_ptr<PeerEnd> other, Peer peer, Descriptor death,
     SealedMemory own) {
@@ -97,8 +100,8 @@ tl::expected<std::unique_ptr<Connection>, std::string> ShmConnection::welcome(
 }
 
 ShmConnection::~ShmConnection() {
-  // Without the mutex: no other thread uses a connection that is destroyed, and in a forked child
-  // the mutex may stay locked for ever.
+  // The destructor does not lock the mutex: no other thread uses a connection that is destroyed,
+  // and in a forked child the mutex may stay locked for ever.
   streams_.forget(*other_);
   if (loss_.load() == Loss::None) {
     send_control(other_->socket(), ControlMessage{.type = ControlType::Bye});
@@ -127,7 +130,8 @@ tl::expected<std::uint64_t, SendProblem> ShmConnection::send_quietly(ByteView he
 }
 
 void ShmConnection::wake_reader() {
-  // Before its Welcome, a server may sleep, but cannot publish that it sleeps: so always wake it.
+  // Before a server has sent its Welcome message, it may sleep but cannot publish that it sleeps.
+  // Therefore it is always woken.
   if (other_->known() && !writer_.reader_sleeps()) return;
   note_ring(*own_.control);
   other_->wake();
@@ -148,8 +152,8 @@ std::optional<ByteView> ShmConnection::receive() {
 }
 
 std::optional<std::uint64_t> ShmConnection::taken_by_peer() {
-  // A server reads no packet before it has answered, so a server that died without an answer has
-  // read no packet.
+  // A server reads no packet before it has answered. Therefore a server that died without an answer
+  // has read no packet.
   if (!other_->known()) read_control();
   return writer_.taken();
 }
@@ -167,7 +171,8 @@ bool ShmConnection::prepare_to_sleep() {
 
 void ShmConnection::woke() {
   own_.control->asleep.store(0, std::memory_order_relaxed);
-  // If the eventfd did not end the sleep, a message on the socket or the peer's death may have.
+  // If the eventfd did not end the sleep, a message on the socket or the death of the peer may have
+  // ended it.
   if (!event_.drain()) read_control();
 }
 
@@ -240,7 +245,8 @@ std::string ShmConnection::why_no_stream(std::uint32_t id) {
   return streams_.why_not_open(id);
 }
 
-/// Takes the memory and the eventfd of the peer. Returns the error in them, or nullopt.
+/// Takes the memory and the eventfd that the peer has sent. Returns an error text when they are
+/// invalid; otherwise nullopt.
 std::optional<std::string> ShmConnection::know_peer(ReceivedControl& from) {
   auto& [memfd, event] = from.descriptors;
   if (!memfd || !event) return "the peer did not send its memory and its eventfd";
@@ -283,8 +289,8 @@ void ShmConnection::read_control() {
       note_loss(Loss::Broken, "the peer sent a message of another format or version");
     }
   }
-  // Check this only when no message is left: a peer that sent Bye before it ended has closed the
-  // connection, and has not died.
+  // The death of the peer counts only when no message is left. A peer that sent Bye before its end
+  // has closed the connection, and has not died.
   if (watched[1].revents != 0 && read == ControlRead::Nothing) {
     note_loss(Loss::Died, peer_.description + " has ended");
   }
@@ -299,8 +305,8 @@ void ShmConnection::take_control(ReceivedControl& control) {
   const ControlMessage& message = control.message;
   switch (message.type) {
     case ControlType::Notify:
-      // If loss() reads this message, the thread that sleeps on the socket does not see it: wake
-      // that thread by its eventfd.
+      // If loss() has read this message, the thread that sleeps on the socket does not see the
+      // message. Therefore that thread is woken by its eventfd.
       if (own_.control->asleep.load(std::memory_order_seq_cst) != 0) event_.notify();
       return;
     case ControlType::Bye: {
@@ -342,7 +348,7 @@ void ShmConnection::note_loss(Loss loss, std::string text) {
   if (loss_.load(std::memory_order_relaxed) != Loss::None) return;
   loss_text_ = std::move(text);
   loss_.store(loss, std::memory_order_seq_cst);
-  event_.notify();  // for another thread: the message that was read here wakes it no longer
+  event_.notify();  // for another thread, which the message that was read here no longer wakes
 }
 
 void ShmConnection::abandon() noexcept {

@@ -22,18 +22,20 @@
 
 namespace gecos::media::shm {
 
-/// One end of a connection; both ends are the same except that the client sends Hello and the
-/// server sends Welcome. Has more methods and members than other classes, because it implements the
-/// whole of Connection; the ring, large packets and streams are parts of their own.
+/// One end of a connection over shared memory. The two ends differ only in one message: the client
+/// sends Hello, and the server sends Welcome. This class has more methods and members than other
+/// classes, because it implements the whole of Connection. The ring, large packets and streams have
+/// separate classes.
 class ShmConnection final : public Connection, public QuietSender {
  public:
   enum class Role : std::uint8_t { Client, Server };
 
-  /// Makes a client's connection over a connected socket and sends Hello. The server may answer at
-  /// any later time.
+  /// Makes the connection of a client over a connected socket, and sends the Hello message. The
+  /// server may answer at any later time.
   static tl::expected<std::unique_ptr<Connection>, MediumError> greet(Descriptor socket, Peer peer,
                                                                       Descriptor death);
-  /// Makes a server's connection and answers `hello`. Fails with the reason.
+  /// Makes the connection of a server and answers the message `hello`. On failure, returns an error
+  /// text.
   static tl::expected<std::unique_ptr<Connection>, std::string> welcome(Descriptor socket,
                                                                         Peer peer, Descriptor death,
                                                                         ReceivedControl& hello);

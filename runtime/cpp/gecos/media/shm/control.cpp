@@ -24,8 +24,8 @@ union alignas(cmsghdr) DescriptorSpace {
   char bytes[CMSG_SPACE(2 * sizeof(int))];
 };
 
-/// Takes ownership of all received descriptors. Returns false when the message has more descriptors
-/// than allowed, or when some were lost.
+/// Takes ownership of all descriptors of a received message. Returns false when the message has
+/// more descriptors than allowed, or when some descriptors were lost.
 bool take_descriptors(msghdr& header, std::array<Descriptor, 2>& into) {
   std::size_t taken = 0;
   bool fits = (header.msg_flags & MSG_CTRUNC) == 0;
@@ -90,8 +90,8 @@ ControlRead receive_control(int socket, ReceivedControl& into) {
   ssize_t got = -1;
   do {
     got = ::recvmsg(socket, &header, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
-    // The kernel reports ECONNRESET once, before data that the peer sent earlier: read on to get
-    // that data.
+    // The kernel reports ECONNRESET once, before the data that the peer sent earlier. Therefore the
+    // loop reads again to get that data.
   } while (got < 0 && (errno == EINTR || errno == ECONNRESET));
   if (got < 0) {
     return errno == EAGAIN || errno == EWOULDBLOCK ? ControlRead::Nothing : ControlRead::Ended;
@@ -99,8 +99,8 @@ ControlRead receive_control(int socket, ReceivedControl& into) {
   into.descriptors = {};
   const bool fits = take_descriptors(header, into.descriptors);
   if (got == 0) return ControlRead::Ended;
-  // The kernel drops descriptors that do not fit into this process's table, and reports only that
-  // some were dropped.
+  // The kernel drops the descriptors for which this process's descriptor table has no room, and
+  // reports only that some were dropped.
   const bool dropped = (header.msg_flags & MSG_CTRUNC) != 0;
   if (dropped && !into.descriptors.back()) return ControlRead::NoDescriptors;
   if (!fits || (header.msg_flags & MSG_TRUNC) != 0 ||
@@ -130,8 +130,8 @@ tl::expected<Descriptor, std::string> death_of_peer(int socket, std::int32_t pid
   int fd = -1;
   socklen_t size = sizeof fd;
   if (::getsockopt(socket, SOL_SOCKET, so_peerpidfd, &fd, &size) == 0) return Descriptor(fd);
-  // On older kernels the pid may belong to another process by now. Then only the closed socket
-  // shows that the peer died.
+  // On older kernels the descriptor is opened by the pid, which may belong to another process by
+  // now. In that case only the closed socket shows that the peer died.
   fd = static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
   if (fd < 0 && errno == ESRCH) return tl::unexpected<std::string>("the peer's process has ended");
   return Descriptor(fd);

@@ -9,8 +9,8 @@
 #include "gecos/base/descriptor.hpp"
 #include "gecos/media/medium.hpp"
 
-/// The messages on the Unix socket of a connection: file descriptors and rare events. Packets go
-/// through the rings.
+/// The messages on the Unix socket of a connection. They carry file descriptors and announce rare
+/// events. Packets do not use the socket, but the rings.
 namespace gecos::media::shm {
 
 enum class ControlType : std::uint32_t {
@@ -19,12 +19,13 @@ enum class ControlType : std::uint32_t {
   Notify,     ///< wakes the peer while its eventfd is unknown or not trusted
   Share,      ///< memory of the stream `id`: `depth` samples of at most `largest` bytes
   Unshare,    ///< the stream `id` is no longer shared
-  Bye,        ///< the connection is closed in order; `text` says why when the peer was refused
+  Bye,        ///< closes the connection; `text` says why when the peer was refused
   Area,       ///< memory for large packets, area number `largest`; the previous area is freed
   AreaEnd,    ///< the area number `largest` is freed
 };
 
-/// Both ends run on one kernel, so the struct is sent as it is in memory.
+/// A message on the socket. Both ends run on one kernel, so that the struct is sent as it is in
+/// memory.
 struct ControlMessage {
   static constexpr std::uint32_t this_version = 0x67630002;
   std::uint32_t version =
@@ -45,7 +46,7 @@ enum class ControlRead : std::uint8_t {
   Nothing,
   Ended,
   Garbage,
-  NoDescriptors,  ///< the message has descriptors, but this process may open no more
+  NoDescriptors,  ///< the message has descriptors, but this process cannot open more
 };
 
 struct ReceivedControl {
@@ -53,19 +54,22 @@ struct ReceivedControl {
   std::array<Descriptor, 2> descriptors;  ///< in the order sent; CLOEXEC
 };
 
-/// Never blocks. Returns false when the socket's buffer is full or the peer has gone.
+/// Sends a message and descriptors over `socket`. Never blocks. Returns false when the buffer of
+/// the socket is full, or when the peer has closed its socket.
 bool send_control(int socket, const ControlMessage& message, std::span<const int> descriptors = {});
-/// Never blocks. Returns Garbage for a message of another format or version, or one with too many
-/// descriptors.
+/// Receives the next message from `socket`. Never blocks. Returns Garbage for a message that has
+/// another format or version, or too many descriptors.
 ControlRead receive_control(int socket, ReceivedControl& into);
 
-/// The peer of a connected socket, as the kernel reports it. Fails for a peer that the kernel
-/// cannot name here: another user or process namespace.
+/// Returns the peer of a connected socket, as the kernel reports it. Fails for a peer in another
+/// user namespace or process namespace, whose ids the kernel cannot report here.
 tl::expected<Peer, std::string> peer_of(int socket);
-/// A descriptor that becomes readable when the process at the other end dies. Fails when that
-/// process has died already; empty when the kernel does not support it.
+/// Returns a descriptor that becomes readable when the process at the other end dies. Fails when
+/// that process has died already. Returns an empty Descriptor when the kernel does not support such
+/// descriptors.
 tl::expected<Descriptor, std::string> death_of_peer(int socket, std::int32_t pid);
-/// Whether `descriptor` is an eventfd. A write to another kind of file may run code of the peer.
+/// Returns whether `descriptor` is an eventfd. This must be checked before a write, because a write
+/// to another kind of file may run code of the peer.
 bool is_event_fd(int descriptor);
 
 }  // namespace gecos::media::shm

@@ -8,20 +8,22 @@
 
 namespace gecos::media::shm {
 
-/// Sends control messages in order over a socket; messages for which the socket has no room wait
-/// here. Not thread-safe.
+/// Sends control messages over a socket, in order. Messages for which the socket has no room wait
+/// in this queue. Not thread-safe.
 class ControlQueue {
  public:
   struct Unsent {
     ControlMessage message;
     std::shared_ptr<SealedMemory> memory;  ///< owns the descriptor until it is sent; may be null
   };
-  /// The caller owns `socket`, and calls no function of this object after it has closed `socket`.
+  /// The caller owns `socket`. After it has closed `socket`, it must not call any function of this
+  /// object.
   explicit ControlQueue(int socket) : socket_(socket) {}
 
-  /// Sends a message now, or in a later `flush`. Returns false when too many messages wait.
+  /// Sends a message now or in a later call of `flush`. Returns false and drops the message when
+  /// too many messages wait.
   bool send(Unsent unsent);
-  /// Sends the messages that wait, as far as the socket has room.
+  /// Sends the waiting messages, as far as the socket has room.
   void flush();
 
  private:

@@ -19,20 +19,22 @@ namespace gecos::media::shm {
 namespace {
 
 constexpr const char* administrators_directory = "/run/gecos";
-/// The path of a socket has at most 107 characters, and its file name may take 57 of them.
+/// The maximum length of the directory's path. The path of a socket may have at most 107
+/// characters, and the file name of a socket may take 57 of them.
 constexpr std::size_t longest_directory = 50;
 
 tl::unexpected<MediumError> error(const std::string& text) {
   return tl::unexpected(MediumError{"shm: " + text});
 }
 
-/// Whether a directory is owned by root and sticky, as /tmp is: every user may make files in it,
-/// and remove only their own.
+/// Returns whether a directory is owned by root and sticky, like /tmp. In such a directory, every
+/// user can make files and can remove only the user's own files.
 bool sticky_of_root(const struct stat& found) {
   return S_ISDIR(found.st_mode) && found.st_uid == 0 && (found.st_mode & S_ISVTX) != 0;
 }
 
-/// As stat(), but does not follow a symbolic link that another user may have made.
+/// Reads the attributes of `directory` like stat(), but does not follow a symbolic link that
+/// another user may have made.
 bool look_at(const std::string& directory, struct stat& found) {
   struct stat parent {};
   const std::string above = std::filesystem::path(directory).parent_path().string();
@@ -66,7 +68,7 @@ std::string default_runtime_directory() {
 tl::expected<void, MediumError> prepare_directory(const std::string& directory) {
   if (directory.size() > longest_directory) {
     return error("the path " + directory + " has " + std::to_string(directory.size()) +
-                 " characters, and the sockets in that directory leave room for " +
+                 " characters, but sockets need a directory whose path has at most " +
                  std::to_string(longest_directory) +
                  "; name a shorter directory in GECOS_RUNTIME_DIR");
   }

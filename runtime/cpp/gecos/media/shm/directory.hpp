@@ -7,25 +7,27 @@
 
 namespace gecos::media::shm {
 
-/// The directory with the sockets of this user's programs: `GECOS_RUNTIME_DIR`, else /run/gecos if
-/// an administrator made it, else /tmp. In a directory that all users share (owned by root and
-/// sticky), each user has a folder gecos-<uid>, because a common folder would belong to the user
-/// who came first. No other function of shm reads the environment.
+/// Returns the directory with the sockets of this user's programs. This is the directory in the
+/// environment variable `GECOS_RUNTIME_DIR`, else /run/gecos if an administrator made it, else
+/// /tmp. If all users share that directory (it is owned by root and sticky), the result is the
+/// folder gecos-<uid> in it: a common folder would belong to its first user. No other function of
+/// shm reads the environment.
 std::string default_runtime_directory();
 
-/// Makes `directory` (0700) if nothing is there. Checks that its path leaves room for the names of
-/// sockets and that no other user could replace our sockets.
+/// Creates `directory` with the mode 0700 if it does not exist. Checks that its path is short
+/// enough for the paths of sockets in it, and that no other user can replace the sockets.
 tl::expected<void, MediumError> prepare_directory(const std::string& directory);
 
-/// A text that is equal in two programs if and only if they reach each other over shm through
-/// `directory`: the boot id of the kernel and the inode of the directory, "6b0c…-…/2049:131".
+/// Returns a text that identifies this host and `directory`. The texts of two programs are equal if
+/// and only if the programs can reach each other over shm. The text consists of the boot id of the
+/// kernel and the inode of the directory, for example "6b0c…-…/2049:131".
 tl::expected<std::string, MediumError> host_identity(const std::string& directory);
 
-/// A lock that is held while sockets are made and removed in the directory, so that no process
-/// removes a socket between its bind and its listen.
+/// The lock of a runtime directory. A process holds it while it makes or removes sockets in the
+/// directory. So no other process removes a socket between its bind() and its listen().
 class DirectoryLock {
  public:
-  /// Waits at most a second for another process that holds the lock.
+  /// Takes the lock. Waits at most one second if another process holds the lock.
   static tl::expected<DirectoryLock, MediumError> take(const std::string& directory);
 
  private:

@@ -10,22 +10,23 @@
 
 namespace gecos::media::shm {
 
-/// Wakes the other end of a connection. Outlives the connection while a stream still uses this
-/// object to wake its reader.
+/// Wakes the other end of a connection. This object may live longer than the connection, because a
+/// stream may still use it to wake its reader.
 class PeerEnd final : public Sleeper {
  public:
   explicit PeerEnd(Descriptor socket) : socket_(std::move(socket)) {}
 
   int socket() const { return socket_.get(); }
-  /// Sets the memory of the peer. Without an eventfd the socket is used to wake the peer.
+  /// Sets the memory and the eventfd of the peer. If there is no eventfd, the socket is used to
+  /// wake the peer.
   void know(Mapping mapping, Descriptor event);
   bool known() const { return known_.load(std::memory_order_acquire); }
-  /// @pre known()
+  /// Returns the ring in the peer's memory. @pre known() is true
   RingMemory ring() const { return RingMemory::at(mapping_.data(), usual_slot_count); }
   void wake();
   void wake_if_asleep() override;
-  /// Shuts the socket down, so that the peer sees the end although this object may still be
-  /// referenced.
+  /// Shuts the socket down. So the peer sees the end of the connection even if a stream still
+  /// refers to this object.
   void hang_up();
   void forget();
 

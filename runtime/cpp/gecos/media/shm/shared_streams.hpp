@@ -16,34 +16,38 @@
 
 namespace gecos::media::shm {
 
-/// The streams that the two ends of a connection share with each other. Not thread-safe: the
-/// connection's mutex guards it.
+/// The streams that the two ends of a connection share with each other. Not thread-safe; the mutex
+/// of the connection guards this object.
 class SharedStreams {
  public:
-  /// The maximum number of streams that this end may share, and that it accepts. A peer that shares
-  /// more is hostile: each stream takes a mapping in the process that reads it.
+  /// The maximum number of streams that this end may share with the peer, and that it accepts from
+  /// the peer. A peer that shares more streams is hostile, because each stream needs a mapping in
+  /// the process that reads it.
   struct Limits {
     std::size_t shared = 0;
     std::size_t received = 0;
   };
   explicit SharedStreams(Limits limits) : limits_(limits) {}
 
-  // Streams that this end publishes.
+  // The following functions are for streams that this end publishes.
   tl::expected<void, SendProblem> share(std::uint32_t id, SharedStreamWriter& writer,
                                         const std::shared_ptr<PeerEnd>& reader, ControlQueue& to);
   void unshare(std::uint32_t id, PeerEnd& reader, ControlQueue& to);
-  /// No stream wakes `reader` any more.
+  /// Ensures that no stream wakes `reader` any more.
   void forget(PeerEnd& reader);
 
-  // Streams that the peer publishes.
-  /// Takes the memory in a Share message. Returns the error in the message, or nullopt.
+  // The following functions are for streams that the peer publishes.
+  /// Takes the memory of a stream from a Share message. Returns an error text when the message is
+  /// invalid; otherwise nullopt.
   std::optional<std::string> received(ReceivedControl& control);
-  /// Notes why the stream `id` cannot be opened. Returns false when there are too many streams.
+  /// Records why the stream `id` cannot be opened. Returns false when there are too many such
+  /// streams.
   bool not_received(std::uint32_t id, std::string why);
   void withdrawn(std::uint32_t id);
-  /// Null when the peer does not share the stream `id`.
+  /// Opens the stream `id`. Returns null when the peer does not share it.
   std::unique_ptr<StreamReader> open(std::uint32_t id, StreamWatches& watches) const;
-  /// Why the stream `id` cannot be opened; empty when the peer has not shared it yet.
+  /// Returns a text that says why the stream `id` cannot be opened. The text is empty when the peer
+  /// has not shared the stream yet.
   std::string why_not_open(std::uint32_t id) const;
 
  private:

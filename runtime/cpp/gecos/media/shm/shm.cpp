@@ -37,7 +37,8 @@ class Shm final : public Medium {
       if (errno == ENOENT || errno == ECONNREFUSED) return error(no_server(address));
       if (errno == EAGAIN) return error("too many clients wait for this server; try again");
       if (errno == EACCES)
-        return error("the socket belongs to another user, who is reached over lcm only");
+        return error(
+            "the socket belongs to another user, whose programs are reached over lcm only");
       return error(system_text(errno));
     }
     auto server = shm::peer_of(socket.get());

@@ -7,23 +7,23 @@
 #include "gecos/media/parts/bulk.hpp"
 #include "gecos/media/shm/directory.hpp"
 
-/// Shared memory between processes of one host.
+/// The medium shm: shared memory between processes of one host.
 ///
-/// A client connects to the server's Unix socket; the kernel tells each side the user of the other.
-/// Each side makes its own sealed memory, which the other side maps read-only; packets go through
-/// rings in this memory, without the kernel. A thread sleeps on descriptors: its eventfd, the
-/// socket, the peer's pidfd.
+/// A client connects to the Unix socket of a server. The kernel tells each side the user of the
+/// other side. Each side makes sealed memory, which the other side can map only for reading.
+/// Packets go through rings in this memory, without the kernel. A thread that sleeps waits on three
+/// descriptors: its eventfd, the socket, and the pidfd of the peer.
 ///
-/// The peer is not trusted with our memory, our time or our descriptors. Only a peer of the same
-/// user (who could kill this process anyway) is notified through its eventfd, because a hostile
-/// holder of an eventfd can block a writer; other peers are notified through the socket, a
-/// microsecond slower.
+/// The peer is not trusted: it cannot write our memory, delay our threads or use up our
+/// descriptors. A hostile process that has an eventfd can block a writer of it. Therefore only a
+/// peer of the same user, who could kill this process anyway, is notified through its eventfd.
+/// Other peers are notified through the socket, which takes a microsecond longer.
 namespace gecos::media {
 
 struct ShmOptions {
   std::string directory = shm::default_runtime_directory();
-  /// Whether programs of other users may connect; then the layers above must check permissions.
-  /// Otherwise only programs of this user and of root connect.
+  /// Whether programs of other users may connect. If so, the layers above must check permissions.
+  /// If not, only programs of this user and of root can connect.
   bool other_users = false;
 };
 

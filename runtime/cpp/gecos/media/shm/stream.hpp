@@ -7,8 +7,8 @@
 
 namespace gecos::media::shm {
 
-/// A stream in its own sealed memory. Every connection that shares the stream sends the descriptor
-/// of the memory to its peer.
+/// The writer of a stream in sealed memory that only this stream uses. Every connection that shares
+/// the stream sends the descriptor of the memory to its peer.
 class SharedStreamWriter final : public StreamRingWriter {
  public:
   SharedStreamWriter(StreamMemory memory, std::shared_ptr<SealedMemory> sealed)
@@ -19,7 +19,8 @@ class SharedStreamWriter final : public StreamRingWriter {
   const std::shared_ptr<SealedMemory> sealed_;
 };
 
-/// Throws std::runtime_error when no memory or no descriptor is left.
+/// Makes a stream in shared memory. Throws std::runtime_error when no memory or no descriptor is
+/// left.
 std::unique_ptr<StreamWriter> make_shared_stream(std::size_t largest, std::size_t depth);
 
 }  // namespace gecos::media::shm

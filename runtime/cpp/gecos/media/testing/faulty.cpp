@@ -20,7 +20,8 @@ Capabilities capabilities_of(const Medium& inner, const Faults& faults) {
   Capabilities capabilities = inner.capabilities();
   const bool whole = faults.loss == 0 && faults.duplication == 0 && faults.corruption == 0;
   capabilities.reliable = capabilities.reliable && whole && faults.cut == nullptr;
-  // A cut connection cannot stop shared words.
+  // Cutting a connection does not stop writes to shared words, so that a connection that may be cut
+  // must not offer them.
   capabilities.shared_words = capabilities.shared_words && capabilities.reliable;
   capabilities.ordered = capabilities.ordered && faults.reordering == 0;
   capabilities.intact = capabilities.intact && faults.corruption == 0;
@@ -56,7 +57,8 @@ class FaultyConnection final : public ConnectionLayer {
 
   Duration age() override { return clock_.now() - sent_; }
 
-  /// The faults may drop packets that the medium below counts as taken: then the count is unknown.
+  /// If the faults can drop packets, the result is unknown, because the inner connection counts
+  /// dropped packets as taken.
   std::optional<std::uint64_t> taken_by_peer() override {
     return capabilities().reliable ? inner().taken_by_peer() : std::nullopt;
   }
@@ -114,7 +116,8 @@ class FaultyConnection final : public ConnectionLayer {
     held_.push_back({now + faults_.delay + more, now - inner().age(), std::move(packet)});
   }
 
-  /// The held packet that is due first; of several due at one time, the one that arrived first.
+  /// Returns the held packet that is due first. If several packets are due at the same time,
+  /// returns the packet that arrived first.
   std::deque<Held>::iterator earliest() { return std::ranges::min_element(held_, {}, &Held::due); }
 
   void set_timer(Duration after) {
@@ -140,7 +143,8 @@ class FaultyConnection final : public ConnectionLayer {
 std::unique_ptr<Medium> make_faulty(std::unique_ptr<Medium> inner, Faults faults,
                                     const Clock& clock) {
   const Capabilities layer_capabilities = capabilities_of(*inner, faults);
-  // Clients get even numbers, servers odd ones, so that no two connections have the same faults.
+  // Connections of clients get even numbers, and connections of servers get odd numbers, so that no
+  // two connections have the same faults.
   auto clients = std::make_shared<std::atomic<std::uint64_t>>(0);
   auto servers = std::make_shared<std::atomic<std::uint64_t>>(0);
   return make_layer(std::move(inner), layer_capabilities,

@@ -9,25 +9,27 @@
 
 namespace gecos::media {
 
-/// The faults of a connection. Rates are from 0 to 1 and apply to each packet independently.
+/// The faults of a simulated bad connection. A rate is from 0 to 1 and applies to each packet
+/// independently.
 struct Faults {
   std::uint64_t seed = 1;  ///< the same seed and the same packets give the same faults
   double loss = 0;
   double duplication = 0;
   double corruption = 0;  ///< flips one bit of a packet
-  double reordering = 0;  ///< held back by `reordering_delay`, so later packets arrive first
+  double reordering = 0;  ///< rate of packets that are held back, so that later ones arrive first
   Duration reordering_delay = std::chrono::milliseconds(2);
   Duration delay{};  ///< added to every packet; a satellite takes 250 ms
-  /// While true, neither packets nor heartbeats arrive. Not owned; may be null.
+  /// While this flag is true, neither packets nor heartbeats arrive. The pointer may be null, and
+  /// the caller owns the flag.
   const std::atomic<bool>* cut = nullptr;
 };
 
-/// A test double. Wraps a medium so that its connections apply `faults` to the packets that they
-/// receive; if both sides are wrapped, packets of both directions have faults. Streams are not
-/// affected.
+/// Wraps a medium for tests. Its connections apply `faults` to the packets that they receive. If
+/// the media of both sides are wrapped, packets of both directions have faults. Streams have no
+/// faults.
 ///
-/// Delays are measured by `clock`. A thread that sleeps on a connection is woken for a delayed
-/// packet in real time; with a fake clock, poll again after every step.
+/// `clock` measures the delays. A thread that sleeps on a connection wakes for a delayed packet in
+/// real time. A test with a fake clock must therefore poll again after every step of the clock.
 std::unique_ptr<Medium> make_faulty(std::unique_ptr<Medium> inner, Faults faults,
                                     const Clock& clock);
 

@@ -42,11 +42,13 @@ class OpenRuntimes {
     static const CloseAtExit at_exit;
     OpenRuntimes* known = of_this_process_.load();
     while (known == nullptr || known->owner_ != getpid()) {
-      auto made = std::make_unique<OpenRuntimes>();
+      auto made = std::make_unique<OpenRuntimes>(known);
       if (of_this_process_.compare_exchange_strong(known, made.get())) known = made.release();
     }
     return *known;
   }
+  explicit OpenRuntimes(const OpenRuntimes* of_parent) : of_parent_(of_parent) {}
+
   void add(const std::shared_ptr<Runtime>& runtime) {
     const MutexLock lock(mutex_);
     std::erase_if(runtimes_, [](const auto& known) { return known.expired(); });
@@ -75,6 +77,9 @@ class OpenRuntimes {
   static inline std::atomic<OpenRuntimes*> of_this_process_{nullptr};
 
   const pid_t owner_ = getpid();
+  /// The list of the process that forked this one. It is not used; the pointer keeps it reachable,
+  /// so that leak checkers do not report it.
+  [[maybe_unused]] const OpenRuntimes* const of_parent_;
   Mutex mutex_;
   std::vector<std::weak_ptr<Runtime>> runtimes_ GECOS_GUARDED_BY(mutex_);
 };
