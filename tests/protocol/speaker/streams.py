@@ -76,7 +76,8 @@ class InwardSample:
         """None where the header is cut short."""
         if len(sample) < _INWARD.size:
             return None
-        return InwardSample(*_INWARD.unpack_from(sample), sample[_INWARD.size :])
+        session, epoch, command = _INWARD.unpack_from(sample)
+        return InwardSample(session, epoch, command, sample[_INWARD.size :])
 
 
 def _signed(counter: bytes, header: bytes, text: bytes) -> bytes:
