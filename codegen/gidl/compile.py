@@ -61,8 +61,8 @@ def _compile(wanted: list[str], search: list[str], wide: bool, defines: Iterable
 
 @contextmanager
 def room_for_nesting() -> Iterator[None]:
-    """Raises Python's recursion limit: the parser allows 200 levels of nesting, and each level
-    takes up to ten nested calls."""
+    """Raises Python's recursion limit, because the parser allows 200 levels of nesting, and each
+    level takes up to ten nested calls."""
     usual = sys.getrecursionlimit()
     sys.setrecursionlimit(max(usual, 20_000))
     try:

@@ -1,4 +1,5 @@
-"""Findings (errors and warnings): collected in all stages of a run, and printed at its end."""
+"""Findings are errors and warnings. All stages of a run collect findings, and the command prints
+them at its end."""
 
 from __future__ import annotations
 
@@ -76,13 +77,13 @@ class Findings:
         self._add(code, Severity.WARNING, at, message, help_lines, notes)
 
     def warning_once(self, code: str, at: Span | Location, message: str, *help_lines: str) -> None:
-        """Adds a warning unless the run already has a finding with this code."""
+        """Adds a warning unless the run already has a finding with the code `code`."""
         if all(finding.code != code for finding in self.found):
             self.warning(code, at, message, *help_lines)
 
     def take(self, others: Findings, without: Iterable[range]) -> None:
-        """Adds the findings of `others`, except findings in one of the ranges of lines
-        `without`."""
+        """Adds the findings of `others`, except those in lines that one of the ranges `without`
+        contains."""
         for finding in others.found:
             place = finding.location
             if place is None or not any(place.line in lines for lines in without):
@@ -94,7 +95,7 @@ class Findings:
         del self.found[count:]
 
     def file_error(self, code: str, shown: str, message: str, *help_lines: str) -> None:
-        """Adds an error about a whole file, for instance one that cannot be read."""
+        """Adds an error about a whole file, for example a file that cannot be read."""
         self._keep(Finding(code, Severity.ERROR, message, None, 0, help_lines, (), shown))
 
     def _add(
@@ -124,7 +125,8 @@ class Findings:
         return any(f.severity is Severity.ERROR for f in self.found)
 
     def in_order(self, file_order: list[str]) -> list[Finding]:
-        """The findings, sorted by file (in the order of `file_order`), then by line and column."""
+        """Returns the findings, sorted by file (in the order of `file_order`), then by line and
+        column."""
         rank = {path: i for i, path in enumerate(file_order)}
 
         def key(finding: Finding) -> tuple[int, int, int, str, str]:
@@ -138,8 +140,8 @@ class Findings:
 
 
 def suggestion(wrong: str, known: Mapping[str, str]) -> str:
-    """A "did you mean" help line; "" if no known name is similar to `wrong`. `known` maps each
-    known name to the place of its declaration, or to ""."""
+    """Returns a "did you mean" help line, or "" if no known name is similar to `wrong`. `known`
+    maps each known name to the place of its declaration, or to ""."""
     by_lower = {name.lower(): name for name in known}
     close = get_close_matches(wrong.lower(), list(by_lower), n=1, cutoff=0.66)
     if not close:
@@ -157,7 +159,7 @@ Printer = Callable[[list[Finding], Mapping[str, Source]], str]
 
 
 def as_text(findings: list[Finding], sources: Mapping[str, Source]) -> str:
-    """The findings as text: one block per finding, as compilers print them."""
+    """Returns the findings as text, with one block per finding, as compilers print them."""
     blocks = [_block(f, sources) for f in findings[:MAX_FINDINGS]]
     if len(findings) > MAX_FINDINGS:
         blocks.append(f"and {len(findings) - MAX_FINDINGS} more\n")
@@ -204,14 +206,15 @@ def _quote(location: Location, length: int, sources: Mapping[str, Source]) -> st
 
 
 def _printable(text: str) -> str:
-    """`text` with tabs expanded and control characters for terminals replaced."""
+    """Returns `text` with four spaces for each tab, and U+FFFD for each other unprintable
+    character."""
     return "".join(
         c if c.isprintable() else "    " if c == "\t" else "\N{REPLACEMENT CHARACTER}" for c in text
     )
 
 
 def as_json(findings: list[Finding], sources: Mapping[str, Source]) -> str:
-    """All findings as a JSON array with one object per finding."""
+    """Returns all findings as a JSON array with one object per finding."""
     return json.dumps([_json_of(f, sources) for f in findings], indent=2) + "\n"
 
 

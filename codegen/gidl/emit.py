@@ -31,9 +31,9 @@ LANGUAGES = tuple(_TARGETS)
 
 
 def render(model: Model, layout: Layout, languages: Collection[str] = LANGUAGES) -> dict[str, str]:
-    """The generated files: path below the output folder -> text, for every file asked for. Raises
-    UnsupportedError, with the location, for a declaration that a target cannot print. The same
-    model always gives the same bytes."""
+    """Returns the generated files, as a map from the path below the output folder to the text.
+    Raises UnsupportedError, with the location, for a declaration that a target cannot print. The
+    same model always gives the same bytes."""
     texts: dict[str, str] = {}
     for language in LANGUAGES:
         if language not in languages:
@@ -47,7 +47,8 @@ def render(model: Model, layout: Layout, languages: Collection[str] = LANGUAGES)
 def render_mock(
     model: Model, layout: Layout, language: str, interfaces: Sequence[Interface]
 ) -> str:
-    """The text of a mock server for `interfaces`, which must all be declared in one file."""
+    """Returns the text of a mock server for `interfaces`, which must all be declared in one
+    file."""
     path = model.file_of(interfaces[0].name)
     view: object
     if language == "cpp":

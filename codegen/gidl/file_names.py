@@ -18,7 +18,7 @@ from gidl.source import Source
 from gidl.standard_modules import OURS, STANDARD
 
 SUFFIXES = (".gidl", ".idl")
-_PACKAGES = {"gecos": "gecos_idl"}  # the package gecos is the runtime
+_PACKAGES = {"gecos": "gecos_idl"}  # the Python package gecos is the runtime
 _SHARED = frozenset(("robcl", "gecos_idl"))  # packages that may contain generated modules
 _CPP_PARTS = ("types", "json", "calls", "interface", "client", "server")
 _SPECIAL = frozenset(("__init__", "__main__", "__pycache__"))
@@ -29,14 +29,15 @@ def is_interface(path: str) -> bool:
 
 
 def interfaces_below(folder: Path) -> list[Path]:
-    """Interface files in a folder and its subfolders, sorted; without hidden folders (.venv). Links
-    to folders are followed, but each folder is read once. Raises OSError, naming the folder, if a
-    folder cannot be read."""
+    """Returns the interface files in a folder and its subfolders, sorted. Hidden folders, for
+    example .venv, are skipped. Links to folders are followed, but each folder is read once. Raises
+    OSError, naming the folder, if a folder cannot be read."""
     found: list[Path] = []
     read: set[Path] = set()
     starts = [folder] if folder.is_dir() else []
     while starts:
-        links: list[Path] = []  # read later, so that a file has its path without links if possible
+        # Links are read last: a file that can be found without links gets that path.
+        links: list[Path] = []
         for start in sorted(starts):
             _collect(start, found, read, links)
         starts = links
@@ -62,8 +63,8 @@ def _collect(start: Path, found: list[Path], read: set[Path], links: list[Path])
 
 
 def source_stem(path: str) -> str:
-    """The path without its suffix, such as "robcl/geometry". Paths of generated files begin with
-    it."""
+    """Returns the path without its suffix, for example "robcl/geometry". The paths of all generated
+    files begin with this text."""
     for suffix in SUFFIXES:
         if path.lower().endswith(suffix):
             return path[: -len(suffix)]
@@ -71,9 +72,9 @@ def source_stem(path: str) -> str:
 
 
 def python_stem(path: str) -> str:
-    """Path of the Python module of an interface file: "my-lab/2fast.gidl" -> "my_lab/_2fast". The
-    name of the module is a valid identifier, and hides no module of the standard library or the
-    runtime."""
+    """Returns the path of the Python module of an interface file. For "my-lab/2fast.gidl" this is
+    "my_lab/_2fast": the name of the module is a valid identifier, and hides no module of the
+    standard library or the runtime."""
     parts = [_identifier(part) for part in source_stem(path).split("/")]
     first = parts[0]
     if len(parts) > 1 and first in _PACKAGES:
@@ -84,13 +85,14 @@ def python_stem(path: str) -> str:
 
 
 def python_module(path: str) -> str:
-    """Dotted name of the Python module of an interface file, such as "robcl.geometry"."""
+    """Returns the dotted name of the Python module of an interface file, for example
+    "robcl.geometry"."""
     return python_stem(path).replace("/", ".")
 
 
 def outputs_of(path: str) -> dict[str, frozenset[str]]:
-    """For each language, the paths of all files that gidl may generate from an interface file,
-    whatever the file declares."""
+    """Returns, for each language, the paths of all files that gidl may generate from an interface
+    file, whatever the file declares."""
     stem, module = source_stem(path), python_stem(path)
     return {
         "cpp": frozenset(f"{stem}_{part}.{kind}" for part in _CPP_PARTS for kind in ("hpp", "cpp")),
@@ -114,7 +116,7 @@ class Clash:
 
     path: str
     other: str
-    what: str  # the shared output, such as "the Python module my_lab"
+    what: str  # the shared output, for example "the Python module my_lab"
 
     def report(self, code: str, findings: Findings, sources: Mapping[str, Source]) -> None:
         shown, other = sources[self.path].shown, sources[self.other].shown
@@ -123,7 +125,8 @@ class Clash:
 
 
 def same_files(paths: Iterable[str]) -> Iterator[Clash]:
-    """Pairs of files whose outputs have equal names in every language: foo.gidl and foo.idl."""
+    """Yields pairs of files whose outputs have equal names in every language, for example foo.gidl
+    and foo.idl."""
     first: dict[str, str] = {}
     for path in paths:
         other = first.setdefault(source_stem(path), path)
@@ -132,9 +135,12 @@ def same_files(paths: Iterable[str]) -> Iterator[Clash]:
 
 
 def same_modules(paths: Iterable[str]) -> Iterator[Clash]:
-    """Pairs of files that clash in Python. Either both files generate the same module: my-lab.gidl
-    and my_lab.gidl, or foo_types.gidl and foo.gidl, which generates foo_types.py for its types. Or
-    the module of one file hides the package of the other file: lab.gidl and lab/lamp.gidl."""
+    """Yields pairs of files that clash in Python, for one of two reasons.
+
+    Both files may generate the same module: for example my-lab.gidl and my_lab.gidl, or
+    foo_types.gidl and foo.gidl, which generates foo_types.py for its types. Or the module of one
+    file hides the package of the other file: for example lab.gidl and lab/lamp.gidl.
+    """
     paths = list(paths)
     first: dict[str, str] = {}
     told: set[tuple[str, str]] = set()

@@ -1,7 +1,7 @@
-"""Folders of interfaces in installed packages.
+"""Finds the folders of interfaces in installed packages.
 
-A package declares its folder of interfaces by an entry point. The wheel `robcl` does so for the
-folder that contains `robcl/device.gidl`:
+A package declares its folder of interfaces by an entry point. For example, the wheel `robcl`
+declares the folder that contains `robcl/device.gidl`:
 
     [project.entry-points."gidl.interfaces"]
     robcl = "robcl_interfaces.idl"
@@ -15,7 +15,8 @@ GROUP = "gidl.interfaces"
 
 
 def installed_folders() -> tuple[Path, ...]:
-    """Folders of interfaces, sorted by entry point name; entries without a folder are skipped."""
+    """Returns the folders of interfaces, sorted by entry point name. Entry points without a folder
+    are skipped."""
     found: list[Path] = []
     for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
         try:

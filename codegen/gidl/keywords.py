@@ -1,4 +1,5 @@
-"""Keywords of IDL 4.2. Their case does not matter; a leading underscore escapes a keyword."""
+"""The keywords of IDL 4.2. Upper and lower case do not matter. A leading underscore turns a keyword
+into an identifier."""
 
 from __future__ import annotations
 
@@ -6,7 +7,7 @@ import keyword
 
 
 def words(text: str) -> frozenset[str]:
-    """The set of the words in `text`, which are separated by white space."""
+    """Returns the set of the words in `text`, which are separated by white space."""
     return frozenset(text.split())
 
 
@@ -21,15 +22,16 @@ USED = words(
     """
 )
 
-# Keywords that IDL before 4.0 did not have: older interfaces use INT8 or Map as identifiers.
+# Keywords that are new in IDL 4.0. Older interfaces may use them as identifiers, for example INT8
+# or Map.
 NEW_IN_4 = words(
     """
     bitfield bitmask bitset int8 int16 int32 int64 map uint8 uint16 uint32 uint64
     """
 )
 
-# Keywords of the parts of IDL that .gidl does not use. They are allowed as identifiers, with a
-# warning, because a compiler for the whole of IDL refuses them.
+# Keywords of the parts of IDL that .gidl does not use. They are allowed as identifiers, but gidl
+# warns, because a compiler for the whole of IDL refuses them.
 UNUSED = words(
     """
     alias component connector consumes custom emits eventtype factory finder home manages
@@ -38,7 +40,8 @@ UNUSED = words(
     """
 )
 
-# Keywords of C++ and Python. Each target appends an underscore to names that are its keywords.
+# Keywords of C++ and Python. For each language, gidl appends an underscore to names that are
+# keywords of the language.
 CPP = words(
     """
     alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t

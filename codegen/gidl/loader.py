@@ -1,4 +1,4 @@
-"""Finds, reads and parses files, included files first. Each file is read once."""
+"""Finds, reads and parses files. Included files come first, and each file is read once."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class LoadedFile:
     asked_for: bool
     includes: list[str] = field(default_factory=list)  # paths of directly included files
     visible: set[str] = field(default_factory=set)  # paths of this file and of all its includes
-    macros: Macros = field(default_factory=dict)  # macros for files that include it
+    macros: Macros = field(default_factory=dict)  # macros that a file gets by including this file
     # Paths of directly included files that are read after this file, because of an include cycle.
     cut: list[str] = field(default_factory=list)
     lacks_includes: bool = False  # True: a direct or indirect include was not found
@@ -47,8 +47,8 @@ class LoadedFile:
 @dataclass(slots=True)
 class Loader:
     """Loads files and all that they include. An included file is searched first in `search` (the
-    folders of -I), then beside the including file, among the packaged gecos/ files, and in
-    installed packages."""
+    folders of -I), then in the folder of the including file, among the packaged gecos/ files, and
+    in installed packages."""
 
     findings: Findings
     search: tuple[Path, ...] = ()
@@ -63,8 +63,8 @@ class Loader:
     _open: list[str] = field(default_factory=list)
     # Paths of files whose include guard, or #pragma once, keeps them from being read again.
     _protected: set[str] = field(default_factory=set)
-    # Path of a file -> paths of its includes that were not yet read completely, because they
-    # include the file themselves. A guard allows such a cycle of includes.
+    # Maps the path of a file to those of its includes that the loader has not yet read to the end,
+    # because they include the file themselves. An include guard makes such a cycle legal.
     _cut: dict[str, list[str]] = field(default_factory=dict)
 
     def check_search(self) -> None:
@@ -83,7 +83,8 @@ class Loader:
                 )
 
     def define(self, constants: Iterable[str]) -> None:
-        """Defines macros for all files, from texts "NAME=VALUE" or "NAME", which means "NAME=1"."""
+        """Defines macros for all files. Each text is "NAME=VALUE" or "NAME"; "NAME" means
+        "NAME=1"."""
         text = ""
         for constant in constants:
             name, equals, value = constant.partition("=")
@@ -103,19 +104,20 @@ class Loader:
             self._load(Path(shown), self._include_path(Path(shown)), shown, asked_for=True)
 
     def load_vocabulary(self) -> FileSyntax:
-        """Parses the file that declares gidl's own annotations. It does not count as a file of the
-        run."""
+        """Parses the file that declares gidl's own annotations. The file does not become one of
+        `files`."""
         place = PACKAGED / VOCABULARY
         source = Source(VOCABULARY, VOCABULARY, place.read_text(encoding="utf-8"))
         self.sources.setdefault(VOCABULARY, source)
         return parse(source, self.findings, {}, lambda _include: None)
 
     def _include_path(self, place: Path, beside: tuple[str, str] | None = None) -> str:
-        """The path by which other files include the file `place`: relative to the search folder
-        that contains the file, else to the including file. `beside` is the path of the including
-        file, and the path in its `#include`."""
+        """Returns the path by which other files include the file `place`. The path is relative to
+        the search folder that contains the file, or else to the including file. `beside` has the
+        path of the including file, and the path that its `#include` names."""
         whole = absolute(place)
-        for folder in (*self._installed, PACKAGED, *self.search):  # -I . may contain the others
+        # The folders of -I come last, because one of them may contain the others.
+        for folder in (*self._installed, PACKAGED, *self.search):
             if whole.is_relative_to(absolute(folder)):
                 return whole.relative_to(absolute(folder)).as_posix()
         if beside is not None:
@@ -213,8 +215,8 @@ class Loader:
                     "G0004",
                     include.span,
                     f"files include each other: {chain}",
-                    "write #pragma once before the includes, if neither file needs the other's "
-                    "names",
+                    "if neither file needs names of the other, write #pragma once before the "
+                    "includes",
                 )
                 return None
             if known in self.files:
@@ -222,7 +224,9 @@ class Loader:
             return known
         if len(self._open) >= _MAX_INCLUDE_DEPTH:
             self.findings.error(
-                "G0013", include.span, f"includes are nested deeper than {_MAX_INCLUDE_DEPTH}"
+                "G0013",
+                include.span,
+                f"includes are nested deeper than {_MAX_INCLUDE_DEPTH} levels",
             )
             return None
         if place.suffix in _C_HEADERS:
@@ -230,8 +234,8 @@ class Loader:
         return self._load(place, path, _shown(place), asked_for=False)
 
     def _header(self, include: Include, place: Path, path: str) -> str | None:
-        """Loads a header with preprocessor constants or IDL. A header in C gives a single
-        finding."""
+        """Loads a header, which may contain IDL or preprocessor constants. A header with C code
+        gives one finding only."""
         before, findings = set(self.files), len(self.findings.found)
         found = self._load(place, path, _shown(place), asked_for=False)
         if all(f.severity is not Severity.ERROR for f in self.findings.found[findings:]):
@@ -243,7 +247,7 @@ class Loader:
         return None
 
     def _forget_files(self, paths: Set[str]) -> None:
-        """Forgets files, so that they are read again when another file includes them."""
+        """Forgets files, so that the loader reads them again when another file includes them."""
         for path in paths:
             del self.files[path], self.sources[path]
         for place in [place for place, path in self._by_place.items() if path in paths]:
@@ -253,12 +257,13 @@ class Loader:
         self.findings.error(
             "G0216",
             include.span,
-            f"'{include.path}' is a header of C: headers are not part of .gidl",
-            "include the IDL that declares the types",
+            f"'{include.path}' contains C declarations, which are not part of .gidl",
+            "include the .gidl or .idl file that declares the types",
         )
 
     def _is_open(self, include: Include, source: Source) -> bool:
-        """Whether the included file is still being read, so that its names will be known later."""
+        """Returns whether the loader is still reading the included file. Its names are then known
+        later."""
         place = self._find(include, source)
         return place is not None and self._by_place.get(place.resolve()) in self._open
 
@@ -269,7 +274,7 @@ class Loader:
     def _find(self, include: Include, source: Source) -> Path | None:
         place = _first_file(self._folders(include, source), include.path)
         if place is None:
-            self._installed = installed_folders()  # slow, so only when needed
+            self._installed = installed_folders()  # slow, so called only when needed
             place = _first_file(self._installed, include.path)
         return place
 
@@ -304,7 +309,8 @@ def _first_file(folders: Iterable[Path], path: str) -> Path | None:
 
 
 def read_text(shown: str, findings: Findings) -> str | None:
-    """Text of a file, or of stdin for "-"; None (and a finding) if unreadable or not UTF-8."""
+    """Returns the text of a file, or of stdin if `shown` is "-". If the text cannot be read or is
+    not UTF-8, returns None and adds a finding."""
     data = _read_stdin(findings) if shown == "-" else _read(Path(shown), shown, findings)
     if data is None:
         return None
@@ -321,7 +327,8 @@ def read_text(shown: str, findings: Findings) -> str | None:
 
 
 def _source(path: str, shown: str, data: bytes) -> Source:
-    """Decodes `data` as UTF-8. Other bytes are read as Latin-1; the lexer reports them later."""
+    """Decodes `data` as UTF-8. Bytes that are not UTF-8 are read as Latin-1; the lexer reports them
+    later."""
     text = data.decode("utf-8", "surrogateescape")
     foreign = tuple(m.start() for m in _NOT_UTF_8.finditer(text))
     return Source(path, shown, text.translate(_AS_LATIN_1), foreign)
@@ -351,7 +358,7 @@ def _read(place: Path, shown: str, findings: Findings) -> bytes | None:
                 "G0001",
                 shown,
                 "this path is a pipe or device, not a regular file",
-                "to read stdin, name -",
+                "to read stdin, write - in place of the path",
             )
             return None
         with place.open("rb") as stream:
@@ -364,12 +371,13 @@ def _read(place: Path, shown: str, findings: Findings) -> bytes | None:
 
 
 def _not_text(name: str) -> bool:
-    """Whether a file name is not UTF-8: generated files could not contain such a name."""
+    """Returns whether a file name is not UTF-8. Generated files cannot contain such a name."""
     return any("\udc80" <= character <= "\udcff" for character in name)
 
 
 def _not_printed(character: str) -> bool:
-    """Whether a character ends the path in `#include "lab/lamp_types.hpp"`, or its line."""
+    """Returns whether a character of a path would break a line such as `#include
+    "lab/lamp_types.hpp"`."""
     return character in '"\\' or unicodedata.category(character) in ("Cc", "Zl", "Zp")
 
 
@@ -396,12 +404,14 @@ def _checked(data: bytes, shown: str, findings: Findings) -> bytes | None:
 
 
 def absolute(place: Path) -> Path:
-    """The absolute path without "..", so that different spellings of a folder compare equal."""
+    """Returns the absolute path without "..", so that different spellings of a folder compare
+    equal."""
     return Path(os.path.abspath(place))  # noqa: PTH100 (resolve() follows links)
 
 
 def _shown(place: Path) -> str:
-    """The path to print: relative to the current folder if the file is below that folder."""
+    """Returns the path to print. It is relative to the current folder if the file is below that
+    folder."""
     try:
         return place.absolute().relative_to(Path.cwd()).as_posix()
     except (ValueError, OSError):
@@ -409,7 +419,8 @@ def _shown(place: Path) -> str:
 
 
 def default_search(paths: Iterable[str]) -> tuple[Path, ...]:
-    """Search folders if no -I is given: for each file, the nearest enclosing folder named `idl`."""
+    """Returns the search folders to use without -I: for each file, the nearest enclosing folder
+    named `idl`."""
     found: list[Path] = []
     for path in paths:
         for parent in Path(path).parents:

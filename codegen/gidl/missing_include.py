@@ -1,4 +1,5 @@
-"""Searches the search folders for files that declare a name unknown to the run."""
+"""For a name that the run does not know, finds the file to include, so that the error can name this
+file."""
 
 from __future__ import annotations
 
@@ -21,8 +22,8 @@ _DECLARED = re.compile(
 
 
 def point_at_includes(findings: Findings, folders: Sequence[Path]) -> None:
-    """Adds a help line to each finding about an unknown name that has no help line: the file to
-    include."""
+    """Adds a help line, which names the file to include, to each finding about an unknown name.
+    Findings that have a help line stay as they are."""
     homes: dict[str, str] | None = None
     for index, finding in enumerate(findings.found):
         wanted = _wanted(finding)
@@ -43,20 +44,21 @@ def _wanted(finding: Finding) -> str | None:
 
 
 def _homes(folders: Sequence[Path]) -> dict[str, str]:
-    """Maps each declared name to the path, as in `#include`, of the first file that declares it."""
+    """Maps each declared name to the first file that declares it, by the path that `#include`
+    uses."""
     homes: dict[str, str] = {}
     for folder in folders:
         try:
             places = interfaces_below(folder)[:_MOST_FILES]
         except OSError:
-            continue  # only the help line is lost
+            continue  # the findings only lack their help line
         for place in places:
             try:
                 if not place.is_file() or place.stat().st_size > _MOST_BYTES:
                     continue
                 text = place.read_text(encoding="utf-8", errors="replace")
             except OSError:
-                continue  # reported if the file is included
+                continue  # the loader reports the file if another file includes it
             path = place.relative_to(folder).as_posix()
             for line in text.splitlines():
                 for of_its_own, alias in _DECLARED.findall(line[:_LONGEST_LINE]):

@@ -18,7 +18,8 @@ from gidl.policy import UNSAID, Access, OnLoss, OnNew, Qos, Stream, StreamDirect
 
 @dataclass(frozen=True, slots=True, order=True)
 class Location:
-    """Place in a source file: path as included ("robcl/frame.gidl"), line and column from 1."""
+    """A place in a source file: the path as in `#include` ("robcl/frame.gidl"), and the line and
+    column, both counted from 1."""
 
     file: str
     line: int
@@ -44,7 +45,8 @@ Value = bool | int | float | str | EnumValue
 
 @dataclass(frozen=True, slots=True)
 class Annotation:
-    """An annotation that gidl does not interpret: of another vocabulary, or user-defined."""
+    """An annotation that gidl does not interpret: it belongs to another IDL vocabulary, or the user
+    declared it."""
 
     name: str
     arguments: tuple[tuple[str, Value], ...] = ()  # names and values; @a(v) gives ("value", v)
@@ -53,14 +55,14 @@ class Annotation:
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Inclusive bounds of a number; None means no bound on that side."""
+    """The inclusive bounds of a number; None means that the number has no bound on that side."""
 
     minimum: int | float | None = None
     maximum: int | float | None = None
 
 
 def within(inner: Range | None, outer: Range | None) -> Range | None:
-    """The intersection of two ranges; None stands for a range without bounds."""
+    """Returns the intersection of two ranges; None stands for a range without bounds."""
     if inner is None or outer is None:
         return inner or outer
     lower = [m for m in (inner.minimum, outer.minimum) if m is not None]
@@ -94,7 +96,8 @@ class Primitive(Enum):
 
     @property
     def is_integer(self) -> bool:
-        """Octets count as integers; characters and booleans do not."""
+        """Whether the type is an integer type. Octets count as integers; characters and booleans do
+        not."""
         return self.value.startswith(("int", "uint")) or self is Primitive.OCTET
 
     @property
@@ -111,7 +114,7 @@ class Primitive(Enum):
 
     @property
     def integer_limits(self) -> tuple[int, int]:
-        """Smallest and largest value of an integer type. @pre `is_integer`."""
+        """Returns the smallest and the largest value of an integer type. @pre `is_integer`."""
         bits = 8 * self.size
         if self.is_unsigned:
             return 0, (1 << bits) - 1
@@ -159,7 +162,8 @@ class ArrayType:
 
 @dataclass(frozen=True, slots=True)
 class NamedType:
-    """A declared type: struct, exception, enum, union, typedef, bitmask, bitset or interface."""
+    """A type that is used by its name: a struct, exception, enum, union, typedef, bitmask, bitset
+    or interface."""
 
     name: str
 
@@ -173,31 +177,33 @@ Type = PrimitiveType | StringType | SequenceType | MapType | ArrayType | NamedTy
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """Facts of every declaration: documentation, annotations, locations."""
+    """Facts that every declaration has: documentation, annotations and locations."""
 
     location: Location = field(compare=False)
-    doc: str = ""  # text of the author's comment without comment marks; lines joined by "\n"
+    doc: str = ""  # the author's comment without comment marks; its lines are joined by "\n"
     version: str | None = None  # text of @version, such as "1.2"
     since: str | None = None
-    deprecated: str | None = None  # reason, "" if none is given; None: not deprecated
+    deprecated: str | None = None  # the reason, or "" without a reason; None: not deprecated
     hash_as: str | None = None  # name from which codes and hashes are computed
     annotations: tuple[Annotation, ...] = ()  # annotations that gidl does not interpret
     written: tuple[tuple[str, Location], ...] = field(default=(), compare=False)
-    """Locations of the annotations that gidl interprets, and of their arguments: "qos",
-    "qos.depth"."""
+    """The locations of the annotations that gidl interprets, and of their arguments. The names are
+    for example "qos" and "qos.depth"."""
 
     def place_of(self, *annotations: str) -> Location:
-        """Location of the first of `annotations` that the declaration has, else of its name."""
+        """Returns the location of the first of `annotations` that the declaration has. If it has
+        none of them, returns the location of its name."""
         return next((at for name, at in self.written if name in annotations), self.location)
 
     def has(self, annotation: str) -> bool:
-        """Whether the declaration has this annotation, which must be one that gidl interprets."""
+        """Returns whether the declaration has this annotation, which must be one that gidl
+        interprets."""
         return any(name == annotation for name, _ in self.written)
 
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """A member of a struct, exception or union arm."""
+    """A member of a struct or exception, or the value of a union case."""
 
     name: str
     type: Type
@@ -218,8 +224,9 @@ class Extensibility(Enum):
 
 @dataclass(frozen=True, slots=True)
 class MapsTo:
-    """Hand-written value types of a struct: `cpp` is type and header ("robcl::Frame",
-    "robcl/frames/frame.hpp"), `python` is module and class ("robcl.frames", "Frame")."""
+    """The hand-written value types that replace a struct. `cpp` has the type and its header, for
+    example "robcl::Frame" and "robcl/frames/frame.hpp". `python` has the module and the class, for
+    example "robcl.frames" and "Frame"."""
 
     cpp: tuple[str, str] | None = None
     python: tuple[str, str] | None = None
@@ -236,7 +243,8 @@ class Declaration:
 
     @property
     def scope(self) -> str:
-        """Scoped name of the enclosing module, interface, struct or union; "" at the top level."""
+        """The scoped name of the enclosing module, interface, struct or union; "" at the top
+        level."""
         return self.name.rpartition("::")[0]
 
 
@@ -254,7 +262,8 @@ class Struct(Declaration):
 
 @dataclass(frozen=True, slots=True)
 class ExceptionStruct(Struct):
-    """An exception that an operation may raise: a struct that is never used as a value."""
+    """An exception that an operation may raise. It has members like a struct, but is never used as
+    a value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,12 +276,13 @@ class Enumerator:
 @dataclass(frozen=True, slots=True)
 class EnumDeclaration(Declaration):
     enumerators: tuple[Enumerator, ...]
-    default_literal: str | None = None  # enumerator read for unknown numbers; None: an error
+    default_literal: str | None = None  # the enumerator that readers use for unknown numbers
     bit_bound: int = 32
 
     @property
     def initial(self) -> Enumerator:
-        """Value of a member that is not set: the default literal, else the first enumerator."""
+        """The value of a member that is not set: the default literal, or else the first
+        enumerator."""
         for enumerator in self.enumerators:
             if enumerator.name == self.default_literal:
                 return enumerator
@@ -294,11 +304,11 @@ class Bitmask(Declaration):
 
 @dataclass(frozen=True, slots=True)
 class Bitfield:
-    name: str | None  # None: padding bits
+    name: str | None  # None: the bits are padding
     position: int  # index of the lowest bit, counted over the bits of the bases too
     width: int
-    # The declared type. If none is declared: boolean for one bit, else the smallest unsigned
-    # integer that is wide enough.
+    # The declared type. A field without a declared type is boolean if it has one bit, else the
+    # smallest unsigned integer that is wide enough.
     type: PrimitiveType
     facts: Facts
 
@@ -324,7 +334,7 @@ class UnionCase:
 
 @dataclass(frozen=True, slots=True)
 class Union(Declaration):
-    discriminator: PrimitiveType | NamedType  # typedefs resolved; NamedType: enum or bitmask
+    discriminator: PrimitiveType | NamedType  # without typedefs; a NamedType is an enum or bitmask
     cases: tuple[UnionCase, ...]
     extensibility: Extensibility = Extensibility.FINAL
 
@@ -377,7 +387,7 @@ class Parameter:
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """An operation, or an event, which the server sends to the clients that subscribed to it."""
+    """An operation or an event. The server sends an event to the clients that subscribed to it."""
 
     name: str
     interface: str  # scoped name of the declaring interface
@@ -393,12 +403,12 @@ class Operation:
     needs_presence: bool = True  # False for sensor operations and @presence(FALSE)
     idempotent: bool = False
     cancelable: bool = False
-    feedback: NamedType | None = None  # feedback type of a cancelable operation; None: untyped
+    feedback: NamedType | None = None  # of a cancelable operation; None: untyped
     on_new: OnNew = OnNew.QUEUE
     parallel: bool = False
     ordered: bool = False
     on_loss: OnLoss = OnLoss.STOP
-    qos: Qos = UNSAID  # unset terms are taken from the interface, else its bases
+    qos: Qos = UNSAID  # terms that are not set are taken from the interface and its bases
     result_unit: str | None = None
     result_range: Range | None = None
     result_optional: bool = False
@@ -422,7 +432,8 @@ class Operation:
 
 @dataclass(frozen=True, slots=True)
 class Attribute:
-    """A value of an object. The properties say whether it has a getter, a setter and a stream."""
+    """A value of an object. The properties tell whether the attribute has a getter, a setter and a
+    stream."""
 
     name: str
     interface: str
@@ -458,28 +469,29 @@ class Attribute:
 
     @property
     def idempotent(self) -> bool:
-        """Always False: a getter or setter is sent at most once, like every call that is not
-        @idempotent."""
+        """Always False. Getters and setters are sent at most once, as all calls without @idempotent
+        are."""
         return False
 
     @property
     def on_new(self) -> OnNew:
-        """A setter is queued like any other actor command."""
+        """Always QUEUE: a setter is queued like any other actor command."""
         return OnNew.QUEUE
 
     @property
     def on_loss(self) -> OnLoss:
-        """A running setter is stopped when its caller loses the needed status."""
+        """Always STOP: a running setter is stopped when its caller loses the needed status."""
         return OnLoss.STOP
 
     @property
     def parallel(self) -> bool:
-        """A setter does not run in parallel with other actor commands."""
+        """Always False: a setter never runs in parallel with other actor commands."""
         return False
 
     @property
     def has_getter(self) -> bool:
-        """False for an attribute with an inward stream: clients cannot read it by a call."""
+        """False for an attribute with an inward stream, because clients cannot read it by a
+        call."""
         return not self.streams_in
 
     @property
@@ -497,7 +509,7 @@ class Interface(Declaration):
 
     @property
     def operations(self) -> tuple[Operation, ...]:
-        """The operations, without events and without inherited operations."""
+        """The operations that the interface itself declares, without events."""
         return tuple(m for m in self.members if isinstance(m, Operation) and not m.is_event)
 
     @property
@@ -523,8 +535,9 @@ AnyDeclaration = (
 class File:
     path: str  # path as in `#include`, such as "robcl/geometry.gidl"
     includes: tuple[str, ...]  # paths of the directly included files, in order
-    declarations: tuple[AnyDeclaration, ...]  # all, in order; nested ones before the enclosing one
-    asked_for: bool = True  # named on the command line; False: only included
+    # All declarations, in order. A nested declaration comes before the enclosing one.
+    declarations: tuple[AnyDeclaration, ...]
+    asked_for: bool = True  # True: named on the command line; False: only included
     doc: str = ""
     modules: tuple[Declaration, ...] = ()  # one for each `module X {` of the file, in order
 
@@ -546,14 +559,15 @@ class Model:
         object.__setattr__(self, "_homes", homes)
 
     def find(self, name: str) -> AnyDeclaration:
-        """The declaration with the scoped name `name`. @pre `name` is declared: see `has`."""
+        """Returns the declaration with the scoped name `name`. @pre `name` is declared: see
+        `has`."""
         return self._index[name]
 
     def has(self, name: str) -> bool:
         return name in self._index
 
     def file_of(self, name: str) -> str:
-        """Path of the file that declares `name`."""
+        """Returns the path of the file that declares `name`."""
         return self._homes[name]
 
     def declarations(self) -> Iterator[AnyDeclaration]:
@@ -576,8 +590,8 @@ class Model:
         return found
 
     def target(self, used: Type) -> Type:
-        """The type that `used` stands for, typedefs resolved. Typedefs of its elements are not
-        resolved."""
+        """Returns the type that `used` stands for, with typedefs resolved. The typedefs of its
+        elements stay."""
         while isinstance(used, NamedType):
             declaration = self.find(used.name)
             if not isinstance(declaration, Typedef):
@@ -586,12 +600,12 @@ class Model:
         return used
 
     def all_members(self, struct: Struct) -> tuple[Member, ...]:
-        """All members of a struct, those of its bases first."""
+        """Returns all members of a struct; those of its bases come first."""
         inherited = self.all_members(self.struct(struct.base)) if struct.base else ()
         return inherited + struct.members
 
     def all_fields(self, bitset: Bitset) -> tuple[Bitfield, ...]:
-        """All fields of a bitset, those of its bases first."""
+        """Returns all fields of a bitset; those of its bases come first."""
         if bitset.base is None:
             return bitset.fields
         base = self.find(bitset.base)
@@ -599,9 +613,10 @@ class Model:
         return self.all_fields(base) + bitset.fields
 
     def with_bases(self, interface: Interface) -> tuple[Interface, ...]:
-        """All bases of an interface, most general first, then the interface itself."""
+        """Returns all bases of an interface, the most general first, and then the interface
+        itself."""
         return (*(self.interface(name) for name in interface.all_bases), interface)
 
     def all_interface_members(self, interface: Interface) -> tuple[Operation | Attribute, ...]:
-        """All members of an object of this interface, inherited ones first."""
+        """Returns all members of an object of this interface; inherited members come first."""
         return tuple(m for i in self.with_bases(interface) for m in i.members)

@@ -1,7 +1,8 @@
-"""Annotations and their arguments that are accepted but have no effect in this version.
+"""Annotations and arguments of annotations that gidl accepts, but that have no effect in this
+version.
 
-`gidl check` warns at each use of such a term, so that nobody relies on it. A change that gives a
-term its effect must remove the line of the term from `NOT_YET`.
+`gidl check` warns at each use of such a term, so that nobody relies on the term. A change that
+gives a term its effect must remove the line of the term from `NOT_YET`.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ class Term:
 
     @property
     def written(self) -> str:
-        """The key of the term in `Facts.written`, such as "presence" or "qos.depth"."""
+        """The key of the term in `Facts.written`, for example "presence" or "qos.depth"."""
         named = self.argument and not self.argument.startswith('"')
         return f"{self.annotation}.{self.argument}" if named else self.annotation
 
@@ -89,7 +90,8 @@ NOT_YET = (
 
 
 def check(model: Model, findings: Findings) -> None:
-    """Warns about terms without effect in the files asked for, not in included files."""
+    """Warns about terms without effect in the files named on the command line, not in included
+    files."""
     for file in model.files:
         if file.asked_for:
             for declared, name, facts in _annotated(file):

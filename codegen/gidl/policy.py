@@ -1,4 +1,4 @@
-"""Access, quality and streams: the needs of a caller and the promises of a connection.
+"""Access, quality and streams: what a caller needs, and what a connection promises.
 
 Durations are whole nanoseconds, rates are hertz. `None` means "not set".
 """
@@ -10,8 +10,8 @@ from enum import Enum, IntEnum
 
 
 class Access(IntEnum):
-    """Status that a caller needs. The values are ordered: master includes actor, actor includes
-    sensor."""
+    """The status that a caller needs. The values are ordered: master includes actor, and actor
+    includes sensor."""
 
     SENSOR = 0
     ACTOR = 1
@@ -19,7 +19,8 @@ class Access(IntEnum):
 
 
 class OnNew(Enum):
-    """What a new actor command does while another actor command of the object is running."""
+    """What the server does with a new actor command while another actor command of the object is
+    running."""
 
     QUEUE = "queue"
     REJECT = "reject"
@@ -28,14 +29,15 @@ class OnNew(Enum):
 
 
 class OnLoss(Enum):
-    """What happens to a running actor operation when its holder is lost."""
+    """What the server does with a running actor operation when the holder of the lease is lost."""
 
     STOP = "stop"
     FINISH = "finish"
 
 
 class QualityClass(IntEnum):
-    """How strict the timing promises of a connection are; the values are in rising strictness."""
+    """How strictly a connection keeps its promises about time, from the least to the most
+    strict."""
 
     TIME_INDEPENDENT = 0
     SOFT_REALTIME = 1
@@ -53,7 +55,8 @@ class Liveliness(IntEnum):
 
 
 class StreamDirection(Enum):
-    """Direction as seen by the server: it publishes OUT and accepts IN."""
+    """The direction of a stream, as the server sees it: the server publishes an OUT stream, and
+    receives an IN stream."""
 
     OUT = "out"
     IN = "in"
@@ -61,7 +64,7 @@ class StreamDirection(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Qos:
-    """Quality terms (QoS) of a connection. A term that is None is not set."""
+    """The quality terms (QoS) of a connection. A term that is None is not set."""
 
     quality_class: QualityClass | None = None
     reliability: Reliability | None = None
@@ -74,7 +77,7 @@ class Qos:
     media: tuple[str, ...] | None = None
 
     def over(self, outer: Qos) -> Qos:
-        """This quality; each term that it does not set is taken from `outer`."""
+        """Returns this quality, with each term that it does not set taken from `outer`."""
         merged = {}
         for field in fields(self):
             own = getattr(self, field.name)
@@ -91,9 +94,11 @@ UNSAID = Qos()
 
 @dataclass(frozen=True, slots=True)
 class Stream:
-    """The stream of an attribute: the server or a client publishes samples continuously."""
+    """The stream of an attribute, on which the server or a client publishes samples
+    continuously."""
 
     direction: StreamDirection
     rate_hz: float | None = None
-    watchdog_ns: int | None = None  # longest silence of the sender of an inward stream
-    is_open: bool = False  # @open_stream, outward streams: samples are bare LCM messages over lcm
+    # The longest time that the sender of an inward stream may be silent.
+    watchdog_ns: int | None = None
+    is_open: bool = False  # outward streams: over lcm, samples are plain LCM messages

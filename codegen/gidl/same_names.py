@@ -1,8 +1,8 @@
-"""Finds declarations of different files that would get the same name in C++.
+"""Finds declarations in different files that would get the same name in C++.
 
-Within a file and its includes, a name that gidl adds (`LampServant`, `Lamp_Mode`) gives way to
-other names: see type_names.py. Two files of which neither includes the other do not know each
-other, so they can get the same name. No program could use both.
+Within a file and its includes, a name that gidl adds (for example `LampServant` or `Lamp_Mode`) is
+changed if it is already in use: see type_names.py. If neither of two files includes the other, gidl
+cannot do so, and both files may get the same name. A program that includes both would not compile.
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ from gidl.model import (
 
 @dataclass(frozen=True, slots=True)
 class _Use:
-    """The use of a C++ name by a declaration."""
+    """The use of a C++ name for a declaration."""
 
-    what: str  # "the servant of 'lab::Lamp'"
-    declared: str  # scoped name of the declaration, which could be renamed
+    what: str  # for example "the servant of 'lab::Lamp'"
+    declared: str  # scoped name of the declaration that could be renamed
     location: Location
     is_module: bool = False
 
 
 def same_names(model: Model, findings: Findings) -> None:
-    """Reports each C++ name that declarations of two files have: in the first file that includes
-    both files, otherwise at the second declaration."""
+    """Reports each C++ name that declarations in two files have. The finding is at the beginning of
+    the first file that includes both, or else at the second declaration."""
     names = name_types(model, CPP_TYPES)
     first: dict[TypeName, _Use] = {}
     reach: dict[str, frozenset[str]] = {}
@@ -58,18 +58,18 @@ def same_names(model: Model, findings: Findings) -> None:
         findings.error(
             "G0114",
             other.location if user is None else Location(user, 1, 1),
-            f"{files} give one name in C++, '{shared}', to {one.what} and to {other.what}",
-            f"rename '{one.declared}' or '{other.declared}', or let one of the two files include"
-            " the other: a name that gidl adds then gives way",
+            f"{files} give the same C++ name '{shared}' to {one.what} and to {other.what}",
+            f"rename '{one.declared}' or '{other.declared}', or include one of the two files in the"
+            " other: gidl then changes a name that it adds itself",
             notes=(
-                Note("one is declared here", one.location),
-                Note("the other is declared here", other.location),
+                Note(f"'{one.declared}' is declared here", one.location),
+                Note(f"'{other.declared}' is declared here", other.location),
             ),
         )
 
 
 def _uses(names: TypeNames, file: File) -> Iterator[tuple[TypeName, _Use]]:
-    """All C++ names of the declarations in a file."""
+    """Yields all C++ names of the declarations in a file."""
     for declaration in file.declarations:
         if isinstance(declaration, AnnotationDeclaration) or _is_hand_written(declaration):
             continue
@@ -94,7 +94,7 @@ def _uses(names: TypeNames, file: File) -> Iterator[tuple[TypeName, _Use]]:
 
 
 def _is_hand_written(declaration: AnyDeclaration) -> bool:
-    """Whether no C++ type is generated, because there is one that was written by hand."""
+    """Returns whether the declaration has a hand-written C++ type, so that gidl generates none."""
     return (
         isinstance(declaration, Struct)
         and declaration.maps_to is not None

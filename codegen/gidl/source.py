@@ -1,4 +1,4 @@
-"""Source texts, and locations in them."""
+"""Source texts, and locations in source texts."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ MAX_BYTES = 4 * 1024 * 1024
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Source:
-    """One source file. `path` is the path that `#include` uses; `shown` is the path that messages
-    print."""
+    """One source file. `#include` uses `path`; messages print `shown`."""
 
     path: str
     shown: str
@@ -37,7 +36,7 @@ class Source:
         return Location(self.path, line, offset - self._starts[line - 1] + 1)
 
     def line(self, number: int) -> str:
-        """Text of a line without its newline. Lines are counted from 1."""
+        """Returns the text of a line without its newline. Lines are counted from 1."""
         if not 1 <= number <= len(self._starts):
             return ""
         start = self._starts[number - 1]

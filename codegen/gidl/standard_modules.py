@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from gidl.keywords import words
 
-# A table, not sys.stdlib_module_names: output must not depend on the version of Python.
+# This table replaces sys.stdlib_module_names, because the output of gidl must not depend on the
+# version of Python.
 STANDARD = words(
     """
     __future__ _abc _aix_support _android_support _apple_support _ast _ast_unparse _asyncio _bisect

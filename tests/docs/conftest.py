@@ -105,3 +105,12 @@ def reader(machines: dict[str, Machine], hosts: Hosts, place: Path) -> Iterator[
 
     with Reader(open_terminal) as reader:
         yield reader
+
+
+@pytest.fixture(scope="module")
+def student() -> Iterator[Reader]:
+    """Follows several pages in one laboratory, which runs on from page to page."""
+    with Hosts() as hosts, tempfile.TemporaryDirectory(prefix="pages-") as folder:
+        env = variables(Path(folder) / "home", STAND_INS)
+        with Reader(lambda _: Terminal(env, TREE, hosts.on(0))) as reader:
+            yield reader

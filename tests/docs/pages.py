@@ -6,9 +6,10 @@ the terminals of another machine, `stays` when the last command goes on, `status
 ends with that status, `repeat` when a person would type it again until it prints what is expected.
 A block ```text after it has lines that are printed, in this order; … stands for anything. A block
 `text terminal=2` is printed there, by the command that stayed, which ends if `status=` is given
-too. A block of another language is written to the file that the line before it names, in backticks
-and with a colon at its end; without such a name it is not followed. Commands that stay are ended by
-Ctrl-C before the next one in their terminal, unless that is the same.
+too; at a line ^C, Ctrl-C is pressed there, and the command ends after the lines behind it. A block
+of another language is written to the file that the line before it names, in backticks and with a
+colon at its end; without such a name it is not followed. Commands that stay are ended by Ctrl-C
+before the next one in their terminal, unless that is the same.
 """
 
 from __future__ import annotations
@@ -45,6 +46,13 @@ class Block:
     @property
     def lines(self) -> list[str]:
         return [line for line in self.text.splitlines() if line.strip() not in ("", "…")]
+
+    @property
+    def around_ctrl_c(self) -> tuple[list[str], bool, list[str]]:
+        """Lines before ^C, whether there is one, and lines behind it."""
+        lines = self.lines
+        at = lines.index("^C") if "^C" in lines else len(lines)
+        return lines[:at], at < len(lines), lines[at + 1 :]
 
     @property
     def status(self) -> int:
@@ -101,7 +109,10 @@ class Reader:
                 self._do(block, after.lines if after and printed else [])
             elif block.language == "text" and block.words:
                 terminal = self.terminals[block.words["terminal"]]
-                terminal.see(block.lines)
+                before, ctrl_c, behind = block.around_ctrl_c
+                terminal.see(before)
+                if ctrl_c:
+                    terminal.interrupt(behind)
                 if "status" in block.words:
                     terminal.finish(block.status)
             elif block.file is not None:

@@ -82,9 +82,10 @@ class Terminal:
         assert failed == wanted, f"{block}failed with {failed}, not with {wanted}:\n{self}"
         return self._of_block[:-1]
 
-    def interrupt(self) -> None:
-        """Ctrl-C: waits until the block has ended."""
+    def interrupt(self, lines: Sequence[str] = ()) -> None:
+        """Ctrl-C: waits until the block has printed the lines and has ended."""
         os.killpg(self._shell.pid, signal.SIGINT)
+        self.see(lines)
         self._until(DONE.__eq__, "the end after Ctrl-C")
         self.running = None
 

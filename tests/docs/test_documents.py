@@ -12,10 +12,11 @@ TREE = Path(__file__).resolve().parents[2]
 DOCUMENTS = sorted([*TREE.glob("*.md"), *TREE.glob("docs/**/*.md"), *TREE.glob("[a-z]*/README.md")])
 
 LINK = re.compile(r"\]\(([^)#\s]+)(#[^)\s]*)?\)")
-# A file of ours in backticks: `tools/setup.sh`, `docs/protocol.md`.
+# A file of ours in backticks: `tools/setup.sh`, `docs/protocol.md`; not one that the reader of the
+# page writes: `idl/lab/lift.gidl` with a colon and the file behind it.
 QUOTED = re.compile(
     r"`((?:idl|codegen|runtime|devices|generated|examples|tests|benchmarks|docs|cmake|tools)"
-    r"/[\w./-]*)`"
+    r"/[\w./-]*)`(?!:\n\n```)"
 )
 TARGET = re.compile(r"\bmake ([a-z][a-z-]*)")
 

@@ -6,7 +6,7 @@ import re
 
 import pytest
 from hosts import Hosts
-from pages import Reader, blocks_of
+from pages import TREE, Reader, blocks_of
 from terminals import Terminal
 
 
@@ -17,6 +17,24 @@ def test_the_simulated_laboratory(reader: Reader) -> None:
 @pytest.mark.timeout(300)
 def test_a_program_of_ones_own(reader: Reader) -> None:
     reader.follow("docs/own-program.md")
+
+
+@pytest.mark.timeout(300)
+def test_a_server_in_cpp(reader: Reader) -> None:
+    reader.follow("docs/cpp-server.md")
+
+
+@pytest.mark.timeout(300)
+def test_sanitizers(reader: Reader) -> None:
+    reader.follow("docs/sanitizers.md")
+
+
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize(
+    "lesson", [path.name for path in sorted((TREE / "docs/tutorial").glob("[1-9]-*.md"))]
+)
+def test_a_lesson(lesson: str, student: Reader) -> None:
+    student.follow(f"docs/tutorial/{lesson}")
 
 
 @pytest.mark.timeout(300)

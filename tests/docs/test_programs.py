@@ -1,5 +1,6 @@
 """The pieces of code in docs/programs.md compile, each as a function of its own."""
 
+import re
 from pathlib import Path
 from textwrap import indent
 
@@ -28,6 +29,7 @@ using Robot = Oven;  // anything that can be held
 
 PYTHON_BEFORE = """\
 import asyncio
+import threading
 import time
 import gecos
 from oven import Oven, OvenServant, TooHot
@@ -52,7 +54,7 @@ def test_the_cpp_compiles(generated: Path, tmp_path: Path) -> None:
 def test_the_python_is_well_typed(generated: Path, tmp_path: Path) -> None:
     functions = []
     for at, block in enumerate(blocks(PROGRAMS, "python")):
-        kind = "OvenServant" if "gecos.Server(" in block else "Oven"
+        kind = "OvenServant" if re.search(r"gecos\.(Server|serve)\(", block) else "Oven"
         head = f"def piece_{at}(oven: {kind}, robot: Manipulator, goal: Frame) -> None:\n"
         functions.append(head + indent(block, "    "))
     check_python(PYTHON_BEFORE + "\n".join(functions), generated, tmp_path)

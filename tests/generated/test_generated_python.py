@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from gecos import wire
 from gecos.errors import CommandFailed
+from gecos.wire.unions import NOT_OF_TAG
 from gidl.model import Model, Struct
 from type_values import Case, cases, python_struct, python_type
 
@@ -83,23 +84,23 @@ def _refusals() -> Iterator[tuple[str, dict[str, Any], str]]:
     yield (
         "Sequences",
         {"percents": np.array([1, 101])},
-        "Sequences.percents: 101 is outside [0, 100]",
+        "Sequences.percents[1]: 101 is outside [0, 100]",
     )
     yield "Sequences", {"short_text": "a\0"}, "Sequences.short_text: 'a\\x00' contains NUL"
     yield (
         "Sequences",
         {"reals": np.zeros((2, 2))},
-        ("Sequences.reals: the array has 2 dimensions, a sequence has one"),
+        ("Sequences.reals: the array has 2 dimensions, but a sequence has one"),
     )
     yield (
         "Arrays",
         {"grid": np.zeros((3, 2), "i4")},
-        ("Arrays.grid: the array has shape (3, 2), the declared shape is (2, 3)"),
+        ("Arrays.grid: the array has shape (3, 2), but the declared shape is (2, 3)"),
     )
-    yield "Arrays", {"names": ["a"]}, "Arrays.names: 1 elements where 2 are declared"
-    yield "Arrays", {"block": b"\0"}, "Arrays.block: 1 bytes where 3 are declared"
+    yield "Arrays", {"names": ["a"]}, "Arrays.names: 1 elements, but 2 are declared"
+    yield "Arrays", {"block": b"\0"}, "Arrays.block: 1 bytes, but 3 are declared"
     yield "Optionals", {"part": 2.0}, "Optionals.part: 2.0 is outside [0.0, 1.0]"
-    yield "Shape", {"value": None}, "Shape: the value does not agree with the union's discriminator"
+    yield "Shape", {"value": None}, f"Shape: {NOT_OF_TAG}"
 
 
 @pytest.mark.parametrize(("kind", "members", "words"), list(_refusals()), ids=lambda x: str(x)[:40])

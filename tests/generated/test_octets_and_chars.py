@@ -63,10 +63,10 @@ def test_bytes_are_checked_like_arrays(types: Any) -> None:
     for value, words in (
         (
             types.Bytes(a=b"ab"),
-            r"Bytes\.a: the array has shape \(2,\), the declared shape is \(3,\)",
+            r"Bytes\.a: the array has shape \(2,\), but the declared shape is \(3,\)",
         ),
         (types.Bytes(few=b"12345"), r"Bytes\.few: 5 elements, at most 4"),
-        (types.Limited(b"\x09\x0a"), r"Limited\.s: 10 is outside \[-inf, 9\]"),
+        (types.Limited(b"\x09\x0a"), r"Limited\.s\[1\]: 10 is outside \[-inf, 9\]"),
         (types.Limited(signed_ones=b"ab"), r"Limited\.signed_ones: the array has"),
         (types.Bytes(raws=3), r"Bytes\.raws: 3 is not bytes"),
         (types.Bytes(raws=np.zeros(2)), r"Bytes\.raws: .* is not bytes"),

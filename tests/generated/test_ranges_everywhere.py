@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 import sys
 from collections.abc import Callable, Iterator
@@ -17,7 +18,7 @@ from generating import generate
 # Each value is 0 when it is made; 4.0 or 4 is outside.
 IDL = """
 module ranged {
-  @range(min=-3, max=3) typedef double Angle;
+  @unit("rad") @range(min=-3, max=3) typedef double Angle;
   typedef Angle Joints[2];
   typedef sequence<Joints> Path;
   @range(min=-3, max=3) typedef long Step;
@@ -118,7 +119,7 @@ def test_what_is_outside_is_not_sent(types: Any, name: str, good: Any, bad: list
     for encode in both(kind, "encode"):
         encode(kind(x=good), [])
         for value in bad:
-            with pytest.raises(wire.EncodeError, match=rf"^{name}\.x: .* is outside \["):
+            with pytest.raises(wire.EncodeError, match=rf"^{name}\.x(\[\d\])*: .* is outside \["):
                 encode(kind(x=value), [])
 
 
@@ -147,13 +148,41 @@ def _with_a_number_outside(data: bytes) -> Iterator[bytes]:
             yield data[:at] + raw + data[at + len(raw) :]
 
 
+WITH_UNIT = (
+    *("Array", "Grid", "Items", "Nested", "Chain", "Optional", "Values", "MapItems", "Grows"),
+    "Failed",
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "good", "bad"), [c for c in CASES if c[0] in WITH_UNIT], ids=lambda x: str(x)[:8]
+)
+def test_the_unit_of_a_typedef_is_named_everywhere(
+    types: Any, name: str, good: Any, bad: list[Any]
+) -> None:
+    kind = getattr(types, name)
+    for value in bad:
+        with pytest.raises(wire.EncodeError, match=r" is outside \[.*\] rad"):
+            kind(x=value).encode([])
+    for wrong in _with_a_number_outside(wire.to_bytes(kind(x=good))):
+        try:
+            kind.decode(wire.Decoder(wrong))
+        except wire.DecodeError as error:
+            if error.problem is wire.DecodeProblem.OUT_OF_RANGE:
+                assert re.search(r"byte \d+: .* is outside \[.*\] rad", str(error))
+
+
 def test_arms_are_checked(types: Any) -> None:
+    with pytest.raises(
+        wire.EncodeError, match=r"Arm\.x\[1\]: 4\.0 is outside \[-3.0, 3.0\] rad; is"
+    ):
+        wire.to_bytes(types.Arm.make_x(np.array([0.0, 4.0])))
     for made in (types.Arm.make_x(np.array([0.0, 4.0])), types.Number.make_x(4)):
         with pytest.raises(wire.EncodeError, match="is outside"):
             wire.to_bytes(made)
     raw = bytearray(wire.to_bytes(types.Number.make_x(3)))
     raw[-1] = 4
-    with pytest.raises(wire.DecodeError, match="outside its declared range"):
+    with pytest.raises(wire.DecodeError, match=r"x' at byte \d+: 4 is outside \["):
         wire.from_bytes(types.Number, raw)
 
 
@@ -162,9 +191,9 @@ def test_parameters_results_and_samples_are_checked(types: Any) -> None:
     handlers = {h.method: h for h in module.RobotServant._gecos_handlers.values()}
     with pytest.raises(wire.EncodeError, match=r"get: 4\.0 is outside"):
         handlers["get"].result(4.0)
-    with pytest.raises(wire.EncodeError, match=r"steps: 4 is outside"):
+    with pytest.raises(wire.EncodeError, match=r"steps\[0\]: 4 is outside"):
         handlers["both"].result(types.Robot_both_result(np.zeros(2), np.array([4], "i4")))
-    with pytest.raises(wire.EncodeError, match=r"posture: 4\.0 is outside"):
+    with pytest.raises(wire.EncodeError, match=r"posture\[1\]: 4\.0 is outside"):
         handlers["posture"].result(np.array([0.0, 4.0]))
     with pytest.raises(wire.EncodeError, match=r"share: 4\.0 is outside"):
         handlers["share"].result(4.0)
@@ -178,15 +207,15 @@ def test_parameters_results_and_samples_are_checked(types: Any) -> None:
     handlers["both"].arguments(wire.Decoder(data))
     for at in (-8, -16):
         wrong = data[:at] + struct.pack(">d", 4.0) + data[len(data) + at + 8 :]
-        with pytest.raises(wire.DecodeError, match="outside its declared range"):
+        with pytest.raises(wire.DecodeError, match=r"4\.0 is outside \["):
             handlers["both"].arguments(wire.Decoder(wrong))
-    with pytest.raises(wire.DecodeError, match="outside its declared range"):
+    with pytest.raises(wire.DecodeError, match=r"nan is outside \["):
         module._ROBOT_POSTURE.result(wire.Decoder(struct.pack(">dd", 0.0, NAN)))
 
 
 def test_exceptions_are_checked(types: Any) -> None:
     assert issubclass(types.Failed, DeclaredError)
-    with pytest.raises(wire.EncodeError, match=r"Failed\.x: 4\.0 is outside"):
+    with pytest.raises(wire.EncodeError, match=r"Failed\.x\[0\]: 4\.0 is outside"):
         types.Failed(np.array([4.0, 0.0])).encode([])
 
 

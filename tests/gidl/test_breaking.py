@@ -158,7 +158,7 @@ EDITS = [
     ("presence needed", "@presence(FALSE) void", "void", "G1301"),
     ("safety", "@sensor void look()", "@sensor @safety void look()", "G1301"),
     ("no safety", "@safety void halt", "void halt", "G1301"),
-    ("goes on when its holder is lost", '@on_new("queue")', '@on_new("queue") @on_loss("finish")',
+    ("continues when the holder of the lease is lost", '@on_new("queue")', '@on_new("queue") @on_loss("finish")',
      "G1301"),
     ("an open stream", '@stream(rate="100Hz") @qos(depth=4)', '@stream(rate="100Hz") @open_stream @qos(class=TIME_INDEPENDENT, depth=4)', "G1201 G1301"),
     ("no secret", "@secret in string", "in string", "G1302"),
@@ -222,21 +222,21 @@ typedef sequence<Small> Smalls;
 # (what the type of a slot was, what it is, the change that is told)
 INSIDE = [
     ("sequence<Small>", "sequence<long>",
-     "the elements of {} were from 0 to 1 and are of any value"),
+     "the elements of {} were from 0 to 1 and are now of any value"),
     ("sequence<long>", "sequence<Small>",
-     "the elements of {} were of any value and are from 0 to 1"),
-    ("Smalls", "sequence<Large>", "the elements of {} were from 0 to 1 and are from 0 to 2"),
+     "the elements of {} were of any value and are now from 0 to 1"),
+    ("Smalls", "sequence<Large>", "the elements of {} were from 0 to 1 and are now from 0 to 2"),
     ("sequence<Smalls>", "sequence<sequence<long>>",
-     "the elements of {} were from 0 to 1 and are of any value"),
+     "the elements of {} were from 0 to 1 and are now of any value"),
     ("map<string, Small>", "map<string, Large>",
-     "the values of {} were from 0 to 1 and are from 0 to 2"),
+     "the values of {} were from 0 to 1 and are now from 0 to 2"),
     ("map<Small, string>", "map<long, string>",
-     "the keys of {} were from 0 to 1 and are of any value"),
+     "the keys of {} were from 0 to 1 and are now of any value"),
     ("map<string, Smalls>", "map<string, sequence<long>>",
-     "the elements of the values of {} were from 0 to 1 and are of any value"),
+     "the elements of the values of {} were from 0 to 1 and are now of any value"),
     ("Smalls", "sequence<Small>", ""),
     ("sequence<Any_octet>", "sequence<octet>", ""),
-    ("sequence<Metres>", "sequence<Millimetres>", "{} was in 'm' and is in 'mm'"),
+    ("sequence<Metres>", "sequence<Millimetres>", "{} was in 'm' and is now in 'mm'"),
 ]  # fmt: skip
 SLOTS = """
 struct S { TYPE x; };

@@ -111,7 +111,7 @@ class TestIdl:
         (here / "was" / "lamp.gidl").write_text("struct Lamp { float height; };\n")
         assert main(["breaking", "--against", "was"]) == 100
         said = capsys.readouterr().err
-        assert "was float and is double" in said
+        assert "was float and is now double" in said
         assert "has moved" not in said, "its headers and modules are called as before"
 
     def test_hidden_folders_are_not_searched(self, here: Path) -> None:

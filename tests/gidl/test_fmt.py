@@ -206,7 +206,7 @@ class TestCommand:
         assert main(["fmt"]) == 100
         said = capsys.readouterr()
         assert "idl/wrong.gidl:1:9: error[G0100]" in said.err
-        assert said.out == "gidl: 3 files, 1 formatted, 1 with errors left unchanged\n"
+        assert said.out == "gidl: 3 files, 1 formatted, 1 left unchanged because of errors\n"
         assert (here / "idl" / "wrong.gidl").read_text() == "struct  { long x; };\n"
         assert (here / "idl" / "a.gidl").read_text() == "struct A { long x; };\n"
 

@@ -204,7 +204,7 @@ class TestReports:
         assert all(line.startswith(("::error ", "::warning ")) for line in lines)
         assert (
             "::error file=generated/lcm/lab/oven.lcm,line=3,col=1,title=gidl G1401::this file "
-            "differs from the output of the interfaces%0Ahelp: to fix, run: gidl gen --lang lcm"
+            "differs from what gidl gen would write%0Ahelp: to fix, run: gidl gen --lang lcm"
         ) in lines
 
     def test_text_has_the_difference(self, wrong: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -267,7 +267,7 @@ class TestWriting:
         assert said.startswith("generated/cpp/lab/")
         assert (
             ": error[G1405]: this output cannot be written: No space left on device\n"
-            "      = help: free space on that disk, and run gidl again\n"
+            "      = help: delete files on the full disk, and run gidl again\n"
         ) in said
         assert {p: p.read_text() for p in (here / "generated").rglob("*") if p.is_file()} == before
 

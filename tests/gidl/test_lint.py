@@ -58,7 +58,7 @@ def test_an_excepted_rule_is_not_asked(
     assert main(["lint", "--except", "G0908", "bad.gidl"]) == 0
     assert main(["lint", "--except", "g0907", "bad.gidl"]) == 100
     assert main(["lint", "--except", "G0102", "bad.gidl"]) == 2
-    assert "there is no lint rule G0102" in capsys.readouterr().err
+    assert "there is no lint rule with the code G0102" in capsys.readouterr().err
 
 
 def test_files_with_errors_show_those_alone(

@@ -54,7 +54,7 @@ def test_a_name_that_is_none_is_refused(
     here: Path, name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["new", name]) == 2
-    assert "is no name" in capsys.readouterr().err
+    assert "is not a valid name" in capsys.readouterr().err
     assert not any(here.iterdir())
 
 
@@ -139,10 +139,10 @@ def test_or_for_the_one_that_is_named(here: Path, well: Path, wanted: str) -> No
     [
         (["--mock", "lab/well.gidl", "--interface", "Tap"], 2, "there is lab::Pump, lab::Valve"),
         (["--mock", "lab/none.gidl"], 100, "cannot be read"),
-        (["--mock", "-"], 2, "takes a name like thermometer, or --mock and a file"),
-        (["tap", "--mock", "lab/well.gidl"], 2, "takes a name like thermometer, or --mock"),
-        ([], 2, "takes a name like thermometer, or --mock"),
-        (["--mock", "event.gidl"], 100, "error[G0801]: Bell::rung: events"),
+        (["--mock", "-"], 2, "or --mock and a file"),
+        (["tap", "--mock", "lab/well.gidl"], 2, "for example thermometer, or --mock"),
+        ([], 2, "for example thermometer, or --mock"),
+        (["--mock", "event.gidl"], 100, "error[G0801]: Bell::rung: gidl does not generate events"),
         (["--mock", "types.gidl"], 2, "declares no interface to mock"),
         (["--mock", "lab/well.gidl", "--into", "lab"], 2, "exists already"),
     ],

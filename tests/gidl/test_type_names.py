@@ -151,12 +151,12 @@ class TestNamesOfTwoFiles:
             ("Lamp_g_result", "the results of 'm::Lamp::g'"),
         ):
             assert (
-                "c.gidl:1:1: error[G0114]: two files that this file includes give one name in C++, "
-                f"'m::{name}', to {what} and to 'm::{name}'" in said
+                "c.gidl:1:1: error[G0114]: two files that this file includes give the same "
+                f"C++ name 'm::{name}' to {what} and to 'm::{name}'" in said
             )
-        assert "help: rename 'm::Lamp::g' or 'm::Lamp_g_result', or let one" in said
-        assert "a.gidl:3:22: note: one is declared here" in said
-        assert "b.gidl:3:10: note: the other is declared here" in said
+        assert "help: rename 'm::Lamp::g' or 'm::Lamp_g_result', or include one" in said
+        assert "a.gidl:3:22: note: 'm::I::Mode' is declared here" in said
+        assert "b.gidl:3:10: note: 'm::I_Mode' is declared here" in said
         assert said.count("error[") == 4
         assert main(["gen", "c.gidl", "--lang", "python"]) == 0
 
@@ -165,7 +165,7 @@ class TestNamesOfTwoFiles:
     ) -> None:
         assert main(["gen", "a.gidl", "b.gidl"]) == 100
         said = capsys.readouterr().err
-        assert "b.gidl:3:10: error[G0114]: two files give one name in C++, 'm::I_Mode'" in said
+        assert "b.gidl:3:10: error[G0114]: two files give the same C++ name 'm::I_Mode'" in said
         assert main(["gen", "a.gidl"]) == 0
 
     def test_a_name_that_gives_way_is_no_clash(self, here: Path) -> None:
@@ -177,4 +177,4 @@ class TestNamesOfTwoFiles:
     ) -> None:
         (here / "b.gidl").write_text("module m { module I_Mode { struct P { long x; }; }; };")
         assert main(["gen", "c.gidl"]) == 100
-        assert "'m::I_Mode', to 'm::I::Mode' and to module 'm::I_Mode'" in capsys.readouterr().err
+        assert "'m::I_Mode' to 'm::I::Mode' and to module 'm::I_Mode'" in capsys.readouterr().err

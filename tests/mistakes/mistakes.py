@@ -3,7 +3,7 @@
 Each table is a TOML file with entries `[[mistake]]`:
 
     name     what the user did wrong, in a few words
-    python | gecos | gidl | program     what makes the mistake; see `Kind`
+    python | gecos | gidl | program | cpp | compile | cmake   what makes the mistake; see `KINDS`
     says     the golden message; <…> stands for what differs between two runs
     what, where, do   the parts of `says` that tell what is wrong, where, and what to do;
              empty where the message does not tell it
@@ -24,9 +24,13 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 TREE = HERE.parents[1]
-KINDS = ("python", "gecos", "gidl", "program")
+CPP_KINDS = ("cpp", "compile", "cmake")
+KINDS = ("python", "gecos", "gidl", "program", *CPP_KINDS)
 """`python`: code for the test's own process, which has a laboratory; `gecos` and `gidl`: the words
-of a command; `program`: code for a Python of its own."""
+of a command; `program`: code for a Python of its own. `cpp`: the body of a function of the program
+cpp_mistakes; `compile`: C++ that the compiler refuses or warns of; `cmake`: a part of a
+CMakeLists.txt. What compilers and CMake say differs between their versions, so `says` has only the
+parts of lines that are ours, in their order."""
 PARTS = ("what", "where", "do")
 
 
@@ -44,6 +48,10 @@ class Mistake:
     def grade(self) -> int:
         """How many of the three parts the message tells: 0 to 3."""
         return sum(bool(part) for part in self.parts.values())
+
+    @property
+    def is_cpp(self) -> bool:
+        return self.kind in CPP_KINDS
 
 
 def read_table(file: Path) -> Iterator[Mistake]:
@@ -68,6 +76,12 @@ def of_kind(kind: str) -> list[Mistake]:
     return [mistake for mistake in all_mistakes() if mistake.kind == kind]
 
 
+def write_files(mistake: Mistake, folder: Path) -> None:
+    for name, text in mistake.files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+
+
 def settled(text: str, *folders: Path) -> str:
     """`text` with <…> for what differs between two runs and machines."""
     for place in folders:
@@ -79,6 +93,7 @@ def settled(text: str, *folders: Path) -> str:
     text = text.replace(f"{getpass.getuser()}@{socket.gethostname()}", "<user>@<host>")
     text = text.replace(socket.gethostname(), "<host>")
     text = re.sub(r"\(pid \d+\)|\bpid \d+", "pid <pid>", text)
+    text = re.sub(r"\buid \d+", "uid <uid>", text)
     text = re.sub(r"\b\d+(\.\d+)? m?s ago|(for|since|in) \d+(\.\d+)? m?s\b", "<time>", text)
     text = re.sub(
         rf"\b{re.escape(getpass.getuser())} on <host> \([^,)]*,",

@@ -116,7 +116,7 @@ def test_a_share_that_is_invalid_opens_nothing(partner: Partner, client: Client)
 
     partner.session.passes_share = never
     client.tell("follow")
-    assert "did not arrive over lcm" in client.says("not followed:")
+    assert "could not be opened in time over lcm" in client.says("not followed:")
     assert not any(opened for _, opened in partner.session.shares.values())
 
 

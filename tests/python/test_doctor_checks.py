@@ -33,7 +33,7 @@ def test_a_missing_library_is_named_with_its_package() -> None:
 
 def test_an_extension_of_another_version_is_told_from_one_that_is_missing() -> None:
     other = extension(None, ["own_key"], "/opt/gecos/_core.so")
-    said(other, Level.ERROR, "of another version", "lacks own_key", "/opt/gecos/_core.so")
+    said(other, Level.ERROR, "belongs to another version", "lacks own_key", "/opt/gecos/_core.so")
     none = extension("No module named 'gecos._core'", [], "/opt/gecos (there is no _core*.so)")
     said(none, Level.ERROR, "No module named 'gecos._core'", "there is no _core*.so")
     said(extension(None, [], "/opt/gecos/_core.so"), Level.OK)
@@ -90,7 +90,7 @@ def test_left_over_sockets_are_a_warning_and_a_file_in_the_way_an_error() -> Non
     left = ["/tmp/gecos-0/RX90.4711.1.sock", "/tmp/gecos-0/BROKER.sock"]
     said(places.stale_sockets(left), Level.WARNING, *left, f"rm {' '.join(left)}")
     said(places.stale_sockets([]), Level.OK)
-    said(places.occupied(["/tmp/gecos-0/BROKER.sock"]), Level.ERROR, "no socket", "rm -r /tmp")
+    said(places.occupied(["/tmp/gecos-0/BROKER.sock"]), Level.ERROR, "not a socket", "rm -r /tmp")
     assert places.occupied([]) is None
 
 
@@ -134,7 +134,7 @@ def test_a_key_that_is_not_admitted_is_no_missing_broker() -> None:
     assert broker(Answer(refused), "GECOS_BROKER=lcm").mend.startswith("gecos keys add FILE, with")
     perhaps = "(tried lcm: no server answers, or the server does not admit our key c1075034)"
     mend = broker(Answer(perhaps), "GECOS_BROKER=lcm").mend
-    assert mend.startswith("gecos broker, on the host")
+    assert mend.startswith("run gecos broker on the host")
     assert "gecos keys add FILE there" in mend
 
 

@@ -113,7 +113,7 @@ def test_a_stream_gives_plain_samples(lab: gecos.Lab, server: gecos.Server) -> N
         (None, None, "move.goal: an object is expected, null is there"),
         (GOAL, {"speed": 2}, r"move.how.speed: 2.0 is outside \[0.01, 1.0\]"),
         (GOAL, {"path": "BENT"}, "move.how.path: unknown name BENT; the known names are STRAIGHT"),
-        (object(), None, "move.goal: a value of object is no plain data"),
+        (object(), None, "move.goal: a value of the type object is not plain data"),
     ],
 )
 def test_a_wrong_argument_is_named(goal: Any, how: Any, why: str) -> None:
@@ -329,7 +329,7 @@ LISTS = [struct(f"S{i or ''}", f"sequence<S{i + 1}>") for i in range(5000)]
         (["{"], "text 1 is not JSON"),
         (["[" * 100_000], "text 1 is not JSON"),
         (["[]"], "text 1 is not an object"),
-        (['{"interface": {}, "interface": {}}'], "an object has two entries of one name"),
+        (['{"interface": {}, "interface": {}}'], "an object has two entries with the same name"),
         (["{}"], "text 1 has no 'interface'"),
         (model_with([]), "I::a uses the type S, which is not declared"),
         (model_with([struct("S", "T")]), "type S uses the type T, which is not declared"),

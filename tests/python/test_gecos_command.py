@@ -34,7 +34,7 @@ def test_ls_names_only_media_that_lead_to_other_programs(
     server.add("HIDDEN", PlainLamp(), media=["inproc"])
     assert run(monkeypatch, "ls") == 0
     _, hidden, _ = capsys.readouterr().out.splitlines()
-    assert "the server's process only" in hidden
+    assert "only the server's own process" in hidden
     assert "inproc" not in hidden
 
 

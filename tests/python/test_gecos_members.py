@@ -122,7 +122,7 @@ def test_set_of_a_readonly_attribute_says_so(arm: Arm, run: Run) -> None:
     assert run("set", "ARM", "tool", "{}") == (
         2,
         "",
-        "gecos: ARM.tool is readonly: it cannot be set\n",
+        "gecos: ARM.tool is readonly and cannot be set\n",
     )
 
 
@@ -297,12 +297,12 @@ def test_describe_shows_the_members_and_enumerators_of_types(arm: Arm, run: Run)
     ("words", "said"),
     [
         (("call", "ARM", "move", '{"goal": {}, "goal": {}}'), "the member occurs twice"),
-        (("call", "ARM", "move", '{"goal": {"position": {"x": 1e999}}}'), "beyond what a number"),
+        (("call", "ARM", "move", '{"goal": {"position": {"x": 1e999}}}'), "too large for a number"),
         (("call", "ARM", "move", 'goal={"position": {"x": NaN}}'), "not JSON: NaN"),
         (("call", "ARM", "move", "goal=" + 3000 * "[" + 3000 * "]"), "nested deeper than 100"),
         (
             ("set", "ARM", "tool_offset", '{"position": {"x": 1' + 400 * "0" + "}}"),
-            "is beyond what a",
+            "is too large for a",
         ),
         (("watch", "ARM", "posture", "--every", "inf"), "inf is not from 0.01 to 1e+06"),
         (("hz", "ARM", "tool", "--window", "nan"), "nan is not from 0.1 to 1e+06"),

@@ -79,7 +79,7 @@ def test_an_added_key_is_admitted_and_a_removed_one_is_not(
         (lambda text: "", "is empty"),
         (lambda text: text.replace("9f", "9e", 1), "is damaged (its checksum does not match)"),
         (lambda text: text * 2, "holds more than a key"),
-        (lambda text: text.replace("public", "secret"), "is a secret key"),
+        (lambda text: text.replace("public", "secret"), "this is a secret key"),
     ],
 )
 def test_a_file_that_is_no_key_is_not_admitted(
@@ -105,7 +105,7 @@ def test_a_damaged_or_open_file_of_the_folder_is_told(
     damaged, is_open, no_key = err.splitlines()  # in the order of the names of the files
     assert "is cut short: copy it again, or remove it" in damaged
     assert "is open to other users: run `chmod 600` on it" in is_open
-    assert "bob.public: its name is no key of 64 hex digits" in no_key
+    assert "bob.public: the name of this file is not a key of 64 hex digits" in no_key
     assert f"run `gecos keys add {folder}" in no_key
 
 
@@ -123,7 +123,7 @@ def test_neither_the_own_key_nor_an_unknown_one_is_removed(folder: Path, run: Ru
     (own,) = folder.glob("*.public")
     code, _, err = run("keys", "remove", own.name)
     assert code == 2
-    assert err == f"gecos: {own.name}: is your own key, which your programs need\n"
+    assert err == f"gecos: {own.name}: this is your own key, which your programs need\n"
     code, _, err = run("keys", "remove", "01234567")
     assert code == 2
     assert err == "gecos: 01234567: no admitted key has this name; `gecos keys` lists them\n"

@@ -94,7 +94,7 @@ def test_a_status_is_waited_for_in_line(lamp: Lamp, other: Lamp) -> None:
 
 
 def test_a_wait_in_line_ends_in_time(held: Lamp, other: Lamp) -> None:
-    with pytest.raises(gecos.LeaseRefused, match=r"not free within 0\.05 s") as caught:
+    with pytest.raises(gecos.LeaseRefused, match=r"the request waited 0\.05 s") as caught:
         gecos.master(other, timeout=0.05)
     assert len(caught.value.holders) == 1
 
@@ -115,7 +115,7 @@ def test_a_program_that_is_interrupted_leaves_the_line(lamp: Lamp, other: Lamp) 
 def test_stop_ends_the_line(lamp: Lamp, other: Lamp) -> None:
     with (
         gecos.actor(lamp),
-        pytest.raises(gecos.LeaseRefused, match="the line for the status was ended: stopped by"),
+        pytest.raises(gecos.LeaseRefused, match="ended while it waited: stopped by"),
     ):
         gecos.actor(other, timeout=None, on_position=lambda before: gecos.stop(lamp).detach())
 

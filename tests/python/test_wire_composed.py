@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import struct
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -47,26 +48,28 @@ def test_numbers_are_a_count_and_the_numbers() -> None:
     assert b"".join(wire.numbers([1, 2], "h", 4)) == struct.pack(">ihh", 2, 1, 2)
     with pytest.raises(EncodeError, match="v: 5 elements, at most 4 are allowed"):
         wire.numbers(range(5), "h", 4, "v")
-    with pytest.raises(EncodeError, match="v: the array has 2 dimensions, a sequence has one"):
+    with pytest.raises(EncodeError, match="v: the array has 2 dimensions, but a sequence has one"):
         wire.numbers(np.eye(2), "d", 4, "v")
 
 
 def test_every_element_of_a_sequence_is_held_to_its_range() -> None:
     assert b"".join(wire.numbers([0.0, 1.0], "d", 4, "v", 0.0, 1.0))[:4] == b"\0\0\0\2"
-    with pytest.raises(EncodeError, match=r"v: 1.5 is outside \[0.0, 1.0\]"):
+    with pytest.raises(EncodeError, match=r"v\[1\]: 1.5 is outside \[0.0, 1.0\]"):
         wire.numbers([0.5, 1.5], "d", 4, "v", 0.0, 1.0)
-    with pytest.raises(EncodeError, match=r"v: nan is outside \[0.0, inf\]"):
+    with pytest.raises(EncodeError, match=r"v\[0\]: nan is outside \[0.0, inf\]"):
         wire.numbers([np.nan], "d", 4, "v", 0.0)
 
 
 def test_an_array_has_its_declared_shape() -> None:
     assert bytes(wire.fixed(np.eye(2), "d", (2, 2))) == struct.pack(">4d", 1, 0, 0, 1)
     with pytest.raises(
-        EncodeError, match=r"v: the array has shape \(3,\), the declared shape is \(2, 2\)"
+        EncodeError, match=r"v: the array has shape \(3,\), but the declared shape is \(2, 2\)"
     ):
         wire.fixed([1, 2, 3], "d", (2, 2), "v")
-    with pytest.raises(EncodeError, match=r"v: -1 is outside \[0, 9\]"):
+    with pytest.raises(EncodeError, match=r"v\[1\]: -1 is outside \[0, 9\]"):
         wire.fixed([1, -1], "i", (2,), "v", 0, 9)
+    with pytest.raises(EncodeError, match=r"v\[1\]\[0\]: -1 is outside \[0, 9\]"):
+        wire.fixed([[1, 1], [-1, -1]], "i", (2, 2), "v", 0, 9)
 
 
 def test_an_array_outside_its_range_says_which_element() -> None:
@@ -82,6 +85,23 @@ def test_an_array_outside_its_range_says_which_element() -> None:
         0,
         "v",
     )
+
+
+def test_a_range_error_names_unit_and_value() -> None:
+    turned = layout.ranged("d", -2.0, 2.0, "rad")
+    with pytest.raises(EncodeError) as sent:
+        turned.put(90.0, [], "v")
+    assert str(sent.value) == "v: 90.0 is outside [-2.0, 2.0] rad; is the value in degrees?"
+    with pytest.raises(DecodeError) as received:
+        turned.take(Decoder(struct.pack(">d", 3.0)), "v")
+    assert str(received.value) == "field 'v' at byte 0: 3.0 is outside [-2.0, 2.0] rad"
+    assert str(pickle.loads(pickle.dumps(received.value))) == str(received.value)
+    turns = layout.numbers("d", low=-2.0, high=2.0, unit="rad")
+    with pytest.raises(DecodeError, match=r"at byte 4: 90.0 is outside \[-2.0, 2.0\] rad; is the"):
+        turns.take(Decoder(struct.pack(">id", 1, 90.0)), "v")  # type: ignore[union-attr]
+    octets = layout.octets(low=2, high=9, unit="m")
+    with pytest.raises(DecodeError, match=r"at byte 5: 1 is outside \[2, 9\] m$"):
+        octets.take(Decoder(struct.pack(">iBB", 2, 2, 1)), "v")
 
 
 def test_a_number_is_held_to_its_range() -> None:
@@ -101,10 +121,10 @@ def test_bytes_keep_their_number() -> None:
     assert wire.fixed_octets(bytearray(b"ab"), 2) == b"ab"
     with pytest.raises(EncodeError, match="v: 4 elements, at most 3"):
         wire.octets(b"abcd", 3, "v")
-    with pytest.raises(EncodeError, match="v: 1 bytes where 2 are declared"):
+    with pytest.raises(EncodeError, match="v: 1 bytes, but 2 are declared"):
         wire.fixed_octets(b"a", 2, "v")
     assert wire.exactly(["a"], 1) == ["a"]
-    with pytest.raises(EncodeError, match="v: 1 elements where 2 are declared"):
+    with pytest.raises(EncodeError, match="v: 1 elements, but 2 are declared"):
         wire.exactly(["a"], 2, "v")
 
 

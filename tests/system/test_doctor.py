@@ -172,6 +172,6 @@ def test_people_read_a_line_for_each_finding(own_place: Laboratory) -> None:
     begin = "error    broker: no broker answers"
     (broker,) = (line for line in done.lines if line.startswith(begin))
     assert done.lines[done.lines.index(broker) + 1] == (
-        "         mend: gecos broker (or gecos up, which starts devices too)"
+        "         mend: gecos broker (or gecos up, which also starts devices)"
     )
     assert any(line.startswith("ok       extension: ") for line in done.lines)

@@ -9,7 +9,14 @@ import uuid
 from pathlib import Path
 
 import pytest
-from gecos.laboratory import LaboratoryFileError, Program, read_laboratory
+from gecos.laboratory import (
+    LaboratoryDescription,
+    LaboratoryError,
+    LaboratoryFileError,
+    Program,
+    read_laboratory,
+    running,
+)
 from processes import Laboratory, await_ends
 from test_demo import alive_with
 
@@ -36,7 +43,7 @@ def test_a_program_that_is_killed_starts_again(lab: Laboratory) -> None:
     up.wait_for("are ready; Ctrl-C")
     (gripper,) = (pid for pid, words in alive_with(marker).items() if "robcl-gripper" in words)
     os.kill(gripper, signal.SIGKILL)
-    up.wait_for("GRIPPER was ended by signal 9; starts again in 0.5 s")
+    up.wait_for("GRIPPER was ended by signal 9; it is started again in 0.5 s")
     up.wait_for("[GRIPPER]")
     asked = lab.run(*GECOS, "wait", "GRIPPER", "--timeout", "20")
     assert asked.finish() == 0, str(asked)
@@ -55,9 +62,29 @@ def test_a_program_that_ends_is_told_of_and_the_others_go_on(
         'ready = "is here"\nenvironment = { PLACE = "here" }\n'
     )
     up = lab.start(*GECOS, "up", file)
-    up.wait_for("SHORT ended with status 3; the others go on")
+    up.wait_for("SHORT ended with status 3; the other programs continue")
     up.signal(signal.SIGINT)
     assert up.finish() == 0, str(up)
+
+
+def test_what_serve_prints_says_that_a_program_is_ready(lab: Laboratory, tmp_path: Path) -> None:
+    file = tmp_path / "lab.toml"
+    file.write_text('[programs.OVEN]\nrun = ["sh", "-c", "echo serving OVEN; exec sleep 1000"]\n')
+    up = lab.start(*GECOS, "up", file)
+    up.wait_for("up: OVEN is ready; Ctrl-C ends them")
+    up.signal(signal.SIGINT)
+    assert up.finish() == 0, str(up)
+
+
+def test_a_program_that_never_says_that_it_is_ready_is_refused_with_advice(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys.modules["gecos.laboratory.running"], "READY_WITHIN", 0.1)
+    program = Program("OVEN", ("sh", "-c", "echo warm; exec sleep 1000"))
+    wanted = r"OVEN is not ready: .* no line with 'serving' or 'ready'; .* `ready` in lab.toml"
+    laboratory = LaboratoryDescription((program,), starts_broker=False, folder=tmp_path)
+    with pytest.raises(LaboratoryError, match=wanted), running(laboratory):
+        pass
 
 
 def test_killed_it_leaves_nothing_running(lab: Laboratory) -> None:
@@ -113,14 +140,14 @@ def test_a_file_is_read(tmp_path: Path) -> None:
         ("programs = 3", "1: programs: a table is expected"),
         ("\n[brokr]\n", "2: brokr: this key is unknown; did you mean broker?"),
         ('[programs.A]\nrum = ["x"]', "2: programs.A.rum: this key is unknown; did you mean run?"),
-        ("[programs.A]\nrestart = true", "1: programs.A.run: a list of words is needed"),
-        ("[programs.A]\nrun = []", "2: programs.A.run: a list of words is needed"),
+        ("[programs.A]\nrestart = true", "1: programs.A.run: write a list of texts"),
+        ("[programs.A]\nrun = []", "2: programs.A.run: write a list of texts"),
         ('[programs.A]\nrun = "x"', "2: programs.A.run: a list of words is expected"),
         ('[programs.A]\nrun = ["x"]\nrestart = 1', "3: programs.A.restart: true or false is"),
         ("[programs]\nA = 3", "2: programs.A: a table is expected"),
         (
             '[broker]\nstart = true\naddress = "lcm:1"\n[programs.A]\nrun = ["x"]',
-            "3: broker.address: says where a broker runs already",
+            "3: broker.address: says where a broker already runs",
         ),
         ('[programs.A]\nrun = ["x"]\nenvironment = { B = 1 }', "3: programs.A.environment: the"),
         ("[programs.A\n", "Expected ']'"),

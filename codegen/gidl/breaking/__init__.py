@@ -1,8 +1,9 @@
-"""Finds incompatible changes between an old and a new checked model of interfaces.
+"""Finds incompatible changes between the old and the new model of a set of interfaces.
 
-WIRE: old and new programs refuse or misread each other. SOURCE: programs have to be changed before
-they build again. QOS: an interface promises less. SECURITY: access or protection changed. A change
-is reported once, under the first category that applies.
+There are four categories. WIRE: old and new programs refuse or misread each other's messages.
+SOURCE: programs must be changed before they build again. QOS: an interface promises less. SECURITY:
+access or protection changed. A change is reported once, under the first of these categories that
+applies.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ __all__ = ["CATEGORIES", "category_of", "compare"]
 
 
 def compare(old: Model, new: Model, label: str = "old:") -> list[Finding]:
-    """The incompatible changes, sorted by category, then by place. Messages write `label` before
-    the paths of old files."""
+    """Returns the incompatible changes, sorted by category, then by place. Messages write `label`
+    before the paths of old files."""
     sides = Sides(old, new)
     report = Report(label)
     values.compare(sides, report)

@@ -1,4 +1,4 @@
-"""Reads the old interfaces to compare with, from a folder or from a git commit."""
+"""Reads the old interfaces, from a folder or from a git commit, to compare the new ones with."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class AgainstError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Root:
-    """A root folder of includes on disk, and its name in messages ("main:idl/")."""
+    """A folder of interfaces on disk, and its name in messages, for example "main:idl/"."""
 
     folder: Path
     label: str
@@ -34,7 +34,8 @@ class Baseline:
     roots: tuple[Root, ...]
 
     def files(self, wanted: Collection[str] | None) -> list[str]:
-        """Paths of the old interface files. With `wanted`, only files whose stems are in it."""
+        """Returns the paths of the old interface files. With `wanted`, returns only the files whose
+        stems (paths without suffix) are in `wanted`."""
         found: dict[str, str] = {}
         for root in self.roots:
             for place in interfaces_below(root.folder):

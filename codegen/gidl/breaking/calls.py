@@ -48,13 +48,13 @@ def _gone(old: Call, new: Interface, report: Report) -> None:
 def _call(sides: Sides, old: Call, new: Call, told: frozenset[str], report: Report) -> None:
     subject, places = old.scoped_name, (new.facts, old.facts)
     if old.name != new.name:
-        report.add("G1101", subject, f"'{new.scoped_name}' was called '{old.name}'",
+        report.add("G1101", subject, f"'{new.scoped_name}' was named '{old.name}' before",
                    "programs that use the old name do not build any more", "keep the name",
                    new=places[0], old=places[1])  # fmt: skip
     codes = call_code(sides.old, old), call_code(sides.new, new)
     if codes[0] != codes[1] or old.id != new.id:
         report.add("G1005", subject,
-                   f"'{subject}' had the function code {codes[0]} and has {codes[1]}",
+                   f"'{subject}' had the function code {codes[0]} and now has {codes[1]}",
                    "calls with the other code fail with UNKNOWN_OPERATION", "keep @id as it was",
                    new=places[0], old=places[1])  # fmt: skip
     if isinstance(old, Operation) and isinstance(new, Operation):
@@ -70,7 +70,7 @@ def _call(sides: Sides, old: Call, new: Call, told: frozenset[str], report: Repo
 
 
 def _kind(report: Report, old: Call, new: Call, was: str, is_now: str) -> None:
-    report.add("G1002", old.scoped_name, f"'{old.scoped_name}' was {was} and is {is_now}",
+    report.add("G1002", old.scoped_name, f"'{old.scoped_name}' was {was} and is now {is_now}",
                _REFUSED, _BESIDE, new=new.facts, old=old.facts)  # fmt: skip
 
 
@@ -91,7 +91,7 @@ def _operation(sides: Sides, old: Operation, new: Operation, report: Report) -> 
     if old.feedback is not None and not sides.same_type(old.feedback, new.feedback):
         is_now = new.feedback.name if new.feedback else "absent"
         report.add("G1002", subject,
-                   f"the feedback of '{subject}' was {old.feedback.name} and is {is_now}",
+                   f"the feedback of '{subject}' was {old.feedback.name} and is now {is_now}",
                    "old clients cannot decode the feedback",
                    "keep the type of the feedback, and add members at its end",
                    new=places[0], old=places[1])  # fmt: skip

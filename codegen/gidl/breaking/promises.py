@@ -1,4 +1,4 @@
-"""Compares what interfaces promise: reports weaker quality and changed protection."""
+"""Compares the promises of interfaces: reports weaker quality and changed protection."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def _qos(report: Report, subject: str, message: str, new: Facts, old: Facts) -> 
 
 
 def _weaker(old: Qos, new: Qos) -> Iterator[str]:
-    """A text for each quality term of `old` that is weaker in `new`."""
+    """Yields a text for each quality term of `old` that is weaker in `new`."""
     for what, was, is_now in (
         ("class", old.quality_class, new.quality_class),
         ("reliability", old.reliability, new.reliability),
@@ -58,7 +58,7 @@ def _weaker(old: Qos, new: Qos) -> Iterator[str]:
     ):
         if was is not None and (is_now is None or is_now < was):
             now = "none" if is_now is None else is_now.name
-            yield f"promised {what} {was.name} and promises {now}"
+            yield f"promised {what} {was.name} and now promises {now}"
     for what, longest, limit in (
         ("deadline", old.deadline_ns, new.deadline_ns),
         ("start_by", old.start_by_ns, new.start_by_ns),
@@ -66,13 +66,13 @@ def _weaker(old: Qos, new: Qos) -> Iterator[str]:
         ("lifespan", old.lifespan_ns, new.lifespan_ns),
     ):
         if longest is not None and (limit is None or limit > longest):
-            yield f"promised a {what} of {duration(longest)} and promises {duration(limit)}"
+            yield f"promised a {what} of {duration(longest)} and now promises {duration(limit)}"
     if old.depth is not None and (new.depth is None or new.depth < old.depth):
-        yield f"kept {old.depth} samples and keeps {new.depth or 'an undeclared number'}"
+        yield f"kept {old.depth} samples and now keeps {new.depth or 'an undeclared number'}"
     if new.media is not None:
         lost = sorted(set(old.media or ("inproc", "shm", "lcm", "tcp")) - set(new.media))
         if lost:
-            yield f"is not reached over {', '.join(lost)} any more"
+            yield f"cannot be reached over {', '.join(lost)} any more"
 
 
 def duration(nanoseconds: int | None) -> str:
@@ -86,15 +86,16 @@ def duration(nanoseconds: int | None) -> str:
 
 def _stream(old: Stream | None, new: Stream | None) -> Iterator[str]:
     if old is None or new is None:
-        return  # calls.py reports the change between stream and no stream, as WIRE
+        return  # calls.py reports an added or removed stream, as WIRE
     if old.rate_hz is not None and (new.rate_hz is None or new.rate_hz < old.rate_hz):
         now = "at an undeclared rate" if new.rate_hz is None else f"at {new.rate_hz:g} Hz"
-        yield f"was sent at {old.rate_hz:g} Hz and is sent {now}"
+        yield f"was sent at {old.rate_hz:g} Hz and is now sent {now}"
     if old.watchdog_ns is not None and (
         new.watchdog_ns is None or new.watchdog_ns > old.watchdog_ns
     ):
         yield (
-            f"had the watchdog time {duration(old.watchdog_ns)} and has {duration(new.watchdog_ns)}"
+            f"had the watchdog time {duration(old.watchdog_ns)} "
+            f"and now has {duration(new.watchdog_ns)}"
         )
 
 
@@ -104,13 +105,13 @@ def _behaviour(old: Operation, new: Operation) -> Iterator[str]:
     if old.cancelable and not new.cancelable:
         yield "cannot be cancelled any more"
     if old.ordered and not new.ordered:
-        yield "is not @ordered any more: it may overtake actor commands of its caller"
+        yield "is not @ordered any more: it may start before earlier actor commands of its caller"
     if old.parallel != new.parallel:
         yield "is @parallel now" if new.parallel else "is not @parallel any more"
     if old.on_new != new.on_new:
-        yield f'had @on_new("{old.on_new.value}") and has @on_new("{new.on_new.value}")'
+        yield f'had @on_new("{old.on_new.value}") and now has @on_new("{new.on_new.value}")'
     if old.on_loss is OnLoss.FINISH and new.on_loss is OnLoss.STOP:
-        yield "does not finish any more when its holder is lost"
+        yield "is now stopped when the holder of the lease is lost"
 
 
 def _operation_security(old: Operation, new: Operation) -> Iterator[tuple[str, str]]:
@@ -121,15 +122,18 @@ def _operation_security(old: Operation, new: Operation) -> Iterator[tuple[str, s
         if new.safety:
             yield (
                 "is @safety now",
-                "safety operations are never refused, and they overtake every queue",
+                "safety operations are never refused, and they do not wait in any queue",
             )
         else:
             yield (
-                "is no @safety any more",
+                "is not @safety any more",
                 "its calls can be refused, and they wait after other calls",
             )
     if old.on_loss is OnLoss.STOP and new.on_loss is OnLoss.FINISH:
-        yield "goes on when its holder is lost", "the robot may then move without a holder"
+        yield (
+            "continues when the holder of the lease is lost",
+            "the robot may move without a holder",
+        )
 
 
 def _attribute_security(old: Attribute, new: Attribute) -> Iterator[tuple[str, str]]:
@@ -144,17 +148,19 @@ def _attribute_security(old: Attribute, new: Attribute) -> Iterator[tuple[str, s
     if is_open and not was_open:
         yield (
             "is an @open_stream now",
-            "everybody on the network can read its samples, without authentication",
+            "everybody on the network can read the samples, without authentication",
         )
     if was_open and not is_open:
         yield (
-            "is no @open_stream any more",
-            "programs that read its samples as bare LCM messages get none any more",
+            "is not @open_stream any more",
+            "programs that read its samples as bare LCM messages do not get them any more",
         )
 
 
 def _access(what: str, old: Access, new: Access) -> Iterator[tuple[str, str]]:
-    text = f"needed {old.name.lower()} status for {what or 'calling '}and needs {new.name.lower()}"
+    text = (
+        f"needed {old.name.lower()} status for {what or 'calling '}and now needs {new.name.lower()}"
+    )
     if new < old:
         yield text, "more clients than before have access"
     elif new > old:
@@ -175,4 +181,4 @@ def _secrets(old: Call, new: Call) -> Iterator[tuple[str, str]]:
     was = old.secret if isinstance(old, Attribute) else old.result_secret
     is_now = new.secret if isinstance(new, Attribute) else new.result_secret
     if was and not is_now:
-        yield "is no @secret any more", "the value is now printed, logged and recorded"
+        yield "is not @secret any more", "the value is now printed, logged and recorded"

@@ -9,7 +9,7 @@ CATEGORIES = ("WIRE", "SOURCE", "QOS", "SECURITY")
 
 
 def category_of(code: str) -> str:
-    """The category of a code: G10xx is WIRE, G11xx SOURCE, G12xx QOS, G13xx SECURITY."""
+    """Returns the category of a code: G10xx is WIRE, G11xx SOURCE, G12xx QOS, G13xx SECURITY."""
     return CATEGORIES[int(code[1:3]) - 10]
 
 
@@ -31,7 +31,7 @@ class Report:
         old: Facts | None = None,
     ) -> None:
         """Adds a finding at the location of `new`, with a note at the location of `old`. A removed
-        declaration has no `new`: the finding is then at `old`."""
+        declaration has no `new`; the finding is then at the location of `old`."""
         notes: tuple[Note, ...] = ()
         if new is not None:
             at = new.location
@@ -46,7 +46,7 @@ class Report:
         self.findings.error(code, at, f"{category}: {message}", why, instead, notes=notes)
 
     def has_broken(self, subject: str) -> bool:
-        """Whether the declaration or member named `subject` has a WIRE finding."""
+        """Returns whether the declaration or member named `subject` has a WIRE finding."""
         return subject in self._broken
 
     def _old(self, place: Location) -> Location:

@@ -1,4 +1,4 @@
-"""Pairs old with new declarations, and compares types by their encoding."""
+"""Pairs old declarations with new ones, and compares types by their encoding."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ class Sides:
     new: Model
 
     def declarations(self) -> Iterator[tuple[AnyDeclaration, AnyDeclaration | None]]:
-        """Pairs each old declaration with the new one, or with None if it was removed. A removed
-        declaration is left out if its file was not asked for, because the file may only be no
-        longer included."""
+        """Pairs each old declaration with the new one, or with None if the declaration was removed.
+        A removed declaration is left out if its file was only included by other files, because
+        perhaps only the `#include` was removed."""
         became = {_key(self.new, d): d for d in self.new.declarations()}
         for file in self.old.files:
             for declaration in file.declarations:
@@ -55,15 +55,16 @@ class Sides:
                     yield declaration, new
 
     def calls(self, old: Interface, new: Interface) -> Iterator[tuple[Call, Call | None]]:
-        """Pairs each member that `old` itself declares with the new member, or with None if it was
-        removed. Two members are a pair if function codes and hashes use the same name for both."""
+        """Pairs each member that `old` itself declares with the new member, or with None if the
+        member was removed. Two members are a pair if their function codes and hashes are computed
+        from the same name."""
         became = {member_name(self.new, m): m for m in new.members}
         for member in old.members:
             yield member, became.get(member_name(self.old, member))
 
     def same_type(self, old: Type | None, new: Type | None) -> bool:
-        """Whether both types have the same encoding. For a declared type, only its name is compared
-        here; `compare` in values.py compares its members."""
+        """Returns whether both types have the same encoding. Of a declared type, only the name is
+        compared here; `compare` in values.py compares its members."""
         return wire_text(self.old, old) == wire_text(self.new, new)
 
 
@@ -72,7 +73,7 @@ def _key(model: Model, declaration: AnyDeclaration) -> str:
 
 
 def wire_text(model: Model, used: Type | None) -> str:
-    """The text of a type with its typedefs resolved."""
+    """Returns the text of a type with its typedefs resolved."""
     match used:
         case None:
             return "void"
@@ -96,7 +97,7 @@ def wire_text(model: Model, used: Type | None) -> str:
 
 
 def units(model: Model, used: Type) -> str:
-    """The units that typedefs and sequences inside a type declare, separated by commas."""
+    """Returns the units that typedefs and sequences inside a type declare, separated by commas."""
     match used:
         case SequenceType(element, _, unit):
             return f"{unit or ''},{units(model, element)}"
@@ -112,16 +113,17 @@ def units(model: Model, used: Type) -> str:
 
 
 def ranges(model: Model, used: Type, limits: Range | None) -> dict[str, Range]:
-    """The ranges that the numbers in a value of type `used` are checked against, those of typedefs
-    of its elements, keys and values included. The keys say where: "the elements of ", or "" for
-    the value itself."""
+    """Returns the ranges in which the numbers of a value of type `used` must be, including the
+    ranges of typedefs of elements, keys and values. A key of the result says which numbers: for
+    example "the elements of ", or "" for the value itself."""
     return dict(_ranges(node_of(model, used, limits=limits), ""))
 
 
 def _ranges(node: Node, part: str) -> Iterator[tuple[str, Range]]:
     match node:
         case ScalarNode(primitive, limits):
-            # A float is compared before it is rounded when it is sent: see `ScalarNode.bounds`.
+            # A float is compared with its range before it is rounded for sending: see
+            # `ScalarNode.bounds`.
             checked = limits if primitive.is_floating else node.bounds
             if checked is not None:
                 yield part, checked
@@ -133,8 +135,9 @@ def _ranges(node: Node, part: str) -> Iterator[tuple[str, Range]]:
 
 
 def read_exactly(model: Model) -> dict[str, str]:
-    """The enums of which a reader takes no unknown literal for the @default_literal, and why: a
-    union does not say what its arm would be, and a map has each key once."""
+    """Returns the enums whose unknown literals readers refuse despite @default_literal, each with
+    the reason. A union cannot tell which arm follows an unknown literal, and a map must not have
+    the same key twice."""
     found: dict[str, str] = {}
     for slot in slots(model):
         for key in _keys(model, slot.type):
@@ -143,12 +146,12 @@ def read_exactly(model: Model) -> dict[str, str]:
         if isinstance(declaration, Union):
             tag = model.target(declaration.discriminator)
             if isinstance(tag, NamedType):
-                found[tag.name] = f"the union '{declaration.name}' is switched by it"
+                found[tag.name] = f"the union '{declaration.name}' has it as discriminator"
     return found
 
 
 def _keys(model: Model, used: Type) -> Iterator[str]:
-    """The declared types of the keys of maps in the text of a type."""
+    """Yields the declared types of the keys of all maps inside a type."""
     match used:
         case MapType(key, value):
             named = model.target(key)

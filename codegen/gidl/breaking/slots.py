@@ -1,4 +1,4 @@
-"""Compares old and new slots: the members of a struct, or the parameters of an operation."""
+"""Compares old and new slots. A slot is a member of a struct, or a parameter of an operation."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ _MISREAD = "old and new programs read each other's bytes wrongly"
 
 @dataclass(frozen=True, slots=True)
 class Owner:
-    """The struct whose members, or the operation whose parameters, are compared."""
+    """The struct whose members are compared, or the operation whose parameters are compared."""
 
     subject: str  # scoped name of the struct or operation
-    what: str  # what messages call a slot: "member" or "parameter"
+    what: str  # the word for a slot in messages: "member" or "parameter"
     grows: bool
     old: Facts
     new: Facts
@@ -25,7 +25,7 @@ class Owner:
 
 @dataclass(frozen=True, slots=True)
 class Numbers:
-    """A type whose numbers have a unit and a range, which its slot declares or inherits."""
+    """A type, with the unit and the range that its slot declares for the numbers in it."""
 
     type: Type
     unit: str | None
@@ -45,8 +45,8 @@ def compare(
     if kept != [k for k in after if k in before]:
         report.add(
             "G1002", owner.subject,
-            f"the {owner.what}s of '{owner.subject}' stand in another order", _MISREAD,
-            "put them back in the order they had", new=owner.new, old=owner.old,
+            f"the {owner.what}s of '{owner.subject}' are in another order", _MISREAD,
+            "restore the old order", new=owner.new, old=owner.old,
         )  # fmt: skip
     gone = _gone(report, owner, list(before.values()), after)
     _added(report, owner, list(after.values()), before, gone)
@@ -63,7 +63,8 @@ def _may_be_left_out(slot: Slot) -> bool:
 
 
 def _leaves_core(owner: Owner, old: Sequence[Slot], new: Sequence[Slot], key: str) -> bool:
-    """Whether a writer may leave the slot out at the end in only one of the two versions."""
+    """Returns whether a writer may leave out the slot in one of the two versions, but not in the
+    other."""
     return owner.grows and (key in _tail(old)) != (key in _tail(new))
 
 
@@ -91,7 +92,7 @@ def _gone(report: Report, owner: Owner, old: list[Slot], after: dict[str, Slot])
                     "keep the declaration, marked @deprecated", new=owner.new, old=slot.facts,
                 )  # fmt: skip
                 continue
-            instead = "keep the old declaration, and put new ones after it"
+            instead = "keep the old declaration, and put new declarations after it"
         else:
             instead = (
                 "keep the declaration, marked @deprecated; after a renaming, write "
@@ -109,7 +110,7 @@ def _added(
 ) -> None:
     for index, slot in enumerate(new):
         if _key(slot) in before or gone:
-            continue  # the new slot may replace a removed slot, which is already reported
+            continue  # the new slot may replace a removed one, which is already reported
         what = f"{owner.what} '{slot.name}' of '{owner.subject}'"
         at_end = all(_key(s) not in before for s in new[index:])
         if not owner.grows:
@@ -119,7 +120,7 @@ def _added(
             )  # fmt: skip
         elif not at_end:
             report.add(
-                "G1002", owner.subject, f"{what} is new and stands before others", _MISREAD,
+                "G1002", owner.subject, f"{what} is new, but not at the end", _MISREAD,
                 "put the new declaration at the end, with @default or @optional", new=slot.facts,
             )  # fmt: skip
         elif not _may_be_left_out(slot):
@@ -137,13 +138,13 @@ def _kept(
     what = f"{owner.what} '{new.name}' of '{owner.subject}'"
     subject, places = owner.subject, (new.facts, old.facts)
     if old.name != new.name:
-        report.add("G1101", subject, f"{what} was called '{old.name}'",
+        report.add("G1101", subject, f"{what} was named '{old.name}' before",
                    "programs that use the old name do not build any more", "keep the name",
                    new=places[0], old=places[1])  # fmt: skip
     if isinstance(old, Parameter) and isinstance(new, Parameter) and old.direction != new.direction:
         report.add("G1002", subject,
-                   f"{what} was '{old.direction.value}' and is '{new.direction.value}'", _MISREAD,
-                   "declare another operation", new=places[0], old=places[1])  # fmt: skip
+                   f"{what} was '{old.direction.value}' and is now '{new.direction.value}'",
+                   _MISREAD, "declare another operation", new=places[0], old=places[1])  # fmt: skip
     same_type = value(sides, report, subject, what, (old.type, new.type),
                       (old.optional, new.optional), places)  # fmt: skip
     if same_type:
@@ -151,7 +152,7 @@ def _kept(
     had, has = old.default is not None, new.default is not None
     if leaves_core and old.optional == new.optional:
         report.add("G1002", subject,
-                   f"{what} may be left out at the end in only one of the two versions",
+                   f"{what} may be left out of messages in only one of the two versions",
                    "the hashes of operations differ, so old and new programs refuse each other",
                    "keep @default and everything after it unchanged",
                    new=places[0], old=places[1])  # fmt: skip
@@ -161,16 +162,17 @@ def _kept(
                    new=places[0], old=places[1])  # fmt: skip
     elif same_type and had and has and _text(old.default) != _text(new.default):
         report.add("G1102", subject,
-                   f"the default of {what} was {_text(old.default)} and is {_text(new.default)}",
+                   f"the default of {what} was {_text(old.default)} "
+                   f"and is now {_text(new.default)}",
                    "programs that leave the value out get the new default", "keep the default",
                    new=places[0], old=places[1])  # fmt: skip
     secrecy(report, subject, what, old, new)
 
 
 def secrecy(report: Report, subject: str, what: str, old: Slot, new: Slot) -> None:
-    """Reports a value that is no secret any more."""
+    """Reports a value that was @secret and is not @secret any more."""
     if old.secret and not new.secret:
-        report.add("G1302", subject, f"{what} is no @secret any more",
+        report.add("G1302", subject, f"{what} is not @secret any more",
                    "the value is now printed, logged and recorded", "keep @secret",
                    new=new.facts, old=old.facts)  # fmt: skip
 
@@ -188,10 +190,11 @@ def value(
     optional: tuple[bool, bool],
     places: tuple[Facts, Facts],
 ) -> bool:
-    """Whether the old and the new value have the same encoding; reports a difference."""
+    """Compares the old and the new value, reports a difference, and returns whether their encodings
+    are the same."""
     was, is_now = wire_text(sides.old, types[0]), wire_text(sides.new, types[1])
     if was != is_now:
-        report.add("G1002", subject, f"{what} was {was} and is {is_now}", _MISREAD,
+        report.add("G1002", subject, f"{what} was {was} and is now {is_now}", _MISREAD,
                    "keep the old declaration, and add a new one with another name", new=places[0],
                    old=places[1])  # fmt: skip
         return False
@@ -216,7 +219,7 @@ def meaning(
     unit = _units(sides.old, old), _units(sides.new, new)
     if unit[0] != unit[1]:
         report.add("G1006", subject,
-                   f"{what} was in '{unit[0] or 'no unit'}' and is in '{unit[1] or 'no unit'}'",
+                   f"{what} was in '{unit[0] or 'no unit'}' and is now in '{unit[1] or 'no unit'}'",
                    "old and new programs read the same number in different units",
                    "keep the unit, and add another declaration with the new unit",
                    new=places[0], old=places[1])  # fmt: skip
@@ -237,11 +240,11 @@ def bounds(
     limits: tuple[Range | None, Range | None],
     places: tuple[Facts, Facts],
 ) -> None:
-    """Reports a changed range."""
+    """Reports a changed range of numbers."""
     if limits[0] != limits[1]:
         was, is_now = ("were", "are") if what.startswith("the ") else ("was", "is")
         report.add("G1006", subject,
-                   f"{what} {was} {_bounds(limits[0])} and {is_now} {_bounds(limits[1])}",
+                   f"{what} {was} {_bounds(limits[0])} and {is_now} now {_bounds(limits[1])}",
                    "one side may send values that the other refuses",
                    "keep the range, and add another declaration with the new range",
                    new=places[0], old=places[1])  # fmt: skip

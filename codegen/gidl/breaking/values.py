@@ -31,14 +31,15 @@ def compare(sides: Sides, report: Report) -> None:
             _gone(old, report)
         elif _kind(old) != _kind(new):
             report.add("G1002", old.name,
-                       f"'{old.name}' was {_article(_kind(old))} and is {_article(_kind(new))}",
+                       f"'{old.name}' was {_article(_kind(old))} and is now {_article(_kind(new))}",
                        _MISREAD, "keep the old declaration, and give the new one another name",
                        new=new.facts, old=old.facts)  # fmt: skip
         else:
             _moved(sides, old, new, report)
             _one(sides, old, new, report)
             if isinstance(old, EnumDeclaration) and isinstance(new, EnumDeclaration):
-                # Only values that both versions have are sent from one to the other.
+                # Only values of an enum that both versions have can be sent from one version to the
+                # other.
                 used = exact[1].get(new.name, "") if old.name in exact[0] else ""
                 _enum(old, new, used, report)
 
@@ -73,7 +74,7 @@ def _gone(old: AnyDeclaration, report: Report) -> None:
 
 def _moved(sides: Sides, old: AnyDeclaration, new: AnyDeclaration, report: Report) -> None:
     if old.name != new.name:
-        report.add("G1101", old.name, f"'{new.name}' was called '{old.name}'", _NO_BUILD,
+        report.add("G1101", old.name, f"'{new.name}' was named '{old.name}' before", _NO_BUILD,
                    "keep the name", new=new.facts, old=old.facts)  # fmt: skip
         return
     was, is_now = sides.old.file_of(old.name), sides.new.file_of(new.name)
@@ -105,7 +106,7 @@ def _one(sides: Sides, old: AnyDeclaration, new: AnyDeclaration, report: Report)
                     was = f"{wire_text(sides.old, old.type)} {was}"
                     is_now = f"{wire_text(sides.new, new.type)} {is_now}"
                 report.add("G1102", old.name,
-                           f"constant '{old.name}' was {was} and is {is_now}",
+                           f"constant '{old.name}' was {was} and is now {is_now}",
                            "programs that were built before the change use the old value",
                            "keep the constant, and declare another constant", new=new.facts,
                            old=old.facts)  # fmt: skip
@@ -114,8 +115,9 @@ def _one(sides: Sides, old: AnyDeclaration, new: AnyDeclaration, report: Report)
 def _struct(sides: Sides, old: Struct, new: Struct, report: Report) -> None:
     if old.extensibility != new.extensibility:
         report.add("G1002", old.name,
-                   f"'{old.name}' was @{old.extensibility.value} and is @{new.extensibility.value}",
-                   _MISREAD, "keep the old struct, and declare another one", new=new.facts,
+                   f"'{old.name}' was @{old.extensibility.value} "
+                   f"and is now @{new.extensibility.value}",
+                   _MISREAD, "keep the old struct, and declare another struct", new=new.facts,
                    old=old.facts)  # fmt: skip
     owner = slots.Owner(old.name, "member", old.is_appendable and new.is_appendable,
                         old.facts, new.facts)  # fmt: skip
@@ -129,16 +131,16 @@ def _struct(sides: Sides, old: Struct, new: Struct, report: Report) -> None:
 def _refused(old: AnyDeclaration, new: AnyDeclaration, what: str, report: Report) -> None:
     report.add("G1004", old.name, f"the {what} of '{old.name}' have changed",
                "a reader refuses bits that it does not know",
-               "keep the type, and declare another one", new=new.facts, old=old.facts)  # fmt: skip
+               "keep the type, and declare another type", new=new.facts, old=old.facts)  # fmt: skip
 
 
 def _enum(old: EnumDeclaration, new: EnumDeclaration, exact: str, report: Report) -> None:
-    """Compares enums. `exact` says why readers refuse unknown literals although there is a
-    @default_literal, or is empty."""
+    """Compares enums. `exact` is the reason why readers refuse unknown literals despite
+    @default_literal, or "" if they do not."""
     if old.default_literal != new.default_literal:
         report.add("G1004", old.name,
                    f"unknown literals of '{old.name}' were read as "
-                   f"{old.default_literal or 'an error'} and are read as "
+                   f"{old.default_literal or 'an error'} and are now read as "
                    f"{new.default_literal or 'an error'}",
                    "the hash of every operation that uses the enum differs, so old and new "
                    "programs refuse each other", "keep @default_literal as it was", new=new.facts,
@@ -153,7 +155,7 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, exact: str, report: Report
         now = after.get(name)
         if now is not None and now.number != was.number:
             report.add("G1004", old.name,
-                       f"'{name}' of '{old.name}' was {was.number} and is {now.number}",
+                       f"'{name}' of '{old.name}' was {was.number} and is now {now.number}",
                        "old and new programs read the same number as different literals",
                        "keep the number with @value, and put new literals at the end",
                        new=now.facts, old=was.facts)  # fmt: skip
@@ -165,7 +167,7 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, exact: str, report: Report
         elif now is None and was.number in numbers:
             taken = numbers[was.number]
             report.add("G1004", old.name,
-                       f"{was.number} of '{old.name}' was '{name}' and is '{taken.name}'",
+                       f"{was.number} of '{old.name}' was '{name}' and is now '{taken.name}'",
                        "old and new programs read the same number as different literals",
                        f"keep '{name}', and give '{taken.name}' a number of its own",
                        new=taken.facts, old=was.facts)  # fmt: skip
@@ -177,12 +179,13 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, exact: str, report: Report
                        old=was.facts)  # fmt: skip
     for name, now in after.items():
         if name not in before and not grows:
-            instead = "declare a new enum with @default_literal, which readers use for unknown"
+            instead = "declare a new enum with @default_literal"
             report.add("G1004", old.name, f"'{name}' of '{old.name}' is new",
                        f"old programs {refuse}" if default else
                        "old programs refuse the new literal",
                        "declare a new enum, and a new union or member with it" if default else
-                       f"{instead} literals", new=now.facts)  # fmt: skip
+                       f"{instead}, which readers use for unknown literals",
+                       new=now.facts)  # fmt: skip
 
 
 def _bitset(sides: Sides, old: Bitset, new: Bitset, report: Report) -> None:
@@ -197,12 +200,12 @@ def _bitset(sides: Sides, old: Bitset, new: Bitset, report: Report) -> None:
             continue  # the generated code is the same
         what = f"field '{one.name}' of '{old.name}'"
         if one.is_signed != other.is_signed:
-            report.add("G1004", old.name, f"{what} was {was.value} and is {is_now.value}",
+            report.add("G1004", old.name, f"{what} was {was.value} and is now {is_now.value}",
                        "old and new programs read the same bits as different numbers",
                        "keep the type of the field, and declare another bitset",
                        new=other.facts, old=one.facts)  # fmt: skip
         else:
-            report.add("G1102", old.name, f"{what} was {was.value} and is {is_now.value}",
+            report.add("G1102", old.name, f"{what} was {was.value} and is now {is_now.value}",
                        "programs that use the field do not build any more, or compute with "
                        "another type", "keep the type of the field",
                        new=other.facts, old=one.facts)  # fmt: skip
@@ -230,7 +233,7 @@ def _union(sides: Sides, old: Union, new: Union, report: Report) -> None:
     if texts[0] != texts[1]:
         report.add("G1004", old.name, f"the cases of '{old.name}' have changed",
                    "a reader refuses a case that it does not know",
-                   "keep the union, and declare another one", new=new.facts,
+                   "keep the union, and declare another union", new=new.facts,
                    old=old.facts)  # fmt: skip
         return
     for one, other in zip(old.cases, new.cases, strict=True):
@@ -244,7 +247,7 @@ def _typedef(sides: Sides, old: Typedef, new: Typedef, report: Report) -> None:
     was, is_now = wire_text(sides.old, old.type), wire_text(sides.new, new.type)
     what = f"type '{old.name}'"
     if was != is_now:
-        report.add("G1102", old.name, f"{what} was {was} and is {is_now}",
+        report.add("G1102", old.name, f"{what} was {was} and is now {is_now}",
                    "programs that use the type do not build any more, or compute with another type",
                    "keep the type, and declare another type",
                    new=new.facts, old=old.facts)  # fmt: skip

@@ -1,1 +1,2 @@
-"""The command line of the compiler: a module for each verb, and what the verbs share."""
+"""The command line of the compiler. Each verb has a module; the other modules are shared by the
+verbs."""

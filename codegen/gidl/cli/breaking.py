@@ -1,4 +1,5 @@
-"""`gidl breaking`: reports what a change of the interfaces breaks."""
+"""`gidl breaking`: reports incompatible changes between an older version of the interfaces and this
+one."""
 
 from __future__ import annotations
 
@@ -28,13 +29,13 @@ _OLD = "old:"  # prefix, in findings, of the paths of the older interface files
 
 
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    parser = verbs.add_parser("breaking", help="report what a change of the interfaces breaks")
+    parser = verbs.add_parser("breaking", help="report incompatible changes of the interfaces")
     add_files(parser)
     parser.add_argument(
         "--against",
         required=True,
         metavar="DIR|git#ref=REF",
-        help="the older interfaces: a folder, or the roots in a commit (git#ref=main,subdir=idl)",
+        help="where the older interfaces are: a folder, or a commit (git#ref=main,subdir=idl)",
     )
     parser.set_defaults(command=run)
 
@@ -47,7 +48,10 @@ def run(chosen: argparse.Namespace) -> int:
     if files is None:
         return USAGE
     if "-" in files:
-        print("gidl: breaking compares files; stdin has no older version", file=sys.stderr)
+        print(
+            "gidl: breaking compares files, and stdin has no older version: name files",
+            file=sys.stderr,
+        )
         return USAGE
     new = strictly(chosen, compiled_from(chosen, files))
     if new.has_errors:
@@ -88,8 +92,8 @@ def run(chosen: argparse.Namespace) -> int:
 
 
 def _roots(chosen: argparse.Namespace, files: list[str]) -> list[Path]:
-    """The root folders of the interface files. `gidl breaking` reads older versions of these
-    folders."""
+    """Returns the root folders of the interface files. `gidl breaking` reads older versions of
+    these folders."""
     if chosen.roots or not chosen.files:
         return chosen.roots or list(chosen.project.roots)
     roots = list(default_search(files))

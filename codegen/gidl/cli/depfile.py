@@ -1,4 +1,4 @@
-"""Depfiles for Make and Ninja: rules that say which files the output was made from."""
+"""Writes depfiles for Make and Ninja: rules that name the files from which the output was made."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from gidl.source import Source
 def depfile_text(
     outputs: Iterable[Path], sources: Mapping[str, Source], others: Iterable[Path]
 ) -> str:
-    """The text of a depfile with one rule. Every output depends on all files that were read,
-    included files too, and on `others`. It also depends on gidl's own files, because another
-    version of gidl may write other output."""
+    """Returns the text of a depfile with one rule. Every output depends on all files that gidl
+    read, including included files, and on `others`. It also depends on the program files of gidl,
+    because another version of gidl may write other output."""
     read = {
         _place(path, source)
         for path, source in sources.items()

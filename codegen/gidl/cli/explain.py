@@ -1,4 +1,4 @@
-"""The explanations of the codes of findings, from the sections of pages.md."""
+"""Explains the codes of findings, with the sections of pages.md."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ _HEAD = re.compile(r"^## (G\d{4}) (.+)$", re.MULTILINE)
 
 
 def page(code: str) -> str | None:
-    """Title and text of the page of a code; other spellings of the code ("g102") are accepted."""
+    """Returns title and text of the page of a code. Other spellings of the code, for example
+    "g102", are accepted."""
     found = _pages().get(_normal(code))
     if found is None:
         return None
@@ -26,12 +27,13 @@ def all_titles() -> list[tuple[str, str]]:
 
 
 def lint_rules() -> list[str]:
-    """The codes that `--except` accepts: lint rules, and the warning about terms without effect."""
+    """Returns the codes that `--except` accepts: the codes of the lint rules, and the code of the
+    warning about annotations without effect."""
     return [code for code, _ in all_titles() if code.startswith("G09") or code == not_yet.CODE]
 
 
 def closest(code: str) -> str:
-    """A suggestion for an unknown code, such as ", did you mean G0102?", or ""."""
+    """Returns a suggestion for an unknown code, for example ", did you mean G0102?", or ""."""
     near = get_close_matches(_normal(code), list(_pages()), n=1)
     return f", did you mean {near[0]}?" if near else ""
 

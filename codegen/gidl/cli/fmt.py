@@ -60,7 +60,7 @@ def run(chosen: argparse.Namespace) -> int:
 
 def _summary(check: bool, files: int, changed: int, unread: int, mend: str) -> None:
     sys.stdout.flush()
-    left = f", {unread} with errors left unchanged" if unread else ""
+    left = f", {unread} left unchanged because of errors" if unread else ""
     if not check:
         print(f"gidl: {count(files, 'file')}, {changed} formatted{left}")
     elif changed:
@@ -71,7 +71,8 @@ def _summary(check: bool, files: int, changed: int, unread: int, mend: str) -> N
 
 
 def _formatted(shown: str, findings: Findings, sources: dict[str, Source]) -> _Formatted | None:
-    """The text before and after formatting; None (and a finding) if the file is not valid .gidl."""
+    """Returns the text before and after formatting. If the file is not valid .gidl, adds a finding
+    and returns None."""
     text = read_text(shown, findings)
     if text is None:
         return None
@@ -89,8 +90,8 @@ def _formatted(shown: str, findings: Findings, sources: dict[str, Source]) -> _F
             "G0014",
             Location(shown, problem.line, 1),
             f"this file cannot be formatted: this line {problem}",
-            "each branch of a condition must close the braces that the branch opens, and a "
-            "preprocessor line begins with '#'",
+            "each branch of an #if must close the braces that the branch opens, and '#' must be "
+            "the first character of its line",
         )
         return None
 

@@ -1,4 +1,5 @@
-"""`gidl gen`: writes the generated files, or with --check reports those that are not current."""
+"""`gidl gen`: writes the generated files. With --check it writes nothing, and reports the files
+that are not up to date."""
 
 from __future__ import annotations
 
@@ -43,7 +44,9 @@ from gidl.same_names import same_names
 
 
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    gen = verbs.add_parser("gen", help="write C++, Python, LCM and model files", allow_abbrev=False)
+    gen = verbs.add_parser(
+        "gen", help="generate C++, Python, LCM and model files", allow_abbrev=False
+    )
     add_files(gen)
     gen.add_argument("--out", type=Path, help="folder to write to; default: generated/")
     gen.add_argument(
@@ -56,13 +59,13 @@ def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None
     gen.add_argument(
         "--prune",
         action="store_true",
-        help="delete stale output of all interfaces, even if files are named",
+        help="delete the stale output of all interfaces, not only of the named files",
     )
     gen.add_argument(
         "--depfile",
         type=Path,
         metavar="FILE",
-        help="file for the list of all files read, for Make and Ninja",
+        help="write a list of all files read to this file, for Make and Ninja",
     )
     gen.set_defaults(command=run)
 
@@ -71,7 +74,7 @@ def _languages(text: str) -> tuple[str, ...]:
     chosen = tuple(part.strip() for part in text.split(","))
     for language in chosen:
         if language not in LANGUAGES:
-            raise argparse.ArgumentTypeError(f"'{language}' is none of {', '.join(LANGUAGES)}")
+            raise argparse.ArgumentTypeError(f"'{language}' is not one of {', '.join(LANGUAGES)}")
     return chosen
 
 
@@ -148,8 +151,8 @@ def _modules_of_two(compiled: Compiled) -> list[Finding]:
 
 
 def _without_folder(compiled: Compiled) -> list[Finding]:
-    """Warns of a file named on the command line that lies in a folder with the name of its module,
-    but below no search folder: its output gets no such folder, and its Python module no package."""
+    """Warns about each file on the command line whose folder has the name of the file's module, but
+    is in no search folder. The output then loses this folder, and the Python module its package."""
     findings = Findings()
     for file in compiled.model.files:
         shown = compiled.sources[file.path].shown
@@ -169,7 +172,7 @@ def _without_folder(compiled: Compiled) -> list[Finding]:
 
 
 def _above(folder: Path) -> str:
-    """The folder that contains `folder`, as a text for the command line."""
+    """Returns the folder that contains `folder`, as a text for the command line."""
     above = folder.parent if folder.name not in ("", "..") else folder / ".."
     return above.as_posix()
 
@@ -186,18 +189,18 @@ def _in_the_way(outputs: Outputs, difference: Difference) -> list[Finding]:
 
 
 _ADVICE = {
-    errno.ENOSPC: "free space on that disk",
-    errno.EDQUOT: "free space within your quota",
-    errno.EFBIG: "raise the limit for the size of files, see `ulimit -f`",
+    errno.ENOSPC: "delete files on the full disk",
+    errno.EDQUOT: "delete files until you are within your disk quota",
+    errno.EFBIG: "raise the limit for the size of files (`ulimit -f`)",
     errno.EROFS: "choose a folder on another file system with --out",
-    errno.EACCES: "make the folder writable, or choose another one with --out",
-    errno.EPERM: "make the folder writable, or choose another one with --out",
-    errno.ENOTDIR: "a file has the name of the folder; choose another folder with --out",
+    errno.EACCES: "make the folder writable, or choose another folder with --out",
+    errno.EPERM: "make the folder writable, or choose another folder with --out",
+    errno.ENOTDIR: "a file has the path of the output folder; choose another folder with --out",
 }
 
 
 def _not_written(problem: OSError) -> Finding:
-    """The finding for an output that cannot be written. The files on disk are as before."""
+    """Returns the finding for an output that cannot be written. The files on disk are unchanged."""
     findings = Findings()
     advice = _ADVICE.get(problem.errno or 0, "choose another folder with --out")
     findings.file_error(
@@ -210,7 +213,8 @@ def _not_written(problem: OSError) -> Finding:
 
 
 def texts_of(compiled: Compiled, languages: Collection[str]) -> dict[str, str]:
-    """The generated files: path below the output folder -> text. Raises UnsupportedError."""
+    """Returns the generated files, as a map from the path below the output folder to the text.
+    Raises UnsupportedError."""
     from gidl.emit import render
     from gidl.layout import wire_layout
     from gidl.model_json import file_text
@@ -226,8 +230,9 @@ def texts_of(compiled: Compiled, languages: Collection[str]) -> dict[str, str]:
 
 
 def _sources(chosen: argparse.Namespace, compiled: Compiled) -> Collection[str] | None:
-    """The stems (paths without suffix) of the interface files whose stale output is removed: the
-    files named on the command line. None: the stale output of all interfaces is removed."""
+    """Returns the stems (paths without suffix) of the interface files whose stale output is
+    removed: those named on the command line. None means that the stale output of all interfaces is
+    removed."""
     if chosen.prune or not chosen.files:
         return None
     return {source_stem(file.path) for file in compiled.model.files if file.asked_for}
@@ -242,7 +247,7 @@ def differing(
         place = outputs.place(path)
         line = first_difference(read_output(place) or "", texts[path])
         at = Location(place.as_posix(), line, 1)
-        findings.error("G1401", at, "this file differs from the output of the interfaces", mend)
+        findings.error("G1401", at, "this file differs from what gidl gen would write", mend)
     for path in difference.missing:
         place = outputs.place(path)
         findings.file_error("G1402", place.as_posix(), "this output file is missing", mend)
@@ -277,7 +282,8 @@ def _say(chosen: argparse.Namespace, text: str) -> None:
 
 
 def _mend(chosen: argparse.Namespace) -> str:
-    """A help line with the command that updates the files: this command line without --check."""
+    """Returns a help line with the command that updates the files: this command line without
+    --check."""
     words = list(chosen.words)
     words.remove("--check")
     for at, word in enumerate(words):

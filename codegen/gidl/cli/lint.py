@@ -1,4 +1,4 @@
-"""`gidl lint`: reports what could be better in files without errors."""
+"""`gidl lint`: reports what could be better in interface files that have no errors."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from gidl.cli.shared import (
 
 
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    parser = verbs.add_parser("lint", help="report what could be better")
+    parser = verbs.add_parser("lint", help="report possible improvements of valid files")
     add_files(parser)
-    add_except(parser, "rules to skip, like G0907")
+    add_except(parser, "rules to skip, for example G0907")
     parser.set_defaults(command=run)
 
 

@@ -1,6 +1,6 @@
 """The command line: `gidl gen | check | lint | fmt | breaking | dump | new | explain`.
 
-Exit status: 0 fine, 1 the tool could not run, 2 wrong usage, 100 findings.
+Exit status: 0 success, 1 gidl could not run, 2 wrong usage, 100 findings.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ from gidl.cli.shared import (
     strictly,
 )
 from gidl.compile import Compiled
-from gidl.diagnostics import Findings
+from gidl.diagnostics import Finding, Findings
 
 
 def run() -> None:
-    """Entry of the installed command."""
+    """Runs the installed command `gidl`."""
     sys.exit(main(sys.argv[1:]))
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Runs one command and gives its exit status."""
+    """Runs one command and returns its exit status."""
     _replace_closed_streams()
     try:
         status = _status(arguments)
@@ -48,14 +48,14 @@ def main(arguments: Sequence[str]) -> int:
         return FAILED
     except OSError as problem:
         name = problem.filename
-        if name is None:  # an OSError without a file name is about stdout
+        if name is None:  # an OSError without a file name comes from stdout
             name = "standard output"
             _no_more_output()
         print(f"gidl: {name}: {problem.strerror or problem}", file=sys.stderr)
         return FAILED
     except RecursionError:
         print(
-            "gidl: declarations refer to each other in too long a chain; shorten the chain",
+            "gidl: declarations refer to each other in a chain that is too long; shorten the chain",
             file=sys.stderr,
         )
         return FAILED
@@ -70,16 +70,34 @@ def _status(arguments: Sequence[str]) -> int:
         chosen.words = tuple(arguments)
     except SystemExit as ended:
         return ended.code if isinstance(ended.code, int) else USAGE
-    command: Callable[[argparse.Namespace], int] = chosen.command
-    if command is not _explain:
-        _find_current_folder()
-    if chosen.settles and not settle(chosen):
-        return USAGE
-    return command(chosen)
+    try:
+        if chosen.command is not _explain:
+            _find_current_folder()
+        if chosen.settles and not settle(chosen):
+            return USAGE
+        command: Callable[[argparse.Namespace], int] = chosen.command
+        return command(chosen)
+    except OSError as problem:
+        if problem.filename is None or vars(chosen).get("error_format", "text") == "text":
+            raise
+        show(chosen, [_not_usable(problem)], {})
+        return FAILED
+
+
+def _not_usable(problem: OSError) -> Finding:
+    """The finding for a file or folder that the system refuses, for a report that is not text."""
+    findings = Findings()
+    findings.file_error(
+        "G0001",
+        Path(str(problem.filename)).as_posix(),
+        f"this path cannot be used: {problem.strerror or problem}",
+        "make it accessible, or name another path, and run gidl again",
+    )
+    return findings.found[0]
 
 
 def _find_current_folder() -> None:
-    """Raises an OSError that names the current folder if it was deleted."""
+    """Raises an OSError that names the current folder if the folder was deleted."""
     try:
         Path.cwd()
     except OSError as problem:
@@ -88,8 +106,9 @@ def _find_current_folder() -> None:
 
 
 def _replace_closed_streams() -> None:
-    """Python has no object for a standard stream that was closed before the start. Reading stdin
-    and writing stdout then fail as for any closed file; what goes to stderr is lost."""
+    """Replaces standard streams that were closed before the start; for such a stream, Python has
+    None. After the replacement, reading stdin and writing stdout fail as for any closed file. Text
+    for stderr is lost."""
     if sys.stdin is None:
         sys.stdin = os.fdopen(os.open(os.devnull, os.O_WRONLY))
     if sys.stdout is None:
@@ -99,7 +118,8 @@ def _replace_closed_streams() -> None:
 
 
 def _no_more_output() -> None:
-    """Discards buffered output; Python would try to write it to the closed stdout at exit."""
+    """Discards buffered output. Otherwise Python would try to write it to the closed stdout at
+    exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
@@ -116,7 +136,7 @@ def _parser() -> argparse.ArgumentParser:
 
     check = verbs.add_parser("check", help="report errors and warnings")
     add_files(check)
-    add_except(check, "warnings to suppress, like G0708")
+    add_except(check, "warnings to suppress, for example G0708")
     check.set_defaults(command=_check)
 
     lint.add_verb(verbs)
@@ -129,14 +149,16 @@ def _parser() -> argparse.ArgumentParser:
     dump.add_argument(
         "--omg",
         choices=("corba", "dds"),
-        help="print plain IDL instead: corba for omniidl; dds, types only, for idlc",
+        help="print OMG IDL instead: corba for omniidl, or dds (types only) for idlc",
     )
     dump.set_defaults(command=_dump, prints=True)
 
     new.add_verb(verbs)
 
     explain = verbs.add_parser("explain", help="explain the code of a finding")
-    explain.add_argument("code", nargs="?", help="a code like G0102; list all codes if left out")
+    explain.add_argument(
+        "code", nargs="?", help="a code, for example G0102; without a code, gidl lists all codes"
+    )
     explain.set_defaults(command=_explain, settles=False)
     return parser
 

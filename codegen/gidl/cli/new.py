@@ -1,4 +1,4 @@
-"""`gidl new`: writes the files of a new device, or with --mock those of a mock server."""
+"""`gidl new`: writes the first files of a new device, or with --mock those of a mock server."""
 
 from __future__ import annotations
 
@@ -15,22 +15,27 @@ def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None
     new = verbs.add_parser(
         "new", help="write the first files of a device (interface, server, client) or a mock server"
     )
-    new.add_argument("name", nargs="?", help="name of the device, like thermometer")
-    new.add_argument("--into", type=Path, help="folder to create; default: the name")
+    new.add_argument("name", nargs="?", help="name of the device, for example thermometer")
+    new.add_argument("--into", type=Path, help="folder to create; default: the name of the device")
     new.add_argument(
         "--mock", metavar="FILE", help="write a mock server for the interfaces of FILE instead"
     )
     new.add_argument(
         "--lang", choices=("cpp", "python"), default="python", help="language of the mock"
     )
-    new.add_argument("--interface", metavar="NAME", help="interface to mock; default: all of FILE")
+    new.add_argument(
+        "--interface", metavar="NAME", help="interface to mock; default: all interfaces of FILE"
+    )
     add_reading(new)
     new.set_defaults(command=_new, error_format="text", prints=False, settles=False)
 
 
 def _new(chosen: argparse.Namespace) -> int:
     if (chosen.name is None) == (chosen.mock is None) or chosen.mock == "-":
-        print("gidl: new takes a name like thermometer, or --mock and a file", file=sys.stderr)
+        print(
+            "gidl: write the name of the device, for example thermometer, or --mock and a file",
+            file=sys.stderr,
+        )
         return USAGE
     try:
         if chosen.mock is not None:

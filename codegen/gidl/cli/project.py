@@ -1,4 +1,4 @@
-"""The project file gidl.toml: defaults for options of the command line."""
+"""Reads the project file gidl.toml: defaults for options of the command line."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ _AT = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)\Z")
 
 @dataclass(frozen=True, slots=True)
 class Project:
-    """Defaults of the command line. Paths of folders are relative to the current folder."""
+    """Defaults for options of the command line. Paths of folders are relative to the current
+    folder."""
 
     file: Path | None = None
     roots: tuple[Path, ...] = (Path("idl"),)
@@ -37,7 +38,8 @@ class Project:
 
 
 def find(start: Path) -> Path | None:
-    """The project file in the folder `start`, else in the nearest folder above; None if none."""
+    """Returns the project file in the folder `start`, or else in the nearest folder above, or
+    None."""
     start = start.absolute()
     for folder in (start, *start.parents):
         if (folder / FILE).is_file():
@@ -46,7 +48,8 @@ def find(start: Path) -> Path | None:
 
 
 def read(file: Path, findings: Findings, sources: dict[str, Source]) -> Project:
-    """The contents of a project file. Each mistake becomes a finding with a line."""
+    """Returns the contents of a project file. Each mistake in the file becomes a finding with a
+    line."""
     shown = file.as_posix()
     try:
         text = file.read_bytes().decode("utf-8")
@@ -78,8 +81,9 @@ def read(file: Path, findings: Findings, sources: dict[str, Source]) -> Project:
 
 
 def line_of(text: str, keys: tuple[str, ...]) -> int:
-    """The line where the TOML statement that sets the key begins. To find where statements end, the
-    text up to each line is parsed: this fails inside a statement of several lines."""
+    """Returns the line where the TOML statement that sets the key `keys` begins. To find where
+    statements end, the text up to each line is parsed: parsing fails if the line is not the last
+    line of a statement."""
     lines = [f"{line}\n" for line in text.split("\n")]
     begin = 1
     for end in range(1, len(lines) + 1):

@@ -1,4 +1,4 @@
-"""The keys of gidl.toml: the check of each key's value, and an example of each key."""
+"""The keys of gidl.toml. Each key has a check of its value, and an example."""
 
 from __future__ import annotations
 
@@ -18,8 +18,9 @@ _Check = Callable[[object, Path], str]  # returns the mistake in a value, or ""
 
 
 def wrong_with(keys: tuple[str, ...], value: object, folder: Path) -> tuple[str, str] | None:
-    """The mistake in a value, and the correction; None if the value is right. Paths are relative to
-    `folder`. `keys` is the path of the key, such as ("roots",) or ("outputs", "cpp")."""
+    """Returns the mistake in a value and the correction, or None if the value is right. Paths are
+    relative to `folder`. `keys` is the path of the key, for example ("roots",) or ("outputs",
+    "cpp")."""
     written = ".".join(keys)
     if written == OUTPUTS:
         return f"{OUTPUTS}: a table is expected", 'write for example cpp = "src" below [outputs]'
@@ -56,7 +57,7 @@ def _defines(value: object, _: Path) -> str:
     if texts is None:
         return "a list of constants is expected"
     bad = [text for text in texts if not DEFINE.match(text)]
-    return f"'{bad[0]}' is no NAME or NAME=VALUE" if bad else ""
+    return f"'{bad[0]}' is neither NAME nor NAME=VALUE" if bad else ""
 
 
 def _flag(value: object, _: Path) -> str:
@@ -73,7 +74,7 @@ def _some_of(known: Callable[[], Collection[str]], what: str) -> _Check:
         if texts is None:
             return f"a list of {what} is expected"
         bad = [text for text in texts if text not in known()]
-        return f"'{bad[0]}' is none of {', '.join(sorted(known()))}" if bad else ""
+        return f"'{bad[0]}' is not one of {', '.join(sorted(known()))}" if bad else ""
 
     return check
 

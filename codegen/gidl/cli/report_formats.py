@@ -1,4 +1,5 @@
-"""Findings for other programs: SARIF for code scanning, workflow commands for GitHub Actions."""
+"""Prints findings for other programs: as SARIF for code scanning, and as workflow commands for
+GitHub Actions."""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ _SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
 def as_sarif(findings: list[Finding], sources: Mapping[str, Source]) -> str:
-    """The findings as a SARIF 2.1.0 report with one run."""
+    """Returns the findings as a SARIF 2.1.0 report with one run."""
     from gidl.cli.explain import all_titles
 
     titles = dict(all_titles())
@@ -67,7 +68,8 @@ def _shown(file: str, sources: Mapping[str, Source]) -> str:
 
 
 def _uri(shown: str) -> str:
-    """A path as a relative URI reference; characters not allowed in a URI are percent-encoded."""
+    """Returns a path as a relative URI reference. Characters that a URI must not contain are
+    percent-encoded."""
     from urllib.parse import quote
 
     prefix = "./" if ":" in shown.split("/")[0] else ""
@@ -75,7 +77,8 @@ def _uri(shown: str) -> str:
 
 
 def as_github_actions(findings: list[Finding], sources: Mapping[str, Source]) -> str:
-    """One workflow command per finding: GitHub shows the finding beside its source line."""
+    """Returns one workflow command for each finding. GitHub shows the finding beside its source
+    line."""
     lines = []
     for finding in findings:
         kind = "error" if finding.severity is Severity.ERROR else "warning"

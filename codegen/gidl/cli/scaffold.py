@@ -1,4 +1,5 @@
-"""Writes the files of `gidl new`: a new device, or a mock. The files build and run unchanged."""
+"""Writes the files of `gidl new`: a new device, or a mock server. The files build and run without
+changes."""
 
 from __future__ import annotations
 
@@ -27,15 +28,15 @@ _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*\Z")
 
 
 class ScaffoldRefusal(Exception):
-    """Raised before any file is written; the text says why."""
+    """Raised before any file is written; the text says why the files cannot be written."""
 
 
 def write_device(wanted: str, into: Path | None) -> str:
-    """Writes the files of a device called `wanted`; returns a text with the next steps."""
+    """Writes the files of a device called `wanted`. Returns a text with the next steps."""
     name = wanted.lower().replace("-", "_")
     if not _NAME.match(name):
         raise ScaffoldRefusal(
-            f"'{wanted}' is no name: write letters, digits and _, like thermometer"
+            f"'{wanted}' is not a valid name: write letters, digits and _, for example thermometer"
         )
     folder = _new_folder(into if into is not None else Path(name))
     words = {
@@ -61,9 +62,9 @@ def write_device(wanted: str, into: Path | None) -> str:
 def write_mock(
     compiled: Compiled, language: str, wanted: str | None, into: Path | None, search: list[str]
 ) -> str:
-    """Writes a mock server for the interfaces of the file, or only for the interface `wanted`, and
-    returns a text with the next steps. Raises UnsupportedError if an interface uses a construct
-    that cannot be generated."""
+    """Writes a mock server for the interfaces of the file, or only for the interface `wanted`.
+    Returns a text with the next steps. Raises UnsupportedError if an interface uses something that
+    gidl cannot generate."""
     from gidl.emit import render, render_mock
 
     (file,) = (f for f in compiled.model.files if f.asked_for)
@@ -75,7 +76,8 @@ def write_mock(
         raise ScaffoldRefusal(f"{file.path} declares {asked}; there is {known}")
     layout = wire_layout.build(compiled.model)
     render(compiled.model, layout, [language])  # raises if the interfaces cannot be generated
-    stem = re.sub(r"\W", "_", Path(source_stem(file.path)).name)  # CMake targets allow no spaces
+    # Names of CMake targets cannot contain spaces.
+    stem = re.sub(r"\W", "_", Path(source_stem(file.path)).name)
     folder = _new_folder(into if into is not None else Path(f"{stem}_mock"))
     source = "server.py" if language == "python" else "server.cpp"
     texts = {source: render_mock(compiled.model, layout, language, chosen)}
@@ -107,7 +109,7 @@ def write_mock(
 
 def _new_folder(folder: Path) -> Path:
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise ScaffoldRefusal(f"{folder} exists already; --into names another folder")
+        raise ScaffoldRefusal(f"{folder} exists already; choose another folder with --into")
     return folder
 
 
@@ -119,8 +121,8 @@ def _write(folder: Path, texts: dict[str, str]) -> None:
 
 
 def _is_accepted(name: str, interface: str) -> bool:
-    """Whether `interface` has no finding. It has one if `name` is an IDL keyword, or if the
-    template already declares this name."""
+    """Returns whether `interface` has no finding. It has a finding if `name` is an IDL keyword, or
+    if the template already declares this name."""
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / f"{name}.gidl"
         place.write_text(interface, encoding="utf-8")

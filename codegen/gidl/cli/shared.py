@@ -1,4 +1,4 @@
-"""What the subcommands share: options, the choice of files, the printing of findings."""
+"""The parts that subcommands share: options, the choice of files, and the printing of findings."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ from gidl.source import Source
 
 FINE, FAILED, USAGE, FINDINGS = 0, 1, 2, 100
 
-WHEN_LEFT_OUT = "- is stdin; all files of the roots in gidl.toml, or of idl/, when left out"
+WHEN_LEFT_OUT = (
+    "interface files, or - for stdin; default: all files in the roots of gidl.toml, or in idl/"
+)
 
 PRINTERS: dict[str, Printer] = {
     "text": as_text,
@@ -73,19 +75,19 @@ def _codes(text: str) -> frozenset[str]:
     codes = frozenset(part.strip().upper() for part in text.split(","))
     for code in sorted(codes):
         if code not in lint_rules():
-            raise argparse.ArgumentTypeError(f"there is no lint rule {code}")
+            raise argparse.ArgumentTypeError(f"there is no lint rule with the code {code}")
     return codes
 
 
 def _constant(text: str) -> str:
     if not DEFINE.match(text):
-        raise argparse.ArgumentTypeError(f"'{text}' is no NAME or NAME=VALUE")
+        raise argparse.ArgumentTypeError(f"'{text}' is neither NAME nor NAME=VALUE")
     return text
 
 
 def settle(chosen: argparse.Namespace) -> bool:
-    """Completes the options of the command line from gidl.toml. Returns False, after a report, if
-    gidl.toml is wrong."""
+    """Completes the options of the command line from gidl.toml. If gidl.toml has a mistake, reports
+    it and returns False."""
     findings = Findings()
     sources: dict[str, Source] = {}
     file = project.find(Path.cwd())
@@ -120,8 +122,8 @@ def _is_below(name: str, folders: Iterable[Path]) -> bool:
 
 
 def files_of(chosen: argparse.Namespace) -> list[str] | None:
-    """The files named on the command line, else all interface files in the root folders. If there
-    are none, prints a message and returns None."""
+    """Returns the files named on the command line, or else all interface files in the root folders.
+    If there are none, prints a message and returns None."""
     if chosen.files:
         return list(chosen.files)
     roots = chosen.project.roots
@@ -129,9 +131,15 @@ def files_of(chosen: argparse.Namespace) -> list[str] | None:
     if found:
         return list(dict.fromkeys(found))
     if chosen.project.file is None:
-        there = "there are no interface files in idl/ here, and no gidl.toml here or above"
+        there = (
+            "there is no gidl.toml, and idl/ in the current folder has no interface "
+            "files; name files, or run gidl in the folder of your project"
+        )
     else:
-        there = f"the roots of {chosen.project.file} have no interface files"
+        there = (
+            f"the roots of {chosen.project.file} have no interface files; name files, or "
+            "correct roots"
+        )
     print(f"gidl: no files named, and {there}", file=sys.stderr)
     return None
 
@@ -143,7 +151,7 @@ def compiled_from(chosen: argparse.Namespace, files: list[str]) -> Compiled:
 
 
 def strictly(chosen: argparse.Namespace, compiled: Compiled) -> Compiled:
-    """The compiled files; with --strict, their warnings become errors."""
+    """Returns the compiled files; with --strict, their warnings become errors."""
     if not chosen.strict or not compiled.findings:
         return compiled
     return replace(compiled, findings=tuple(as_errors(compiled.findings)), has_errors=True)
@@ -159,9 +167,9 @@ def show(
     sources: Mapping[str, Source],
     summary: str = "",
 ) -> None:
-    """Prints all findings of a run; call it once. A text report goes to stderr and ends with a line
-    that counts the findings. A report in another format goes to stdout, or to stderr if the command
-    prints its result on stdout."""
+    """Prints all findings of a run; call it only once. A text report goes to stderr and ends with a
+    line that counts the findings. A report in another format goes to stdout, or to stderr if the
+    command prints its result on stdout."""
     found = list(findings)
     text = PRINTERS[chosen.error_format](found, sources)
     is_text = chosen.error_format == "text"

@@ -15,9 +15,9 @@ __all__ = ["UnreadableError", "layout"]
 
 
 def layout(text: str) -> str:
-    """`text` in the canonical layout; applying `layout` again changes nothing. @pre `text` parses.
-    Raises UnreadableError with the line if braces do not match, as with `#if` around half of a
-    body."""
+    """Returns `text` in the canonical layout. Applying `layout` to the result changes nothing. @pre
+    `text` parses. Raises UnreadableError with the line if braces do not match, for example because
+    an `#if` contains half of a body."""
     pieces = scan(text)
     result = printed(structure(pieces))
     _prove(pieces, scan(result))
@@ -30,7 +30,7 @@ def _prove(before: list[Piece], after: list[Piece]) -> None:
     if old != new:
         at = next((i for i, (a, b) in enumerate(zip(old, new, strict=False)) if a != b), -1)
         line = before[min(at, len(before) - 1)].line if before else 1
-        raise UnreadableError(line, "cannot be laid out without a change of its meaning")
+        raise UnreadableError(line, "cannot be formatted without changing its meaning")
 
 
 def _essence(pieces: list[Piece]) -> list[str]:

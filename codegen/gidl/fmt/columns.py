@@ -1,4 +1,4 @@
-"""Aligns members of a struct, and short declarations of one kind, in columns."""
+"""Aligns the members of a struct, and consecutive short declarations of one kind, in columns."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from gidl.fmt.tree import Body, Item
 if TYPE_CHECKING:
     from gidl.fmt.printer import Laid
 
-_WIDEST_PADDING = 12  # columns; lines that would need more padding stay unaligned
+_WIDEST_PADDING = 12  # columns; lines that would need more stay unaligned
 _PRIMITIVES = frozenset(
     ("unsigned", "long", "short", "double", "float", "boolean", "octet", "char", "int8", "uint8",
      "int16", "uint16", "int32", "uint32", "int64", "uint64")
@@ -59,8 +59,8 @@ def _pad(rows: list[tuple[Laid, list[str]]], indent: int) -> None:
 
 
 def _cells(item: Item) -> list[str] | None:
-    """The annotations, the type and the names of a member, as three texts. None if the member has a
-    comment or a body, or if one of these parts cannot be found."""
+    """Returns the annotations, the type and the names of a member, as three texts. Returns None if
+    the member has a comment or a body, or if one of these parts cannot be found."""
     from gidl.fmt.printer import leading
 
     if item.bodies or any(p.is_comment for p in item.pieces):
@@ -74,7 +74,7 @@ def _cells(item: Item) -> list[str] | None:
 
 
 def _type_end(pieces: list[Piece], at: int) -> int:
-    """The index of the piece after the type that begins at index `at`."""
+    """Returns the index of the piece after the type that begins at index `at`."""
     if pieces[at].text in _PRIMITIVES:
         while at < len(pieces) and pieces[at].text in _PRIMITIVES:
             at += 1
@@ -117,7 +117,8 @@ def _heads(run: list[Laid]) -> None:
 
 
 def _short_body(item: Item) -> Body | None:
-    """The body of an enum, exception or struct without annotations; None for any other item."""
+    """Returns the body of an enum, exception or struct without annotations; None for any other
+    item."""
     bodies = item.bodies
     first = item.parts[0]
     is_plain = isinstance(first, Piece) and bool(bodies) and first.text == bodies[0].keyword

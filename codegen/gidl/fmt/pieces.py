@@ -14,7 +14,7 @@ _NOT_CALLED = frozenset(("case", "raises", "getraises", "setraises", "switch"))
 
 
 class UnreadableError(ValueError):
-    """The text cannot be laid out: its structure is not valid IDL."""
+    """The text cannot be formatted: its structure is not valid IDL."""
 
     def __init__(self, line: int, message: str) -> None:
         super().__init__(message)
@@ -45,7 +45,7 @@ class Piece:
 
 
 def scan(text: str) -> list[Piece]:
-    """All pieces of `text`, in order."""
+    """Returns all pieces of `text`, in order."""
     text = text.replace("\r\n", "\n")
     pieces: list[Piece] = []
     at, line, line_start, newlines = 0, 1, 0, 2
@@ -59,7 +59,8 @@ def scan(text: str) -> list[Piece]:
             newlines += body.count("\n")
         else:
             if kind == "directive":
-                if newlines == 0:  # text in a part that '#if' skips: on its own line it would act
+                # Other text precedes the '#', which is possible where '#if' skips text.
+                if newlines == 0:
                     raise UnreadableError(line, "has a '#' that does not begin its line")
                 body = text[at : directive_line(text, at)[1]]
             shown = re.sub(r"[ \t\r\f\v]+(?=\n|$)", "", body)
@@ -86,13 +87,13 @@ def scan(text: str) -> list[Piece]:
 
 
 def _adjoins(piece: Piece, following: Piece) -> bool:
-    """Whether nothing, not even white space, stands between two pieces."""
+    """Returns whether nothing, not even white space, stands between two pieces."""
     ends = (piece.end_line, piece.column + len(piece.text))
     return ends == (following.line, following.column)
 
 
 class _Spacing:
-    """Sets `spaced` of each token, and `role` of each bracket."""
+    """Sets `spaced` for each token, and `role` for each bracket."""
 
     def __init__(self, pieces: list[Piece]) -> None:
         self._pieces = [p for p in pieces if p.kind not in ("comment", "directive")]

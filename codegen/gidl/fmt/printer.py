@@ -1,4 +1,4 @@
-"""Prints bodies and items as text."""
+"""Prints bodies and items of a .gidl file as text."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _CONTINUED = 4  # columns of extra indentation for continuation lines
 
 @dataclass(slots=True)
 class Laid:
-    """The printed lines of an item, and the comments to append to the last line."""
+    """The printed lines of an item, and the comments to append to its last line."""
 
     item: Item
     lines: list[str]
@@ -29,7 +29,8 @@ def printed(root: Body) -> str:
 
 
 def _elements(body: Body, indent: int) -> list[str]:
-    """The lines of all elements of a body; elements that form a table are aligned in columns."""
+    """Returns the lines of all elements of a body. Elements that form a table are aligned in
+    columns."""
     laid: list[Laid | list[str]] = []
     section = 0
     for index, element in enumerate(body.elements):
@@ -71,7 +72,7 @@ def _speaks(part: Laid, section: int) -> bool:
 
 
 def _runs(items: list[Laid]) -> list[list[Laid]]:
-    """Runs of consecutive one-line items without a blank line between them."""
+    """Returns the runs of consecutive one-line items without a blank line between them."""
     runs: dict[int, list[Laid]] = {}
     for part in items:
         if len(part.lines) == 1 and part.item.first.kind != "directive":
@@ -95,7 +96,7 @@ def _with_comments(part: Laid, column: int) -> list[str]:
 
 
 def _alone(piece: Piece, indent: int) -> list[str]:
-    """The lines of a preprocessor line, or of a comment without code on its line."""
+    """Returns the lines of a preprocessor line, or of a comment that stands alone on its line."""
     if piece.kind == "directive":
         return piece.text.split("\n")
     first, *more = piece.text.split("\n")
@@ -103,8 +104,8 @@ def _alone(piece: Piece, indent: int) -> list[str]:
 
 
 def _shifted(lines: list[str], shift: int, column: int) -> list[str]:
-    """The second and later lines of a comment, indented by the same shift as the first line. If all
-    begin with a star, they are aligned below the star of `/*`."""
+    """Returns the second and later lines of a comment, shifted by as many columns as its first
+    line. If all of them begin with a star, they are aligned below the star of `/*`."""
     stripped = [line.strip() for line in lines]
     if stripped and all(line.startswith("*") for line in stripped):
         return [" " * (column + 1) + line for line in stripped]
@@ -120,7 +121,7 @@ def _shifted(lines: list[str], shift: int, column: int) -> list[str]:
 
 
 def _item(item: Item, indent: int, keyword: str) -> list[str]:
-    """The lines of an item; lines that are too long are broken."""
+    """Returns the lines of an item; lines that are too long are broken."""
     breaks_kept = keyword != "("
     split = False
     while True:
@@ -140,7 +141,8 @@ def _item(item: Item, indent: int, keyword: str) -> list[str]:
 
 
 def leading(item: Item) -> int:
-    """How many leading parts of an item are annotations, or comments between annotations."""
+    """Returns how many parts at the beginning of an item are annotations, or comments between
+    annotations."""
     parts = item.parts
     at = 0
     while at < len(parts):
@@ -159,7 +161,7 @@ def leading(item: Item) -> int:
 
 
 def _annotation_end(parts: list[Piece | Body], at: int) -> int:
-    """The index of the part after the annotation whose name begins at index `at`."""
+    """Returns the index of the part after the annotation whose name begins at index `at`."""
     at += 1
     while (
         at + 1 < len(parts)
@@ -273,7 +275,7 @@ class _Writer:
 
 
 def inline(body: Body) -> str:
-    """The text of a body on one line, with its brackets."""
+    """Returns the text of a body on one line, with its brackets."""
     assert body.closing is not None
     comments = [c.text for c in body.after_opening]
     words = comments + [inline_item(item) for item in body.items]

@@ -1,4 +1,4 @@
-"""Groups pieces into bodies (in braces, or the parentheses of parameters) and their items."""
+"""Groups pieces into bodies (in braces, or in the parentheses of parameters) and their items."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _LISTS = ("enum", "bitmask")  # keywords of bodies whose items end with a comma
 
 @dataclass(slots=True)
 class Item:
-    """A declaration, a member, an enumerator or a parameter, with its closing token."""
+    """A declaration, a member, an enumerator or a parameter, with the token that ends it."""
 
     parts: list[Piece | Body] = field(default_factory=list)
     trailing: list[Piece] = field(default_factory=list)  # comments on the line where the item ends
@@ -37,7 +37,7 @@ class Body:
 
     opening: Piece
     keyword: str  # "struct", "interface", ...; "(" for parameters
-    elements: list[Item | Piece] = field(default_factory=list)  # Piece: comment or directive
+    elements: list[Item | Piece] = field(default_factory=list)  # a Piece is a comment or directive
     closing: Piece | None = None
     after_opening: list[Piece] = field(default_factory=list)  # comments on the line of `{`
     broken: bool = False  # True: print the body on several lines
@@ -48,7 +48,7 @@ class Body:
 
 
 def structure(pieces: list[Piece]) -> Body:
-    """The whole file as one body without braces."""
+    """Returns the whole file as one body without braces."""
     opening = Piece("op", "", 1, 0, 1, True, False)
     root = Body(opening, "file", broken=True)
     reader = _Reader(pieces)
@@ -70,7 +70,7 @@ class _Reader:
         return self._pieces[self._at] if self._at < len(self._pieces) else None
 
     def fill(self, body: Body) -> None:
-        """Reads elements up to the token that closes `body`."""
+        """Reads elements into `body`, up to the token that closes it."""
         while (piece := self.now) is not None and piece.text not in ("}", ")"):
             if piece.kind == "directive" or piece.is_comment:
                 self._at += 1
@@ -81,7 +81,7 @@ class _Reader:
                 self._item(body)
 
     def _same_line(self, body: Body, piece: Piece) -> None:
-        """Keeps comments that follow a preprocessor line on that line."""
+        """Keeps comments that follow a preprocessor line on the same line."""
         comments = self._comments_behind(piece)
         if comments:
             body.elements[-1] = Item([piece], comments)
@@ -111,8 +111,9 @@ class _Reader:
         body.elements.extend(self._left_over(item))
 
     def _left_over(self, item: Item) -> list[Item | Piece]:
-        """Moves comments out of the parts of the last parameter or enumerator, which has no comma
-        after it. Comments on its line become its trailing comments; the others are returned."""
+        """Moves comments out of `item`, the last parameter or enumerator of a list, which no comma
+        ends. Comments on the line of the item become its trailing comments. Returns the other
+        comments."""
         last = len(item.parts)
         while last > 1 and isinstance(part := item.parts[last - 1], Piece) and part.is_comment:
             last -= 1
@@ -174,7 +175,7 @@ class _Reader:
         return body.opening.line != body.closing.line
 
     def _comments_behind(self, piece: Piece) -> list[Piece]:
-        """Takes the comments that follow `piece` on its line, even if code follows them."""
+        """Takes the comments that follow `piece` on its line, even if code follows the comments."""
         found: list[Piece] = []
         while (comment := self.now) is not None and comment.is_comment:
             if comment.first_on_line or comment.line != (found[-1] if found else piece).end_line:
@@ -196,7 +197,8 @@ class _Reader:
 
 
 def _continues(comment: Piece, above: Piece) -> bool:
-    """Whether a comment alone on its line continues the trailing comment of the line above."""
+    """Returns whether a comment that stands alone on its line continues the trailing comment of the
+    line above."""
     return (
         comment.is_line_comment
         and comment.first_on_line

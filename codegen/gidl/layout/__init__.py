@@ -1,1 +1,2 @@
-"""From the model to numbers and names: wire encodings, codes, hashes, and names in the output."""
+"""Computes numbers and names from the model: wire encodings, codes, hashes, and names in the
+output."""

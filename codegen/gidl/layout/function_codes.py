@@ -27,8 +27,8 @@ def fnv1a_32(text: str) -> int:
 
 
 def hashed_name(model: Model, name: str, facts: Facts) -> str:
-    """The name from which codes and hashes are computed. @hash_as replaces the last part of `name`,
-    or all of `name` if the text of @hash_as contains "::"."""
+    """Returns the name from which codes and hashes are computed. @hash_as replaces the last part of
+    `name`, or all of `name` if the argument of @hash_as contains "::"."""
     if facts.hash_as is not None:
         if "::" in facts.hash_as:
             return facts.hash_as.removeprefix("::")
@@ -38,14 +38,15 @@ def hashed_name(model: Model, name: str, facts: Facts) -> str:
 
 
 def member_name(model: Model, member: Operation | Attribute) -> str:
-    """Scoped name of an operation or attribute, from which codes and hashes are computed."""
+    """Returns the scoped name of an operation or attribute, from which codes and hashes are
+    computed."""
     interface = model.interface(member.interface)
     owner = hashed_name(model, interface.name, interface.facts)
     return hashed_name(model, f"{owner}::{member.name}", member.facts)
 
 
 def call_code(model: Model, member: Operation | Attribute) -> int:
-    """Code of an operation, or of an attribute's getter and stream."""
+    """Returns the code of an operation, or of an attribute's getter and stream."""
     return member.id if member.id is not None else fnv1a_32(member_name(model, member))
 
 
@@ -56,15 +57,15 @@ def setter_code(model: Model, attribute: Attribute) -> int:
 
 
 def exception_code(model: Model, exception: ExceptionStruct) -> int:
-    """The code by which a reply identifies a declared exception."""
+    """Returns the code by which a reply identifies a declared exception."""
     return fnv1a_32(hashed_name(model, exception.name, exception.facts))
 
 
 def codes_of(
     model: Model, interface: Interface
 ) -> tuple[tuple[int, str, Operation | Attribute], ...]:
-    """The codes of the members that the interface itself declares, in declared order. Each code
-    comes with the name from which hashes are computed, and with the member."""
+    """Returns the codes of the members that the interface itself declares, in declared order. Each
+    code comes with the member, and with the name from which codes and hashes are computed."""
     uses: list[tuple[int, str, Operation | Attribute]] = []
     for member in interface.members:
         name = member_name(model, member)

@@ -1,15 +1,17 @@
 """Hashes by which client and server check that they have the same interface.
 
-A hash is the first 8 bytes of the SHA-256 of a canonical text, big-endian, unsigned.
+A hash is the first 8 bytes of the SHA-256 of a canonical text, read as an unsigned big-endian
+number.
 
-- *Operation hash*: covers name, direction and type of every value on the wire, the exceptions and
-  oneway. Compatible edits do not change it. It leaves out defaulted or optional parameters at the
-  end of an operation, and defaulted or optional members at the end of an appendable struct. It also
-  leaves out the enumerators of an enum with a default literal. A client and a server with equal
-  operation hashes can call each other.
-- *Interface hash*: covers the whole interface and its bases; nothing is left out. If the interface
-  hashes of client and server are equal, they compare nothing more; otherwise the operation hashes
-  decide.
+The *operation hash* covers the name, direction and type of every value on the wire, the exceptions
+and `oneway`. Compatible edits do not change it. It leaves out defaulted or optional parameters at
+the end of an operation, and defaulted or optional members at the end of an appendable struct. It
+also leaves out the enumerators of an enum with a default literal. A client and a server with equal
+operation hashes can call each other.
+
+The *interface hash* covers the whole interface and its bases, and leaves out nothing. If client and
+server have equal interface hashes, they compare nothing more. Otherwise the operation hashes
+decide.
 
 Neither hash covers documentation, units, access or quality; the server enforces access.
 """
@@ -61,7 +63,8 @@ def interface_hash(model: Model, interface: Interface) -> int:
 
 
 def interface_text(model: Model, interface: Interface) -> str:
-    """Canonical text of an interface: one line per member, sorted, inherited ones included."""
+    """Returns the canonical text of an interface: one line for each member, inherited ones too,
+    sorted."""
     writer = _Writer(model, whole=True)
     lines = []
     for member in model.all_interface_members(interface):
@@ -74,7 +77,8 @@ def interface_text(model: Model, interface: Interface) -> str:
 
 
 class _Writer:
-    """Writes canonical texts. A recursive use of a type is written as the name of the type."""
+    """Writes canonical texts. Where a type contains itself, the inner type is written as its name
+    only."""
 
     def __init__(self, model: Model, whole: bool) -> None:
         self._model = model
@@ -179,7 +183,8 @@ def _old_name(member: Member) -> str:
 
 
 def _core_length(slots: tuple[Member, ...] | tuple[Parameter, ...]) -> int:
-    """Number of members or parameters before the trailing defaulted and optional ones."""
+    """Returns the number of members or parameters before the trailing defaulted and optional
+    ones."""
     length = len(slots)
     while length and (slots[length - 1].optional or slots[length - 1].default is not None):
         length -= 1

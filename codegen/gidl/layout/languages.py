@@ -1,7 +1,9 @@
-"""The reserved words of generated C++ and Python, by the kind of declaration that may not use them.
+"""The names that a declaration must not have in generated C++ and Python, for each kind of
+declaration.
 
-Some are words of the language. The others are names in generated code that a declaration would
-hide: functions next to types, members of every type, parameters and local variables of functions.
+Some are keywords of the language. The others are names in generated code that a declaration would
+hide: functions beside types, members of every type, and parameters and local variables of
+functions.
 """
 
 from __future__ import annotations
@@ -16,8 +18,8 @@ from gidl.model import AnyDeclaration, Bitset, Interface, Model, Struct, Union
 
 
 def _names_of_headers() -> tuple[frozenset[str], frozenset[str]]:
-    """Macros of system headers, and names that the headers declare in the global namespace.
-    cpp_names_of_headers.txt lists them, and says how to make the list."""
+    """Returns the macros of system headers, and the names that these headers declare in the global
+    namespace. The file cpp_names_of_headers.txt lists them, and says how to make the list."""
     text = (Path(__file__).parent / "cpp_names_of_headers.txt").read_text(encoding="utf-8")
     macros, others = text.partition("# Macros:\n")[2].split("# Outside of all namespaces:\n")
     return words(macros), words(others)
@@ -25,15 +27,16 @@ def _names_of_headers() -> tuple[frozenset[str], frozenset[str]]:
 
 _MACROS, _GLOBALS = _names_of_headers()
 CPP_WORDS = CPP | {"std", "tl", "nlohmann"} | _MACROS
-"""Keywords, the namespaces that generated code uses, and the macros that headers define."""
+"""Keywords, namespaces that generated code uses, and macros that system headers define."""
 
-# Members that generated code adds to every struct. A declared member cannot keep such a name.
+# Members that generated code adds to every struct. A member with one of these names is renamed.
 CPP_STRUCT_WORDS = CPP_WORDS | {"encoded_size", "encode", "decode", "fingerprint", "type_name"}
 CPP_UNION_WORDS = CPP_STRUCT_WORDS | {"tag", "value", "Held"}
 CPP_BITSET_WORDS = CPP_STRUCT_WORDS | {"bits", "set_bits", "raw"}
 
-# Members of gecos::Object, of gecos::Servant and of the proxies and servants that derive from them.
-# An operation cannot keep such a name, nor can a parameter, which would hide what a body calls.
+# Members of gecos::Object, of gecos::Servant, and of the proxies and servants that derive from
+# them. An operation with one of these names is renamed. A parameter is renamed too, because it
+# would hide a member that the function uses.
 _CPP_BASE_MEMBERS = words(
     """
     gecos_answer gecos_attach gecos_begins_calls gecos_call gecos_description gecos_dispatch
@@ -46,7 +49,7 @@ CPP_METHOD_WORDS = CPP_WORDS | _CPP_BASE_MEMBERS
 
 # Functions in the namespaces of generated types.
 _CPP_FUNCTIONS = words("decode_enum gecos_violation has to_string")
-# Parameters and local variables of generated functions. They would shadow a constant or an alias of
+# Parameters and local variables of generated functions, which would hide a constant or an alias of
 # the same name.
 _CPP_LOCALS = words(
     """
@@ -58,8 +61,8 @@ _CPP_LOCALS = words(
 
 
 def _cpp_members(model: Model, declaration: AnyDeclaration) -> set[str]:
-    """Names of all members of the class that is generated for `declaration`. The class itself must
-    not have any of these names."""
+    """Returns the names of all members of the class that is generated for `declaration`. The class
+    itself must not have any of these names."""
     match declaration:
         case Struct():
             return {escaped(m.name, CPP_STRUCT_WORDS) for m in model.all_members(declaration)}
@@ -92,8 +95,8 @@ CPP_TYPES = Language(
 # -- Python --------------------------------------------------------------------------------------
 
 PYTHON_WORDS = PYTHON | {"self", "cls"}
-# Python builtins that generated class bodies use as type hints and decorators. A member of the same
-# name would hide the builtin.
+# Python builtins that generated class bodies use as type hints and decorators. A member with the
+# same name would hide the builtin.
 PYTHON_CLASS_WORDS = words(
     "bool bytes classmethod dict float int list object property staticmethod str"
 )

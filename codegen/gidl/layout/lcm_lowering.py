@@ -1,10 +1,10 @@
-"""The .lcm struct of every type, and its fingerprint exactly as lcm-gen computes it.
+"""Computes the .lcm struct of every type, and its fingerprint exactly as lcm-gen computes it.
 
-LCM has primitives, strings, structs, and arrays of these with constant or counted dimensions. Every
-other type inside a sequence, optional, union or array is wrapped in a helper struct
-("Scan_rows_item", "Scan_names_entry"); wrapping adds no byte to the encoding. Count fields are
-named "<x>_n", block sizes "<x>_size". Underscores are added to the names of such fields and of
-helper structs until the names are unique.
+LCM has primitives, strings, structs, and arrays of these, whose dimensions are constants or count
+fields. Any other type inside a sequence, optional, union or array is wrapped in a helper struct
+(for example "Scan_rows_item" or "Scan_names_entry"); wrapping adds no byte to the encoding. Count
+fields are named "<x>_n", and block sizes "<x>_size". Underscores are added to the names of such
+fields and of helper structs until the names are unique.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from gidl.model import (
 LCM_PRIMITIVES = frozenset(
     ("int8_t", "int16_t", "int32_t", "int64_t", "byte", "float", "double", "string", "boolean")
 )
-# Names that LCM, or the C++ and Python of lcm-gen, cannot use get an underscore.
+# Names that LCM, or the C++ or Python of lcm-gen, cannot use. They get an underscore.
 LCM_WORDS = LCM_PRIMITIVES | CPP | PYTHON | {"package", "encode", "decode"}
 
 OBJECT_REF = "gecos.ObjectRef"
@@ -106,7 +106,7 @@ OBJECT_REF_STRUCT = LcmStruct(
 
 
 class Lowering:
-    """Lowers every type of a model once, in declaration order, so that each run gives the same
+    """Lowers every type of a model once, in declaration order, so that every run gives the same
     names."""
 
     def __init__(self, model: Model, node_of: Callable[[Model, Type, bool], Node]) -> None:
@@ -120,7 +120,7 @@ class Lowering:
         self._lower_all()
 
     def struct(self, scoped_name: str) -> LcmStruct:
-        """The LCM type of a struct, exception, union, enum, bitmask or bitset."""
+        """Returns the LCM type of a struct, exception, union, enum, bitmask or bitset."""
         return self._structs[self._full_names[scoped_name]]
 
     def by_full_name(self, full_name: str) -> LcmStruct:
@@ -137,8 +137,8 @@ class Lowering:
                 self._full_names[declaration.name] = wanted if ours else self._free(wanted)
 
     def _dotted(self, scoped_name: str) -> str:
-        """LCM name of a type. The modules of the type are the package; the name of an enclosing
-        declaration is a prefix of the name."""
+        """Returns the LCM name of a type. The modules of the type are the package. The name of an
+        enclosing declaration becomes a prefix of the name."""
         parts = scoped_name.split("::")
         split = len(parts) - 1
         while split > 0:
@@ -195,8 +195,8 @@ class Lowering:
             owner.add(case.member.name, OptionalNode(node))
 
     def simple_type(self, node: Node) -> str | None:
-        """LCM type of a node that is lowered to a single field without dimensions; None for other
-        nodes."""
+        """Returns the LCM type of a node that is lowered to a single field without dimensions; None
+        for other nodes."""
         match node:
             case ScalarNode(primitive):
                 return _SCALARS[primitive]
@@ -213,7 +213,7 @@ class Lowering:
 
 
 class _Owner:
-    """The struct that is being lowered: its members so far and the names in use."""
+    """The struct that is being lowered: its members so far, and the names in use."""
 
     def __init__(self, lowering: Lowering, full_name: str, path: str) -> None:
         self._lowering = lowering
@@ -225,7 +225,8 @@ class _Owner:
         self._pending: list[tuple[str, Node]] = []
 
     def reserve(self, source: str) -> None:
-        """Reserves the member's own name, so that no count field can take it."""
+        """Reserves the name of a member of the .gidl type, so that no count field can get this
+        name."""
         if source not in self._names:
             self._names[source] = self.free(source)
 
@@ -305,7 +306,7 @@ _MASK = (1 << 64) - 1
 
 
 def fingerprint(lowering: Lowering, scoped_name: str) -> int:
-    """Fingerprint of a type's LCM struct, as a signed 64-bit number."""
+    """Returns the fingerprint of a type's LCM struct, as a signed 64-bit number."""
     value = _fingerprint(lowering, lowering.struct(scoped_name), ())
     return _signed(value)
 
@@ -323,8 +324,8 @@ def _fingerprint(lowering: Lowering, struct: LcmStruct, parents: tuple[str, ...]
 
 
 def base_hash(struct: LcmStruct) -> int:
-    """The hash that lcm-gen computes of a struct's own members, without the members of nested
-    structs. A signed 64-bit number."""
+    """Returns the hash that lcm-gen computes from a struct's own members, without the members of
+    nested structs. The hash is a signed 64-bit number."""
     value = 0x12345678
     for member in struct.members:
         value = _update_string(value, member.name)

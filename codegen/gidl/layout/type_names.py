@@ -1,9 +1,10 @@
-"""Names of types, constants and interfaces in the output of one language.
+"""Chooses the names of types, constants and interfaces in the output of one language.
 
 A declaration keeps its simple name if possible. A type inside an interface or another type gets
-both names, joined by an underscore (`Manipulator_Mode`), because classes cannot be reopened. A
-reserved word of the language gets an underscore at its end (`escaped`). Servants, and structs of
-arguments and results, are named here too, so that the names in a scope are unique.
+both names, joined by an underscore (`Manipulator_Mode`), because C++ and Python cannot add a type
+to a class later. A reserved word of the language gets an underscore at its end (`escaped`).
+Servants, and structs of arguments and results, are named here too, so that the names in a scope are
+unique.
 
 An operation with several results has a struct of results. Where `calls_are_structs`, every call,
 also of an attribute, has a struct of arguments if it takes any, and a struct of its result.
@@ -31,10 +32,10 @@ from gidl.model import (
 
 
 def escaped(name: str, reserved: Collection[str]) -> str:
-    """`name`, with one more underscore at its end if the name is in `reserved`.
+    """Returns `name`, with underscores added at its end if the name is in `reserved`.
 
     Different names stay different: `class` becomes `class_`, and a name `class_` becomes `class__`.
-    Beside a reserved word `held_`, `held` becomes `held__`, and `held_` becomes `held___`.
+    If `held_` is a reserved word, `held` becomes `held__`, and `held_` becomes `held___`.
     """
     plain = name.rstrip("_")
     if f"{plain}_" in reserved:
@@ -44,22 +45,24 @@ def escaped(name: str, reserved: Collection[str]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Language:
-    """Names that a language does not allow for declarations."""
+    """The names that a language does not allow for declarations."""
 
     type_words: frozenset[str]  # not allowed for types and constants
     module_words: frozenset[str]  # not allowed for modules at the top level
     inner_module_words: frozenset[str]  # not allowed for modules in modules
     file_is_scope: bool  # True: module names are dropped, and each file is one scope
     root_words: frozenset[str] = frozenset()  # not allowed for any name at the top level
-    own_module: str = ""  # name of the module, and of the interface folder, of the runtime
+    own_module: str = ""  # the runtime's own module and folder of interface files
     calls_are_structs: bool = False
-    # Returns names that the type of a declaration must not have: those of its members.
+    # Returns the names of the members of a declaration, which the type of the declaration must not
+    # have.
     members: Callable[[Model, AnyDeclaration], set[str]] = lambda _model, _declaration: set()
 
 
 @dataclass(frozen=True, slots=True)
 class TypeName:
-    """Scope and name: ("geo", "shapes") and "Point". The scope is () if files are scopes."""
+    """The scope and the name of a type, for example ("geo", "shapes") and "Point". The scope is ()
+    if the language has one scope for each file."""
 
     scope: tuple[str, ...]
     name: str
@@ -67,7 +70,7 @@ class TypeName:
 
 @dataclass(frozen=True, slots=True)
 class TypeNames:
-    """The names of declarations in one language, by their scoped names in .gidl."""
+    """The names of declarations in one language. Keys are the scoped names in .gidl."""
 
     types: dict[str, TypeName] = field(default_factory=dict)
     servants: dict[str, TypeName] = field(default_factory=dict)  # key: name of the interface
@@ -75,7 +78,8 @@ class TypeNames:
     # Key: name of the operation or attribute; "tool=" for the argument of a setter.
     arguments: dict[str, TypeName] = field(default_factory=dict)
     results: dict[str, TypeName] = field(default_factory=dict)
-    # Constants and aliases in the scopes around an interface, whose names a parameter would hide.
+    # Constants and aliases in the scopes around an interface. A parameter with such a name would
+    # hide them.
     hidden: dict[str, frozenset[str]] = field(default_factory=dict)  # key: name of the interface
 
 
@@ -96,7 +100,8 @@ class _Naming:
         self._model = model
         self._language = language
         self._taken: dict[str, set[_Place]] = {}  # names in each file and its includes
-        self._values: dict[str, set[_Place]] = {}  # those of constants and aliases
+        # The names in `_taken` that constants and aliases have.
+        self._values: dict[str, set[_Place]] = {}
         self._top_types = language.type_words | language.root_words
         self._top_modules = language.module_words | language.root_words
 
@@ -110,7 +115,7 @@ class _Naming:
             taken |= {(scope[:i], scope[i]) for i in range(len(scope))}
         joined = {d.name: "_".join(self._parts(d)) for d in declared}
         wanted = {d.name: self._wanted(d, joined) for d in declared}
-        # Declarations that can keep their simple names are named first; all others avoid these
+        # Declarations that can keep their simple names are named first. The others avoid these
         # names.
         for as_written in (True, False):
             for declaration in declared:
@@ -173,26 +178,29 @@ class _Naming:
         return escaped(name, self._top_modules)
 
     def _is_own(self, declaration: AnyDeclaration) -> bool:
-        """Whether the declaration is in an interface file of the runtime; False if `own_module` is
-        not set."""
+        """Returns whether the declaration is in an interface file of the runtime. False if
+        `own_module` is not set."""
         own = self._language.own_module
         return bool(own) and self._model.file_of(declaration.name).startswith(f"{own}/")
 
     def _modules(self, declaration: AnyDeclaration) -> list[str]:
-        """Modules that enclose a declaration. Other enclosing scopes become part of its name."""
+        """Returns the modules that enclose a declaration. Other enclosing scopes become part of its
+        name."""
         modules = declaration.name.split("::")[:-1]
         while modules and self._model.has("::".join(modules)):
             modules.pop()
         return modules
 
     def _parts(self, declaration: AnyDeclaration) -> list[str]:
-        """The parts of a declaration's name below its modules: ["Manipulator", "Mode"]."""
+        """Returns the parts of a declaration's name below its modules, for example ["Manipulator",
+        "Mode"]."""
         return declaration.name.split("::")[len(self._modules(declaration)) :]
 
     def _wanted(self, declaration: AnyDeclaration, joined: dict[str, str]) -> str:
         name = joined[declaration.name]
         if self._language.file_is_scope and list(joined.values()).count(name) > 1:
-            name = declaration.name.replace("::", "_")  # a::State and b::State in one file
+            # Several declarations of the file have this name, for example a::State and b::State.
+            name = declaration.name.replace("::", "_")
         words = self._language.type_words
         return escaped(
             name, words if self._scope(declaration) else words | self._language.root_words

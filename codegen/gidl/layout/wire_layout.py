@@ -1,20 +1,25 @@
-"""The wire encoding of a model: one explicit node per value, one layout per type and per call.
+"""The wire encoding of a model: one explicit node for each value, one layout for each type and
+call.
 
-The encoding is LCM's (big-endian, fields in order). Types that LCM lacks are lowered:
+The encoding is that of LCM (big-endian, fields in order). Types that LCM lacks are lowered:
 
-    ScalarNode 1 to 8 bytes; unsigned and char are bit-cast to the signed type of their width. The
-    node has the range of its value, also if this is an element, key or arm EnumNode enum, bitmask
-    or bitset as int32 (int64 above 32 bits) StringNode int32 length with NUL, UTF-8, NUL StructNode
-    the fields of a final struct, inline, without fingerprint AppendableNode int32 size, then the
-    fields in a block of that many bytes UnionNode tag, then per arm int8 0 or 1, followed by the
-    arm if 1 ArrayNode the elements SequenceNode int32 count, the elements OptionalNode int8 0 or 1,
-    followed by the value if 1 MapNode int32 count, then key and value of each entry, sorted by key
-    ObjectNode an object reference: the fields of gecos.ObjectRef, an empty name is nil
+    ScalarNode      1 to 8 bytes; unsigned and char are bit-cast to the signed type of their width.
+                    `limits` is the range of the value, which may be an element, key or union arm
+    EnumNode        enum, bitmask or bitset as int32 (int64 above 32 bits)
+    StringNode      int32 length that includes the NUL, the text in UTF-8, NUL
+    StructNode      the fields of a final struct, inline, without fingerprint
+    AppendableNode  int32 size, then the fields in a block of that many bytes
+    UnionNode       tag, then for each arm int8 0 or 1, followed by the arm if 1
+    ArrayNode       the elements
+    SequenceNode    int32 count, then the elements
+    OptionalNode    int8 0 or 1, followed by the value if 1
+    MapNode         int32 count, then key and value of each entry, sorted by key
+    ObjectNode      an object reference: the fields of gecos.ObjectRef; an empty name is nil
 
-The body of a request holds the `in` and `inout` parameters in order; the body of a reply holds the
-result, then the `inout` and `out` parameters. Bodies are extensible at the end: a reader ignores
-unknown bytes there, and takes missing fields as default or absent if they are defaulted or
-optional. A stream sample is encoded like the reply body of its attribute's getter.
+The body of a request holds the `in` and `inout` parameters in order. The body of a reply holds the
+result, then the `inout` and `out` parameters. Bodies are extensible at the end. A reader ignores
+bytes that it does not know there. For missing fields that are defaulted or optional, it takes the
+default, or no value. A stream sample is encoded like the reply body of its attribute's getter.
 """
 
 from __future__ import annotations
@@ -65,13 +70,14 @@ from gidl.model import (
     within,
 )
 
-# Bytes of the smallest object reference: two strings (length and NUL each) and two int64.
+# The size of the smallest object reference in bytes: two empty strings (length and NUL each) and
+# two int64.
 _OBJECT_MIN_SIZE = 2 * 5 + 2 * 8
 
 
 @dataclass(frozen=True, slots=True)
 class FieldLayout:
-    """A member, parameter or result on the wire."""
+    """A member, parameter or result, and its encoding on the wire."""
 
     name: str
     node: Node
@@ -81,7 +87,8 @@ class FieldLayout:
 
 @dataclass(frozen=True, slots=True)
 class StructLayout:
-    """A struct or exception. Sizes are bytes of the fields, without fingerprint or size prefix."""
+    """The layout of a struct or exception. Sizes are in bytes, and count the fields without
+    fingerprint or size prefix."""
 
     name: str
     fields: tuple[FieldLayout, ...]  # all fields, inherited ones first
@@ -113,10 +120,10 @@ class CallKind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class CallLayout:
-    """The encoding of one call: of an operation, an event, a getter or a setter."""
+    """The encoding of one call. A call belongs to an operation, an event, a getter or a setter."""
 
     kind: CallKind
-    name: str  # scoped name, "robcl::Manipulator::move"; for setters with "=" at its end
+    name: str  # scoped name; that of a setter has "=" at its end
     code: int
     request: tuple[FieldLayout, ...]
     reply: tuple[FieldLayout, ...]
@@ -126,8 +133,8 @@ class CallLayout:
 
 @dataclass(frozen=True, slots=True)
 class StreamLayout:
-    """The samples of a stream. `code` is the function code for a getter of the attribute, even if
-    the attribute has no getter."""
+    """The encoding of the samples of a stream. `code` is the function code that a getter of the
+    attribute has or would have."""
 
     name: str
     code: int
@@ -157,7 +164,8 @@ class Layout:
         return tuple(c for i in model.with_bases(interface) for c in self.interfaces[i.name].calls)
 
     def call(self, scoped_name: str) -> CallLayout:
-        """Finds a call by the scoped name of an operation or attribute (for a setter, plus "=")."""
+        """Finds a call by the scoped name of its operation or attribute; for a setter, add "=" to
+        the name."""
         owner = scoped_name.rpartition("::")[0]
         return next(c for c in self.interfaces[owner].calls if c.name == scoped_name)
 
@@ -171,39 +179,49 @@ def build(model: Model) -> Layout:
     return _Builder(model).build()
 
 
-def node_of(model: Model, used: Type, optional: bool = False, limits: Range | None = None) -> Node:
-    """The node of a value of type `used`, typedefs resolved. `limits` is the range declared for the
-    value: it limits the number, or the elements of an array or sequence."""
-    node = _bare_node(model, used, limits)
+def node_of(
+    model: Model,
+    used: Type,
+    optional: bool = False,
+    limits: Range | None = None,
+    unit: str | None = None,
+) -> Node:
+    """Returns the node of a value of type `used`, with typedefs resolved. `limits` and
+    `unit` are the range and the unit that are declared for the value. They apply to the number, or
+    to the elements of an array or sequence."""
+    node = _bare_node(model, used, limits, unit)
     return OptionalNode(node) if optional else node
 
 
-def _bare_node(model: Model, used: Type, limits: Range | None) -> Node:
+def _bare_node(
+    model: Model, used: Type, limits: Range | None = None, unit: str | None = None
+) -> Node:
     match used:
         case PrimitiveType(kind):
-            return ScalarNode(kind, _binding(kind, limits))
+            binding = _binding(kind, limits)
+            return ScalarNode(kind, binding, unit if binding is not None else None)
         case StringType(bound):
             return StringNode(bound)
-        case SequenceType(element, bound):
-            return SequenceNode(_bare_node(model, element, limits), bound)
+        case SequenceType(element, bound, inner_unit):
+            return SequenceNode(_bare_node(model, element, limits, unit or inner_unit), bound)
         case MapType(key, value, bound):
-            return MapNode(_bare_node(model, key, None), _bare_node(model, value, None), bound)
+            return MapNode(_bare_node(model, key), _bare_node(model, value), bound)
         case ArrayType(element, dimensions):
-            return ArrayNode(_bare_node(model, element, limits), dimensions)
+            return ArrayNode(_bare_node(model, element, limits, unit), dimensions)
         case NamedType(name):
-            return _named_node(model, name, limits)
+            return _named_node(model, name, limits, unit)
 
 
 def _binding(kind: Primitive, limits: Range | None) -> Range | None:
-    """`limits`, or None if no value of the type can violate them."""
+    """Returns `limits`, or None if no value of the type can violate them."""
     number = ScalarNode(kind, limits if kind.is_number else None)
     return limits if number.bounds is not None else None
 
 
-def _named_node(model: Model, name: str, limits: Range | None) -> Node:
+def _named_node(model: Model, name: str, limits: Range | None, unit: str | None) -> Node:
     match model.find(name):
-        case Typedef(type=target, range=own):
-            return _bare_node(model, target, within(limits, own))
+        case Typedef(type=target, range=own, unit=own_unit):
+            return _bare_node(model, target, within(limits, own), unit or own_unit)
         case Struct() as struct:
             return AppendableNode(name) if struct.is_appendable else StructNode(name)
         case Union() as union:
@@ -258,7 +276,7 @@ class _Builder:
         if struct.name not in self._fields:
             members = self._model.all_members(struct)
             self._fields[struct.name] = tuple(
-                self._field(m.name, m.type, m.optional, m.range) for m in members
+                self._field(m.name, m.type, m.optional, m.range, m.unit) for m in members
             )
         return self._fields[struct.name]
 
@@ -266,7 +284,8 @@ class _Builder:
         tag = node_of(self._model, union.discriminator)
         assert isinstance(tag, ScalarNode | EnumNode)
         arms = tuple(
-            self._field(c.member.name, c.member.type, False, c.member.range) for c in union.cases
+            self._field(m.name, m.type, False, m.range, m.unit)
+            for m in (case.member for case in union.cases)
         )
         wire_tag = wire_tag_of(tag)
         return UnionLayout(
@@ -281,9 +300,9 @@ class _Builder:
         )
 
     def _field(
-        self, name: str, used: Type, optional: bool, limits: Range | None = None
+        self, name: str, used: Type, optional: bool, limits: Range | None, unit: str | None
     ) -> FieldLayout:
-        node = node_of(self._model, used, optional, limits)
+        node = node_of(self._model, used, optional, limits, unit)
         return FieldLayout(
             name, node, min_size_of(self._model, node), fixed_size_of(self._model, node)
         )
@@ -306,28 +325,38 @@ class _Builder:
         )
 
     def _operation(self, operation: Operation) -> CallLayout:
-        request = tuple(self._field(p.name, p.type, p.optional, p.range) for p in operation.inputs)
-        reply = [self._field(p.name, p.type, p.optional, p.range) for p in operation.outputs]
+        request, reply = (
+            [self._field(p.name, p.type, p.optional, p.range, p.unit) for p in passed]
+            for passed in (operation.inputs, operation.outputs)
+        )
         if operation.result is not None:
             name = "result"
             while any(f.name == name for f in reply):
                 name += "_"
             result = self._field(
-                name, operation.result, operation.result_optional, operation.result_range
+                name,
+                operation.result,
+                operation.result_optional,
+                operation.result_range,
+                operation.result_unit,
             )
             reply.insert(0, result)
         return CallLayout(
             CallKind.EVENT if operation.is_event else CallKind.OPERATION,
             operation.scoped_name,
             function_codes.call_code(self._model, operation),
-            request,
+            tuple(request),
             tuple(reply),
             self._exceptions(operation.raises),
             hashes.operation_hash(self._model, operation),
         )
 
+    def _attribute_value(self, attribute: Attribute) -> FieldLayout:
+        a = attribute
+        return self._field("value", a.type, a.optional, a.range, a.unit)
+
     def _attribute_calls(self, attribute: Attribute) -> list[CallLayout]:
-        value = self._field("value", attribute.type, attribute.optional, attribute.range)
+        value = self._attribute_value(attribute)
         digest = hashes.attribute_hash(self._model, attribute)
         calls = []
         if attribute.has_getter:
@@ -357,7 +386,7 @@ class _Builder:
         return calls
 
     def _stream(self, attribute: Attribute) -> StreamLayout:
-        sample = self._field("value", attribute.type, attribute.optional, attribute.range)
+        sample = self._attribute_value(attribute)
         node = sample.node
         struct = node.name if isinstance(node, StructNode | AppendableNode) else None
         return StreamLayout(
@@ -378,7 +407,8 @@ class _Builder:
 
 
 def wire_tag_of(tag: ScalarNode | EnumNode) -> Primitive:
-    """Integer type of a union's tag: int32, or int64 where int32 cannot hold every value."""
+    """Returns the integer type of a union's tag: int64 if int32 cannot hold every value, else
+    int32."""
     if isinstance(tag, EnumNode):
         return tag.wire
     wide = tag.primitive.size == 8 or tag.primitive is Primitive.UINT32
@@ -386,8 +416,8 @@ def wire_tag_of(tag: ScalarNode | EnumNode) -> Primitive:
 
 
 def min_size_of(model: Model, node: Node) -> int:
-    """Size of the smallest value in bytes. A reader may expect at least this number for each
-    element."""
+    """Returns the size of the smallest value in bytes. A reader may expect at least this many bytes
+    for each element."""
     match node:
         case ScalarNode(primitive):
             return primitive.size
@@ -413,7 +443,7 @@ def min_size_of(model: Model, node: Node) -> int:
 
 
 def fixed_size_of(model: Model, node: Node) -> int | None:
-    """Size of a value in bytes if all values have the same size, else None."""
+    """Returns the size of a value in bytes if all values have the same size, else None."""
     match node:
         case ScalarNode() | EnumNode():
             return min_size_of(model, node)

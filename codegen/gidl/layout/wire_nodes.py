@@ -1,4 +1,4 @@
-"""The nodes of the wire layout; wire_layout.py explains the nodes."""
+"""The nodes of the wire layout. The encoding of each node is described in wire_layout.py."""
 
 from __future__ import annotations
 
@@ -12,15 +12,17 @@ from gidl.model import Primitive, Range
 @dataclass(frozen=True, slots=True)
 class ScalarNode:
     """A number, boolean or character. `limits` is the range of the value, narrowed by the ranges
-    of all its typedefs; None if every value of the type is allowed."""
+    of all its typedefs; None if every value of the type is allowed. `unit` is the unit of the
+    limits, which messages show; None if the limits have no unit."""
 
     primitive: Primitive
     limits: Range | None = None
+    unit: str | None = None
 
     @property
     def bounds(self) -> Range | None:
-        """The limits to compare with, in the precision of the type (for a float, the nearest
-        float). A bound that no value of the type can violate is None."""
+        """The limits with which a value is compared, in the precision of the type; for a float,
+        each limit is the nearest float. A limit that no value of the type can violate is None."""
         if self.limits is None:
             return None
         low, high = self.limits.minimum, self.limits.maximum

@@ -1,7 +1,8 @@
-"""Advice on valid interfaces: one rule per module, each with a code and a folder of tests.
+"""Advice on valid interfaces. Each rule is a module, with a code and a folder of tests.
 
-Each rule checks the whole model; only findings in files that were asked for are reported. An
-author confirms an intended exception in the interface: `@unit("1")` marks a pure number.
+Each rule checks the whole model, but only findings in the files that the user asked for are
+reported. An author can confirm an exception from a rule in the interface: for example, `@unit("1")`
+marks a number without a unit.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ ALL: tuple[Rule, ...] = (
 
 
 def lint(model: Model) -> list[Finding]:
-    """The findings of all rules about the files that were asked for."""
+    """Returns the findings of all rules about the files that the user asked for."""
     findings = Findings()
     for rule in ALL:
         rule(model, findings)

@@ -1,4 +1,4 @@
-"""Lint: a declaration that is not deprecated should not use a deprecated one."""
+"""Lint: a declaration should not use a deprecated declaration, unless it is deprecated itself."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ def check(model: Model, findings: Findings) -> None:
                 "G0907",
                 interface.facts.location,
                 f"interface '{interface.simple_name}' has no comment",
-                "write a comment /** ... */ before it that says what the interface is for",
+                "write before it a comment /** ... */ that says what the interface is for",
             )
         for operation in (*interface.operations, *interface.events):
             if not operation.facts.doc:
@@ -22,5 +22,5 @@ def check(model: Model, findings: Findings) -> None:
                     "G0907",
                     operation.facts.location,
                     f"{what} '{operation.name}' has no comment",
-                    "write a comment /** ... */ before it: its effect, and when it is refused",
+                    "write before it a comment /** ... */ with its effect, and when it is refused",
                 )

@@ -1,4 +1,5 @@
-"""Lint: a struct should declare @appendable or @final; the default, @final, is permanent."""
+"""Lint: a struct should declare @appendable or @final. The default is @final, which cannot be
+changed later."""
 
 from __future__ import annotations
 

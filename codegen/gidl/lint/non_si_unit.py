@@ -1,4 +1,4 @@
-"""Lint: units should be SI units; programs convert other units where they read the value."""
+"""Lint: units should be SI units. Programs convert other units where they read the value."""
 
 from __future__ import annotations
 
@@ -42,6 +42,6 @@ def _unit(unit: str, what: str, at: Location, findings: Findings) -> None:
     findings.warning(
         "G0905",
         at,
-        f"{what} is in '{unit}', and '{strange}' is no SI unit",
+        f"{what} is in '{unit}', and '{strange}' is not an SI unit",
         f"{hint}, and convert the number where it enters the program",
     )

@@ -1,4 +1,5 @@
-"""Lint: a stream should declare its rate: buffers, watchdogs and plots are designed for it."""
+"""Lint: a stream should declare its rate, because buffers, watchdogs and plots are designed for the
+rate."""
 
 from __future__ import annotations
 
@@ -14,5 +15,5 @@ def check(model: Model, findings: Findings) -> None:
                 "G0904",
                 member.facts.place_of("stream"),
                 f"stream '{member.name}' declares no rate",
-                'write the intended rate, such as @stream(rate="250Hz")',
+                'write the intended rate, for example @stream(rate="250Hz")',
             )

@@ -1,4 +1,4 @@
-"""Lint: a floating-point number named like a physical quantity should declare its unit."""
+"""Lint: a floating-point number with the name of a physical quantity should declare its unit."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from gidl.diagnostics import Findings
 from gidl.model import ArrayType, MapType, Model, NamedType, SequenceType, Type, Typedef
 from gidl.rules.walk import Slot, numeric_core, slots
 
-# The last word of a name that is listed here decides: `tool_speed` is a speed, `force_threshold`
-# a force.
+# A name is judged by the last of its words that this table lists: `tool_speed` is a speed, and
+# `force_threshold` is a force.
 _UNITS = {
     "m": """distance length width height depth radius diameter range reach position offset
             opening stroke gap clearance thickness translation elevation altitude path""",
@@ -51,7 +51,7 @@ def check(model: Model, findings: Findings) -> None:
         if core is None or not core.kind.is_floating or _has_unit(model, slot):
             continue
         if slot.what.startswith("type ") or _is_fraction(slot):
-            continue  # a member of this type may declare the unit; a fraction has no unit
+            continue  # a typedef leaves the unit to its members; a fraction has none
         name = _name(slot)
         if name is None:
             continue
@@ -61,7 +61,7 @@ def check(model: Model, findings: Findings) -> None:
                 "G0901",
                 slot.facts.location,
                 f"{slot.what} is named like a physical quantity ({quantity}) and has no unit",
-                f'write @unit("{unit}"), or @unit("1") where it is a pure number',
+                f'write @unit("{unit}"), or @unit("1") if the number has no unit',
             )
 
 
@@ -93,7 +93,7 @@ def _has_unit(model: Model, slot: Slot) -> bool:
 
 
 def _inside(model: Model, used: Type) -> bool:
-    """Whether a typedef or a sequence inside the type declares a unit."""
+    """Returns whether a typedef or a sequence inside the type declares a unit."""
     match used:
         case SequenceType(element, _, unit):
             return unit is not None or _inside(model, element)

@@ -1,4 +1,5 @@
-"""Lint: a file should use a name from each file that it includes, directly or indirectly."""
+"""Lint: a file should use at least one name from each file that it includes, directly or
+indirectly."""
 
 from __future__ import annotations
 
@@ -22,7 +23,8 @@ def check(model: Model, findings: Findings) -> None:
 
 
 def _reach(path: str, files: dict[str, File]) -> set[str]:
-    """Paths of the file `path` and of all files that it includes, directly or indirectly."""
+    """Returns the path `path` and the paths of all files that this file includes, directly or
+    indirectly."""
     reached: set[str] = set()
     work = [path]
     while work:

@@ -1,4 +1,4 @@
-"""Finds which declarations a declaration uses."""
+"""Finds the declarations that another declaration uses."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ from gidl.model import (
 @dataclass(frozen=True, slots=True)
 class Use:
     name: str  # scoped name of the used declaration
-    what: str  # the user of the declaration in messages: "member 'pose'"
-    facts: Facts  # facts of that user: a member or a declaration
+    what: str  # words for the user in messages, for example "member 'pose'"
+    facts: Facts  # facts of the user, which is a member or a declaration
     by_deprecated: bool  # True: the user itself is deprecated
 
 
 def uses(model: Model, file: File) -> Iterator[Use]:
-    """All uses of declarations in a file, in the order of the file."""
+    """Yields all uses of declarations in a file, in the order of the file."""
     for declaration in file.declarations:
         facts = declaration.facts
         old = facts.deprecated is not None
@@ -103,12 +103,13 @@ def _names(used: Type) -> Iterator[str]:
 
 
 def direct_names(used: Type) -> list[str]:
-    """Names of the declarations that the text of a type contains. Typedefs are not resolved."""
+    """Returns the names of the declarations that the text of a type contains. Typedefs are not
+    resolved."""
     return list(_names(used))
 
 
 def declared_names(model: Model, name: str) -> set[str]:
-    """Names of the declarations that the declaration `name` uses."""
+    """Returns the names of the declarations that the declaration `name` uses."""
     for file in model.files:
         if file.path == model.file_of(name):
             only = File(file.path, (), (model.find(name),))

@@ -1,4 +1,5 @@
-"""Lint: a stream that clients send should have a watchdog, which limits the sender's silence."""
+"""Lint: a stream that clients send should have a watchdog, which limits how long the sender may be
+silent."""
 
 from __future__ import annotations
 
@@ -15,6 +16,6 @@ def check(model: Model, findings: Findings) -> None:
             findings.warning(
                 "G0909",
                 member.facts.place_of("stream"),
-                f"stream '{member.name}' has no watchdog against a sender that falls silent",
+                f"stream '{member.name}' has no watchdog, which would notice a silent sender",
                 'write @stream(dir="in", watchdog="48ms") with the longest silence that is safe',
             )

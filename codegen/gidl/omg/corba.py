@@ -1,4 +1,5 @@
-"""CORBA IDL for omniidl: annotations are dropped; a construct without a counterpart is refused."""
+"""Prints CORBA IDL for omniidl. Annotations are dropped. A construct that CORBA IDL cannot express
+becomes a finding."""
 
 from __future__ import annotations
 
@@ -38,7 +39,8 @@ class CorbaWriter(OmgWriter):
     def _units(
         self, declarations: Iterable[AnyDeclaration]
     ) -> Iterator[tuple[AnyDeclaration, ...]]:
-        """Units: an interface with the declarations inside it, or any other single declaration."""
+        """Yields units. A unit is an interface with the declarations inside it, or any other single
+        declaration."""
         inside: list[AnyDeclaration] = []
         for declaration in declarations:
             if not self._is_written(declaration):
@@ -96,7 +98,7 @@ class CorbaWriter(OmgWriter):
 
     def _struct(self, struct: Struct, deeper: int) -> None:
         if struct.base is not None:
-            self._cannot("a struct with a base", "hold the base as a member")
+            self._cannot("a struct with a base", "declare a member of the base's type")
         kind = "exception" if isinstance(struct, ExceptionStruct) else "struct"
         if kind == "struct" and not struct.members:
             self._cannot("an empty struct")
@@ -120,7 +122,10 @@ class CorbaWriter(OmgWriter):
     def _union(self, union: Union, deeper: int) -> None:
         used = union.discriminator
         if isinstance(used, PrimitiveType) and used.kind.value in ("octet", "uint8", "int8"):
-            self._cannot(f"a union switched by {used.kind.value}", "switch by short or char")
+            self._cannot(
+                f"a union with the discriminator {used.kind.value}",
+                "use short or char as discriminator",
+            )
         name = self._name(union.simple_name)
         self._line(f"union {name} switch ({self._type(used)}) {{", deeper)
         for case in union.cases:
@@ -156,7 +161,8 @@ class CorbaWriter(OmgWriter):
         self._line("};")
 
     def _named(self, used: Type, name: str, of: str) -> str:
-        """The name of a type. A sequence gets a typedef first, because CORBA requires a name."""
+        """Returns the name of a type. A sequence gets a typedef first, because CORBA requires a
+        name."""
         if not isinstance(used, SequenceType):
             return self._type(used)
         if used not in self._aliases:

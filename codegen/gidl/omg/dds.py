@@ -1,7 +1,7 @@
-"""DDS types for Cyclone's idlc: structs, unions, enums, bitmasks, typedefs and constants.
+"""Prints DDS types for Cyclone's idlc: structs, unions, enums, bitmasks, typedefs and constants.
 
-Interfaces and exceptions are omitted. Types declared in an interface are printed in a module that
-has the interface's name.
+Interfaces and exceptions are omitted. The types that an interface declares are printed in a module
+with the name of the interface.
 """
 
 from __future__ import annotations
@@ -52,7 +52,9 @@ class DdsWriter(OmgWriter):
 
     def _type(self, used: Type) -> str:
         if isinstance(used, NamedType) and isinstance(self._model.find(used.name), Interface):
-            self._cannot(f"a reference to an object of '{used.name}'", "send its name, a string")
+            self._cannot(
+                f"a reference to an object of '{used.name}'", "send the object's name, as a string"
+            )
         return super()._type(used)
 
     def _unit(self, unit: tuple[AnyDeclaration, ...]) -> None:

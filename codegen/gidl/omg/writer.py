@@ -1,4 +1,5 @@
-"""What the CORBA and DDS writers share: order, modules, forward declarations, names, values.
+"""The parts that the CORBA and DDS writers share: order, modules, forward declarations, names and
+values.
 
 Names of types are absolute, with a leading `::`, so that no other name can hide them. A type that
 is used before its declaration gets a forward declaration before its first use.
@@ -39,7 +40,7 @@ from gidl.model import (
     Value,
 )
 
-# Words that are escaped where they are names.
+# Words that get an underscore where they are used as names.
 _KEYWORDS = frozenset((*USED_BY_LOWER, *UNUSED_BY_LOWER))
 _FORWARD = {Struct: "struct", Union: "union", Interface: "interface"}
 
@@ -48,7 +49,7 @@ class OmgWriter(ABC):
     """Writes a model in one dialect of OMG IDL. @pre the model has no errors."""
 
     dialect: str  # name in messages: "CORBA" or "DDS"
-    primitives: dict[str, str]  # by .gidl name; without those that the dialect does not have
+    primitives: dict[str, str]  # keys: names in .gidl; only primitives that the dialect has
 
     def __init__(self, model: Model, findings: Findings) -> None:
         self._model = model
@@ -111,7 +112,7 @@ class OmgWriter(ABC):
     def _units(
         self, declarations: Iterable[AnyDeclaration]
     ) -> Iterator[tuple[AnyDeclaration, ...]]:
-        """Groups of declarations that are printed together. The last declaration of a group
+        """Yields groups of declarations that are printed together. The last declaration of a group
         determines the modules in which the group is printed."""
 
     @abstractmethod
@@ -150,7 +151,7 @@ class OmgWriter(ABC):
     # -- forward declarations ------------------------------------------------------------------
 
     def _missing(self, unit: tuple[AnyDeclaration, ...]) -> list[str]:
-        """The types that `unit` uses before their declarations, in order."""
+        """Returns the types that `unit` uses before their declarations, in order."""
         own = {d.name for d in unit}
         used = (name for d in unit for name in self._used_by(d))
         return list(dict.fromkeys(n for n in used if n not in self._declared and n not in own))
@@ -174,7 +175,8 @@ class OmgWriter(ABC):
         return "::" + "::".join(self._name(part) for part in scoped.split("::"))
 
     def _type(self, used: Type) -> str:
-        """The text of a type, without the dimensions of an array: they follow the member's name."""
+        """Returns the text of a type, without the dimensions of an array, which follow the name of
+        the member."""
         match used:
             case PrimitiveType(kind):
                 written = self.primitives.get(kind.value)
@@ -272,6 +274,6 @@ _PLAIN = re.compile(rb"[ !#-&(-\[\]-~]")
 
 
 def _escaped(text: bytes) -> str:
-    """`text` with special characters as octal escapes. Each escape has three digits, so that a
-    digit after it does not become part of it."""
+    """Returns `text` with special characters as octal escapes. Each escape has three digits, so
+    that a digit after the escape does not become part of it."""
     return "".join(chr(byte) if _PLAIN.match(bytes([byte])) else f"\\{byte:03o}" for byte in text)

@@ -1,1 +1,1 @@
-"""From syntax trees to the model: names are looked up, constants computed, annotations read."""
+"""Builds the model from syntax trees: looks up names, computes constants and reads annotations."""

@@ -1,4 +1,4 @@
-"""Values of constant expressions, with their kinds and ranges."""
+"""Computes constant expressions: values, their kinds, and the ranges that they must fit."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def compute(
 
 
 def computed(value: Value) -> Computed:
-    """`value` together with its kind."""
+    """Returns `value` together with its kind."""
     match value:
         case bool():
             return Computed("bool", value)
@@ -63,7 +63,7 @@ def computed(value: Value) -> Computed:
 
 
 def is_character(value: Value) -> bool:
-    """Whether `value` fits a `char`: one character of Latin-1, NUL included."""
+    """Returns whether `value` fits a `char`: it is one character of Latin-1, which may be NUL."""
     return isinstance(value, str) and len(value) == 1 and ord(value) < 256
 
 
@@ -101,7 +101,7 @@ class _Calculator:
                 return self._chain(expression)
 
     def _chain(self, expression: Binary) -> Computed:
-        """Computes `a + b + c ...` of any length without recursion; operators group to the left."""
+        """Computes `a + b + c ...` of any length without recursion. Operators group to the left."""
         chain: list[Binary] = []
         first: Expression = expression
         while isinstance(first, Binary):
@@ -188,8 +188,8 @@ class _Calculator:
             raise self._fail(
                 "G0304",
                 span,
-                "an integer and a floating-point number do not mix",
-                "write the integer with a point: 2.0",
+                "an expression cannot mix integers and floating-point numbers",
+                "write the integer with a decimal point, for example 2.0",
             )
         assert isinstance(left.value, float) and isinstance(right.value, float)
         match operator:
@@ -220,7 +220,11 @@ class _Calculator:
     def _checked(self, result: int, span: Span) -> Computed:
         bits = self._arithmetic.bits
         if not -(1 << bits) // 2 <= result < 1 << bits:
-            wider = "" if bits == 64 else "a constant of int64 or uint64 is computed in 64 bits"
+            wider = (
+                ""
+                if bits == 64
+                else "to compute with 64 bits, declare the constant as int64 or uint64"
+            )
             raise self._fail("G0301", span, f"{result} does not fit {bits} bits", wider)
         return Computed("int", result)
 

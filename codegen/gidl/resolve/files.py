@@ -1,8 +1,9 @@
-"""Builds the model from syntax trees: looks names up, computes constants, interprets annotations.
+"""Builds the model from syntax trees: looks up names, computes constants, and interprets
+annotations.
 
-Included files must come before the files that include them; declarations are resolved in the order
-written: IDL requires that a name is declared before its use. Wrong declarations are reported and
-left out of the model.
+Included files must come before the files that include them. Declarations are resolved in the order
+written, because IDL requires that a name is declared before its use. Wrong declarations are
+reported and left out of the model.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ from gidl.syntax.tree import (
 
 
 def resolve(files: Iterable[LoadedFile], vocabulary: FileSyntax, findings: Findings) -> Model:
-    """The model of `files`, each of which must come after the files that it includes."""
+    """Returns the model of `files`, each of which must come after the files that it includes."""
     resolver = Resolver(findings)
     resolver.read_vocabulary(vocabulary)
     return resolver.model(files)
@@ -200,8 +201,8 @@ class Resolver(InterfaceResolver):
             self._names.visible.add(symbol.file)
 
     def _anywhere(self, name: ScopedName, scope: Scope) -> list[Symbol]:
-        """The symbols of all parts of a name, even if their files are not included. Empty if the
-        name is unknown."""
+        """Returns the symbols of all parts of a name, even if their files are not included. The
+        list is empty if the name is unknown."""
         visible = self._names.visible
         self._names.visible = visible | _files_of_scope(self._names.top)
         try:
@@ -234,8 +235,8 @@ class Resolver(InterfaceResolver):
                 self._findings.error(
                     "G0113",
                     symbol.span,
-                    f"{symbol.kind} '{symbol.name}' is declared forward and never completed",
-                    "complete it in this file or in a file that this file includes",
+                    f"{symbol.kind} '{symbol.name}' is declared forward but never completed",
+                    "write the full declaration in this file or in a file that this file includes",
                 )
             facts = Facts(symbol.span.location)
             empty: AnyDeclaration
@@ -251,7 +252,7 @@ class Resolver(InterfaceResolver):
 
 
 def _declared_names(body: Iterable[DeclarationSyntax]) -> Iterator[tuple[str, int]]:
-    """Names of the types and constants of a file, with their lines."""
+    """Yields the names of the types and constants of a file, with their lines."""
     for syntax in body:
         if isinstance(syntax, ModuleSyntax | InterfaceSyntax):
             yield from _declared_names(syntax.body)
@@ -269,7 +270,7 @@ def _declared_names(body: Iterable[DeclarationSyntax]) -> Iterator[tuple[str, in
 
 
 def _inline(syntax: DeclarationSyntax) -> list[DeclarationSyntax]:
-    """The types that are declared inside a declaration, for example by a member."""
+    """Returns the types that are declared inside a declaration, for example by a member."""
     match syntax:
         case TypedefSyntax(type=used):
             types = [used]
@@ -296,7 +297,8 @@ def _files_of_scope(scope: Scope) -> set[str]:
 
 
 def _with_repository(file: File, kept: dict[str, list[Annotation]]) -> File:
-    """Adds typeid and typeprefix to the declarations of `file`, as uninterpreted annotations."""
+    """Adds typeid and typeprefix to the declarations of `file`, as annotations that gidl does not
+    interpret."""
     declarations = []
     for declaration in file.declarations:
         extra = kept.get(declaration.name)

@@ -1,4 +1,5 @@
-"""Resolves interfaces, operations and attributes: from syntax to model."""
+"""Resolves interfaces, operations and attributes: turns their syntax into declarations of the
+model."""
 
 from __future__ import annotations
 
@@ -57,7 +58,8 @@ class InterfaceResolver(TypeResolver):
         self._interface_scopes: dict[str, Scope] = {}
         self._interface_qos: dict[str, Qos] = {}
         self._all_bases: dict[str, tuple[str, ...]] = {}
-        self._cut_off: set[str] = set()  # interfaces whose bases were dropped, being too many
+        # Interfaces that lost their bases, because there were too many.
+        self._cut_off: set[str] = set()
 
     def _interface(self, syntax: InterfaceSyntax, scope: Scope) -> None:
         marks = self._marks(syntax.extras, "interface", scope)
@@ -104,8 +106,8 @@ class InterfaceResolver(TypeResolver):
         )
 
     def _few_enough(self, syntax: InterfaceSyntax, name: str, bases: list[str]) -> list[str]:
-        """`bases`, or an empty list (and a finding) if there are too many. An interface that is
-        derived from one with too many bases loses its own bases too, without a finding."""
+        """Returns `bases`. If there are too many, adds a finding and returns an empty list. An
+        interface that derives from such an interface loses its own bases too, without a finding."""
         if not self._cut_off.isdisjoint(bases):
             self._cut_off.add(name)
             return []
@@ -116,7 +118,7 @@ class InterfaceResolver(TypeResolver):
         self._findings.error(
             "G0414",
             syntax.name.span,
-            f"'{syntax.name.text}' has {count} bases, direct and inherited ones; at most "
+            f"'{syntax.name.text}' has {count} direct and indirect bases; at most "
             f"{MAX_BASES} are allowed",
             "move members of several bases into one base",
         )
@@ -222,7 +224,7 @@ class InterfaceResolver(TypeResolver):
             return None
         parts = tuple(text.removeprefix("::").split("::"))
         name = ScopedName(parts, text.startswith("::"), cancelable.span)
-        quiet = Scope(scope.name, scope.kind, scope)  # looks up without changing scope.uses
+        quiet = Scope(scope.name, scope.kind, scope)  # the lookup must not change scope.uses
         feedback = self._complete(name, quiet, _STRUCT, "struct")
         return None if feedback is None else NamedType(feedback)
 
@@ -321,8 +323,8 @@ class InterfaceResolver(TypeResolver):
             self._findings.error(
                 "G0506",
                 applied.span,
-                f'a stream has no direction "{direction}"',
-                'dir is "out" (the server publishes) or "in" (the server accepts)',
+                f'the direction of a stream cannot be "{direction}"',
+                'write dir="out" if the server sends, or dir="in" if clients send',
             )
         rate = self._quantity(applied, "rate", rate_hz, "mHz, Hz or kHz", "250Hz")
         watchdog = self._quantity(applied, "watchdog", duration_ns, _DURATIONS, "48ms")
@@ -390,7 +392,7 @@ class InterfaceResolver(TypeResolver):
         text = applied.text(name)
         found = read(text)
         if found is None:
-            if text.isdecimal():  # a number without a unit gets that of the example
+            if text.isdecimal():  # a number without a unit gets the unit of the example
                 example = text + example.lstrip("0123456789")
             self._findings.error(
                 "G0506",

@@ -1,4 +1,4 @@
-"""Parses texts inside annotations: durations, rates, hand-written types."""
+"""Parses texts inside annotations: durations, rates, and the names of hand-written types."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ _LONGEST_NS = 1 << 62
 
 
 def duration_ns(text: str) -> int | None:
-    """A duration such as "5ms" in whole nanoseconds; None if the text is no positive duration."""
+    """Returns a duration such as "5ms" in whole nanoseconds; None if the text is not a positive
+    duration."""
     match = _DURATION.match(text)
     if match is None:
         return None
@@ -28,7 +29,8 @@ def duration_ns(text: str) -> int | None:
 
 
 def rate_hz(text: str) -> float | None:
-    """A rate such as "250Hz" in hertz; None if the text is no positive rate up to 1 MHz."""
+    """Returns a rate such as "250Hz" in hertz; None if the text is not a positive rate of at most 1
+    MHz."""
     match = _RATE.match(text)
     if match is None:
         return None
@@ -37,12 +39,12 @@ def rate_hz(text: str) -> float | None:
 
 
 def cpp_type(text: str) -> tuple[str, str] | None:
-    """Type and header in a text such as "robcl::Frame <robcl/frames/frame.hpp>"."""
+    """Returns type and header from a text such as "robcl::Frame <robcl/frames/frame.hpp>"."""
     match = _CPP_TYPE.match(text)
     return (match.group(1).removeprefix("::"), match.group(2)) if match else None
 
 
 def python_type(text: str) -> tuple[str, str] | None:
-    """Module and class in a text such as "robcl.frames:Frame"."""
+    """Returns module and class from a text such as "robcl.frames:Frame"."""
     match = _PYTHON_TYPE.match(text)
     return (match.group(1), match.group(2)) if match else None

@@ -1,7 +1,8 @@
-"""Scopes: declares names, and finds the declaration that a name refers to.
+"""Scopes: where names are declared, and how the declaration of a name is found.
 
-Identifiers in one scope must not differ only in case, and must not have the name of a type used in
-the scope (`attribute Frame frame`): IDL says so, and every CORBA compiler enforces it.
+Identifiers in one scope must not differ only in case. They must not have the name of a type that is
+used in the scope, as in `attribute Frame frame`. The IDL standard says so, and every CORBA compiler
+enforces it.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from gidl.model import Type, Value
 from gidl.source import Span
 from gidl.syntax.tree import Name, ScopedName
 
-# Scopes of these kinds may contain a declaration with the name of the scope.
+# Scopes of these kinds may contain a declaration that has the name of the scope.
 _UNNAMED = frozenset(("file", "operation", "annotation"))
 
 _MEMBERS = frozenset(("operation", "attribute"))
@@ -25,7 +26,7 @@ TYPE_KINDS = frozenset(
 )
 
 
-# Name of a type in other languages -> name in IDL.
+# Maps the names of types in other languages to their names in IDL.
 _ELSEWHERE = {
     "int": "int32", "uint": "uint32", "bool": "boolean", "byte": "octet", "float32": "float",
     "float64": "double", "real": "double", "str": "string", "size_t": "uint64",
@@ -33,7 +34,7 @@ _ELSEWHERE = {
     "uint8_t": "uint8", "uint16_t": "uint16", "uint32_t": "uint32", "uint64_t": "uint64",
 }  # fmt: skip
 
-# Names of built-in types, suggested for misspelled types.
+# Names of built-in types. They are suggested for misspelled types.
 _BUILT_IN = (
     "boolean", "char", "double", "float", "int16", "int32", "int64", "int8", "long", "map",
     "octet", "sequence", "short", "string", "uint16", "uint32", "uint64", "uint8", "unsigned",
@@ -68,7 +69,7 @@ class Scope:
         return f"{self.name}::{simple}" if self.name else simple
 
     def chain(self) -> Iterator[Scope]:
-        """This scope and the enclosing ones, innermost first."""
+        """Yields this scope and the enclosing scopes, innermost first."""
         scope: Scope | None = self
         while scope is not None:
             yield scope
@@ -76,7 +77,7 @@ class Scope:
 
 
 class Names:
-    """Declares and looks up names. `visible` has the paths of the current file and of its
+    """Declares and looks up names. `visible` has the path of the current file and the paths of its
     includes."""
 
     def __init__(self, findings: Findings) -> None:
@@ -90,15 +91,16 @@ class Names:
     # -- declaring -----------------------------------------------------------------------------
 
     def declare(self, scope: Scope, name: Name, kind: str) -> Symbol | None:
-        """Declares `name` and returns its symbol; None (and a finding) if the name is taken."""
+        """Declares `name` and returns its symbol. If the name is taken, adds a finding and returns
+        None."""
         key = name.text.lower()
         if key == scope.name.rpartition("::")[2].lower() and scope.kind not in _UNNAMED:
             self._findings.error(
                 "G0109",
                 name.span,
                 f"{kind} '{name.text}' has the name of its enclosing {scope.kind}",
-                "a declaration directly in a scope cannot have the name of the scope: rename one "
-                "of them",
+                "a declaration directly in a scope cannot have the name of the scope: rename "
+                "the declaration or the scope",
             )
         known = scope.symbols.get(key)
         if known is not None and known.kind == "broken":
@@ -113,7 +115,8 @@ class Names:
                 name.span,
                 f"{kind} '{name.text}' clashes with the type name '{used[0]}' used in the same "
                 "scope: names are compared without regard to case",
-                f"rename it, or write the type with its module: '{self._with_module(scope, used)}'",
+                f"rename the {kind}, or write the type with its module: "
+                f"'{self._with_module(scope, used)}'",
                 notes=(Note("used here", used[1].location),),
             )
         if known is not None:
@@ -126,7 +129,8 @@ class Names:
         return symbol
 
     def poison(self, scope: Scope, name: Name) -> None:
-        """Declares the name of an unsupported declaration, so that its uses are not reported."""
+        """Declares the name of an unsupported declaration, so that uses of the name are not
+        reported."""
         symbol = Symbol(name.text, scope.qualified(name.text), "broken", name.span, _file(name))
         symbol.completed_in = symbol.file
         scope.symbols.setdefault(name.text.lower(), symbol)
@@ -160,7 +164,7 @@ class Names:
                 "G0103",
                 name.span,
                 f"'{name.text}' differs from '{known.name}' only in case",
-                "names are compared without regard to case: rename one of them",
+                "names are compared without regard to case: rename one of the two declarations",
                 notes=(note,),
             )
 
@@ -174,13 +178,14 @@ class Names:
     # -- looking up ----------------------------------------------------------------------------
 
     def look_up(self, name: ScopedName, scope: Scope) -> Symbol | None:
-        """The symbol that `name` refers to in `scope`, or None. Reports no finding."""
+        """Returns the symbol that `name` refers to in `scope`, or None. Reports no finding."""
         path = self.path(name, scope)
         return path[-1] if path else None
 
     def path(self, name: ScopedName, scope: Scope) -> list[Symbol]:
-        """The symbols of all parts of `name`, looked up in `scope`. The list is empty, without a
-        finding, if a part has no symbol. It ends at a part that is broken or ambiguous."""
+        """Returns the symbols of all parts of `name`, looked up in `scope`. If a part has no
+        symbol, returns an empty list and adds no finding. The list ends at a part that is broken or
+        ambiguous."""
         symbol = self._first(name, scope)
         path: list[Symbol] = []
         for part in name.parts[1:]:
@@ -205,7 +210,7 @@ class Names:
         return None
 
     def declared(self, scoped: str) -> Symbol | None:
-        """Finds a symbol by its scoped name, even when its file is not included."""
+        """Finds a symbol by its scoped name, even if the file of the symbol is not included."""
         scope: Scope | None = self.top
         symbol = None
         for part in scoped.split("::"):
@@ -214,11 +219,11 @@ class Names:
         return symbol
 
     def is_complete(self, symbol: Symbol) -> bool:
-        """Whether the full declaration of `symbol` is visible in the current file."""
+        """Returns whether the full declaration of `symbol` is visible in the current file."""
         return symbol.completed_in in self.visible
 
     def check_spelling(self, name: ScopedName, path: Sequence[Symbol]) -> None:
-        """Reports a part of a name that differs in case from its declaration."""
+        """Reports each part of a name that differs from its declaration in case."""
         declared = tuple(symbol.name for symbol in path)
         for part, symbol in zip(name.parts, path, strict=False):
             if symbol.name != part:
@@ -232,8 +237,8 @@ class Names:
                 return
 
     def hidden(self, name: ScopedName, scope: Scope, kinds: frozenset[str]) -> Symbol | None:
-        """The symbol called `name`, of one of `kinds`, that a symbol in a nearer scope hides; else
-        None."""
+        """Returns a symbol called `name` that a symbol in a nearer scope hides, if its kind is one
+        of `kinds`. Returns None if there is no such symbol."""
         for outer in scope.chain():
             symbol = self._in(outer, name.parts[0])
             if len(name.parts) == 1 and symbol is not None and symbol.kind in kinds:
@@ -251,8 +256,8 @@ class Names:
         return Symbol(one.name, one.scoped, "ambiguous", one.span, one.file, meanings=tuple(found))
 
     def _inherited(self, scope: Scope, key: str, seen: set[str]) -> Iterator[Symbol]:
-        """Declarations of `key` in the bases of `scope`. A declaration in a base hides the
-        declarations in the bases of that base."""
+        """Yields the declarations of `key` in the bases of `scope`. A declaration in a base hides
+        the declarations in the bases of that base."""
         for base in scope.bases:
             if base.name in seen:
                 continue
@@ -266,7 +271,7 @@ class Names:
     # -- suggestions ---------------------------------------------------------------------------
 
     def hint(self, name: ScopedName, scope: Scope, kinds: frozenset[str]) -> str:
-        """A help line for an unknown name, or ""."""
+        """Returns a help line for an unknown name, or ""."""
         wanted = name.parts[-1]
         if len(name.parts) == 1 and kinds is TYPE_KINDS and wanted in _ELSEWHERE:
             return f"write '{_ELSEWHERE[wanted]}'"
@@ -301,8 +306,8 @@ class Names:
                 return f"did you mean '{built_in[0]}'?"
         if self.cut:
             return (
-                f"{self.cut[0]} includes this file, so it is read after this file: move what both "
-                "files need into a third file"
+                f"{self.cut[0]} includes this file, so gidl reads it later: move the declarations "
+                "that both files need into a third file"
             )
         return ""
 

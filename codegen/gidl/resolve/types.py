@@ -1,4 +1,5 @@
-"""Resolves declarations of types and constants: from syntax to model."""
+"""Resolves declarations of types and constants: turns their syntax into declarations of the
+model."""
 
 from __future__ import annotations
 
@@ -76,7 +77,7 @@ class TypeResolver(ValueResolver):
         self._bitmasks: set[str] = set()
 
     def _type_declaration(self, syntax: DeclarationSyntax, scope: Scope) -> bool:
-        """Resolves `syntax` if it declares a type or a constant; returns whether it does."""
+        """Resolves `syntax` if it declares a type or a constant. Returns whether it does."""
         match syntax:
             case StructSyntax():
                 self._struct(syntax, scope)
@@ -99,8 +100,8 @@ class TypeResolver(ValueResolver):
         return True
 
     def _declared_inline(self, syntax: InlineType, scope: Scope) -> NamedType | None:
-        """Resolves a type that is declared inside another declaration. In the model it is a
-        declaration before the enclosing one."""
+        """Resolves a type that is declared inside another declaration. In the model, the type
+        becomes a declaration of its own, before the enclosing one."""
         self._type_declaration(syntax.declaration, scope)
         symbol = scope.symbols.get(syntax.declaration.name.text.lower())
         if symbol is None or symbol.span != syntax.declaration.name.span:
@@ -108,8 +109,8 @@ class TypeResolver(ValueResolver):
         return NamedType(symbol.scoped)
 
     def _keep(self, symbol: Symbol | None, declaration: AnyDeclaration) -> None:
-        """Adds a declaration to the model. `symbol` is None if the name is already declared; the
-        declaration is then left out."""
+        """Adds a declaration to the model. If `symbol` is None, its name is already declared, and
+        the declaration is left out."""
         if symbol is not None:
             self._out.append(declaration)
 
@@ -142,8 +143,9 @@ class TypeResolver(ValueResolver):
     def _complete(
         self, name: ScopedName, scope: Scope, kinds: frozenset[str], what: str
     ) -> str | None:
-        """The scoped name of the declaration that `name` means, typedefs resolved. None (and a
-        finding) if that declaration is incomplete, or if its kind is none of `kinds`."""
+        """Returns the scoped name of the declaration that `name` means, with typedefs resolved. If
+        the declaration is incomplete, or its kind is not in `kinds`, adds a finding and returns
+        None."""
         symbol = self._symbol(name, scope, kinds | {"typedef"}, what, "G0102")
         if symbol is not None and symbol.kind == "typedef":
             symbol = self._behind(name, symbol, scope, kinds, what)
@@ -153,8 +155,8 @@ class TypeResolver(ValueResolver):
             self._findings.error(
                 "G0111",
                 name.span,
-                f"{what} '{name}' is only declared forward here",
-                f"declare the {what} before",
+                f"{what} '{name}' has only a forward declaration before this use",
+                f"move the full declaration of the {what} before this use",
                 notes=(Note("declared forward here", symbol.span.location),),
             )
             self._used_incomplete.add(symbol.scoped)
@@ -163,8 +165,8 @@ class TypeResolver(ValueResolver):
 
     def _behind(self, name: ScopedName, typedef: Symbol, scope: Scope, kinds: frozenset[str],
                 what: str) -> Symbol | None:  # fmt: skip
-        """The symbol of the type that `typedef` stands for; None (and a finding) if the kind of
-        this type is none of `kinds`."""
+        """Returns the symbol of the type that `typedef` stands for. If the kind of this type is not
+        in `kinds`, adds a finding and returns None."""
         target = self._target(NamedType(typedef.scoped))
         symbol = self._names.declared(target.name) if isinstance(target, NamedType) else None
         if symbol is None or symbol.kind not in kinds:
@@ -213,7 +215,7 @@ class TypeResolver(ValueResolver):
                 "G0214",
                 refused.span,
                 "'@mutable' is not part of .gidl",
-                "use @appendable: members may be added at the end",
+                "use @appendable, which allows new members at the end",
             )
         final, appendable = marks.get("final"), marks.get("appendable")
         if final is not None and appendable is not None:
@@ -247,13 +249,13 @@ class TypeResolver(ValueResolver):
         return self._from_typedef(used)[0]
 
     def _from_typedef(self, used: Type) -> tuple[str | None, Range | None]:
-        """Unit and range that `used` declares if it is a typedef, else (None, None)."""
+        """Returns the unit and the range of `used` if it is a typedef, else (None, None)."""
         name = used.name if isinstance(used, NamedType) else ""
         return self._of_typedef.get(name, (None, None))
 
     def _range(self, marks: Marks, used: Type) -> Range | None:
-        """The range in the annotations, as numbers of the type `used`, narrowed by the ranges of
-        the typedefs. The range of an array or a sequence applies to the elements."""
+        """Returns the range that the annotations declare, as numbers of the type `used` and within
+        the ranges of its typedefs. The range of an array or a sequence applies to its elements."""
         both, low, high = marks.get("range"), marks.get("min"), marks.get("max")
         written = both or low or high
         if written is None:
@@ -262,15 +264,18 @@ class TypeResolver(ValueResolver):
             self._findings.error(
                 "G0505",
                 both.span,
-                "'@range' means the same as '@min' and '@max': write only one form",
+                "'@range' means the same as '@min' and '@max': write either '@range', or "
+                "'@min' and '@max'",
             )
         target, inherited = self._bounded(used)
         if not (isinstance(target, PrimitiveType) and target.kind.is_number):
             hint = ""
             if isinstance(target, MapType):
-                hint = "bound a typedef, and make that the type of the keys or values of the map"
+                hint = (
+                    "declare a typedef with the range, and use it as the type of the keys or values"
+                )
             self._findings.error(
-                "G0307", written.span, f"'@{written.name}' needs a number to bound", hint
+                "G0307", written.span, f"'@{written.name}' can only limit a number", hint
             )
             return None
         minimum = both.arguments["min"] if both else low.arguments["value"] if low else None
@@ -296,8 +301,9 @@ class TypeResolver(ValueResolver):
         return both_ranges
 
     def _bounded(self, used: Type) -> tuple[Type, Range | None]:
-        """The type that a range of `used` limits: for arrays and sequences, the type of their
-        elements. Also the range that the typedefs between `used` and that type allow."""
+        """Returns the type that a range of `used` limits; for arrays and sequences, this is the
+        type of the elements. Also returns the range that the typedefs on the way to this type
+        allow."""
         inherited = self._from_typedef(used)[1]
         target = self._target(used)
         while isinstance(target, ArrayType | SequenceType):
@@ -309,7 +315,7 @@ class TypeResolver(ValueResolver):
         if value is None:
             return None
         if isinstance(value, bool) or not isinstance(value, int | float):
-            self._findings.error("G0307", span, "a bound of this range is not a number")
+            self._findings.error("G0307", span, "a limit of this range is not a number")
             return None
         fitted = self._fit(computed(value), target, span)
         return fitted if isinstance(fitted, int | float) else None
@@ -325,7 +331,7 @@ class TypeResolver(ValueResolver):
                 "G0308",
                 applied.span,
                 "'@default' takes a number, boolean, character or string",
-                "write '@default_literal' at the default enumerator of the enum"
+                "write '@default_literal' before one enumerator of the enum"
                 if isinstance(value, EnumValue) or not isinstance(target, NamedType)
                 else "members of this type get the defaults that the type declares",
             )
@@ -368,8 +374,8 @@ class TypeResolver(ValueResolver):
                 self._findings.error(
                     "G0313",
                     second.span,
-                    "a case of a union can have only one member",
-                    "write another case",
+                    "a case of a union can have only one member, but this one has several",
+                    "write a case for each member, or use a struct",
                 )
             if members:
                 cases.append(UnionCase(tuple(labels), case.default is not None, members[0]))
@@ -395,7 +401,9 @@ class TypeResolver(ValueResolver):
                 "G0312",
                 syntax.span,
                 "the discriminator of a union cannot have a range",
-                "switch by the type without a range: a value that no case selects holds no member",
+                "use the type without a range; if the value is one that no case names, the "
+                "union has "
+                "no member",
             )
 
     # -- enum, bitmask, bitset -----------------------------------------------------------------
@@ -505,8 +513,8 @@ class TypeResolver(ValueResolver):
         self._keep(symbol, Bitset(inside.name, facts, tuple(fields), base, position))
 
     def _bitfield_type(self, field: BitfieldSyntax, width: int) -> PrimitiveType:
-        """The declared type of a bitfield. If none is declared: boolean for 1 bit, else the
-        smallest unsigned integer that is wide enough."""
+        """Returns the declared type of a bitfield. A bitfield without a declared type is boolean if
+        it has one bit, else the smallest unsigned integer that is wide enough."""
         if isinstance(field.type, BasicType):
             kind = Primitive(field.type.name)
             if not (kind.is_integer or kind is Primitive.BOOLEAN):
@@ -584,7 +592,7 @@ class TypeResolver(ValueResolver):
                 "G0301",
                 span,
                 f"{value} is outside the range of '{name}': {allowed.strip()}",
-                "write a value within the range, or declare the constant with a type without it",
+                "write a value within the range, or give the constant a type without a range",
             )
 
 

@@ -1,4 +1,4 @@
-"""Resolves the parts of every declaration: names, constants, types and annotations."""
+"""Resolves the parts that all declarations have: names, constants, types and annotations."""
 
 from __future__ import annotations
 
@@ -47,8 +47,8 @@ from gidl.syntax.tree import (
 
 MAX_BOUND = (1 << 31) - 1
 MAX_ARRAY = 1 << 24  # limit for one array, so that fixed sizes fit 32 bits
-# The largest double whose nearest float is 0: half of the smallest float. Python sends 0 for such a
-# number, and C++ compilers refuse it as the literal of a float.
+# The largest double whose nearest float is 0: half of the smallest float. Python would send 0 for a
+# smaller number, and C++ compilers refuse such a number as a float literal.
 _ROUNDS_TO_ZERO = 2.0**-150
 
 _EXTENSIBILITIES = ("FINAL", "APPENDABLE", "MUTABLE")
@@ -70,7 +70,8 @@ class Marks:
         return self._applied.get(name)
 
     def flag(self, name: str) -> bool:
-        """True for @a and @a(TRUE), false for @a(FALSE) and for a missing annotation."""
+        """Returns true for @a and @a(TRUE), and false for @a(FALSE) and for a missing
+        annotation."""
         applied = self._applied.get(name)
         return applied is not None and applied.arguments.get("value", True) is True
 
@@ -99,8 +100,8 @@ class ValueResolver(ABC):
 
     def _symbol(self, name: ScopedName, scope: Scope, kinds: frozenset[str], what: str,
                 code: str) -> Symbol | None:  # fmt: skip
-        """The symbol that `name` means. None (and a finding) if `name` is unknown, ambiguous, or of
-        none of the `kinds`."""
+        """Returns the symbol that `name` means. If `name` is unknown or ambiguous, or its kind is
+        not in `kinds`, adds a finding and returns None."""
         path = self._names.path(name, scope)
         if not path:
             self._unknown(name, scope, kinds, what, code)
@@ -180,8 +181,8 @@ class ValueResolver(ABC):
         )
 
     def _typed_value(self, expression: Expression, wanted: Type, scope: Scope) -> Value | None:
-        """Value of a constant expression as a value of the type `wanted`. None (and a finding) if
-        the expression has no such value."""
+        """Returns the value of a constant expression as a value of the type `wanted`. If the
+        expression has no such value, adds a finding and returns None."""
         target = self._target(wanted)
         found = self._compute(expression, scope, _arithmetic(target))
         if found is None:
@@ -192,7 +193,7 @@ class ValueResolver(ABC):
                 "G0304",
                 expression.span,
                 "the operands are integers, but the value must be a floating-point number",
-                "write them with a point: 1.0 / 2.0",
+                "write the operands with a decimal point, for example 1.0 / 2.0",
             )
             return None
         return self._fit(found, target, expression.span)
@@ -247,8 +248,8 @@ class ValueResolver(ABC):
         return value
 
     def _size(self, expression: Expression, scope: Scope, what: str, most: int) -> int | None:
-        """Value of a bound or dimension. None (and a finding) if this is no integer from 1 to
-        `most`."""
+        """Returns the value of a bound or dimension. If it is not an integer from 1 to `most`, adds
+        a finding and returns None."""
         found = self._compute(expression, scope, Arithmetic(32, unsigned=True))
         if found is None:
             return None
@@ -274,7 +275,8 @@ class ValueResolver(ABC):
         return used
 
     def _type(self, syntax: TypeSyntax, scope: Scope) -> Type | None:
-        """The type that `syntax` means; None if `syntax` is wrong, which is already reported."""
+        """Returns the type that `syntax` means; None if `syntax` is wrong, which is then already
+        reported."""
         match syntax:
             case BasicType(name, _):
                 return PrimitiveType(Primitive(name))
@@ -323,8 +325,9 @@ class ValueResolver(ABC):
         self._findings.error(
             "G0111",
             innermost.span,
-            f"{incomplete.kind} '{incomplete.name}' is only declared forward here",
-            f"declare the {incomplete.kind} before; members may be sequences of it until then",
+            f"{incomplete.kind} '{incomplete.name}' has only a forward declaration before this use",
+            f"move the declaration of the {incomplete.kind} before this use; only a sequence "
+            "may use it earlier",
             notes=(Note("declared forward here", incomplete.span.location),),
         )
         self._used_incomplete.add(incomplete.scoped)
@@ -332,8 +335,9 @@ class ValueResolver(ABC):
     def _incomplete(
         self, used: Type | None, in_sequences: bool, reported: bool = False
     ) -> Symbol | None:
-        """The struct or union in `used` that is only declared forward so far. `reported` is True
-        inside a typedef: the finding about the typedef is enough."""
+        """Returns the struct or union in `used` of which only a forward declaration is known so
+        far. `reported` is True inside a typedef, because the finding about the typedef is
+        enough."""
         match used:
             case NamedType(name) if name in self._typedefs:
                 return self._incomplete(self._typedefs[name], in_sequences, True)
@@ -380,7 +384,7 @@ class ValueResolver(ABC):
             self._findings.error(
                 "G0306",
                 declarator.name.span,
-                f"an array has at most {MAX_ARRAY} elements, this one {math.prod(sizes)}",
+                f"an array has at most {MAX_ARRAY} elements, but this one has {math.prod(sizes)}",
                 "use a sequence",
             )
             return None
@@ -389,8 +393,8 @@ class ValueResolver(ABC):
     # -- annotations ---------------------------------------------------------------------------
 
     def _marks(self, extras: Extras, place: str, scope: Scope) -> Marks:
-        """Checks and computes the annotations of one declaration. An annotation that is written
-        twice, or in the wrong place, gets one finding, however often it is repeated."""
+        """Checks and computes the annotations of one declaration. An annotation that is repeated,
+        or in the wrong place, gets one finding, however often it is repeated."""
         applied: dict[str, Applied] = {}
         reported: set[str] = set()
         kept: list[Annotation] = []
@@ -477,7 +481,8 @@ class ValueResolver(ABC):
 
 
 def _written(marks: Marks) -> Iterator[tuple[str, Location]]:
-    """Names and locations of annotations and of their written arguments: "qos", "qos.depth"."""
+    """Yields the names of annotations and of their written arguments, for example "qos" and
+    "qos.depth", each with its location."""
     for applied in marks.written():
         yield applied.name, applied.span.location
         if len(applied.arguments) > 1:
@@ -485,7 +490,7 @@ def _written(marks: Marks) -> Iterator[tuple[str, Location]]:
 
 
 def _plain(use: AnnotationUse) -> AnnotationUse:
-    """Replaces `@extensibility(FINAL)` by `@final`; also with APPENDABLE and MUTABLE."""
+    """Replaces `@extensibility(FINAL)` by `@final`. Does the same with APPENDABLE and MUTABLE."""
     if use.name.parts == ("extensibility",) and len(use.arguments) == 1:
         value = use.arguments[0][1]
         if isinstance(value, NameUse) and value.name.parts[-1] in _EXTENSIBILITIES:
@@ -495,7 +500,8 @@ def _plain(use: AnnotationUse) -> AnnotationUse:
 
 
 def _arithmetic(wanted: Type) -> Arithmetic:
-    """Integer constants of up to 32 bits are computed in 32 bits, all others in 64 bits."""
+    """Returns how an integer constant of the type `wanted` is computed: with 32 bits if the type
+    has at most 32 bits, else with 64 bits."""
     if isinstance(wanted, PrimitiveType) and wanted.kind.is_integer:
         return Arithmetic(64 if wanted.kind.size == 8 else 32, wanted.kind.is_unsigned)
     return Arithmetic()

@@ -1,5 +1,5 @@
-"""The known annotations. Checks the arguments of each use, and the kind of the annotated
-declaration.
+"""The annotations that gidl knows. Checks the arguments of each use, and the kind of declaration
+that the use annotates.
 
 The parameters come from idl/gecos/annotations.gidl. IDL cannot express which declarations an
 annotation may annotate, so places.py lists them.
@@ -18,7 +18,8 @@ from gidl.resolve.constants import Computed, describe_kind
 from gidl.source import Span
 from gidl.syntax.tree import AnnotationUse
 
-# Annotations of the IDL standard that have no meaning in .gidl: never reported as misspelled.
+# Annotations of the IDL standard that have no meaning in .gidl. They are never reported as
+# misspelled.
 _STANDARD = frozenset(
     [
         "ami",
@@ -65,8 +66,8 @@ class Declared:
 
 @dataclass(frozen=True, slots=True)
 class Applied:
-    """One use of an annotation. Its arguments are computed; those not written have their
-    defaults."""
+    """One use of an annotation. All arguments have a value: those that the use does not write have
+    their defaults."""
 
     name: str
     arguments: Mapping[str, Value]
@@ -96,7 +97,8 @@ class Vocabulary:
         self._declared[declared.name.lower()] = declared
 
     def find(self, name: str, scopes: list[str]) -> Declared | None:
-        """Finds an annotation by the name in the file, looked up in `scopes` (innermost first)."""
+        """Finds an annotation by the name that is used in the file, looked up in `scopes`
+        (innermost first)."""
         for scope in scopes:
             found = self._declared.get(f"{scope}::{name}".lower() if scope else name.lower())
             if found is not None:
@@ -109,7 +111,7 @@ class Vocabulary:
         """Reports an undeclared annotation: an error if the name looks misspelt, else a warning."""
         name = str(use.name).removeprefix("::")
         if name.lower() in PLACES:
-            self._findings.error("G0501", use.span, f"'@{name}' is written '@{name.lower()}'")
+            self._findings.error("G0501", use.span, f"'@{name}' must be written '@{name.lower()}'")
             return
         close = get_close_matches(name.lower(), list(PLACES), n=1, cutoff=0.75)
         if close and name not in _STANDARD:
@@ -131,10 +133,11 @@ class Vocabulary:
     def bind(
         self, use: AnnotationUse, declared: Declared, given: list[tuple[str | None, Computed, Span]]
     ) -> Applied | None:
-        """Matches arguments with parameters. None (and a finding) if an argument does not fit."""
+        """Matches arguments with parameters. If an argument does not fit, adds a finding and
+        returns None."""
         parameters = {p.name: p for p in declared.parameters}
         if len(parameters) == 1 and len(given) > 1:
-            message = f"'@{declared.name}' takes one argument"
+            message = f"'@{declared.name}' takes exactly one argument"
             self._findings.error("G0503", given[1][2], message, f"write {_example(declared)}")
             return None
         arguments: dict[str, Value] = {}
@@ -242,7 +245,7 @@ class Vocabulary:
 
 
 def _wanted(parameter: Parameter, given: Computed) -> tuple[str, bool]:
-    """The expected type of the parameter in words, and whether the value has it."""
+    """Returns the expected type of the parameter in words, and whether the value has this type."""
     match parameter.type:
         case StringType(bound):
             what = "a string" if bound is None else f"a string of at most {bound} bytes"
@@ -264,7 +267,7 @@ def _wanted(parameter: Parameter, given: Computed) -> tuple[str, bool]:
 
 
 def _example(declared: Declared) -> str:
-    """The syntax of an annotation, with example arguments."""
+    """Returns an annotation with example arguments, in the syntax of .gidl."""
     if not declared.parameters:
         return f"@{declared.name}"
     if len(declared.parameters) == 1:

@@ -1,4 +1,4 @@
-"""Semantic rules that a model must satisfy: one module for each rule."""
+"""Semantic rules that every model must satisfy. Each rule is a module."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Rule: no member may have a name that is generated for an attribute: `set_x` or `publish_x`."""
+"""Rule: no member may have a name that gidl generates for an attribute, for example `set_x` or
+`publish_x`."""
 
 from __future__ import annotations
 

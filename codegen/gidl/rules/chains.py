@@ -1,4 +1,5 @@
-"""Rule: at most 64 types use each other in a chain, so that computing a layout or a hash ends."""
+"""Rule: a chain of types that use each other has at most 64 types. Computing layouts and hashes
+needs such a limit."""
 
 from __future__ import annotations
 
@@ -29,15 +30,16 @@ def check(model: Model, findings: Findings) -> None:
             findings.error(
                 "G0322",
                 declaration.facts.location,
-                f"'{declaration.simple_name}' is the end of a chain of {length} types that use "
-                f"each other, at most {MAX_CHAIN} are allowed",
+                f"'{declaration.simple_name}' is at the end of a chain of {length} types that "
+                f"use each other; at most {MAX_CHAIN} are allowed",
                 "use the type at the beginning of the chain, or declare fewer types in between",
             )
 
 
 def _lengths(model: Model) -> dict[str, int]:
-    """The length of the longest chain from each declaration; a type that contains itself counts
-    once. Not recursive, since the chain may be longer than Python's stack."""
+    """Returns the length of the longest chain from each declaration. A type that contains itself
+    counts once. The function is not recursive, because a chain may be longer than Python's
+    stack."""
     used = {each.name: _used(each) for each in model.declarations()}
     lengths: dict[str, int] = {}
     for first in used:
@@ -54,7 +56,7 @@ def _lengths(model: Model) -> dict[str, int]:
 
 
 def _used(declaration: AnyDeclaration) -> list[str]:
-    """The names of the declared types that a declaration uses."""
+    """Returns the names of the declared types that a declaration uses."""
     names = [name for used in _types(declaration) for name in _names(used)]
     if isinstance(declaration, Struct) and declaration.base is not None:
         names.append(declaration.base)

@@ -1,4 +1,5 @@
-"""Rule: function codes are unique in an object; 0 to 255 are reserved for built-in operations."""
+"""Rule: function codes are unique in an object, and 0 to 255 are reserved for built-in
+operations."""
 
 from __future__ import annotations
 
@@ -65,6 +66,6 @@ def _unique(
                 "G0603",
                 member.facts.place_of("id") if is_own else interface.facts.location,
                 f"'{name}' and '{first[0]}' have the same function code {code}",
-                f"write @id(n) on one of them, with an unused n above {LAST_RESERVED}",
+                f"write @id(n) before one of the two, with an unused n above {LAST_RESERVED}",
                 notes=(Note("this declaration has the same code", first[1].facts.location),),
             )

@@ -1,4 +1,5 @@
-"""Rule: a default must be inside the range of its member, and the member must not be @optional."""
+"""Rule: a default must be inside the range of its member, and a member with a default must not be
+@optional."""
 
 from __future__ import annotations
 
@@ -17,7 +18,8 @@ def check(model: Model, findings: Findings) -> None:
                 "G0508",
                 at,
                 f"{slot.what} cannot have both @default and @optional",
-                "a value that is left out is either the default (@default) or absent (@optional)",
+                "keep @default if a missing value means the default, or @optional if it means "
+                "no value",
             )
         _in_range(slot, findings)
 

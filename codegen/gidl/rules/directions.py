@@ -1,4 +1,5 @@
-"""Rule: only an `in` parameter may have a default, and @unit and @optional need a result."""
+"""Rule: only an `in` parameter may have a default; an operation with @unit or @optional must have a
+result."""
 
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ def check(model: Model, findings: Findings) -> None:
                     parameter.facts.place_of("default"),
                     f"the {parameter.direction.value} parameter '{parameter.name}' cannot have a "
                     "default",
-                    "only an 'in' parameter, which a caller may leave out, has a default",
+                    "leave out the default: only an 'in' parameter, which a caller may leave "
+                    "out, can have one",
                 )
         if member.result is None and member.facts.has("unit"):
             findings.error(

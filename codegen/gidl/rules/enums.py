@@ -1,4 +1,4 @@
-"""Rule: enumerators and flags have distinct numbers, which fit the bits of their type."""
+"""Rule: the numbers of enumerators and flags are distinct, and fit the bits of their type."""
 
 from __future__ import annotations
 

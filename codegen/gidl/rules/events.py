@@ -1,4 +1,5 @@
-"""Rule: an event is oneway and has no annotation for calls, because the server sends it."""
+"""Rule: an event must be oneway, because the server sends it. It must not have annotations for
+calls."""
 
 from __future__ import annotations
 

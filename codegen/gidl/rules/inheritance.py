@@ -1,4 +1,5 @@
-"""Rule: the members of an interface and all its bases must have different names, ignoring case."""
+"""Rule: the members of an interface and of all its bases must have different names, even without
+regard to case."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ def check(model: Model, findings: Findings) -> None:
                     member.facts.location,
                     f"'{member.name}' is inherited from '{first.interface}' and cannot be "
                     "declared again",
-                    "IDL has no overriding: rename this member, or leave it out",
+                    "IDL has no overriding: rename this member, or remove it",
                     notes=(Note("first declared here", first.facts.location),),
                 )
 
@@ -26,8 +27,8 @@ def check(model: Model, findings: Findings) -> None:
 def _inherited(
     model: Model, interface: Interface, findings: Findings
 ) -> dict[str, Operation | Attribute]:
-    """The members of all bases, by lower-case name. Reports bases that have members of the same
-    name."""
+    """Returns the members of all bases, by lower-case name. Reports bases that have members of the
+    same name."""
     found: dict[str, Operation | Attribute] = {}
     for base in interface.all_bases:
         for member in model.interface(base).members:

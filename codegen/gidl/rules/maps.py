@@ -1,5 +1,5 @@
-"""Rule: map keys must compare exactly, so they are neither floating-point numbers nor
-containers."""
+"""Rule: the keys of a map must compare exactly, so a key is neither a floating-point number nor a
+container."""
 
 from __future__ import annotations
 

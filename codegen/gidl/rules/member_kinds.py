@@ -13,13 +13,13 @@ def check(model: Model, findings: Findings) -> None:
             findings.error(
                 "G0510",
                 slot.facts.place_of("bulk"),
-                f"{slot.what} is no sequence of octets or numbers, so it cannot be bulk",
+                f"{slot.what} is not a sequence or array of numbers, so it cannot be @bulk",
             )
         if slot.secret and not _is_text(model, slot.type):
             findings.error(
                 "G0511",
                 slot.facts.place_of("secret"),
-                f"{slot.what} is no string, so it cannot be secret",
+                f"{slot.what} is not a string, so it cannot be @secret",
             )
 
 

@@ -1,4 +1,5 @@
-"""Rule: a oneway operation has no reply, so it has no result, `out`, exception or cancellation."""
+"""Rule: a oneway operation has no reply, so it has no result, no `out` parameter, no exception and
+no cancellation."""
 
 from __future__ import annotations
 
@@ -33,6 +34,6 @@ def check(model: Model, findings: Findings) -> None:
             findings.error(
                 "G0404",
                 member.facts.place_of("cancelable"),
-                f"{name} cannot be cancelable: its caller gets no reply",
+                f"{name} cannot be cancelable, because its caller gets no reply",
                 "leave out 'oneway'",
             )

@@ -1,4 +1,5 @@
-"""Rule: quality terms must not contradict each other, because no medium could meet them."""
+"""Rule: quality terms must not contradict each other, because no medium could fulfil all of
+them."""
 
 from __future__ import annotations
 
@@ -33,5 +34,5 @@ def _terms(qos: Qos, facts: Facts, findings: Findings) -> None:
         findings.error(
             "G0412",
             at,
-            "'start_by' is later than 'deadline', the time at which the call must be done",
+            "'start_by' is later than 'deadline', but a call must start before its deadline",
         )

@@ -1,4 +1,5 @@
-"""Rule: a member or derived interface may not promise less quality than its interface or base."""
+"""Rule: a member must not promise less quality than its interface, nor an interface less than its
+bases."""
 
 from __future__ import annotations
 
@@ -44,7 +45,7 @@ def _compare(
 
 
 def _weaker(own: Qos, above: Qos) -> Iterator[str]:
-    """A text for each quality term of `own` that is weaker than in `above`."""
+    """Yields a text for each quality term of `own` that is weaker than in `above`."""
     for term in ("quality_class", "reliability", "liveliness"):
         mine, theirs = getattr(own, term), getattr(above, term)
         if mine is not None and theirs is not None and mine < theirs:

@@ -1,4 +1,5 @@
-"""Rule: a type may contain itself only through a sequence, and types nest at most 16 deep."""
+"""Rule: a type may contain itself only through a sequence, and types are nested at most 16 levels
+deep."""
 
 from __future__ import annotations
 
@@ -33,7 +34,8 @@ class _Walker:
         self._open: list[str] = []
 
     def depth(self, name: str) -> int:
-        """The nesting depth of structs and unions in type `name`; sequences are not followed."""
+        """Returns how deep structs and unions are nested in the type `name`. Sequences are not
+        followed."""
         if name in self._depths:
             return self._depths[name]
         if name in self._open:
@@ -88,5 +90,5 @@ class _Walker:
             "G0314",
             declaration.facts.location,
             f"'{declaration.simple_name}' contains itself: {' -> '.join(ordered)}",
-            f"put a sequence between: sequence<{declaration.simple_name}>",
+            f"use a sequence in between: sequence<{declaration.simple_name}>",
         )

@@ -1,4 +1,4 @@
-"""Rules for streams: direction, watchdog, and the requirements of an open stream."""
+"""Rules for streams: their direction, their watchdog, and the requirements of an open stream."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def check(model: Model, findings: Findings) -> None:
                 findings.error(
                     "G0410",
                     member.facts.place_of("open_stream"),
-                    f"attribute '{member.name}' is no stream, so it cannot be an open stream",
+                    f"attribute '{member.name}' has no @stream, so it cannot have @open_stream",
                     'write @stream(rate="...") as well',
                 )
             continue
@@ -39,7 +39,10 @@ def _direction(attribute: Attribute, findings: Findings) -> None:
             )
         if attribute.get_raises or attribute.set_raises:
             findings.error(
-                "G0410", facts.location, f"'{attribute.name}' is sent continuously: it cannot raise"
+                "G0410",
+                facts.location,
+                f"'{attribute.name}' is sent continuously by clients, so it cannot raise "
+                "exceptions",
             )
     elif attribute.stream.watchdog_ns is not None:
         findings.error(
@@ -60,7 +63,8 @@ def _open(model: Model, attribute: Attribute, findings: Findings) -> None:
         findings.error(
             "G0411",
             at,
-            f"an open stream is a bare LCM message, and '{attribute.name}' is no final struct",
+            f"samples of an open stream are plain LCM messages, but '{attribute.name}' is not "
+            "a final struct",
             "use a struct that is not @appendable",
         )
     if attribute.qos.quality_class not in (None, QualityClass.TIME_INDEPENDENT):

@@ -63,7 +63,7 @@ def _union(model: Model, union: Union, findings: Findings) -> None:
 
 
 def _value_count(model: Model, union: Union) -> int | None:
-    """How many values the discriminator has if it is an enum or a boolean; else None."""
+    """Returns how many values the discriminator has if it is an enum or a boolean; else None."""
     used = union.discriminator
     if isinstance(used, NamedType):
         enum = model.find(used.name)

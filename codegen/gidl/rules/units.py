@@ -1,4 +1,4 @@
-"""Rule: a unit consists of known units, and only a number may have a unit."""
+"""Rule: a unit consists of known units, and only numbers have a unit."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ def _words(text: str) -> frozenset[str]:
     return frozenset(text.split())
 
 
-# SI units and other accepted units. @unit names a product of them, such as "N*m" or "m/s^2".
+# SI units, and other units that are accepted. @unit takes a product of them, for example "N*m" or
+# "m/s^2".
 BASE_UNITS = _words(
     """
     m s kg A K mol cd rad sr Hz N Pa J W C V F ohm S Wb T H lm lx Bq Gy Sv kat 1 mm cm km um nm
@@ -92,7 +93,7 @@ def _known(unit: str, at: Location, findings: Findings) -> None:
 
 def _on_number(model: Model, used: Type, what: str, at: Location, findings: Findings) -> None:
     if numeric_core(model, used) is None:
-        findings.error("G0509", at, f"{what} is no number, so it cannot have a unit")
+        findings.error("G0509", at, f"{what} is not a number, so it cannot have a unit")
 
 
 _NAMES = {unit: "" for unit in BASE_UNITS if len(unit) > 1}

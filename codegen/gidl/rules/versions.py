@@ -33,7 +33,7 @@ def check(model: Model, findings: Findings) -> None:
 
 
 def _since_within(interface: Interface, findings: Findings) -> None:
-    """Checks that no member has a @since later than the version of its interface."""
+    """Reports each member whose @since is later than the version of its interface."""
     version = _key(interface.facts.version)
     for member in interface.members:
         since = _key(member.facts.since)
@@ -43,7 +43,7 @@ def _since_within(interface: Interface, findings: Findings) -> None:
                 member.facts.place_of("since"),
                 f"'{member.name}' exists since version {member.facts.since}, but '"
                 f"{interface.simple_name}' has version {interface.facts.version}",
-                "raise the version of the interface",
+                "raise the version of the interface, or correct @since",
             )
 
 

@@ -1,4 +1,4 @@
-"""Iteration over the model, which several rules share."""
+"""Ways to go through a model, which several rules share."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from gidl.model import (
 class Slot:
     """A place that holds a value: a member, parameter, attribute, result or typedef."""
 
-    what: str  # name in messages: "member 'speed'"
+    what: str  # words for the place in messages, for example "member 'speed'"
     type: Type
     facts: Facts
     unit: str | None = None
@@ -41,7 +41,7 @@ class Slot:
 
 
 def slots(model: Model) -> Iterator[Slot]:
-    """Every place of the model that holds a value, in order."""
+    """Yields every place of the model that holds a value, in order."""
     for declaration in model.declarations():
         match declaration:
             case Struct():
@@ -79,14 +79,14 @@ def _of_parameter(p: Parameter) -> Slot:
 
 
 def members(model: Model) -> Iterator[Operation | Attribute]:
-    """Every operation, event and attribute, once: from the interface that declares it."""
+    """Yields every operation, event and attribute once, from the interface that declares it."""
     for interface in model.interfaces():
         yield from interface.members
 
 
 def meet_first(model: Model, interface: Interface, one: str, other: str) -> bool:
-    """Whether `interface` is the first that combines the interfaces `one` and `other`: none of its
-    bases does. A clash between the two is reported only there."""
+    """Returns whether `interface` combines the interfaces `one` and `other`, while none of its
+    bases does. A clash between `one` and `other` is reported only at such an interface."""
     for base in interface.all_bases:
         line = {i.name for i in model.with_bases(model.interface(base))}
         if one in line and other in line:
@@ -95,8 +95,8 @@ def meet_first(model: Model, interface: Interface, one: str, other: str) -> bool
 
 
 def numeric_core(model: Model, used: Type) -> PrimitiveType | None:
-    """The number type that remains without typedefs, arrays, sequences and maps (their values);
-    None if it is no number."""
+    """Returns the number type inside a type, found through typedefs, arrays, sequences and the
+    values of maps. Returns None if there is no number inside."""
     target = model.target(used)
     while isinstance(target, ArrayType | SequenceType | MapType):
         inner = target.value if isinstance(target, MapType) else target.element

@@ -1,1 +1,1 @@
-"""From text to the syntax tree of one file: lexer, preprocessor and parser."""
+"""Turns the text of one file into its syntax tree: lexer, preprocessor and parser."""

@@ -1,7 +1,8 @@
-"""Conditions of `#if` and `#elif`: macros are expanded, then the value is computed as in C++.
+"""Computes the conditions of `#if` and `#elif`: expands macros, then computes the value as C++
+does.
 
-Numbers have 64 bits. A number is unsigned if it ends in `u`, or if it has no room in 63 bits; an
-operator with an unsigned operand computes unsigned, modulo 2^64.
+Numbers have 64 bits. A number is unsigned if it ends in `u`, or if it does not fit 63 bits. An
+operator with an unsigned operand computes without sign, modulo 2^64.
 """
 
 from __future__ import annotations
@@ -21,17 +22,18 @@ _CONDITION = re.compile(
 
 
 class RefusedError(ValueError):
-    """The condition uses a macro with parameters, which is reported already."""
+    """The condition uses a macro with parameters, which is already reported."""
 
 
 def is_true(text: str, macros: Macros) -> bool:
-    """Whether a condition holds. Raises ValueError or ZeroDivisionError if `text` is no valid
-    condition."""
+    """Returns whether a condition is true. Raises ValueError or ZeroDivisionError if `text` is not
+    a valid condition."""
     return bool(_ConditionReader(text, macros).value().number)
 
 
 def _words(text: str) -> list[str]:
-    """The tokens of a condition. Raises ValueError if it has others than those of conditions."""
+    """Returns the tokens of a condition. Raises ValueError if the text contains a token that no
+    condition may have."""
     words: list[str] = []
     at = 0
     stripped = text.rstrip()
@@ -45,7 +47,7 @@ def _words(text: str) -> list[str]:
 
 
 def _body_text(body: tuple[Token, ...]) -> str:
-    """The text of a macro's body, with one space where it has any."""
+    """Returns the text of a macro's body, with one space wherever the body has white space."""
     text, end = "", 0
     for token in body:
         text += (" " if token.start > end else "") + token.text
@@ -54,7 +56,8 @@ def _body_text(body: tuple[Token, ...]) -> str:
 
 
 def _expanded(text: str, macros: Macros) -> list[str]:
-    """The tokens of a condition with its macros expanded, but not the operands of `defined`."""
+    """Returns the tokens of a condition with its macros expanded, except in the operands of
+    `defined`."""
     result: list[str] = []
     open_names: frozenset[str] = frozenset()
     work = [(word, open_names) for word in reversed(_words(text))]
@@ -73,7 +76,7 @@ def _expanded(text: str, macros: Macros) -> list[str]:
         else:
             result.append(word)
         if len(result) + len(work) > MAX_EXPANSION:
-            raise ValueError("the macros of the condition expand to too many tokens")
+            raise ValueError("its macros expand to too many tokens")
     return result
 
 
@@ -86,7 +89,7 @@ _ZERO = _Value(0)
 
 
 class _ConditionReader:
-    """Computes a condition. Raises ValueError if the text is no condition."""
+    """Computes a condition. Raises ValueError if the text is not a valid condition."""
 
     _LEVELS = (
         ("||",), ("&&",), ("|",), ("^",), ("&",), ("==", "!="), ("<", ">", "<=", ">="),
@@ -98,17 +101,17 @@ class _ConditionReader:
         self._macros = macros
         self._at = 0
         self._depth = 0
-        self._unneeded = 0  # above 0: in an operand of && or || that does not matter
+        self._unneeded = 0  # above 0: in an operand that && or || does not need
 
     def value(self) -> _Value:
         result = self._binary(0)
         if self._at != len(self._words):
-            raise ValueError("text after the condition")
+            raise ValueError("there is text after the end of the condition")
         return result
 
     def _next(self) -> str:
         if self._at >= len(self._words):
-            raise ValueError("condition ends early")
+            raise ValueError("the condition is incomplete")
         self._at += 1
         return self._words[self._at - 1]
 
@@ -150,7 +153,7 @@ class _ConditionReader:
         elif word[0].isdigit():
             result = _number(word)
         elif word[0].isalpha() or word[0] == "_":
-            result = _Value(int(word == "true"))  # any other name that is no macro is 0
+            result = _Value(int(word == "true"))  # a name that is no macro is 0, but true is 1
         else:
             raise ValueError(word)
         self._depth -= 1
@@ -216,7 +219,8 @@ def _apply(operator: str, left: _Value, right: _Value) -> _Value:
 
 
 def _shifted(operator: str, left: _Value, by: int) -> _Value:
-    """The result has the type of the left operand; bits that are shifted out are lost."""
+    """Returns the shifted value, in the type of the left operand. Bits that are shifted out are
+    lost."""
     if not 0 <= by < 64:
         raise ValueError("shift too far")
     if operator == ">>":
@@ -248,6 +252,6 @@ def _computed(operator: str, left: int, right: int) -> int:
 
 
 def _quotient(left: int, right: int) -> int:
-    """Rounds towards zero, as C++ does."""
+    """Divides and rounds towards zero, as C++ does."""
     size = abs(left) // abs(right)
     return size if (left < 0) == (right < 0) else -size

@@ -1,4 +1,5 @@
-"""Documentation comments: which comment belongs to which declaration, and its bare text."""
+"""Documentation comments: finds the declaration of each comment, and the text of the comment
+without its marks."""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ _AFTER = re.compile(r"(//[/!]?<?|/\*[*!]?<?)")
 
 
 class DocReader:
-    """Looks up the comments around a declaration by the offsets of its tokens."""
+    """Finds the comments around a declaration by the offsets of its tokens."""
 
     def __init__(self, lexed: Lexed, skipped: list[tuple[int, int]]) -> None:
         self._source = lexed.source
@@ -24,7 +25,7 @@ class DocReader:
         self._used: set[int] = set()
 
     def before(self, previous_end: int, start: int) -> str:
-        """Text of the last block of documentation comments between two tokens."""
+        """Returns the text of the last block of documentation comments between two tokens."""
         found = []
         for index in range(bisect_left(self._starts, previous_end), len(self._comments)):
             comment = self._comments[index]
@@ -44,8 +45,8 @@ class DocReader:
         return _joined([_clean(c.text) for c in block])
 
     def after(self, end: int) -> str:
-        """Text of the comment that follows offset `end` on the same line, with the `//` lines below
-        that continue the comment."""
+        """Returns the text of the comment that follows offset `end` on the same line. The text
+        includes the `//` lines below that continue the comment."""
         index = bisect_left(self._starts, end)
         if index >= len(self._comments) or index in self._used:
             return ""
@@ -69,7 +70,7 @@ class DocReader:
         return _joined(lines)
 
     def head(self, end: int) -> str:
-        """Text of the documentation comment at the very beginning of the file."""
+        """Returns the text of the documentation comment at the very beginning of the file."""
         if not self._comments or self._comments[0].start >= end:
             return ""
         return self.before(0, end)
@@ -88,7 +89,7 @@ def _joined(blocks: list[str]) -> str:
 
 
 def _clean(comment: str) -> str:
-    """The text of a comment without comment marks and leading stars."""
+    """Returns the text of a comment without comment marks and leading stars."""
     if comment.startswith("//"):
         text = _AFTER.sub("", comment, count=1)
         return text.removeprefix(" ").rstrip()

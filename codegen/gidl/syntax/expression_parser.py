@@ -1,4 +1,4 @@
-"""Grammar of constant expressions and literals."""
+"""Parses constant expressions and literals."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _ESCAPES = {
 class ExpressionParser(TokenReader):
     """Each method parses one grammar rule; the next token must be the first token of that rule."""
 
-    _in_angles = False  # True inside `<...>`: `>>` closes two brackets, it is no shift
+    _in_angles = False  # True inside `<...>`: `>>` closes two brackets and is not a shift
     _in_annotation = False  # True inside the parentheses of an annotation
     _wide = False  # True (--wide): wide strings and characters are read as strings
     _wide_refused = False  # True: a `wchar` or `wstring` is already reported
@@ -31,7 +31,8 @@ class ExpressionParser(TokenReader):
             return self._binary(0)
 
     def _binary(self, level: int) -> Expression:
-        """Parses the rules or_expr to mult_expr; all their operators are left-associative."""
+        """Parses the grammar rules from or_expr to mult_expr. All their operators are
+        left-associative."""
         if level == len(_LEVELS):
             return self._unary()
         start = self._now
@@ -85,7 +86,7 @@ class ExpressionParser(TokenReader):
     def _lower_case_boolean(self) -> Literal:
         token = self._advance()
         span, keyword = self._span(token), token.text.upper()
-        message = f"'{token.text}' is the keyword '{keyword}' in another case"
+        message = f"'{token.text}' differs from the keyword '{keyword}' only in case"
         if self._in_annotation:
             self._findings.warning("G0709", span, message, f"write {keyword}")
         else:
@@ -147,8 +148,8 @@ class ExpressionParser(TokenReader):
         return Literal(text, "char", self._span(token))
 
     def _unescape(self, token: Token) -> str:
-        """Text of a literal, with octal, \\x and \\u escapes replaced as in the IDL standard. A NUL
-        is allowed as a character, but not in a string."""
+        """Returns the text of a literal, with octal, \\x and \\u escapes replaced as in the IDL
+        standard. A NUL is allowed as a character, but not in a string."""
         opening = token.text.index(token.text[-1]) + 1
         body = token.text[opening:-1]
         if "\\" not in body:
@@ -181,8 +182,8 @@ def _integer(text: str) -> int:
 
 
 def _escape(rest: str) -> tuple[str | None, int]:
-    """The character of an escape (None: the escape is invalid) and the length of the escape. `rest`
-    is the text after the backslash."""
+    """Returns the character of an escape (or None if the escape is invalid), and the length of the
+    escape. `rest` is the text after the backslash."""
     if not rest:
         return None, 0
     if rest[0] in _ESCAPES:
@@ -197,8 +198,8 @@ def _escape(rest: str) -> tuple[str | None, int]:
 
 
 def _escape_digits(rest: str) -> tuple[str, int, int]:
-    """The digits of the numeric escape that begins `rest`, their base, and the index of the first
-    digit."""
+    """Returns the digits of the numeric escape at the beginning of `rest`, their base, and the
+    index of the first digit."""
     limit, base, first = {"x": (2, 16, 1), "u": (4, 16, 1)}.get(rest[0], (3, 8, 0))
     allowed = "0123456789abcdefABCDEF" if base == 16 else "01234567"
     digits = ""

@@ -1,4 +1,4 @@
-"""Grammar of interfaces: operations, attributes, and the declarations inside."""
+"""Parses interfaces: operations, attributes, and the declarations inside an interface."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ class InterfaceParser(StructParser):
                     self._findings.error(
                         "G0100",
                         self._span(token),
-                        f"{article(token.text)} cannot stand inside an interface",
+                        f"{article(token.text)} cannot be declared inside an interface",
                     )
                     raise Skip
             declared = self._type_declaration(extras)
@@ -109,7 +109,10 @@ class InterfaceParser(StructParser):
                 return [declared]
         if self._is(";"):
             self._findings.error(
-                "G0100", self._span(token), "this ';' ends no declaration", "leave it out"
+                "G0100",
+                self._span(token),
+                "there is no declaration before this ';'",
+                "leave it out",
             )
             self._advance()
             return []

@@ -1,7 +1,8 @@
-"""Splits text into tokens. Never fails: each error becomes a finding, and reading continues.
+"""Splits text into tokens. The lexer never fails: each error becomes a finding, and reading
+continues.
 
 Comments are collected separately: the parser finds the documentation of a declaration by the
-positions of tokens. `//@name(...)` comments become annotation tokens. If the comment is alone on
+positions of tokens. `//@name(...)` comments become annotation tokens. If such a comment is alone on
 its line, its tokens join the token stream. If it follows code on its line, its tokens are kept in
 `Lexed.trailing`.
 """
@@ -19,9 +20,10 @@ from gidl.source import Source, Span
 
 
 class Token(NamedTuple):
-    kind: str  # "id" "escaped" "op" "directive" "eof", or for literals: "int" "float" "fixed"
-    # "string" "char" "wide_string" "wide_char". The preprocessor gives "macro": the use of a macro
-    # with parameters, which is reported already
+    # "id", "escaped", "op", "directive" or "eof"; for literals "int", "float", "fixed", "string",
+    # "char", "wide_string" or "wide_char". The preprocessor adds "macro": the use of a macro with
+    # parameters, which is already reported.
+    kind: str
     text: str  # identifiers without the escaping underscore, literals with quotes
     start: int
     end: int
@@ -125,8 +127,8 @@ class _Lexer:
         return self._lexed
 
     def _judge_foreign_bytes(self) -> None:
-        """Reports bytes that are not UTF-8: one warning for all comments of the file, and one error
-        for each other line that has such bytes."""
+        """Reports bytes that are not UTF-8. All comments of the file get one warning together; each
+        other line with such bytes gets an error."""
         text = self._source.text
         starts = [comment.start for comment in self._lexed.comments]
         warned = False
@@ -139,7 +141,7 @@ class _Lexer:
                         "G0706",
                         Span(self._source, at, at + 1),
                         "this comment is not UTF-8; it is read as Latin-1",
-                        "reported once per file; iconv -f latin1 -t utf-8 converts it",
+                        "reported once per file; to convert the file: iconv -f latin1 -t utf-8",
                     )
                 warned = True
             elif at >= line_end:
@@ -156,8 +158,8 @@ class _Lexer:
         self._findings.error(code, Span(self._source, start, end), message, *help_lines)
 
     def _unknown(self, at: int) -> int:
-        """Reports an unknown character, and returns the offset after it. Where this helps the
-        parser, a token replaces the character."""
+        """Reports an unknown character, and returns the offset after it. A token takes the place of
+        the character if this helps the parser."""
         text = self._source.text
         char = text[at]
         if char in "\"'":
@@ -169,7 +171,7 @@ class _Lexer:
         return at + 1
 
     def _unclosed(self, at: int) -> int:
-        """Reports an unclosed literal. The literal is taken to end at the end of its line, before
+        """Reports an unclosed literal. The literal is assumed to end at the end of its line, before
         any closing `;,})`."""
         text = self._source.text
         line_end = text.find("\n", at)
@@ -185,7 +187,7 @@ class _Lexer:
         return end
 
     def _foreign_word(self, at: int) -> int:
-        """Reports a word with letters outside ASCII once, and reads it as an identifier."""
+        """Reports a word with letters outside ASCII once, and reads the word as an identifier."""
         text = self._source.text
         tokens = self._lexed.tokens
         start = at
@@ -208,7 +210,7 @@ class _Lexer:
 
     def _number(self, start: int, end: int) -> int:
         """Returns the end of a number. Reports letters directly after the digits, and the digits 8
-        and 9 in octal numbers."""
+        and 9 in an octal number."""
         text = self._source.text
         tail = _IDENTIFIER_TAIL.match(text, end)
         if tail is not None:
@@ -256,12 +258,12 @@ class _Lexer:
         self._lexed.comments.append(Comment(comment, start, end, own_line))
 
     def _spliced_comment(self, end: int) -> None:
-        """Reports a `//` comment up to `end` with a backslash at the end of its line: a C++
-        preprocessor reads the next line as a part of the comment."""
+        """Reports a `//` comment that ends at `end` and has a backslash at the end of its line,
+        because a C++ preprocessor reads the next line as part of the comment."""
         text = self._source.text
         following = text[end + 1 :].partition("\n")[0].strip()
         if not following or following.startswith("//"):
-            return  # both readings are the same
+            return  # the comment means the same with and without the backslash
         at = text.rindex("\\", 0, end)
         self._findings.warning(
             "G0710",
@@ -272,15 +274,16 @@ class _Lexer:
         )
 
     def _foreign_comment(self, name: str, start: int, end: int) -> None:
-        """Reports a comment `//@name` that is no annotation: one for another tool (`//@top-level
-        false`), or an annotation without its parentheses (`//@unit "m"`)."""
+        """Reports a comment that begins like an annotation but is none: for example a comment for
+        another tool (`//@top-level false`), or an annotation without parentheses (`//@unit
+        "m"`)."""
         span = Span(self._source, start, end)
         written = self._source.text[start:end].rstrip()
         if name in PLACES:
             self._findings.error(
                 "G0502",
                 span,
-                f"'{written}' annotates nothing: arguments must be in parentheses",
+                f"'{written}' is not an annotation: write its arguments in parentheses",
                 f"//@{name}(...)",
             )
             return
@@ -318,12 +321,13 @@ class _Lexer:
 
 
 def directive_line(text: str, at: int) -> tuple[str, int]:
-    """Reads the preprocessor line that begins with the `#` at `at`. Returns what the line says,
-    with each comment as one space and continued lines joined, and the offset where it ends. The
-    comments after its last word are not part of the line; they may be documentation."""
+    """Reads the preprocessor line whose `#` is at the offset `at`. Returns the text of the line and
+    the offset where the line ends. In the text, each comment is one space, and continued lines are
+    joined. Comments after the last word are not part of the line, because they may be
+    documentation."""
     said = ""
     stop = at
-    words = 0  # length of `said` up to the end of its last word
+    words = 0  # length of `said` without spaces after its last word
     for part in _DIRECTIVE_PART.finditer(text, at):
         kind = part.lastgroup
         if kind == "end":

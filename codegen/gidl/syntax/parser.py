@@ -1,6 +1,6 @@
-"""Builds the syntax tree from tokens: recursive descent, one method per grammar rule.
+"""Builds the syntax tree from tokens, by recursive descent with one method for each grammar rule.
 
-After an error, parsing goes on at the next declaration, so that one run reports all errors.
+After an error, parsing continues at the next declaration, so that one run reports all errors.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def parse(
 
 
 def _lines(source: Source, start: int, end: int) -> range:
-    """The lines between the preprocessor lines at the offsets `start` and `end`."""
+    """Returns the lines between the preprocessor lines at the offsets `start` and `end`."""
     return range(source.location(start).line + 1, source.location(end).line)
 
 
@@ -108,7 +108,8 @@ class Parser(InterfaceParser):
                 "G0502",
                 self._span(tokens[0]),
                 "this //@ comment annotates nothing",
-                "put it after the ';' or ',' of the annotated declaration, or alone on the line "
+                "put the comment after the ';' or ',' of the annotated declaration, or alone "
+                "on the line "
                 "before",
             )
         return tree
@@ -165,7 +166,10 @@ class Parser(InterfaceParser):
             return []
         if self._is(";"):
             self._findings.error(
-                "G0100", self._span(token), "this ';' ends no declaration", "leave it out"
+                "G0100",
+                self._span(token),
+                "there is no declaration before this ';'",
+                "leave it out",
             )
             self._advance()
             return []
@@ -173,8 +177,8 @@ class Parser(InterfaceParser):
         raise Skip
 
     def _refused_declaration(self) -> RefusedSyntax:
-        """Skips an unsupported declaration and reports it, once per name. The name stays known, so
-        that uses of the name are not reported."""
+        """Skips an unsupported declaration, and reports it once for each name. The name stays
+        known, so that uses of the name are not reported."""
         keyword = self._advance()
         if self._is("valuetype"):  # after `custom` or `abstract`
             keyword = self._advance()
@@ -189,7 +193,8 @@ class Parser(InterfaceParser):
         return RefusedSyntax(name)
 
     def _type_declaration(self, extras: Extras) -> DeclarationSyntax | None:
-        """Parses type_dcl, which modules and interfaces may contain; None if none begins here."""
+        """Parses the grammar rule type_dcl, which modules and interfaces may contain. Returns None
+        if the next token does not begin one."""
         match self._now.text if self._now.kind == "id" else "":
             case "struct" | "union" | "enum" | "bitmask" | "bitset":
                 return self._constructed_declaration(extras)
@@ -242,8 +247,9 @@ class Parser(InterfaceParser):
                 self._findings.error(
                     "G0100",
                     self._span(token),
-                    'an imported string is a repository identifier, "IDL:robcl/Frame:1.0"',
-                    "to read another file write #include",
+                    "an imported string must be a repository identifier such as "
+                    '"IDL:robcl/Frame:1.0"',
+                    "to include another file, write #include",
                 )
                 raise Skip
             parts = tuple(text.removeprefix("IDL:").rpartition(":")[0].split("/"))
@@ -317,8 +323,8 @@ class Parser(InterfaceParser):
         return Extras(annotations, doc)
 
     def _opened(self, extras: Extras) -> None:
-        """If the next token is `{`, adds the `//@` comments after it to the declaration that it
-        opens."""
+        """If the next token is `{`, adds the `//@` comments after it to the declaration whose body
+        begins here."""
         if self._is("{"):
             self._take_trailing(extras, self._now)
 

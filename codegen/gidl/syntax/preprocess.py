@@ -1,7 +1,8 @@
-"""Preprocessor lines: `#include`, guards, `#pragma once`, conditions and constants.
+"""Processes preprocessor lines: `#include`, include guards, `#pragma once`, conditions and
+constants.
 
-Each file is read only once per run, even without an include guard. Macros are constants (`#define
-RATE 250`); macros with parameters are reported as unsupported.
+Each file is read only once per run, even without an include guard. Macros are constants, for
+example `#define RATE 250`. Macros with parameters are reported as unsupported.
 """
 
 from __future__ import annotations
@@ -141,7 +142,8 @@ class _Preprocessor:
             self._findings.error("G0005", self._span(token), f"#error {rest}")
         elif word == "warning":
             self._findings.warning("G0704", self._span(token), f"#warning {rest}")
-        elif word not in ("line", "ident") and not word.isdigit():  # skips line markers: `# 1 "x"`
+        # Line markers such as `# 1 "x"` are skipped.
+        elif word not in ("line", "ident") and not word.isdigit():
             self._findings.error(
                 "G0005",
                 self._span(token),
@@ -163,7 +165,7 @@ class _Preprocessor:
 
     def _include(self, rest: str, token: Token) -> None:
         body = self._macros.get(rest, ())
-        if len(body) == 1 and body[0].kind == "string":  # `#include NAME`, NAME a macro
+        if len(body) == 1 and body[0].kind == "string":  # `#include NAME`, where NAME is a macro
             rest = body[0].text
         match = _INCLUDE.match(rest)
         if match is None:
@@ -190,8 +192,8 @@ class _Preprocessor:
             self._findings.error(
                 "G0211",
                 self._span(token),
-                f"macro '{name}' has parameters: these are not part of .gidl",
-                "write out its expansion, or use a constant",
+                f"macro '{name}' has parameters; such macros are not part of .gidl",
+                "replace its uses by their expansion, or use a constant",
             )
             return
         quiet = Findings()
@@ -208,8 +210,8 @@ class _Preprocessor:
             self._macros.pop(match.group(1), None)
 
     def _expand(self, use: Token) -> list[Token]:
-        """Tokens of the macro that `use` names; macros inside it are expanded. All tokens get the
-        location of `use`."""
+        """Returns the tokens of the macro that `use` names, with macros inside it expanded. All
+        tokens get the location of `use`."""
         result: list[Token] = []
         work: list[tuple[Token, frozenset[str]]] = [(use, frozenset())]
         while work:
@@ -275,10 +277,10 @@ class _Preprocessor:
 
 
 def _without_arguments(tokens: list[Token]) -> list[Token]:
-    """Leaves out the arguments of macros with parameters. The name of such a macro without
-    arguments is a name like any other, as in C++."""
+    """Returns `tokens` without the arguments of macros with parameters. If the name of such a macro
+    stands without arguments, it is a name like any other, as in C++."""
     result: list[Token] = []
-    depth: int | None = None  # of the brackets, in arguments
+    depth: int | None = None  # how many brackets are open in the arguments
     for index, token in enumerate(tokens):
         if depth is not None and token.kind != "eof":
             depth += {"(": 1, ")": -1}.get(token.text, 0) if token.kind == "op" else 0

@@ -1,4 +1,4 @@
-"""Grammar of structs, exceptions, unions, enums, bitmasks and bitsets."""
+"""Parses structs, exceptions, unions, enums, bitmasks and bitsets."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ from gidl.syntax.type_parser import TypeParser
 
 
 class StructParser(TypeParser):
-    """Methods parse a declaration up to its `}`; `_finish` parses the `;`, if there is one."""
+    """The methods parse a declaration up to its `}`. `_finish` then parses the `;`, if there is
+    one."""
 
     @abstractmethod
     def _extras(self) -> Extras: ...
@@ -56,7 +57,8 @@ class StructParser(TypeParser):
                 return self._bitset(extras)
 
     def _constructed_declaration(self, extras: Extras) -> DeclarationSyntax:
-        """Parses struct, union, enum, bitmask or bitset with its `;`, or a forward declaration."""
+        """Parses a struct, union, enum, bitmask or bitset with its `;`, or a forward
+        declaration."""
         kind = self._now.text
         if kind in ("struct", "union") and self._token_at(2).text == ";":
             self._advance()
@@ -78,7 +80,7 @@ class StructParser(TypeParser):
                 "G0100",
                 self._span(self._now),
                 "a struct has at most one base",
-                "make the other struct a member",
+                "keep one base, and declare a member of the other struct's type",
             )
             while self._accept(","):
                 self._scoped_name("a name")
@@ -130,7 +132,7 @@ class StructParser(TypeParser):
         what = f"union '{name.text}'"
         opened = self._expect("{", f"to open {what}")
         cases: list[CaseSyntax] = []
-        cases_read = True  # False: a case had a syntax error
+        cases_read = True  # False if a case had a syntax error
         while not self._is("}") and self._now.kind != "eof":
             before = self._at
             try:

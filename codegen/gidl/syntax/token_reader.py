@@ -1,4 +1,4 @@
-"""Base class of the parser: looks ahead, expects tokens, reports errors and recovers."""
+"""Base class of the parser: looks ahead, expects tokens, reports errors, and recovers from them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Skip(Exception):
 
 
 class GiveUp(Exception):
-    """Raised after a finding, if the rest of the file cannot be parsed."""
+    """Raised after a finding if the rest of the file cannot be parsed."""
 
 
 class TokenReader:
@@ -42,7 +42,7 @@ class TokenReader:
         return self._token_at(1)
 
     def _token_at(self, distance: int) -> Token:
-        """The token that is `distance` tokens after the next token."""
+        """Returns the token that is `distance` tokens after the next token."""
         return self._tokens[min(self._at + distance, len(self._tokens) - 1)]
 
     @property
@@ -62,7 +62,8 @@ class TokenReader:
         return token
 
     def _is(self, text: str) -> bool:
-        """Whether the next token is this keyword or punctuation (not an escaped identifier)."""
+        """Returns whether the next token is this keyword or punctuation (and not an escaped
+        identifier)."""
         token = self._now
         return token.text == text and token.kind in ("id", "op")
 
@@ -79,11 +80,11 @@ class TokenReader:
         raise Skip
 
     def _starts_line(self) -> bool:
-        """Whether the next token is on a later line than the token before it."""
+        """Returns whether the next token is on a later line than the token before it."""
         return self._source.line_of(self._now.start) > self._source.line_of(self._previous.start)
 
     def _expect_semicolon(self, where: str) -> None:
-        """Reads a `;`. If it is missing, reports this, and parsing continues as if it were
+        """Reads a `;`. If the `;` is missing, reports this, and parsing continues as if it were
         there."""
         if self._accept(";"):
             return
@@ -102,7 +103,7 @@ class TokenReader:
     def _syntax_error(self, expected: str, where: str = "", *help_lines: str) -> None:
         token = self._now
         if token.kind == "macro":
-            return  # its definition is reported
+            return  # the definition of the macro is already reported
         found = "the end of the file" if token.kind == "eof" else f"'{_short(token.text)}'"
         if token.kind == "escaped":
             found = f"'_{token.text}'"
@@ -118,8 +119,8 @@ class TokenReader:
         self._findings.error(code, at, f"{what} not part of .gidl", instead)
 
     def _refuse_once(self, name: str, code: str, at: Span, what: str, instead: str) -> None:
-        """Refuses a declaration. A forward declaration and the full declaration give one finding
-        together."""
+        """Refuses a declaration. A forward declaration and the full declaration together give one
+        finding."""
         if (name, code) not in self._refused_names:
             self._refused_names.add((name, code))
             self._refuse(code, at, what, instead)
@@ -167,8 +168,8 @@ class TokenReader:
                 f"'{token.text}' is the keyword '{keyword}'{alike}"
                 if alike
                 else f"'{token.text}' is a keyword",
-                f"write '_{token.text}': the underscore escapes the keyword and is no part of the "
-                "name",
+                f"write '_{token.text}': the underscore escapes the keyword and is not part of "
+                "the name",
             )
         elif token.text.lower() in UNUSED_BY_LOWER:
             self._findings.warning(
@@ -198,7 +199,7 @@ class TokenReader:
                 "G0212",
                 self._span(token),
                 "'Object' is a type of values, not an interface",
-                "write 'Object' alone as the type of a value; leave out a base 'Object'",
+                "use 'Object' only as the type of a value, not as a base or as a scope",
             )
             raise Skip
         if token.kind != "id" or token.text in USED_BY_LOWER.values():
@@ -209,7 +210,8 @@ class TokenReader:
     # -- recovery ------------------------------------------------------------------------------
 
     def _skip_statement(self) -> None:
-        """Skips tokens through the next `;`, or up to the `}` that closes the enclosing body."""
+        """Skips tokens up to and including the next `;`, or up to the `}` that closes the enclosing
+        body."""
         depth = 0
         while self._now.kind != "eof":
             text = self._now.text if self._now.kind == "op" else ""

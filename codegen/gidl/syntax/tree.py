@@ -1,4 +1,5 @@
-"""The tree of one file, as written. Names are not yet looked up, expressions not yet computed."""
+"""The syntax tree of one file, as written: names are not yet looked up, and expressions are not yet
+computed."""
 
 from __future__ import annotations
 
@@ -9,7 +10,7 @@ from gidl.source import Span
 
 @dataclass(frozen=True, slots=True)
 class Name:
-    """The identifier of a declaration."""
+    """The identifier that a declaration declares."""
 
     text: str
     span: Span
@@ -60,7 +61,7 @@ class Binary:
 
 @dataclass(frozen=True, slots=True)
 class RefusedValue:
-    """A use of a macro with parameters; the preprocessor has reported the macro."""
+    """The use of a macro with parameters. The preprocessor has already reported the macro."""
 
     span: Span
 
@@ -81,7 +82,7 @@ class AnnotationUse:
 
 @dataclass(frozen=True, slots=True)
 class BasicType:
-    """A primitive type, by its name in the model ("uint32" for `unsigned long`)."""
+    """A primitive type, by its name in the model: for example "uint32" for `unsigned long`."""
 
     name: str
     span: Span
@@ -89,7 +90,8 @@ class BasicType:
 
 @dataclass(frozen=True, slots=True)
 class RefusedType:
-    """A type of the IDL standard that is not part of .gidl; the parser has reported the type."""
+    """A type of the IDL standard that is not part of .gidl. The parser has already reported the
+    type."""
 
     span: Span
 
@@ -124,7 +126,8 @@ class MapOf:
 
 @dataclass(frozen=True, slots=True)
 class InlineType:
-    """A type declared where it is used: by a member, a typedef or the switch of a union."""
+    """A type that is declared where it is used: by a member, a typedef, or the discriminator of a
+    union."""
 
     declaration: ConstructedSyntax
     span: Span
@@ -208,7 +211,7 @@ class BitmaskSyntax:
 class BitfieldSyntax:
     width: Expression
     type: BasicType | RefusedType | None
-    names: list[Name]  # an empty list: padding bits
+    names: list[Name]  # an empty list means padding bits
     extras: Extras
     span: Span
 
@@ -247,7 +250,7 @@ class ForwardSyntax:
 
 @dataclass(slots=True)
 class RefusedSyntax:
-    """A declaration that is not part of .gidl. The parser has reported it and keeps its name."""
+    """A declaration that is not part of .gidl. The parser has reported it, and keeps its name."""
 
     name: Name
 
@@ -304,7 +307,8 @@ class AnnotationParameterSyntax:
 
 @dataclass(slots=True)
 class AnnotationSyntax:
-    """An annotation declared with @annotation. `body` holds its enums, constants and typedefs."""
+    """An annotation that is declared with @annotation. `body` holds its enums, constants and
+    typedefs."""
 
     name: Name
     parameters: list[AnnotationParameterSyntax]

@@ -1,4 +1,4 @@
-"""Grammar of types, declarators and annotations."""
+"""Parses types, declarators and annotations."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ _SIMPLE_TYPES = {
 
 _WIDE_HELP = "use a string, which is UTF-8; with --wide=utf8, wide text is read as UTF-8"
 _REFUSED_TYPES = {
-    "any": ("G0201", "'any' is", "declare a union of the types that it may hold"),
+    "any": ("G0201", "'any' is", "declare a union of the types that the value may have"),
     "ValueBase": ("G0202", "'ValueBase' is", "use a struct"),
     "fixed": ("G0203", "'fixed' is", "use an int64 in the smallest unit, or a double"),
     "wchar": ("G0206", "'wchar' is", _WIDE_HELP),
     "wstring": ("G0206", "'wstring' is", _WIDE_HELP),
 }
 
-_BYTES_OF_A_CHARACTER = 4  # most bytes of one character in UTF-8
+_BYTES_OF_A_CHARACTER = 4  # the largest number of bytes in UTF-8
 _OBJECT_REF = ("gecos", "ObjectRef")
 _CONSTRUCTED = ("struct", "union", "enum", "bitmask", "bitset")
 
@@ -64,8 +64,8 @@ class TypeParser(ExpressionParser):
         return found
 
     def _annotation(self) -> AnnotationUse:
-        """Parses an annotation. A "::" after a space begins a type; it is no part of the name of
-        the annotation: `@optional ::m::Pose where`."""
+        """Parses an annotation. A "::" after a space is not part of the name of the annotation, but
+        begins a type, as in `@optional ::m::Pose where`."""
         start = self._advance()
         name_token = self._now
         is_scoped = self._ahead.text == "::" and self._ahead.start == name_token.end
@@ -100,7 +100,7 @@ class TypeParser(ExpressionParser):
     # -- type_spec -----------------------------------------------------------------------------
 
     def _type_or_declaration(self, what: str = "a type") -> TypeSyntax:
-        """Parses a type where it may also be declared inline: `struct T { ... } member;`."""
+        """Parses a type that may also be declared here, as in `struct T { ... } member;`."""
         token = self._now
         if token.kind != "id" or token.text not in _CONSTRUCTED or not self._declares_here():
             return self._type(what)
@@ -120,8 +120,8 @@ class TypeParser(ExpressionParser):
         return self._ahead.text in ("{", "switch") or self._token_at(2).text in ("{", "switch", ":")
 
     def _type_of_macro(self) -> RefusedType:
-        """Reads the use of a macro with parameters as a type if a name follows on its line. Else
-        the use stands for more than a type."""
+        """Reads the use of a macro with parameters as a type if a name follows on the same line.
+        Otherwise the macro stands for more than a type, and the method raises Skip."""
         token = self._advance()
         if self._now.kind not in ("id", "escaped") or self._starts_line():
             raise Skip
@@ -163,7 +163,7 @@ class TypeParser(ExpressionParser):
             raise Skip
 
     def _integer_type(self) -> TypeSyntax:
-        """Parses `long`, `long long`, `unsigned short`, ...; refuses `long double`."""
+        """Parses `long`, `long long`, `unsigned short` and similar types; refuses `long double`."""
         start = self._now
         unsigned = self._accept("unsigned")
         if self._accept("short"):
@@ -191,8 +191,8 @@ class TypeParser(ExpressionParser):
         return StringOf(bound, self._since(start))
 
     def _wide_type(self) -> StringOf:
-        """Parses a wide type as a string type: `wstring` without bound, `wchar` with room for one
-        character, `wstring<N>` with room for N characters of up to 4 bytes."""
+        """Parses a wide type as a string type. `wstring` has no bound, `wchar` has room for one
+        character, and `wstring<N>` has room for N characters of up to 4 bytes."""
         token = self._advance()
         room = Literal(_BYTES_OF_A_CHARACTER, "int", self._span(token))
         if token.text == "wchar":
@@ -224,7 +224,8 @@ class TypeParser(ExpressionParser):
         return MapOf(key, value, bound, self._since(start))
 
     def _value_of(self, used: TypeSyntax) -> Expression:
-        """Parses the value of a constant. If its type is unsupported, the value is skipped."""
+        """Parses the value of a constant. If the type of the constant is unsupported, the value is
+        skipped."""
         if not isinstance(used, RefusedType):
             return self._expression()
         start = self._now
@@ -259,7 +260,8 @@ class TypeParser(ExpressionParser):
         return RefusedType(self._since(token))
 
     def _misplaced_declaration(self) -> TypeSyntax:
-        """Reports `struct S` used as a type (C style), or a type declared where it must not be."""
+        """Reports `struct S` used as a type (C style), or a type that is declared where it must not
+        be."""
         declares = self._declares_here()
         token = self._advance()
         if self._now.kind in ("id", "escaped") and not declares:
@@ -267,7 +269,7 @@ class TypeParser(ExpressionParser):
             self._findings.error(
                 "G0100",
                 self._span(token),
-                f"'{token.text}' is not written before the name of an existing type",
+                f"'{token.text}' must not be written before the name of an existing type",
                 f"write '{name}'",
             )
             return TypeUse(name, name.span)

@@ -1,1 +1,2 @@
-"""Code generators, one package per language: `lower` prints types and codecs, `view` the files."""
+"""Code generators, with one package for each language. In a package, `lower` prints types and
+codecs, and `view` lists the files."""

@@ -1,4 +1,4 @@
-"""Parameters, results and streams of calls, for the targets of all languages."""
+"""Parameters, results and streams of calls, in the form that the targets of all languages use."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def attribute_value(a: Attribute) -> CallValue:
 
 
 def reply_values(operation: Operation, call: CallLayout) -> list[CallValue]:
-    """The values in a reply: the result, then the `inout` and `out` parameters."""
+    """Returns the values in a reply: the result, then the `inout` and `out` parameters."""
     values = []
     if operation.result is not None:
         values.append(
@@ -65,8 +65,8 @@ def reply_values(operation: Operation, call: CallLayout) -> list[CallValue]:
 
 
 def first_missing(values: Sequence[CallValue]) -> int:
-    """The index of the first value that an older caller may leave out, together with all after
-    it."""
+    """Returns the index of the first value that an older caller may leave out, together with all
+    values after it."""
     index = len(values)
     while index and (values[index - 1].optional or values[index - 1].default is not None):
         index -= 1
@@ -74,11 +74,11 @@ def first_missing(values: Sequence[CallValue]) -> int:
 
 
 def result_struct(layout: Layout, operation: Operation) -> Struct:
-    """The results of an operation as a struct, `Gripper_measure_result`; appendable, like every
-    reply."""
+    """Returns the results of an operation as a struct, for example `Gripper_measure_result`. The
+    struct is appendable, like every reply."""
     return Struct(
         f"{operation.interface}_{operation.name}_result",
-        Facts(operation.facts.location, f"What `{operation.name}` gives."),
+        Facts(operation.facts.location, f"The results of `{operation.name}`."),
         members_of(reply_values(operation, layout.call(operation.scoped_name))),
         extensibility=Extensibility.APPENDABLE,
     )
@@ -94,19 +94,22 @@ def members_of(values: Sequence[CallValue]) -> tuple[Member, ...]:
 
 
 def stream_attributes(model: Model, layout: Layout, interface: Interface) -> list[Attribute]:
-    """The streams that the server publishes, also inherited ones, sorted by function code."""
+    """Returns the streams that the server publishes, including inherited ones, sorted by function
+    code."""
     members = model.all_interface_members(interface)
     found = [m for m in members if isinstance(m, Attribute) and m.streams_out]
     return sorted(found, key=lambda a: layout.stream(a.scoped_name).code)
 
 
 def short_name(call: CallLayout) -> str:
-    """The name of a call without its scope: "move", or "tool_offset=" for a setter."""
+    """Returns the name of a call without its scope, for example "move", or "tool_offset=" for a
+    setter."""
     return call.name.rpartition("::")[2]
 
 
 def passes_objects(model: Model, file: File) -> bool:
-    """Whether a type or a call of the file contains object references (gecos::ObjectRef)."""
+    """Returns whether a type or a call of the file contains object references
+    (gecos::ObjectRef)."""
     return any(
         isinstance(model.find(name), Interface)
         for declaration in file.declarations
@@ -145,11 +148,12 @@ def refuse_unsupported(interface: Interface) -> None:
         if isinstance(member, Operation) and member.is_event:
             raise UnsupportedError(
                 member.facts.location,
-                f"{member.scoped_name}: events are not generated yet; publish a @stream attribute",
+                f"{member.scoped_name}: gidl does not generate events yet; use a @stream "
+                "attribute instead",
             )
         if isinstance(member, Attribute) and member.streams_in:
             raise UnsupportedError(
                 member.facts.location,
-                f"{member.scoped_name}: inward streams are not generated yet;"
+                f"{member.scoped_name}: gidl does not generate inward streams yet;"
                 " use an operation that takes the value",
             )

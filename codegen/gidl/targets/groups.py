@@ -1,8 +1,9 @@
-"""Line breaking of generated code: views mark where lines may be broken, so no code is parsed.
+"""Breaks lines of generated code. Views mark where lines may be broken, so that no code has to be
+parsed.
 
-A *group* is a text of parts in brackets: the arguments of a call, the elements of a list. A part
-may contain further groups. `laid_out_groups` keeps a line that fits. It breaks a longer line at its
-first group, then at the groups inside, until all lines fit.
+A *group* is a text of parts in brackets, for example the arguments of a call or the elements of a
+list. A part may contain further groups. `laid_out_groups` keeps a line that fits. It breaks a
+longer line at its first group, then at the groups inside, until all lines fit.
 
     text = f"{name} = call{group(['first', 'call' + group(['second'])])}"
 """
@@ -14,13 +15,15 @@ from dataclasses import dataclass
 
 WIDTH = 100
 _STEP = "    "
-# Marks of groups: private-use code points, which `without_marks` removes from texts of users.
+# Characters that mark groups. They are private-use code points, which `without_marks` removes from
+# the texts of users.
 _OPEN, _NEXT, _CLOSE, _SPACE = "\ue000", "\ue001", "\ue002", "\ue003"
 _MARKS = str.maketrans("", "", _OPEN + _NEXT + _CLOSE + _SPACE)
 
 
 def group(parts: Iterable[str], opening: str = "(", closing: str = ")") -> str:
-    """A group of `parts` in brackets, separated by commas. On one line: "(a, b)"."""
+    """Returns a group of `parts` in brackets, separated by commas. On one line, the group is a text
+    such as "(a, b)"."""
     inside = _NEXT.join(parts)
     return f"{opening}{_OPEN}{inside}{_CLOSE}{closing}" if inside else f"{opening}{closing}"
 
@@ -30,23 +33,24 @@ def call(function: str, *arguments: str) -> str:
 
 
 def clauses(parts: Iterable[str], opening: str = "(", closing: str = ")") -> str:
-    """A group of `parts` in brackets, separated by spaces: "[x for x in y]"."""
+    """Returns a group of `parts` in brackets, separated by spaces, for example "[x for x in y]"."""
     return f"{opening}{_OPEN}{_SPACE.join(parts)}{_CLOSE}{closing}"
 
 
 def without_marks(text: str) -> str:
-    """`text` without the code points that mark groups; `text` comes from a user."""
+    """Returns `text`, which comes from a user, without the characters that mark groups."""
     return text.translate(_MARKS)
 
 
 def flat(text: str) -> str:
-    """`text` with all of its groups on one line."""
+    """Returns `text` with all of its groups on one line."""
     return text.replace(_NEXT, ", ").replace(_SPACE, " ").translate(_MARKS)
 
 
 def laid_out_groups(text: str, closes_alone: bool) -> str:
-    """`text` with the groups of long lines broken. With `closes_alone` (Python), the last part gets
-    a comma and the closing bracket its own line; else (C++) the bracket follows the last part."""
+    """Returns `text` with the groups of long lines broken. With `closes_alone` (for Python), the
+    last part is followed by a comma, and the closing bracket is on a line of its own. Otherwise
+    (for C++) the closing bracket directly follows the last part."""
     lines: list[str] = []
     for line in text.split("\n"):
         lines += _laid_out(line, closes_alone) if _OPEN in line else [line]

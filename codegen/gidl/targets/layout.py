@@ -6,14 +6,16 @@ from gidl.targets.groups import laid_out_groups
 
 
 def laid_out(text: str, language: str) -> str:
-    """`text` with long lines broken, and with the empty lines that are usual in `language`."""
+    """Returns `text` with long lines broken, and with the empty lines that are usual in
+    `language`."""
     python = language == "python"
     lines = laid_out_groups(text, closes_alone=python).split("\n")
     return "\n".join(_spaced(lines, python)).strip("\n") + "\n"
 
 
 def _spaced(lines: list[str], python: bool) -> list[str]:
-    """Puts two empty lines around top-level blocks of Python; leaves at most one elsewhere."""
+    """Puts two empty lines around top-level blocks of Python. Elsewhere leaves at most one empty
+    line."""
     result: list[str] = []
     empty, block = 0, False  # `block`: the line is in a top-level class or function
     decorated = False  # the previous line decorates a top-level class or function

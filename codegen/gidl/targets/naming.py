@@ -19,7 +19,8 @@ from gidl.targets.groups import without_marks
 
 @dataclass(frozen=True, slots=True)
 class OutputFile:
-    """A file to write: `template` rendered with `view`. `path` is relative to the output folder."""
+    """A file to write: the result of rendering `template` with `view`. `path` is relative to the
+    output folder."""
 
     path: str
     language: str  # folder in `targets` that contains the template
@@ -37,8 +38,8 @@ class UnsupportedError(Exception):
 
 
 class LocalNames:
-    """Unique names for locals, parameters and helpers of a scope. A name that is already taken gets
-    underscores at its end."""
+    """Chooses unique names for locals, parameters and helpers of a scope. A name that is already
+    taken gets underscores at its end."""
 
     def __init__(self, taken: Iterable[str] = ()) -> None:
         self._taken = set(taken)
@@ -51,13 +52,14 @@ class LocalNames:
 
 
 def wrapped(line: str, width: int) -> list[str]:
-    """A line of a comment, wrapped to `width` characters. Longer words, such as URLs, are not
-    split."""
+    """Returns a line of a comment, wrapped to `width` characters. Longer words, for example URLs,
+    are not split."""
     return textwrap.wrap(line, width, break_long_words=False, break_on_hyphens=False) or [""]
 
 
 def doc_lines(facts: Facts, note: str = "") -> tuple[str, ...]:
-    """Documentation: the author's comment, then `note` in brackets, then @since and @deprecated."""
+    """Returns the documentation: the author's comment, then `note` in brackets, then @since and
+    @deprecated."""
     lines: list[str] = []
     for line in without_marks(facts.doc).strip().splitlines():
         lines += wrapped(line.strip(), 88)
@@ -75,7 +77,8 @@ def doc_lines(facts: Facts, note: str = "") -> tuple[str, ...]:
 
 
 def value_note(unit: str | None, limits: Range | None, bound: int | None = None) -> str:
-    """Unit, range and largest size of a value for documentation, such as "m, 0.01 to 1.0"."""
+    """Returns unit, range and largest size of a value for documentation, for example "m, 0.01 to
+    1.0"."""
     parts = [unit] if unit else []
     if limits is not None:
         parts.append(range_words(limits))
@@ -92,11 +95,11 @@ def range_words(limits: Range) -> str:
     return f"{limits.minimum} to {limits.maximum}"
 
 
-def range_text(limits: Range) -> str:
-    """A range as messages show it: "[0.01, 1.0]"."""
+def range_text(limits: Range, unit: str | None) -> str:
+    """Returns a range as messages show it, for example "[0.01, 1.0] m/s"."""
     lower = "-inf" if limits.minimum is None else str(limits.minimum)
     upper = "inf" if limits.maximum is None else str(limits.maximum)
-    return f"[{lower}, {upper}]"
+    return f"[{lower}, {upper}]{f' {unit}' if unit else ''}"
 
 
 def is_number(value: Value | None) -> bool:
@@ -104,7 +107,8 @@ def is_number(value: Value | None) -> bool:
 
 
 def snake_case(name: str) -> str:
-    """ "LaserDistanceSensor" -> "laser_distance_sensor", "Rx90" -> "rx90"."""
+    """Returns a name in snake case: "laser_distance_sensor" for "LaserDistanceSensor", and "rx90"
+    for "Rx90"."""
     out = ""
     for i, letter in enumerate(name):
         starts = letter.isupper() and i > 0
@@ -117,7 +121,8 @@ def snake_case(name: str) -> str:
 
 
 def has_output(model: Model, path: str) -> bool:
-    """Whether code is generated for the file `path`: not if it only declares annotations."""
+    """Returns whether code is generated for the file `path`: no code if the file only declares
+    annotations."""
     file = next(f for f in model.files if f.path == path)
     printed = any(not isinstance(d, AnnotationDeclaration) for d in file.declarations)
     return printed or bool(file.includes)

@@ -1,4 +1,5 @@
-"""Finds which types can contain which. Types may be recursive: decoders limit the depth."""
+"""Finds the types that a type can contain. Types may be recursive, because decoders limit the
+depth."""
 
 from __future__ import annotations
 
@@ -19,7 +20,7 @@ from gidl.model import (
 
 
 def type_reaches(model: Model, start: str, goal: str) -> bool:
-    """Whether a value of type `start` can contain a value of type `goal`."""
+    """Returns whether a value of type `start` can contain a value of type `goal`."""
     open_names, seen = _direct(model, start), set[str]()
     while open_names:
         name = open_names.pop()
@@ -32,7 +33,8 @@ def type_reaches(model: Model, start: str, goal: str) -> bool:
 
 
 def reached_types(model: Model, names: Iterable[str]) -> set[str]:
-    """The declarations in `names`, their bases, and all declarations that their values contain."""
+    """Returns the declarations in `names`, their bases, and all declarations that their values
+    contain."""
     open_names, seen = set(names), set[str]()
     while open_names:
         name = open_names.pop()
@@ -62,7 +64,7 @@ def _direct(model: Model, name: str) -> set[str]:
 
 
 def named_types(used: Type) -> set[str]:
-    """Names of the declarations that the text of a type contains."""
+    """Returns the names of the declarations that the text of a type contains."""
     match used:
         case NamedType(name):
             return {name}

@@ -1,4 +1,5 @@
-"""Chooses the values that a generated mock server returns, equal in all languages."""
+"""Chooses the values that a generated mock server returns. The values are equal in all
+languages."""
 
 from __future__ import annotations
 
@@ -25,8 +26,8 @@ from gidl.model import (
 
 
 def number(kind: Primitive, limits: Range | None) -> int | float:
-    """The middle of the range `limits`. If one side is open, the number of the range that is
-    nearest to 0."""
+    """Returns the middle of the range `limits`. If the range has only one limit, returns the number
+    in the range that is nearest to 0."""
     if limits is None:
         return 0 if kind.is_integer else 0.0
     low, high = limits.minimum, limits.maximum
@@ -39,8 +40,8 @@ def number(kind: Primitive, limits: Range | None) -> int | float:
 
 
 def is_made_by_default(model: Model, node: Node, alone: bool) -> bool:
-    """Whether a mock may return a default-constructed value. `alone`: the value is not a member, so
-    it has no declared default, and an enum is 0."""
+    """Returns whether a mock may return a default-constructed value. With `alone`, the value is not
+    a member: it has no declared default, and an enum is 0."""
     match node:
         case ScalarNode(kind, limits):
             return not kind.is_number or number(kind, limits) == 0
@@ -64,10 +65,11 @@ def is_made_by_default(model: Model, node: Node, alone: bool) -> bool:
 
 
 def arm_of(union: Union) -> UnionCase:
-    """The first arm of the union that a label selects, else the default arm."""
+    """Returns the first arm of the union that a label selects, or else the default arm."""
     return next((case for case in union.cases if case.labels), union.cases[0])
 
 
 def nanoseconds(rate_hz: float | None) -> int:
-    """The interval between two samples of a stream; one second if no rate is declared."""
+    """Returns the interval between two samples of a stream. It is one second if no rate is
+    declared."""
     return round(1e9 / rate_hz) if rate_hz else 1_000_000_000

@@ -1,8 +1,10 @@
-"""The model that every object serves: its interfaces as JSON, for clients without generated code.
+"""Prints the model that every object serves: its interfaces as JSON, for clients without generated
+code.
 
-Each interface has a text of its own, with its own members and the types that these use, directly or
-through other types, as in generated/model. A client asks for the texts of an object's interface and
-of all its bases. The text has a line for each declaration and each member, and is plain ASCII.
+Each interface has a text of its own. The text has the members that the interface itself declares,
+and the types that these members use, directly or through other types, as in generated/model. A
+client asks for the texts of an object's interface and of all its bases. The text has a line for
+each declaration and each member, and is plain ASCII.
 """
 
 from __future__ import annotations
@@ -23,7 +25,8 @@ from gidl.targets.reach import named_types, reached_types
 
 
 def served_model(model: Model, layout: Layout, interface: Interface) -> str:
-    """The text for `interface`; "" for the built-in operations, which every client knows."""
+    """Returns the text for `interface`. The text is "" for the built-in operations, which every
+    client knows."""
     if interface.name == BUILT_IN:
         return ""
     names = _used(model, interface)
@@ -42,7 +45,7 @@ def served_model(model: Model, layout: Layout, interface: Interface) -> str:
 
 
 def _text(value: object) -> str:
-    # The text stands in a raw literal of Python, r'''…''', and of C++, R"json(…)json".
+    # The text is put into a raw literal: r'''…''' in Python, and R"json(…)json" in C++.
     text = json.dumps(value, separators=(",", ":"))
     return text.replace("'", "\\u0027").replace(")json", ")\\u006ason")
 
@@ -52,7 +55,7 @@ def _lines(values: Sequence[object]) -> str:
 
 
 def _used(model: Model, interface: Interface) -> set[str]:
-    """Names of all declarations that the interface's own members need."""
+    """Returns the names of all declarations that the members of the interface itself need."""
     found = {name for used in _member_types(interface) for name in named_types(used)}
     for member in interface.members:
         raised = (

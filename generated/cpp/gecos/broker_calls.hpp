@@ -10,7 +10,7 @@
 
 namespace gecos {
 
-/// What `enlist` takes.
+/// The arguments of `enlist`.
 struct Broker_enlist_arguments {
   ::gecos::Entry what{};
   double served_for = 0.0;  ///< [s]
@@ -21,7 +21,7 @@ struct Broker_enlist_arguments {
   }
 };
 
-/// What `enlist` gives.
+/// The result of `enlist`.
 struct Broker_enlist_result {
   std::optional<double> settles_in{};  ///< [s, optional]
 
@@ -30,14 +30,14 @@ struct Broker_enlist_result {
   }
 };
 
-/// What `withdraw` takes.
+/// The arguments of `withdraw`.
 struct Broker_withdraw_arguments {
   std::string name{};
 
   static bool gecos_members(auto& each, auto& self) { return each("withdraw.name", self.name); }
 };
 
-/// What `lookup` takes.
+/// The arguments of `lookup`.
 struct Broker_lookup_arguments {
   std::string name{};
 

@@ -11,7 +11,7 @@
 
 namespace gecos {
 
-/// What `acquire` takes.
+/// The arguments of `acquire`.
 struct GecosObject_acquire_arguments {
   ::gecos::Status wanted = ::gecos::Status::SENSOR;
   std::optional<std::string> password{};  ///< [at most 1024, optional]
@@ -26,11 +26,11 @@ struct GecosObject_acquire_arguments {
            each(
                "acquire.patience",
                self.patience,
-               gecos::layout::Ranged<double>{{.low = 0.0}, "[0.0, inf]"});
+               gecos::layout::Ranged<double>{{.low = 0.0}, "[0.0, inf] s"});
   }
 };
 
-/// What `release` takes.
+/// The arguments of `release`.
 struct GecosObject_release_arguments {
   std::uint64_t epoch = 0;
   bool now = false;
@@ -40,21 +40,21 @@ struct GecosObject_release_arguments {
   }
 };
 
-/// What `subscribe` takes.
+/// The arguments of `subscribe`.
 struct GecosObject_subscribe_arguments {
   std::uint32_t code = 0;
 
   static bool gecos_members(auto& each, auto& self) { return each("subscribe.code", self.code); }
 };
 
-/// What `unsubscribe` takes.
+/// The arguments of `unsubscribe`.
 struct GecosObject_unsubscribe_arguments {
   std::uint32_t code = 0;
 
   static bool gecos_members(auto& each, auto& self) { return each("unsubscribe.code", self.code); }
 };
 
-/// What `outcome` takes.
+/// The arguments of `outcome`.
 struct GecosObject_outcome_arguments {
   std::uint64_t boot = 0;
   std::uint64_t session = 0;

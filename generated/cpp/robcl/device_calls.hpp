@@ -8,7 +8,7 @@
 
 namespace robcl {
 
-/// What `mount` takes.
+/// The arguments of `mount`.
 struct Device_mount_arguments {
   std::string carrier{};
   ::robcl::Frame offset{};

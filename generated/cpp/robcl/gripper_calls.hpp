@@ -6,7 +6,7 @@
 
 namespace robcl {
 
-/// What `open` takes.
+/// The arguments of `open`.
 struct Gripper_open_arguments {
   double width = 0;  ///< [m, at least 0.0]
 
@@ -14,11 +14,11 @@ struct Gripper_open_arguments {
     return each(
         "open.width",
         self.width,
-        gecos::layout::Ranged<double>{{.low = 0.0}, "[0.0, inf]"});
+        gecos::layout::Ranged<double>{{.low = 0.0}, "[0.0, inf] m"});
   }
 };
 
-/// What `close` takes.
+/// The arguments of `close`.
 struct Gripper_close_arguments {
   double force = 0;  ///< [N, at least 0.0]
 
@@ -26,7 +26,7 @@ struct Gripper_close_arguments {
     return each(
         "close.force",
         self.force,
-        gecos::layout::Ranged<double>{{.low = 0.0}, "[0.0, inf]"});
+        gecos::layout::Ranged<double>{{.low = 0.0}, "[0.0, inf] N"});
   }
 };
 

@@ -44,7 +44,7 @@ gecos::Command<double> Gripper::max_force() const {
 
 gecos::Command<void, ::robcl::GripperState> Gripper::open(double width) const {
   if (!(width >= 0.0)) {
-    return gecos::session::Refused(gecos::wire::out_of_range("open.width", width, "[0.0, inf]"));
+    return gecos::session::Refused(gecos::wire::out_of_range("open.width", width, "[0.0, inf] m"));
   }
   return gecos_call<void, ::robcl::GripperState>(
       GripperInterface::open, 8,
@@ -53,7 +53,7 @@ gecos::Command<void, ::robcl::GripperState> Gripper::open(double width) const {
 
 gecos::Command<void, ::robcl::GripperState> Gripper::close(double force) const {
   if (!(force >= 0.0)) {
-    return gecos::session::Refused(gecos::wire::out_of_range("close.force", force, "[0.0, inf]"));
+    return gecos::session::Refused(gecos::wire::out_of_range("close.force", force, "[0.0, inf] N"));
   }
   return gecos_call<void, ::robcl::GripperState>(
       GripperInterface::close, 8,

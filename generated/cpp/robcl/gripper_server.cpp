@@ -25,7 +25,7 @@ bool GripperServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
       gecos::wire::Decoder from(call.arguments());
       double width{};
       const bool read = from.get(width, "open.width") &&
-          gecos::wire::in_range(from, (width >= 0.0), 8, "open.width");
+          gecos::wire::within(from, width, {.low = 0.0}, "open.width", "[0.0, inf] m");
       if (!read) return call.refuse(from.error());
       gecos::Execution<::robcl::GripperState> run(call);
       return call.answer(this->open(width, run), {"robcl::OutOfRange"});
@@ -34,7 +34,7 @@ bool GripperServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
       gecos::wire::Decoder from(call.arguments());
       double force{};
       const bool read = from.get(force, "close.force") &&
-          gecos::wire::in_range(from, (force >= 0.0), 8, "close.force");
+          gecos::wire::within(from, force, {.low = 0.0}, "close.force", "[0.0, inf] N");
       if (!read) return call.refuse(from.error());
       gecos::Execution<::robcl::GripperState> run(call);
       return call.answer(this->close(force, run), {"robcl::OutOfRange"});

@@ -6,7 +6,7 @@
 
 namespace robcl {
 
-/// What `power` takes.
+/// The arguments of `power`.
 struct LaserDistanceSensor_power_arguments {
   bool on = false;
 

@@ -8,7 +8,7 @@
 
 namespace robcl {
 
-/// What setting `tool_offset` takes.
+/// The arguments of setting `tool_offset`.
 struct Manipulator_set_tool_offset_arguments {
   ::robcl::Frame value{};
 
@@ -17,7 +17,7 @@ struct Manipulator_set_tool_offset_arguments {
   }
 };
 
-/// What `move` takes.
+/// The arguments of `move`.
 struct Manipulator_move_arguments {
   ::robcl::Frame goal{};
   std::optional<::robcl::Trajectory> how{};  ///< [optional]

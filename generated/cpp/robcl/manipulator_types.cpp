@@ -75,13 +75,14 @@ bool Trajectory::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   tool_speed = std::nullopt;
   turn_speed = std::nullopt;
   return from.get(speed, "Trajectory.speed") &&
-         gecos::wire::in_range(from, (speed >= 0.01 && speed <= 1.0), 8, "Trajectory.speed") &&
+         gecos::wire::within(from, speed, {0.01, 1.0}, "Trajectory.speed", "[0.01, 1.0]") &&
          from.get(acceleration, "Trajectory.acceleration") &&
-         gecos::wire::in_range(
+         gecos::wire::within(
              from,
-             (acceleration >= 0.01 && acceleration <= 1.0),
-             8,
-             "Trajectory.acceleration") &&
+             acceleration,
+             {0.01, 1.0},
+             "Trajectory.acceleration",
+             "[0.01, 1.0]") &&
          ::robcl::decode_enum(from, path, "Trajectory.path") &&
          ::robcl::decode_enum(from, at_goal, "Trajectory.at_goal") &&
          (from.at_end() ||
@@ -120,11 +121,7 @@ void MotionProgress::encode(gecos::wire::Encoder& to) const { to.put(fraction, r
 
 bool MotionProgress::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get(fraction, "MotionProgress.fraction") &&
-         gecos::wire::in_range(
-             from,
-             (fraction >= 0.0 && fraction <= 1.0),
-             8,
-             "MotionProgress.fraction") &&
+         gecos::wire::within(from, fraction, {0.0, 1.0}, "MotionProgress.fraction", "[0.0, 1.0]") &&
          from.get(remaining, "MotionProgress.remaining") &&
          gecos::wire::skip_rest(from);
 }
@@ -178,7 +175,8 @@ bool JointLimit::decode([[maybe_unused]] gecos::wire::Decoder& from) {
 std::ostream& operator<<(std::ostream& out, const JointLimit& value) {
   return gecos::wire::print_all(out,
       "JointLimit{axis=", value.axis, ", value=", value.value, " rad, lower=", value.lower,
-      " rad, upper=", value.upper, " rad}");
+      " rad, upper=", value.upper, " rad}",
+      gecos::wire::mistaken_unit(value.value, value.lower, value.upper, "rad"));
 }
 
 std::size_t Singular::encoded_size() const { return 5 + reason.size(); }

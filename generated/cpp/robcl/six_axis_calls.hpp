@@ -8,7 +8,7 @@
 
 namespace robcl {
 
-/// What `move_joints` takes.
+/// The arguments of `move_joints`.
 struct SixAxis_move_joints_arguments {
   ::robcl::Joints target{};
   std::optional<::robcl::Trajectory> how{};  ///< [optional]

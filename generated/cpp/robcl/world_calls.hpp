@@ -9,14 +9,14 @@
 
 namespace robcl {
 
-/// What `find` takes.
+/// The arguments of `find`.
 struct World_find_arguments {
   std::string name{};
 
   static bool gecos_members(auto& each, auto& self) { return each("find.name", self.name); }
 };
 
-/// What `cast` takes.
+/// The arguments of `cast`.
 struct World_cast_arguments {
   ::robcl::Frame origin{};
   double reach = 0;  ///< [m]
@@ -26,7 +26,7 @@ struct World_cast_arguments {
   }
 };
 
-/// What `between` takes.
+/// The arguments of `between`.
 struct World_between_arguments {
   ::robcl::Frame jaws{};
   double opening = 0;  ///< [m]
@@ -36,7 +36,7 @@ struct World_between_arguments {
   }
 };
 
-/// What `place` takes.
+/// The arguments of `place`.
 struct World_place_arguments {
   std::string name{};
   ::robcl::Frame pose{};

@@ -46,13 +46,13 @@ _GRIPPER_MAX_FORCE: _Method[float, None] = _method(
 )
 _GRIPPER_OPEN: _Method[None, GripperState] = _method(
     _Operation(0x7BC932D6, "open", _Access.ACTOR, cancelable=True, hash=0x26B349E727725D66),
-    takes=_values("width", _layout.ranged("d", 0.0), units={"width": "m"}),
+    takes=_values("width", _layout.ranged("d", 0.0, unit="m")),
     feedback=GripperState,
     raises=(OutOfRange,),
 )
 _GRIPPER_CLOSE: _Method[None, GripperState] = _method(
     _Operation(0xD12A65B2, "close", _Access.ACTOR, cancelable=True, hash=0x432E6B27BBEFBA1A),
-    takes=_values("force", _layout.ranged("d", 0.0), units={"force": "N"}),
+    takes=_values("force", _layout.ranged("d", 0.0, unit="N")),
     feedback=GripperState,
     raises=(OutOfRange,),
 )
@@ -134,7 +134,7 @@ class GripperServant(DeviceServant):
 
     @_abstractmethod
     def jaws(self) -> GripperState:
-        """Answers jaws."""
+        """Handles calls of `jaws`."""
 
     @_abstractmethod
     def grip_point(self) -> Frame:
@@ -165,5 +165,5 @@ class GripperServant(DeviceServant):
         """
 
     def publish_jaws(self, value: GripperState, stamp: float | None = None) -> None:
-        """A new sample of `jaws`, measured at `stamp` (Unix time in s; now)."""
+        """Publishes a sample of `jaws`. `stamp`: Unix time in s; None: now."""
         self._gecos_publish(0x6755A361, _GRIPPER_JAWS.body(value), stamp)

@@ -96,7 +96,7 @@ class LaserDistanceSensorServant(DeviceServant):
 
     @_abstractmethod
     def beam(self) -> Distance:
-        """Answers beam."""
+        """Handles calls of `beam`."""
 
     @_abstractmethod
     def measure(self) -> Distance:
@@ -110,5 +110,5 @@ class LaserDistanceSensorServant(DeviceServant):
         """Switches the laser."""
 
     def publish_beam(self, value: Distance, stamp: float | None = None) -> None:
-        """A new sample of `beam`, measured at `stamp` (Unix time in s; now)."""
+        """Publishes a sample of `beam`. `stamp`: Unix time in s; None: now."""
         self._gecos_publish(0x43A6C344, _LASER_DISTANCE_SENSOR_BEAM.body(value), stamp)

@@ -226,9 +226,9 @@ class ManipulatorServant(DeviceServant):
         """
 
     def publish_tool(self, value: Frame, stamp: float | None = None) -> None:
-        """A new sample of `tool`, measured at `stamp` (Unix time in s; now)."""
+        """Publishes a sample of `tool`. `stamp`: Unix time in s; None: now."""
         self._gecos_publish(0x271B3177, _MANIPULATOR_TOOL.body(value), stamp)
 
     def publish_flange(self, value: Frame, stamp: float | None = None) -> None:
-        """A new sample of `flange`, measured at `stamp` (Unix time in s; now)."""
+        """Publishes a sample of `flange`. `stamp`: Unix time in s; None: now."""
         self._gecos_publish(0xD602ADAC, _MANIPULATOR_FLANGE.body(value), stamp)

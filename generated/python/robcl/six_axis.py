@@ -108,5 +108,5 @@ class SixAxisServant(ManipulatorServant):
         """
 
     def publish_joints(self, value: Joints, stamp: float | None = None) -> None:
-        """A new sample of `joints`, measured at `stamp` (Unix time in s; now)."""
+        """Publishes a sample of `joints`. `stamp`: Unix time in s; None: now."""
         self._gecos_publish(0xBFF4D1D1, _SIX_AXIS_JOINTS.body(value), stamp)

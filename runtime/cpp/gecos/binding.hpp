@@ -19,25 +19,27 @@ IncarnationId process_incarnation();
 /// The parts of a Lab that its users do not need.
 struct LabAccess {
   static const LabOrWhyNot& context(const Lab& lab) { return lab.core_; }
-  /// A Lab that passes each medium through `wrap` when it opens the medium: a test wraps it in one
-  /// that loses packets (gecos/media/testing/faulty.hpp).
+  /// Returns a Lab that passes each medium through `wrap` when the Lab opens the medium. For
+  /// example, a test wraps each medium in a medium that loses packets
+  /// (gecos/media/testing/faulty.hpp).
   static Lab with_media(LabOptions options, media::WrapMedium wrap);
 };
 
-/// The session of `lab` with its broker, opened when there is none; on failure, what was tried.
-/// @pre `lab` holds a value.
+/// Returns the session of `lab` with its broker. Opens the session when there is none. On failure
+/// returns a text that says which addresses were tried. @pre `lab` holds a value.
 tl::expected<std::shared_ptr<ClientSession>, std::string> broker_session(const LabOrWhyNot& lab,
                                                                          TimePoint deadline);
 
-/// Decides when to try again to create a proxy for an object that is not online. A broker announces
-/// no changes, so it is asked again: after 20, 40, 80, then every 160 ms.
+/// Decides when to try again to create a proxy for an object that is not online. A broker does not
+/// announce changes, so the caller asks the broker again after 20, 40, 80, then every 160 ms.
 class CreateWait {
  public:
   /// `longest`: how long to wait from `now` on; Duration::max() for no limit.
   CreateWait(const std::vector<std::string>& names, Duration longest, TimePoint now);
 
-  /// When to try again, after a try that ended at `now` and failed as `why` says; nullopt when the
-  /// wait is over, or when none of the objects can come online.
+  /// Returns when to try again after a try that ended at `now` and failed for the reasons in `why`.
+  /// Returns nullopt when the wait is over, or when no attempt failed as NO_SERVER, because then
+  /// waiting cannot help.
   std::optional<TimePoint> next(const CreateError& why, TimePoint now);
 
  private:
@@ -47,16 +49,18 @@ class CreateWait {
 
 struct BrokerPlace {
   std::string address;
-  IncarnationId incarnation{};  ///< of the broker's process
+  IncarnationId incarnation{};  ///< incarnation of the broker's process
 };
-/// The brokers that answer at the addresses where programs of this host may look for a broker.
-/// Waits at most `patience` at each address. @pre `lab` holds a value.
+/// Returns the brokers that answer at the addresses at which programs of this host may look for a
+/// broker. Waits at most `patience` at each address. @pre `lab` holds a value.
 std::vector<BrokerPlace> find_brokers(const LabOrWhyNot& lab, Duration patience);
 
-/// Requests a status; the command is Queued while the request waits in line, for at most `timeout`.
+/// Requests the status `wanted`. While other clients hold the status, the request waits at the
+/// server for at most `timeout`; the returned command is then Queued.
 std::shared_ptr<CommandCore> ask_for_status(ClientSession& session, Status wanted,
                                             const std::string& password, Duration timeout);
-/// The lease that `asked`, a request for a status, was granted. @pre `asked` is terminal
+/// Returns the lease that was granted in reply to `asked`, a request for a status, or the refusal.
+/// @pre `asked` is terminal
 tl::expected<Lease, LeaseRefusal> lease_from(const std::shared_ptr<ClientSession>& session,
                                              CommandCore& asked);
 /// Withdraws `asked`, a request for a status, and releases the status if it is granted

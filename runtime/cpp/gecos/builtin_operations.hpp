@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gecos/base/checked_result.hpp"
@@ -16,10 +17,10 @@ namespace gecos {
 /// Actor or master status of one object, held by this session. A lease ends when it is released or
 /// lost; its destructor calls `release()`. Move-only.
 ///
-/// A release waits for the server's reply, at most a second. After that other clients may get the
-/// status, as soon as the commands issued under it have ended. Commands issued later without
-/// another lease are DENIED. A lease that is destroyed at once, before any command was issued under
-/// it, logs a warning.
+/// A release waits at most one second for the server's reply. Other clients can then acquire the
+/// status as soon as the commands issued under this lease have ended. Commands that are issued
+/// later without another lease end as DENIED. A lease logs a warning when it is destroyed while it
+/// is `fresh()`: the program probably did not keep it.
 class [[nodiscard("keep the lease: its destructor releases the status")]] Lease {
  public:
   Lease(std::shared_ptr<session::ClientSession> session, Grant grant);
@@ -33,7 +34,8 @@ class [[nodiscard("keep the lease: its destructor releases the status")]] Lease 
   void release();
   /// Releases the status and stops the commands that are queued and running under it.
   void release_now();
-  /// True when the lease was acquired less than 100 ms ago and no call was issued since.
+  /// Returns true when the lease was acquired less than 100 ms ago and the program has issued no
+  /// call since.
   bool fresh() const;
 
  private:
@@ -41,26 +43,26 @@ class [[nodiscard("keep the lease: its destructor releases the status")]] Lease 
 
   std::shared_ptr<session::ClientSession> session_;
   Grant grant_;
-  std::uint64_t held_;    ///< result of ClientSession::lease_acquired
+  std::uint64_t held_;    ///< the result of ClientSession::lease_acquired
   std::uint64_t issued_;  ///< number of calls that the program had issued before the lease
   TimePoint since_;
 };
 
-/// Why the server refused actor or master status.
+/// The reason for which the server refused actor or master status.
 struct LeaseRefusal {
   Failure failure;
-  std::vector<Holder> holders;  ///< the present holders; each says since when and until when
+  std::vector<Holder> holders;  ///< the present holders, each with the times of its status
 };
 std::ostream& operator<<(std::ostream& out, const LeaseRefusal& refusal);
 
-/// How a status is acquired.
+/// Options for acquiring a status.
 struct LeaseOptions {
   std::string password{};  ///< clients that pass the same password share the status
-  /// How long to wait in line while others hold the status, in the order of arrival. Zero: not at
-  /// all. Duration::max(): without limit.
+  /// How long to wait while other clients hold the status. Waiting requests are granted in the
+  /// order of their arrival. Zero: do not wait. Duration::max(): wait without limit.
   Duration timeout{};
-  /// Called on the calling thread with the number of requests before this one, when the wait begins
-  /// and whenever the number changes.
+  /// Called on the thread that acquires the status: when the wait begins, and whenever the number
+  /// of requests before this one changes. `before` is that number.
   std::function<void(std::uint32_t before)> on_position{};
 };
 
@@ -68,25 +70,31 @@ struct LeaseOptions {
 /// the same `password` share the status.
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 actor(const Object& object, std::string password = {});
-/// Waits in line while others hold the status: `gecos::actor(*robot, {.timeout = 10s})`. A `stop`
-/// of the object ends the line. A server that is older than this option refuses at once.
+/// Like the overload above, but can wait while other clients hold the status, for example
+/// `gecos::actor(*robot, {.timeout = 10s})`. A `stop` of the object ends the wait with a refusal. A
+/// server that was built before this option existed refuses at once.
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 actor(const Object& object, const LeaseOptions& options);
-/// Acquires master status: like actor status, and the calls of other clients are refused.
+void actor(std::string_view name) = delete;  // takes a proxy, from lab.create
+/// Acquires master status. It gives the rights of actor status, and the server refuses the calls of
+/// all other clients.
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 master(const Object& object, std::string password = {});
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 master(const Object& object, const LeaseOptions& options);
+void master(std::string_view name) = delete;  // takes a proxy, as gecos::actor does
 
-/// Stops the device for every holder: ends every lease, drops the queue, interrupts commands.
+/// Stops the object for all clients: ends every lease except those of this session, removes all
+/// queued commands and interrupts the running ones.
 Command<void> stop(const Object& object);
 Command<void> ping(const Object& object);
 Command<Description> describe(const Object& object);
 Command<std::vector<Holder>> holders(const Object& object);
-/// The object's interface and each of its bases as JSON, for clients without generated code.
+/// Returns the object's interface and each of its bases as JSON, for clients without generated
+/// code.
 Command<std::vector<std::string>> model(const Object& object);
 
-/// The outcome of a command, or its present state.
+/// The outcome of a command that has ended, or the present state of a command that has not.
 struct Outcome {
   Detail detail = Detail::OutcomeUnknown;
   std::string text;  ///< explains `detail`, unless it is Done
@@ -95,10 +103,11 @@ struct Outcome {
 std::ostream& operator<<(std::ostream& out, const Outcome& outcome);
 
 /// Asks, through a new proxy, for the outcome of an actor command that ended as OUTCOME_UNKNOWN.
-/// The state of that command does not change. NotStarted is a promise: the command has not arrived
-/// and never starts. Sent: the command has not arrived and may still start; ask again.
-/// OutcomeUnknown: the server was restarted since, or no longer keeps the outcome (it keeps the
-/// last 1024 of each object).
+/// The state of the `Command` object does not change. The answer NotStarted is a promise: the
+/// command has not arrived at the server and will never start. Sent means that the command has not
+/// arrived and may still start; ask again. OutcomeUnknown means that the server was restarted after
+/// the command, or no longer keeps the outcome (a server keeps the last 1024 outcomes of each
+/// object).
 Command<Outcome> outcome(const Object& object, const CommandId& id);
 
 }  // namespace gecos

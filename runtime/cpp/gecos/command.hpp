@@ -18,15 +18,15 @@
 
 namespace gecos {
 
-/// The four states of a command, as in the paper (docs/paper-map.md). Every command reaches exactly
-/// one of the last three, which is final.
+/// The four states of a command, as in the paper (docs/paper-map.md). Every command ends in exactly
+/// one of the last three states and stays in that state.
 enum class State : std::uint8_t {
   Running,
   Finished,
   CommandFailed,
   ConnectionFailed,  ///< the command certainly did not start: it may be sent again
 };
-std::string_view to_string(State state);  ///< "RUNNING", as in the paper
+std::string_view to_string(State state);  ///< returns for example "RUNNING", as in the paper
 std::ostream& operator<<(std::ostream& out, State state);
 
 /// The detailed state of a command; `project` maps it onto one of the four states.
@@ -62,7 +62,7 @@ enum class Detail : std::uint8_t {
   QosUnavailable,
 };
 State project(Detail detail);
-std::string_view to_string(Detail detail);  ///< "SERVER_CRASHED"
+std::string_view to_string(Detail detail);  ///< returns for example "SERVER_CRASHED"
 std::optional<Detail> detail_from(std::uint8_t number);
 std::ostream& operator<<(std::ostream& out, Detail detail);
 
@@ -74,7 +74,7 @@ struct Failure {
   Bytes evidence;         ///< the declared exception, encoded
 
   State state() const { return project(detail); }
-  /// The declared exception, when the handler raised one of type E.
+  /// Returns the declared exception if the handler raised one of type E; otherwise nullopt.
   template <wire::GeneralContents E>
   std::optional<E> as() const {
     if (exception != E::type_name()) return std::nullopt;
@@ -84,8 +84,8 @@ struct Failure {
 };
 std::ostream& operator<<(std::ostream& out, const Failure& failure);
 
-/// Identifies a command, so that any program can ask for its outcome later. All zero: the command
-/// was never sent.
+/// Identifies a command, so that any program can ask for the command's outcome later. When all
+/// members are zero, the command was never sent.
 struct CommandId {
   std::uint64_t incarnation = 0;  ///< incarnation of the server's process
   std::uint64_t session = 0;      ///< random; a client that knows it may ask for the outcome
@@ -93,11 +93,12 @@ struct CommandId {
 
   friend bool operator==(const CommandId&, const CommandId&) = default;
 };
-std::string to_string(const CommandId& id);  ///< three hexadecimal numbers, "0123-4567-1"
+std::string to_string(const CommandId& id);  ///< three hexadecimal numbers, for example
+                                             ///< "1a2b-3c4d-1"
 std::optional<CommandId> command_id_from(std::string_view text);
 std::ostream& operator<<(std::ostream& out, const CommandId& id);
 
-/// The progress of a command; all members were read at the same instant.
+/// The progress of a command. All members describe the same instant.
 struct Progress {
   Detail detail = Detail::Sent;
   std::uint32_t position = 0;  ///< number of commands before this one, while Queued
@@ -106,33 +107,34 @@ struct Progress {
 
 namespace session {
 
-/// A command without its result type, shared by caller and session. Thread-safe. Dropping a
-/// CommandCore never cancels: its command runs on.
+/// A command without its result type, shared by caller and session. Thread-safe. Destroying a
+/// CommandCore does not cancel its command.
 class CommandCore {
  public:
   virtual ~CommandCore() = default;
   virtual CommandId id() const = 0;
   virtual Progress progress() const = 0;
-  /// Latest feedback, encoded; empty when none has arrived.
+  /// Returns the latest feedback, encoded; empty when no feedback has arrived.
   virtual Bytes feedback() const = 0;
-  /// Waits until the command is terminal or `deadline` has passed; true when terminal. Never hangs:
-  /// every command ends in bounded time, whichever process dies.
+  /// Waits until the command is terminal or `deadline` has passed; true when terminal. Does not
+  /// hang when a process dies: the command then ends in bounded time.
   virtual bool wait_until(TimePoint deadline) = 0;
   /// Asks the server to cancel the command. The final state tells whether the request was in time.
   virtual void cancel() = 0;
-  /// The encoded result of a command that is Done. Call it only when the command is terminal; the
-  /// view is valid as long as this object.
+  /// Returns the encoded result of a command that is Done. Call it only when the command is
+  /// terminal. The view is valid as long as this object exists.
   virtual ByteView result() const = 0;
-  /// Why the command failed. Call it only when the command is terminal and not Done.
+  /// Returns why the command failed. Call it only when the command is terminal and not Done.
   virtual const Failure& failure() const = 0;
-  /// Descriptor that becomes readable when the command is terminal; this object owns it.
+  /// Returns a descriptor that becomes readable when the command is terminal. This object owns the
+  /// descriptor.
   virtual int descriptor() = 0;
   /// Calls `then` once the command is terminal: immediately when it is terminal already, else on
-  /// the lab's callback thread. The callback comes even when the caller has dropped the command. An
-  /// exception that `then` throws is logged and not propagated.
+  /// the lab's callback thread. `then` is called even when the program has destroyed its Command.
+  /// An exception that `then` throws is logged and not propagated.
   virtual void when_ended(std::function<void()> then) = 0;
-  /// The name of the called operation, "RX90.move". Known while the command runs; afterwards only
-  /// when the command failed and no caller had observed it.
+  /// Returns the name of the called operation, for example "RX90.move". After the command has
+  /// ended, the name is empty unless the command failed and no caller had observed it.
   virtual std::string about() const { return {}; }
 
   /// Marks the outcome as observed. A failure of the command is then not logged.
@@ -143,7 +145,8 @@ class CommandCore {
   std::atomic<bool> observed_{false};  // protects no other data, so relaxed is enough
 };
 
-/// `co_await command`: resumes on the lab's callback thread with the result of `get()`.
+/// Implements `co_await command`. The coroutine resumes on the lab's callback thread with the
+/// result of `get()`.
 template <class Command>
 class CommandAwaiter {
  public:
@@ -165,17 +168,18 @@ class CommandAwaiter {
 template <class Feedback>
 class AnyCommand {
  public:
-  /// The argument for `gecos::outcome` after the connection was lost.
+  /// Returns the id of the command. After the connection was lost, pass it to `gecos::outcome` to
+  /// ask for the command's outcome.
   CommandId id() const { return core_->id(); }
   State state() const& { return project(progress().detail); }
-  State state() && = delete;
+  State state() && = delete;  // keep the command: `auto move = robot.move(goal); move.state()`
   Progress progress() const& {
     core_->observe();
     return core_->progress();
   }
-  Progress progress() && = delete;
+  Progress progress() && = delete;  // keep the command: `auto move = robot.move(goal);`
 
-  /// Latest feedback; nothing when none has arrived.
+  /// Returns the latest feedback; nullopt when no feedback has arrived.
   std::optional<Feedback> feedback() const requires(!std::is_void_v<Feedback>) {
     core_->observe();
     const Bytes bytes = core_->feedback();
@@ -186,18 +190,19 @@ class AnyCommand {
 
   /// Waits until the command is terminal.
   State wait() const { return wait_until(TimePoint::max()); }
-  /// Waits at most `patience`; Running when the command has not ended by then.
+  /// Waits at most `patience`. Returns Running when the command has not ended by then.
   State wait_for(Duration patience) const { return wait_until(deadline_after(patience)); }
   /// Asks the server to cancel the command. The final state tells whether the request was in time.
   void cancel() const {
     core_->observe();
     core_->cancel();
   }
-  /// Says that the caller needs no outcome. A failure of the command is then not logged.
+  /// Declares that the program does not need the outcome. A failure of the command is then not
+  /// logged.
   void detach() const { core_->observe(); }
 
-  /// A descriptor for poll, select or epoll, readable once the command is terminal. The command
-  /// owns it.
+  /// Returns a descriptor for poll, select or epoll that becomes readable when the command is
+  /// terminal. The command owns the descriptor.
   int descriptor() const {
     core_->observe();
     return core_->descriptor();
@@ -206,7 +211,7 @@ class AnyCommand {
 
  protected:
   explicit AnyCommand(std::shared_ptr<CommandCore> core) : core_(std::move(core)) {}
-  /// Waits until the command is terminal; returns its failure unless it finished.
+  /// Waits until the command is terminal. Returns its failure unless the command is FINISHED.
   tl::expected<void, Failure> ended() const {
     if (wait() != State::Finished) return tl::unexpected(core_->failure());
     return {};
@@ -229,15 +234,18 @@ class AnyCommand {
 
 }  // namespace session
 
-/// An issued call. T is the type of its result, Feedback the type that it reports while it runs.
+#define GECOS_KEPT [[nodiscard("keep the command, or detach() it")]]
+
+/// A call that was issued. T is the type of its result. Feedback is the type of the reports that
+/// the handler sends while it runs.
 ///
 /// The method of the proxy issues the call and returns at once; only `wait`, `wait_for` and `get`
-/// block. Dropping the Command lets the call run on. A failure that no caller observed is logged,
-/// once for each operation of an object and kind of failure. `while (robot.move(x).state() ==
-/// State::Running)` does not compile: each iteration would issue a new command. Keep the command:
-/// `auto move = robot.move(x); while (move.state() == State::Running)`.
+/// block. Destroying the Command does not cancel the call. A failure that the program did not
+/// observe is logged, but only the first failure for each object, operation and detail. `while
+/// (robot.move(x).state() == State::Running)` does not compile: each iteration would issue a new
+/// command. Keep the command: `auto move = robot.move(x); while (move.state() == State::Running)`.
 template <class T, class Feedback = void>
-class [[nodiscard]] Command : public session::AnyCommand<Feedback> {
+class GECOS_KEPT Command : public session::AnyCommand<Feedback> {
  public:
   using Decode = bool (*)(wire::Decoder&, T&);
 
@@ -271,7 +279,7 @@ class [[nodiscard]] Command : public session::AnyCommand<Feedback> {
 
 /// A call of an operation without a result; otherwise like Command<T>.
 template <class Feedback>
-class [[nodiscard]] Command<void, Feedback> : public session::AnyCommand<Feedback> {
+class GECOS_KEPT Command<void, Feedback> : public session::AnyCommand<Feedback> {
  public:
   explicit Command(std::shared_ptr<session::CommandCore> core)
       : session::AnyCommand<Feedback>(std::move(core)) {}
@@ -283,5 +291,7 @@ class [[nodiscard]] Command<void, Feedback> : public session::AnyCommand<Feedbac
   }
   auto operator co_await() const { return session::CommandAwaiter<Command>(*this); }
 };
+
+#undef GECOS_KEPT
 
 }  // namespace gecos

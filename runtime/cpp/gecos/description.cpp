@@ -32,8 +32,8 @@ std::vector<const Entry*> all_by_code(const InterfaceDescription& interface, Tab
   std::vector<const Entry*> all;
   collect(interface, table, all);
   std::ranges::sort(all, {}, &Entry::code);
-  // A base that is inherited on two paths was collected twice. (clang 14 does not compile
-  // libstdc++'s std::ranges::unique.)
+  // A base that is inherited on two paths was collected twice, so duplicates are removed. (clang 14
+  // does not compile libstdc++'s std::ranges::unique.)
   const auto same = [](const Entry* one, const Entry* other) { return one->code == other->code; };
   all.erase(std::unique(all.begin(), all.end(), same), all.end());
   return all;

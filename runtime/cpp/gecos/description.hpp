@@ -19,22 +19,23 @@ enum class OnLoss : std::uint8_t { Stop, Finish };
 
 struct OperationDescription {
   FunctionCode code{};
-  std::string_view name{};  ///< "move", "tool", "tool=" for a setter
+  std::string_view name{};  ///< for example "move"; "tool" for a getter, "tool=" for a setter
   std::uint64_t hash = 0;
   OperationKind kind = OperationKind::Operation;
   access::Status status = access::Status::Actor;  ///< the status that the caller needs
-  bool safety = false;      ///< bypasses the queues; never refused for lack of status
+  bool safety = false;      ///< starts before all queued calls; never refused for lack of status
   bool presence = true;     ///< needs a person in the laboratory
   bool idempotent = false;  ///< may be sent again in a new session
-  bool cancelable = false;  ///< long-running: runs on the object's worker, has progress
-  bool parallel = false;    ///< may run beside other actor commands of the object
-  bool ordered = false;     ///< sensor operation; starts in the order of its caller's calls
+  bool cancelable = false;  ///< long-running: runs on a worker thread and reports progress
+  bool parallel = false;    ///< may run at the same time as other actor commands
+  bool ordered = false;     ///< sensor operation that starts in the order of its caller's calls
   OnNew on_new = OnNew::Queue;
   OnLoss on_loss = OnLoss::Stop;
   qos::Quality quality{};
 };
 
-/// For generated tables: `rest` contains the members that differ from their defaults.
+/// Makes an entry of a generated table. `rest` contains the members that differ from their
+/// defaults.
 constexpr OperationDescription operation(std::uint32_t code, std::string_view name,
                                          std::uint64_t hash, OperationDescription rest = {}) {
   rest.code = FunctionCode{code};
@@ -43,7 +44,8 @@ constexpr OperationDescription operation(std::uint32_t code, std::string_view na
   return rest;
 }
 
-/// Like `operation`, for the getter of an attribute: it needs only sensor status and is idempotent.
+/// Like `operation`, for the getter of an attribute. A getter needs only sensor status and is
+/// idempotent.
 constexpr OperationDescription getter(std::uint32_t code, std::string_view name, std::uint64_t hash,
                                       OperationDescription rest = {}) {
   rest.kind = OperationKind::Getter;
@@ -59,15 +61,15 @@ struct StreamDescription {
   std::string_view name{};
   access::Status status = access::Status::Sensor;
   double rate_hz = 0;
-  std::size_t largest = 0;  ///< bytes of the largest sample; 0 when unbounded (then 64 KiB)
+  std::size_t largest = 0;  ///< bytes of the largest sample; 0: unbounded, up to 64 KiB are sent
   qos::Quality quality{};
 };
 
-/// Time stamp for a sample that is measured at the moment of its publication.
+/// A value for a time stamp: the sample is measured at the moment of its publication.
 inline constexpr std::int64_t measured_now = std::numeric_limits<std::int64_t>::min();
 
 struct InterfaceDescription {
-  std::string_view name{};  ///< "robcl::Rx90"
+  std::string_view name{};  ///< for example "robcl::Rx90"
   std::string_view version{};
   std::uint64_t hash = 0;
   std::span<const std::string_view> bases{};  ///< scoped names of all direct and indirect bases
@@ -81,13 +83,14 @@ struct InterfaceDescription {
   /// operations.
   std::string_view model{};
 
-  /// The own or inherited operation (stream) with this code; null when there is none.
+  /// Returns the own or inherited operation (`find_stream`: the stream) with this code; null when
+  /// the interface has none.
   const OperationDescription* find(FunctionCode code) const;
   const StreamDescription* find_stream(FunctionCode code) const;
-  /// All own and inherited operations (streams), each once, sorted by code.
+  /// Returns all own and inherited operations (`all_streams`: streams), each once, sorted by code.
   std::vector<const OperationDescription*> all_operations() const;
   std::vector<const StreamDescription*> all_streams() const;
-  /// The models of this interface and of all its bases, each once.
+  /// Returns the models of this interface and of all its bases, each once.
   std::vector<std::string_view> all_models() const;
   bool is_a(std::string_view interface_name) const;
 };

@@ -1,6 +1,7 @@
 #pragma once
 
-/// All that a program needs to use or to serve objects; the interfaces come from generated headers.
+/// Includes all that a program needs to use or to serve objects, except the interfaces, which are
+/// in generated headers.
 #include "gecos/builtin_operations.hpp"
 #include "gecos/lab.hpp"
 #include "gecos/reconnecting.hpp"

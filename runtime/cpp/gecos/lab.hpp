@@ -18,23 +18,27 @@
 namespace gecos {
 
 struct LabOptions {
-  /// Address of the broker, "shm:…" or "lcm:…". Empty: `GECOS_BROKER`, else this host's broker.
+  /// Address of the broker, for example "shm:…" or "lcm:…". If it is empty, the environment
+  /// variable `GECOS_BROKER` gives the address; if that is not set either, the broker of this host
+  /// is used.
   std::string broker{};
   /// The name of this program that others see. Empty: the name of its executable.
   std::string program{};
-  Duration grace = std::chrono::seconds(1);  ///< how long a lost peer may stay UNREACHABLE
-  Duration lease_ttl = std::chrono::milliseconds(500);  ///< silence that ends a session
+  Duration grace = std::chrono::seconds(1);  ///< how long a peer may be UNREACHABLE before it is
+                                             ///< lost
+  Duration lease_ttl = std::chrono::milliseconds(500);  ///< silence after which a client loses its
+                                                        ///< leases
   Duration heartbeat = std::chrono::milliseconds(100);
 };
 
 struct CreateOptions {
-  /// The medium to use; `create` fails when this medium is not available, even if others are.
-  /// Nothing: the best available one.
+  /// The medium to use. `create` fails when this medium is not available, even if others are.
+  /// Without a value, `create` uses the best available medium.
   std::optional<media::Kind> medium{};
   /// Longest wait for an answer of the broker and of the server.
   Duration patience = std::chrono::seconds(2);
-  /// How long to try again while no object of the names is online, or no broker answers.
-  /// Duration::max(): without limit. An object of another type is not waited for.
+  /// How long to keep trying while none of the named objects is online, or while no broker answers.
+  /// Duration::max(): without limit. `create` does not wait for an object of the wrong type.
   Duration wait{};
   /// Required incarnation of the server process, as in an ObjectRef; 0: any.
   std::uint64_t incarnation = 0;
@@ -44,7 +48,7 @@ struct CreateOptions {
 struct CreateError {
   struct Attempt {
     std::string name;
-    Detail detail = Detail::NoServer;  ///< NoServer, Refused, QosUnavailable
+    Detail detail = Detail::NoServer;  ///< NoServer, Refused or QosUnavailable
     std::string reason;
   };
   std::vector<Attempt> attempts;
@@ -55,7 +59,7 @@ std::ostream& operator<<(std::ostream& out, const CreateError& error);
 namespace session {
 class Context;
 struct LabAccess;
-/// An opened session, and why the names before it in the list were skipped.
+/// A session that was opened, and why the earlier names in the list were skipped.
 struct Created {
   std::shared_ptr<ClientSession> session;
   CreateError passed_over;
@@ -63,15 +67,15 @@ struct Created {
 /// Why a Lab could not be set up.
 struct NoLab {
   std::string text;
-  /// The system error when this process has no thread or descriptor left; nothing when an
+  /// The system error when this process has no thread or descriptor left; no value when an
   /// environment variable is invalid.
   std::optional<std::system_error> missing{};
 };
 using LabOrWhyNot = tl::expected<std::shared_ptr<Context>, NoLab>;
-/// The error text when a resource is missing: "this process has no resources left for a Lab:
-/// eventfd (see `ulimit -n` …): Too many open files".
+/// Returns the error text for a missing resource, for example "this process has no resources left
+/// for a Lab: eventfd (see `ulimit -n` …): Too many open files".
 std::string nothing_left(std::string_view what_for, const std::system_error& why);
-/// Tries once, whatever `options.wait` is.
+/// Like `create`, but tries only once and ignores `options.wait`.
 tl::expected<Created, CreateError> try_create(const LabOrWhyNot& lab,
                                               const InterfaceDescription& wanted,
                                               const std::vector<std::string>& names,
@@ -82,11 +86,18 @@ tl::expected<Created, CreateError> create(const LabOrWhyNot& lab,
                                           const CreateOptions& options);
 }  // namespace session
 
+/// The class of an interface's proxies, as gidl generates it.
+template <class Proxy>
+concept ClientClass = requires {
+  Proxy::gecos_description();
+};
+
 /// The laboratory as this process sees it: finds objects and connects to them. Thread-safe. A
 /// process may have several Labs; each has its own connection to a broker.
 ///
-/// The constructor does not fail: when this process has no thread or descriptor left, or GECOS_LOG
-/// is not a log level, `create` and `Server::add` fail with that reason.
+/// The constructor does not fail. When this process has no thread or descriptor left, or when the
+/// environment variable GECOS_LOG is not a log level, `create` and `Server::add` fail with that
+/// reason.
 class Lab {
  public:
   explicit Lab(LabOptions options = {});
@@ -94,43 +105,46 @@ class Lab {
   Lab(const Lab&) = delete;
   Lab& operator=(const Lab&) = delete;
 
-  /// Ends the sessions with all objects, even while proxies, leases or streams exist: leases are
-  /// released, commands that have arrived under them still finish, waiting calls and stream readers
-  /// end, and later calls are CONNECTION_FAILED. From then on `create` fails. Servers of this lab
-  /// continue. Takes at most about a second, plus 0.2 s for each server over lcm that does not
-  /// answer. A second call does nothing.
+  /// Ends the sessions with all objects, even while proxies, leases or streams exist. Leases are
+  /// released; commands that have arrived at the server still finish. Threads that wait for calls
+  /// or samples return, and later calls end as CONNECTION_FAILED. From then on `create` fails.
+  /// Servers of this lab continue. Takes at most about a second, plus 0.2 s for each server over
+  /// lcm that does not answer. A second call does nothing.
   ///
   /// The destructor ends no session: a proxy keeps the parts of the lab that it needs, and its
   /// session ends with the last copy of the proxy.
   void close();
 
-  /// A proxy for the first object of `names` that is online and has the interface of Proxy. Using a
-  /// failed result without a check ends the program with the text of the CreateError.
-  template <class Proxy>
+  /// Returns a proxy for the first object of `names` that is online and has the interface of Proxy.
+  /// Using a failed result without a check ends the program with the text of the CreateError.
+  template <ClientClass Proxy>
   Checked<Proxy, CreateError> create(const std::vector<std::string>& names,
                                      CreateOptions options = {}) {
     auto created = session::create(core_, Proxy::gecos_description(), names, options);
     if (!created) return tl::unexpected(std::move(created.error()));
     return Proxy(std::move(created->session));
   }
-  /// For names in braces, `create<Manipulator>({"RX90", "SIM"})`: without this overload two
-  /// literals in braces could also construct a single std::string.
-  template <class Proxy>
+  /// An overload for names in braces, for example `create<Manipulator>({"RX90", "SIM"})`. Without
+  /// this overload, two literals in braces could also construct a single std::string.
+  template <ClientClass Proxy>
   Checked<Proxy, CreateError> create(std::initializer_list<const char*> names,
                                      CreateOptions options = {}) {
     return create<Proxy>(std::vector<std::string>(names.begin(), names.end()), std::move(options));
   }
-  template <class Proxy>
+  template <ClientClass Proxy>
   Checked<Proxy, CreateError> create(std::string name, CreateOptions options = {}) {
     return create<Proxy>(std::vector<std::string>{std::move(name)}, options);
   }
-  /// A proxy for the referenced object. Fails when the server process of the reference no longer
-  /// serves the object: a restarted server may have another state. A nil reference is refused.
-  template <class Proxy>
+  /// Returns a proxy for the referenced object. Fails when the server process in the reference no
+  /// longer serves the object, because a restarted server may be in another state. Also fails for a
+  /// nil reference.
+  template <ClientClass Proxy>
   Checked<Proxy, CreateError> create(const ObjectRef& reference, CreateOptions options = {}) {
     if (reference.boot != 0) options.incarnation = reference.boot;
     return create<Proxy>(std::vector<std::string>{reference.name}, std::move(options));
   }
+  template <class Proxy, class... Rest>
+  requires(!ClientClass<Proxy>) void create(Rest&&...) = delete;  // takes a client class of gidl
 
  private:
   friend struct session::LabAccess;

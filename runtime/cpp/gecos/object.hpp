@@ -19,15 +19,15 @@ namespace gecos {
 
 /// Options for the calls through one copy of a proxy.
 struct CallOptions {
-  /// Longest time from sending to completion. The server receives it, and ends the call when that
-  /// time has passed. Without a value, the `@qos(deadline=…)` of the operation applies, if there is
-  /// one. With zero or a negative value the call is not sent and ends EXPIRED.
+  /// Longest time from sending to completion. The server receives this time and ends the call when
+  /// it has passed. Without a value, the `@qos(deadline=…)` of the operation applies, if the
+  /// operation has one. If the value is zero or negative, the call is not sent and ends as EXPIRED.
   std::optional<Duration> deadline{};
 };
 
 namespace session {
 
-/// Client side of one session with one object: what generated proxies call. Thread-safe.
+/// Client side of one session with one object. Generated proxies call its methods. Thread-safe.
 class ClientSession {
  public:
   virtual ~ClientSession() = default;
@@ -39,41 +39,41 @@ class ClientSession {
   /// Subscribes to a stream of the object.
   virtual tl::expected<std::shared_ptr<StreamCore>, Failure> subscribe(
       const StreamDescription& stream) = 0;
-  /// Scoped name of the interface that the object implements: the interface of the proxy, or an
-  /// interface derived from it.
+  /// Returns the scoped name of the interface that the object implements: the interface of the
+  /// proxy, or an interface derived from that interface.
   virtual const std::string& interface_name() const = 0;
   virtual const std::string& object_name() const = 0;
   virtual const media::Capabilities& capabilities() const = 0;
-  /// The reference by which other programs find the object. Nil when the proxy was not made by
-  /// `Lab::create`.
+  /// Returns the reference by which other programs find the object. The reference is nil when the
+  /// proxy was not made by `Lab::create`.
   virtual ObjectRef reference() const = 0;
-  /// Tells the session that a lease was acquired: from now on it issues commands under `epoch`.
-  /// Returns the argument for `lease_released`.
+  /// Tells the session that a lease was acquired. From now on the session issues commands under
+  /// `epoch`. Returns the argument for `lease_released`.
   virtual std::uint64_t lease_acquired(std::uint64_t epoch) = 0;
-  /// Tells the session that a lease was released. After the last lease of a status the session
-  /// issues commands without an epoch.
+  /// Tells the session that a lease was released. When the last lease of a status is released, the
+  /// session issues later commands without an epoch.
   virtual void lease_released(std::uint64_t held) = 0;
-  /// Number of calls that were issued so far.
+  /// Returns the number of calls that were issued so far.
   virtual std::uint64_t issued() = 0;
 };
 
-/// The session of a proxy that was not made by `Lab::create`: every call is
+/// Returns the session of a proxy that was not made by `Lab::create`. Every call in it ends as
 /// CONNECTION_FAILED/NO_SERVER.
 const std::shared_ptr<ClientSession>& nil_session();
 
-/// The session of a proxy whose lab was closed. It behaves like `nil_session`, but keeps the names
-/// of `was`, the previous session of the proxy.
+/// Returns a session for a proxy whose lab was closed. It behaves like `nil_session`, but keeps the
+/// names of `was`, the previous session of the proxy.
 std::shared_ptr<ClientSession> closed_session(const ClientSession& was);
 
-/// A command that failed before its call was sent.
+/// Returns a command that has ended with `failure`, without being sent.
 std::shared_ptr<CommandCore> ended(Failure failure);
 
-/// Converts to the command of a call with invalid parameters: the call is not sent and ends
-/// BAD_PARAMETER.
+/// Stands for a call with invalid parameters, which is not sent. Converts to a command of any type
+/// that has ended as BAD_PARAMETER.
 class Refused {
  public:
   explicit Refused(std::string why);
-  /// Number of calls that this process has refused before sending.
+  /// Returns how many calls this process has refused before they were sent.
   static std::uint64_t count();
   template <class T, class Feedback>
   operator Command<T, Feedback>() const {  // NOLINT(google-explicit-constructor): it is returned
@@ -98,7 +98,8 @@ class Object {
   Object() : gecos_session_(session::nil_session()) {}
   explicit Object(std::shared_ptr<session::ClientSession> gecos_session)
       : gecos_session_(std::move(gecos_session)) {}
-  // Copied, never moved: a move would move a virtual base again for each path that leads to it.
+  // Proxies are copied, never moved: a move would move a virtual base once for each path of
+  // inheritance that leads to the base.
   Object(const Object&) = default;
   Object& operator=(const Object&) = default;
 
@@ -148,11 +149,13 @@ inline const std::shared_ptr<session::ClientSession>& session_of(const Object& o
   return object.gecos_session_;
 }
 
-/// A reference to the object, which operations pass when the type of a parameter or result is an
-/// interface. `Lab::create` makes a proxy from it in any process of the laboratory.
+/// Returns a reference to the object. Operations pass such a reference when the type of a parameter
+/// or result is an interface. In any process of the laboratory, `Lab::create` makes a proxy from
+/// the reference.
 inline ObjectRef reference(const Object& object) { return session_of(object)->reference(); }
 
-/// A copy of `proxy` with other call options: `gecos::with(robot, {.deadline = 2s}).move(goal)`.
+/// Returns a copy of `proxy` with other call options. Example: `gecos::with(robot, {.deadline =
+/// 2s}).move(goal)`.
 template <class Proxy>
 Proxy with(Proxy proxy, CallOptions options) {
   static_cast<Object&>(proxy).gecos_options_ = options;
@@ -182,5 +185,5 @@ Proxy with(Proxy proxy, CallOptions options) {
 // after the checks of its parameters:
 //   return gecos_call<void, MotionProgress>(ManipulatorInterface::move, size,
 //                                           [&](auto& to) { goal.encode(to); … });
-// A call on a nil proxy gives a command that is CONNECTION_FAILED/NO_SERVER
-// (session::nil_session(), which Object() has).
+// A call on a nil proxy returns a command that has ended as CONNECTION_FAILED/NO_SERVER, because
+// Object() uses session::nil_session().

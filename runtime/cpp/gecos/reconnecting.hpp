@@ -30,9 +30,9 @@ class Reconnecting {
 
   const std::string& name() const { return name_; }
 
-  /// Returns the proxy. Creates it when there is none: this takes `create.patience` at most, and
-  /// other threads wait meanwhile. After a failed attempt no proxy is created for `between_tries`;
-  /// until then the reason of the failure is returned at once.
+  /// Returns the proxy. If there is none, creates it: this takes at most `create.patience`, and
+  /// other threads that call `get` wait meanwhile. For `between_tries` after a failed attempt,
+  /// makes no new attempt and returns the reason of the failure at once.
   tl::expected<Proxy, std::string> get() {
     const MutexLock lock(mutex_);
     if (proxy_) return *proxy_;
@@ -89,7 +89,8 @@ class Reconnecting {
 template <class Proxy, class T>
 class ReconnectingStream {
  public:
-  /// Opens the stream: `[](const Manipulator& arm) { return arm.flange(gecos::stream); }`
+  /// The type of a function that opens the stream, for example `[](const Manipulator& arm) { return
+  /// arm.flange(gecos::stream); }`.
   using Open = std::function<tl::expected<Stream<T>, Failure>(const Proxy&)>;
 
   ReconnectingStream(Lab& lab, std::string name, Open open, ReconnectOptions options = {})
@@ -101,8 +102,9 @@ class ReconnectingStream {
 
   const std::string& name() const { return name_; }
 
-  /// Opens the stream when it is not open, is lost or is silent. Call this periodically: it returns
-  /// at once while samples arrive, else within `create.patience` plus a second to open the stream.
+  /// Opens the stream when it is not open, is lost or is silent. Call this function periodically.
+  /// It returns at once while samples arrive. Otherwise it opens the stream, which takes at most
+  /// `create.patience` plus one second.
   void tick() {
     {
       const MutexLock lock(mutex_);
@@ -124,8 +126,8 @@ class ReconnectingStream {
     proxy_ = std::move(*created);
   }
 
-  /// The newest sample, or the reason when there is none or it is older than `silence`. Never
-  /// waits.
+  /// Returns the newest sample. Returns a reason instead when there is no sample or when the newest
+  /// one is older than `silence`. Never waits.
   tl::expected<Sample<T>, std::string> latest() {
     const MutexLock lock(mutex_);
     if (!stream_) return tl::unexpected(problem_);
@@ -135,7 +137,7 @@ class ReconnectingStream {
     return tl::unexpected("'" + name_ + "' no longer sends samples");
   }
 
-  /// The proxy through which the stream was opened; nothing while there is no stream.
+  /// Returns the proxy through which the stream was opened; nullopt while there is no stream.
   std::optional<Proxy> proxy() const {
     const MutexLock lock(mutex_);
     return proxy_;
@@ -163,7 +165,7 @@ class ReconnectingStream {
   std::optional<Proxy> proxy_ GECOS_GUARDED_BY(mutex_);
   std::string problem_ GECOS_GUARDED_BY(mutex_);
   TimePoint next_try_ GECOS_GUARDED_BY(mutex_){};
-  TimePoint since_ GECOS_GUARDED_BY(mutex_){};  // when the stream was opened
+  TimePoint since_ GECOS_GUARDED_BY(mutex_){};  // when an attempt to open the stream last ended
 };
 
 }  // namespace gecos

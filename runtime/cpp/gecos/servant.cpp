@@ -11,7 +11,7 @@
 namespace gecos {
 namespace {
 
-/// The demangled name of a type.
+/// Returns the demangled name of a type.
 std::string readable(const char* mangled) {
   int problem = 0;
   const std::unique_ptr<char, decltype(&std::free)> name(
@@ -19,15 +19,16 @@ std::string readable(const char* mangled) {
   return problem == 0 ? name.get() : mangled;
 }
 
-Failure undeclared(std::string_view operation, const std::string& what, const std::string& text) {
+Failure undeclared(std::string_view operation, const std::string& what, const std::string& text,
+                   const std::string& advice) {
   return {Detail::Fault,
           "the handler of '" + std::string(operation) + "' " + what +
-              ", which it does not declare" + (text.empty() ? "" : ": ") + text,
+              ", which it does not declare" + (text.empty() ? "" : ": ") + text + "; " + advice,
           {},
           {}};
 }
 
-/// Passes the bytes that `encode` writes to `use`. They lie on the stack, or on the heap when
+/// Calls `use` with the bytes that `encode` writes. The bytes lie on the stack, or on the heap when
 /// `size` exceeds `usual`.
 template <std::size_t usual, class Use>
 void with_encoded(std::size_t size, FunctionRef<void(wire::Encoder&)> encode, Use use) {
@@ -44,6 +45,14 @@ void with_encoded(std::size_t size, FunctionRef<void(wire::Encoder&)> encode, Us
 }
 
 }  // namespace
+
+Servant::~Servant() {
+  const std::string name = gecos_served_as();
+  if (name.empty()) return;
+  log_error(name,
+            "its servant is destroyed while a Server serves it, which may crash the program; "
+            "declare the servant before the Server");
+}
 
 IncomingCall& IncomingCall::operator=(IncomingCall&& other) noexcept {
   IncomingCall dropped(std::move(*this));
@@ -63,7 +72,8 @@ void IncomingCall::fail(const Fault& fault, std::initializer_list<std::string_vi
   Failure failure = fault.failure();
   if (!failure.exception.empty() &&
       std::ranges::find(declared, failure.exception) == declared.end()) {
-    failure = undeclared(operation().name, "raised " + failure.exception, failure.text);
+    failure = undeclared(operation().name, "raised " + failure.exception, failure.text,
+                         "add it to raises(…) of the operation");
   }
   fail(std::move(failure));
 }
@@ -72,12 +82,13 @@ void IncomingCall::fail_as_thrown() {
   if (!core_) return;
   const std::type_info* const type = abi::__cxa_current_exception_type();
   const std::string threw = "threw " + (type == nullptr ? "something" : readable(type->name()));
+  constexpr const char* advice = "the handler must catch it and return a gecos::Fault";
   try {
     throw;
   } catch (const std::exception& error) {
-    fail(undeclared(operation().name, threw, error.what()));
+    fail(undeclared(operation().name, threw, error.what(), advice));
   } catch (...) {
-    fail(undeclared(operation().name, threw, {}));
+    fail(undeclared(operation().name, threw, {}, advice));
   }
 }
 
@@ -108,7 +119,9 @@ void Servant::gecos_dispatch(IncomingCall call) {
   try {
     if (gecos_answer(call)) return;
     call.fail({Detail::UnknownOperation,
-               std::string(gecos_interface().name) + " has no such operation",
+               std::string(gecos_interface().name) +
+                   " has no operation with the code of this call; "
+                   "build client and server from one interface",
                {},
                {}});
   } catch (...) {

@@ -28,11 +28,13 @@ struct Caller {
   std::uint64_t session = 0;
 };
 
-/// Why a handler gives no result: a declared exception, or one of the reasons below.
+/// Why a handler returns no result: a declared exception, or one of the reasons that the functions
+/// below make.
 class Fault {
  public:
-  /// A declared exception of the operation: `return tl::unexpected(OutOfReach{"…"});` When a member
-  /// of the exception is out of range, the caller gets a FAULT whose text names that member.
+  /// Makes a Fault from a declared exception of the operation, for example in `return
+  /// tl::unexpected(OutOfReach{"…"});`. When a member of the exception is out of range, the caller
+  /// gets a FAULT whose text names that member.
   template <wire::GeneralContents E>
   requires requires {
     { E::type_name() } -> std::convertible_to<std::string_view>;
@@ -49,8 +51,8 @@ class Fault {
   }
   /// A failure for which the operation declares no exception.
   static Fault failed(std::string why) { return Fault({Detail::Fault, std::move(why), {}, {}}); }
-  /// The handler ended early because it was interrupted; the session knows the reason (cancel,
-  /// stop, loss).
+  /// The handler ended early because it was interrupted. The session already knows why it was
+  /// interrupted (cancel, stop or loss).
   static Fault interrupted() { return Fault({Detail::Canceled, "canceled", {}, {}}); }
 
   const Failure& failure() const { return failure_; }
@@ -65,7 +67,7 @@ class Fault {
     return {Detail::Fault, describe(exception), std::string(E::type_name()),
             wire::to_bytes(exception)};
   }
-  /// The exception with its members, for a caller that only prints the failure.
+  /// Returns a text with the members of the exception, for a caller that only prints the failure.
   template <class E>
   static std::string describe(const E& exception) {
     if constexpr (requires(std::ostringstream out) { out << exception; }) {
@@ -92,17 +94,17 @@ class CallCore {
   virtual const OperationDescription& operation() const = 0;
   virtual ByteView arguments() const = 0;
   virtual const Caller& caller() const = 0;
-  /// True when the handler should end soon: canceled, stopped, lease lost, deadline passed, server
-  /// closing.
+  /// Returns true when the handler should end soon, because the call was canceled or stopped, its
+  /// lease was lost, its deadline has passed or the server is closing.
   virtual bool interrupted() const = 0;
-  /// Sleeps until interrupted() or `deadline`; true when interrupted.
+  /// Sleeps until interrupted() or `deadline`. Returns true when interrupted.
   virtual bool wait_interrupted_until(TimePoint deadline) = 0;
-  /// Called directly before the handler runs. False: the handler must not run any more.
+  /// Called directly before the handler runs. Returns false when the handler must not run.
   virtual bool begin() { return true; }
-  /// When the server marked this call as started; nothing before.
+  /// Returns when the server marked this call as started; nullopt before that.
   virtual std::optional<TimePoint> marked_at() const { return std::nullopt; }
   virtual void progress(double fraction, ByteView feedback) = 0;
-  /// Only the first call of `finish` or `fail` counts; later ones are ignored.
+  /// Only the first call of `finish` or `fail` has an effect.
   virtual void finish(ByteView result) = 0;
   virtual void fail(Failure failure) = 0;
 };
@@ -110,8 +112,8 @@ class CallCore {
 }  // namespace session
 
 /// A call that arrived at its object. Move-only; a servant answers it now or later, on any thread.
-/// A call that is destroyed without an answer fails as FAULT "the handler of 'move' gave no
-/// answer".
+/// A call that is destroyed without an answer fails as FAULT, for example with the text "the
+/// handler of 'move' gave no answer".
 class IncomingCall {
  public:
   explicit IncomingCall(std::shared_ptr<session::CallCore> core) : core_(std::move(core)) {}
@@ -127,27 +129,29 @@ class IncomingCall {
     return core_->wait_interrupted_until(deadline);
   }
   void progress(double fraction, ByteView feedback) { core_->progress(fraction, feedback); }
-  /// For servants that queue calls: call this directly before the handler runs. False: the call
-  /// ended while it was queued, or its caller withdrew it; drop the call without an answer.
+  /// For servants that queue calls: call this directly before the handler runs. Returns false when
+  /// the call has ended while it was queued, or when its caller has withdrawn it. Then destroy the
+  /// call without an answer.
   [[nodiscard]] bool begin() { return core_->begin(); }
-  /// When the server marked this call as started, directly before the handler begins. The moment is
-  /// read from CLOCK_BOOTTIME (Clock::since_boot), at most a kernel tick (10 ms) too early. If the
-  /// servant calls begin() itself, the result is empty before begin().
+  /// Returns when the server marked this call as started, which is directly before the handler
+  /// begins. The moment is read from CLOCK_BOOTTIME (Clock::since_boot) and is at most one kernel
+  /// tick (10 ms) too early. If the servant calls begin() itself, the result is nullopt before
+  /// begin().
   std::optional<TimePoint> marked_at() const { return core_->marked_at(); }
 
   void finish(ByteView result) { std::exchange(core_, nullptr)->finish(result); }
   void fail(Failure failure) { std::exchange(core_, nullptr)->fail(std::move(failure)); }
-  /// Fails the call as `fault` says. An exception that is not in `declared` becomes a FAULT that
-  /// names it as undeclared.
+  /// Fails the call with the failure in `fault`. If the exception in `fault` is not one of
+  /// `declared`, the call fails as FAULT with a text that says so.
   void fail(const Fault& fault, std::initializer_list<std::string_view> declared);
   /// Call this in a catch block: fails the call as FAULT with the type and text of the thrown
   /// exception.
   void fail_as_thrown();
 
-  /// For generated skeletons: sizes, encodes and sends the result of a handler.
+  /// For generated skeletons: encodes and sends the result of a handler, which takes `size` bytes.
   void finish(std::size_t size, FunctionRef<void(wire::Encoder&)> encode);
-  /// Answers with `result`; `give` encodes and sends its value. `handler` is the scoped name of the
-  /// operation. Always returns true.
+  /// Answers the call with `result`. `give` encodes and sends the value of `result`. `handler` is
+  /// the scoped name of the operation. Always returns true.
   template <class T, class Give>
   bool answer(std::string_view handler, const Result<T>& result,
               std::initializer_list<std::string_view> declared, Give give) {
@@ -160,7 +164,8 @@ class IncomingCall {
     }
     return true;
   }
-  /// Answers with the encoded value of `result`, which is a number or encodes itself.
+  /// Answers the call with the encoded value of `result`. The value is a number or has a type that
+  /// encodes itself.
   template <class T>
   bool answer(std::string_view handler, const Result<T>& result,
               std::initializer_list<std::string_view> declared) {
@@ -168,7 +173,8 @@ class IncomingCall {
       finish(wire::plain_size(value), [&](wire::Encoder& to) { wire::put_plain(to, value); });
     });
   }
-  /// Answers with the value in a block (length, then fields), as appendable types are encoded.
+  /// Answers the call with the value as a block (length, then fields). Appendable types are encoded
+  /// in this way.
   template <class T>
   bool answer_block(std::string_view handler, const Result<T>& result,
                     std::initializer_list<std::string_view> declared) {
@@ -180,8 +186,8 @@ class IncomingCall {
   bool answer(const Result<void>& result, std::initializer_list<std::string_view> declared);
   /// Fails the call as BAD_PARAMETER, because its arguments do not decode. Always returns true.
   bool refuse(const wire::DecodeError& why);
-  /// Fails the call as FAULT, because the handler returned an invalid value. `operation` is its
-  /// scoped name.
+  /// Fails the call as FAULT, because the handler returned an invalid value. `operation` is the
+  /// scoped name of the operation.
   void fail_result(std::string_view operation, const std::string& why);
 
  private:
@@ -199,8 +205,9 @@ class Execution {
   bool wait_interrupted(Duration time) const {
     return call_.wait_interrupted_until(deadline_after(time));
   }
-  /// Reports the completed fraction, 0 to 1, to the caller. Only the latest report is kept: call it
-  /// as often as you like. Feedback with a member out of its range is logged and not sent.
+  /// Reports the completed fraction, 0 to 1, to the caller. Only the latest report is kept, so a
+  /// handler may report as often as it likes. Feedback with a member that is out of range is not
+  /// sent; an error is logged instead.
   void progress(double fraction) requires(std::is_void_v<Feedback>) {
     call_.progress(fraction, {});
   }
@@ -220,36 +227,42 @@ class Execution {
 
 namespace session {
 
-/// Sends the samples of a servant's streams. The servant gets it when it is added to a server.
+/// Sends the samples of a servant's streams. A servant receives its Publisher when the servant is
+/// added to a server.
 class Publisher {
  public:
   virtual ~Publisher() = default;
   /// `stamp_ns`: when the sample was measured, Unix time in ns, or `measured_now`.
   virtual void publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns) = 0;
+  /// The name under which the servant is served now; empty when it is not.
+  virtual std::string served_as() { return {}; }
 };
 
 }  // namespace session
 
-/// An object's implementation: generated skeletons derive from this, users from the skeleton. The
-/// handlers of a servant run one at a time, unless it was added as thread-safe.
+/// The base of every implementation of an object. A generated skeleton derives from this class, and
+/// the class of the user derives from the skeleton. The handlers of a servant run one at a time,
+/// unless the servant was added as thread-safe.
 class Servant {
  public:
-  virtual ~Servant() = default;
+  virtual ~Servant();  ///< logs an error when a server still serves the servant
   Servant() = default;
   Servant(const Servant&) = delete;
   Servant& operator=(const Servant&) = delete;
 
   virtual const InterfaceDescription& gecos_interface() const = 0;
-  /// Decodes the arguments, runs the handler and answers. An exception from the handler becomes a
-  /// FAULT with its text. A class may override this function: an exception that the override throws
-  /// is logged, and the call ends as FAULT without that text.
+  /// Decodes the arguments, runs the handler and answers the call. If the handler throws an
+  /// exception, the call ends as FAULT with the text of the exception. A class may override this
+  /// function. If the override throws an exception, an error is logged, and the call ends as FAULT
+  /// without the text of the exception.
   virtual void gecos_dispatch(IncomingCall call);
 
-  /// True when gecos_dispatch() only queues calls; the servant must then call IncomingCall::begin()
-  /// before each handler.
+  /// Returns true when gecos_dispatch() only queues calls. The servant must then call
+  /// IncomingCall::begin() before each handler.
   virtual bool gecos_begins_calls() const { return false; }
 
-  /// For servants that queue calls: true when the handlers of both operations run on one thread.
+  /// For servants that queue calls: returns true when the handlers of both operations run on the
+  /// same thread.
   virtual bool gecos_share_thread(const OperationDescription& one,
                                   const OperationDescription& other) const {
     static_cast<void>(one);
@@ -264,10 +277,14 @@ class Servant {
   void gecos_attach(std::shared_ptr<session::Publisher> publisher) {
     gecos_publisher_ = std::move(publisher);
   }
+  /// The name under which a server serves this servant; empty when none does.
+  std::string gecos_served_as() const {
+    return gecos_publisher_ == nullptr ? std::string() : gecos_publisher_->served_as();
+  }
 
  protected:
-  /// For generated skeletons: answers a call of an own or inherited operation. False when the
-  /// interface has no operation with that code.
+  /// For generated skeletons: answers a call of an own or inherited operation. Returns false when
+  /// the interface has no operation with the code of the call.
   virtual bool gecos_answer(IncomingCall& call) {
     static_cast<void>(call);
     return false;
@@ -284,7 +301,7 @@ class Servant {
         outward, wire::plain_size(value), [&](wire::Encoder& to) { wire::put_plain(to, value); },
         stamp_ns);
   }
-  /// Publishes a value in a block (length, then fields), as appendable types are encoded.
+  /// Publishes a value as a block (length, then fields). Appendable types are encoded in this way.
   template <class T>
   void gecos_publish_block(const StreamDescription& outward, std::string_view name, const T& value,
                            std::int64_t stamp_ns) {
@@ -307,7 +324,7 @@ class Servant {
   std::shared_ptr<session::Publisher> gecos_publisher_;
 };
 
-/// Unix time now in ns, for stamps that people read.
+/// Returns the current Unix time in ns, for time stamps that people read.
 std::int64_t unix_now_ns();
 
 }  // namespace gecos
@@ -329,5 +346,5 @@ std::int64_t unix_now_ns();
 //   };
 //
 // A root servant derives from `public virtual gecos::Servant`. The getter of a stream attribute is
-// an ordinary handler. Arguments that do not decode or are out of @range: BAD_PARAMETER naming the
-// field.
+// an ordinary handler. A call whose arguments do not decode or are outside their @range ends as
+// BAD_PARAMETER with a text that names the field.

@@ -9,7 +9,7 @@
 
 namespace gecos {
 
-/// One object that `serve` is to serve.
+/// An object for `serve`.
 struct Serving {
   std::string name;
   Servant& servant;
@@ -17,24 +17,27 @@ struct Serving {
 };
 
 struct ServeOptions {
-  /// Prefix of the lines on stderr: "robcl-rx90: …". Empty: no prefix.
+  /// Name of the program. Lines on stderr begin with it, for example "robcl-rx90: …". Empty: the
+  /// lines have no prefix.
   std::string program{};
-  /// The line on stdout once all objects are served. Empty: "serving RX90, GRIPPER".
+  /// The line that `serve` prints on stdout once all objects are served. Empty: a line with the
+  /// names of the objects, for example "serving RX90, GRIPPER".
   std::string ready{};
-  /// Called once all objects are served, before the `ready` line is printed. May return something
-  /// to keep, for example the publishing threads. `serve` destroys it after the signal, before it
-  /// withdraws the objects.
+  /// Called once all objects are served, before the `ready` line is printed. May return an object
+  /// to keep alive, for example one that owns the publishing threads. `serve` destroys that object
+  /// after the signal, before it withdraws the served objects.
   std::function<std::shared_ptr<void>()> started{};
 };
 
 /// Serves objects until SIGINT or SIGTERM. Use it as the last line of `main`: it returns the exit
 /// status.
 ///
-/// It handles both signals from the beginning, so that no signal ends the program without a
-/// goodbye. A second signal, while the objects are withdrawn, ends the program even when a handler
-/// hangs. Waits for a broker that is starting (`ObjectOptions::patience`) and prints one line once
-/// clients can reach all objects. When an object cannot be served, or an exception of any type is
-/// thrown, it prints one line on stderr and returns 1.
+/// `serve` handles both signals from its beginning, so that neither signal ends the program before
+/// clients and broker are told. While `serve` withdraws the objects, a second signal ends the
+/// program, even when a handler hangs. `serve` waits for a broker that is starting, for at most
+/// `ObjectOptions::patience`. It prints one line once clients can reach all objects. When an object
+/// cannot be served, or an exception of any type is thrown, it prints one line on stderr and
+/// returns 1.
 int serve(Lab& lab, const std::vector<Serving>& objects, const ServeOptions& options = {});
 
 }  // namespace gecos

@@ -14,14 +14,14 @@
 namespace gecos {
 
 struct ObjectOptions {
-  bool simulated = false;    ///< the object is a simulation, no hardware
+  bool simulated = false;    ///< the object is a simulation and moves no hardware
   bool thread_safe = false;  ///< handlers may run on several threads at once
-  bool blocking = false;     ///< every handler runs on the object's worker, none on the I/O thread
-  /// Called at once, on a maintenance thread, when a client stops the object: must not block.
+  bool blocking = false;     ///< every handler runs on a worker thread of the object
+  /// Called at once, on the maintenance thread, when a client stops the object. Must not block.
   std::function<void()> on_stop{};
   /// Media that clients may use; empty: all media that are available on this host.
   std::vector<media::Kind> media{};
-  bool well_known = false;  ///< reached at the host's well-known address, not through the broker
+  bool well_known = false;  ///< clients find it at the host's well-known address, without a broker
   Duration patience = std::chrono::seconds(10);  ///< how long to wait for a broker that is starting
 };
 
@@ -31,10 +31,10 @@ struct ServeError {
 std::ostream& operator<<(std::ostream& out, const ServeError& error);
 
 /// Runs objects in this process: registers them with the lab's broker (and again when a new broker
-/// comes up), accepts clients, queues commands, keeps leases. One I/O thread polls and runs short
-/// handlers; cancelable ones run on a worker of their object.
+/// starts), accepts clients, queues commands and keeps leases. One I/O thread polls the connections
+/// and runs short handlers. Cancelable operations run on a worker thread of their object.
 ///
-/// The constructor does not fail: when this process has no thread or descriptor left, `add` and
+/// The constructor does not fail. When this process has no thread or descriptor left, `add` and
 /// `await_broker` fail with that reason.
 class Server {
  public:
@@ -49,12 +49,13 @@ class Server {
   /// Serves `servant` under `name` from now on. The servant must outlive the server. Fails when no
   /// other process could reach the object, unless `options.media` limits it to this process. Logs a
   /// warning for each medium that is not available.
-  tl::expected<void, ServeError> add(std::string name, Servant& servant,
-                                     ObjectOptions options = {});
+  [[nodiscard("the error says why the object is not served")]] tl::expected<void, ServeError> add(
+      std::string name, Servant& servant, ObjectOptions options = {});
+  void add(std::string, Servant&&, ObjectOptions = {}) = delete;  // must outlive the server
   /// Waits until any thread of the process gets SIGINT or SIGTERM, or until `shut_down()`. Logs an
   /// error and returns at once when the server could not be made.
   void run();
-  /// Ends `run()`. Any thread.
+  /// Ends `run()`. May be called from any thread.
   void shut_down();
 
  private:

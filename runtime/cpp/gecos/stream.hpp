@@ -13,24 +13,29 @@
 
 namespace gecos {
 
-/// Tag that selects the subscribing overload of an attribute: `robot.tool(gecos::stream)`.
-struct StreamTag {};
-inline constexpr StreamTag stream{};
+/// The type of `gecos::stream`, an argument that selects the overload of an attribute that
+/// subscribes to it. Example: `robot.tool(gecos::stream)`. An attribute without @stream has no such
+/// overload; then the compiler names this type in its error.
+struct only_attributes_with_the_annotation_stream {};
+using StreamTag = only_attributes_with_the_annotation_stream;
+inline constexpr only_attributes_with_the_annotation_stream stream{};
 
 /// One value of a stream.
 template <class T>
 struct Sample {
   T value{};
   std::uint64_t sequence = 0;  ///< rises by one per published sample
-  std::uint64_t lost = 0;      ///< unread samples between the previously read sample and this one
-  double stamp = 0;  ///< when the value was measured: Unix time in s of the server, for display
-  Duration age{};    ///< time from measuring to reading; setting a clock does not change it.
-                     ///< Exact on one host; between hosts too large by at most a round trip
+  std::uint64_t lost = 0;      ///< number of unread samples between the previously read sample and
+                               ///< this one
+  double stamp = 0;  ///< when the value was measured, in s of Unix time by the server's clock; for
+                     ///< display
+  Duration age{};    ///< time from measuring to reading; setting a clock does not change it. On one
+                     ///< host it is exact; between hosts it is too large by at most one round trip
 };
 
 /// Why Stream::next() gave no sample.
 enum class StreamEnd : std::uint8_t {
-  Nothing,  ///< the patience has passed without a valid sample; the stream goes on
+  Nothing,  ///< no valid sample arrived within the patience; the stream continues
   Lost,     ///< the stream is lost(), and all samples that had arrived were read
 };
 std::string_view to_string(StreamEnd end);
@@ -39,7 +44,8 @@ std::ostream& operator<<(std::ostream& out, StreamEnd end);
 namespace session {
 
 struct RawSample : media::StreamSample {
-  /// By CLOCK_BOOTTIME of the reader's host; may be too early when another host sent the sample.
+  /// When the sample was measured, by CLOCK_BOOTTIME of the reader's host. May be too early when
+  /// another host sent the sample.
   TimePoint measured{};
 };
 
@@ -47,11 +53,11 @@ struct RawSample : media::StreamSample {
 class StreamCore {
  public:
   virtual ~StreamCore() = default;  ///< unsubscribes
-  /// Stores the newest sample in `into`. False before the first sample, and when the stream is
-  /// lost.
+  /// Stores the newest sample in `into`. Returns false before the first sample and when the stream
+  /// is lost.
   virtual bool latest(RawSample& into) = 0;
-  /// Waits for the next unread sample. After a loss the samples that had arrived before are still
-  /// given; after the Lab was closed, none are.
+  /// Waits for the next unread sample. After a loss it still returns the samples that had arrived
+  /// before the loss. After the Lab was closed it returns none.
   virtual tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) = 0;
   virtual bool lost() const = 0;
   /// Time since the sample was measured; never negative.
@@ -61,9 +67,10 @@ class StreamCore {
 }  // namespace session
 
 /// A subscription to a stream. Only one thread may read at a time. The subscription ends when its
-/// last copy is destroyed. A slow reader misses old samples and learns how many; it never slows the
-/// writer. A sample that does not decode is skipped and counted in `unreadable`. After the first
-/// sample that was read, a skipped sample also counts as lost.
+/// last copy is destroyed. A slow reader misses old samples and learns how many (Sample::lost); the
+/// server never waits for a reader. A sample that does not decode is skipped and counted in
+/// `unreadable`. If it was published after the first sample that was read, it also counts in
+/// Sample::lost.
 template <class T>
 class Stream {
  public:
@@ -71,16 +78,16 @@ class Stream {
   Stream(std::shared_ptr<session::StreamCore> core, Decode decode)
       : core_(std::move(core)), decode_(decode) {}
 
-  /// The newest sample, even if it was read before. Nothing before the first sample, while the
-  /// newest one does not decode, and once the stream is lost(). Never waits. A dead server is
-  /// detected within a heartbeat when the kernel reports its death, else after a silence of
-  /// `grace`. Until then check `age`.
+  /// Returns the newest sample, even if it was read before. Returns nullopt before the first
+  /// sample, while the newest sample does not decode, and once the stream is lost(). Never waits.
+  /// The death of the server is detected within one heartbeat if the kernel reports it, otherwise
+  /// after the server was silent for about `lease_ttl` + `grace`. Until then check `age`.
   std::optional<Sample<T>> latest() {
     if (!core_->latest(raw_)) return std::nullopt;
     return decoded();
   }
-  /// The next unread sample, waiting for it at most `patience`. The sample is old when you read
-  /// more slowly than the server publishes; for the present value call `latest()`.
+  /// Returns the next unread sample and waits for it at most `patience`. A program that reads more
+  /// slowly than the server publishes gets old samples; call `latest()` for the present value.
   tl::expected<Sample<T>, StreamEnd> next(Duration patience) {
     const TimePoint deadline = deadline_after(patience);
     for (;;) {
@@ -89,12 +96,12 @@ class Stream {
       if (std::chrono::steady_clock::now() >= deadline) return tl::unexpected(StreamEnd::Nothing);
     }
   }
-  /// True when the server is gone, is silent or has closed the session, or the Lab was closed. Then
-  /// latest() gives nothing. next() gives only the samples that had arrived before, and none once
-  /// the Lab was closed.
+  /// Returns true when the server is gone, is silent or has closed the session, or when the Lab was
+  /// closed. Then latest() returns nullopt, and next() returns only the samples that had arrived
+  /// before, or none if the Lab was closed.
   bool lost() const { return core_->lost(); }
-  /// Number of samples that did not decode. It rises only when the server is defective: a server
-  /// with another sample type is refused when the stream is opened.
+  /// Returns the number of samples that did not decode. The number rises only when the server is
+  /// defective, because the opening of a stream fails when the server has another sample type.
   std::uint64_t unreadable() const { return unreadable_; }
 
  private:

@@ -102,8 +102,8 @@ def __getattr__(name: str) -> Any:
 
 
 def _extension() -> Any:
-    """The C++ part. Raises ImportError, which says what to do, if it is not there for this
-    Python."""
+    """Returns the C++ part of gecos. If it is missing or built for another Python, raises
+    ImportError, whose text says what to do."""
     try:
         return import_module("gecos._core")
     except ModuleNotFoundError as error:
@@ -114,8 +114,13 @@ def _extension() -> Any:
     folder, this = Path(__file__).parent, f"{_sys.version_info[0]}.{_sys.version_info[1]}"
     built = sorted(each.name for each in folder.glob("_core.*.so"))
     if built:
-        text = f"{folder} has {', '.join(built)}, which is not for this Python {this}"
-        advice = f"run the program with the Python that it was built for, or build with {this}"
+        text = (
+            f"{folder} has {', '.join(built)}, which is built for another Python than this "
+            f"one, {this}"
+        )
+        advice = (
+            f"run the program with the Python for which gecos was built, or build gecos with {this}"
+        )
     else:
         text = f"the C++ part of gecos is not built: {folder} has no _core.*.so"
         advice = "run `make build` in the source tree, or `pip install robcl`"

@@ -1,4 +1,5 @@
-"""The C++ runtime, with values as encoded bytes. The modules of `gecos` add the types."""
+"""The C++ runtime, which takes and returns values as encoded bytes. The modules of `gecos` add the
+types."""
 
 from collections.abc import Sequence
 from typing import Literal
@@ -18,7 +19,7 @@ class Lab:
     ) -> Session | list[tuple[str, int, str]]:
         """Returns a session, or the name, detail and reason of each failed attempt."""
     def broker(self, interface: Interface, patience: float) -> Session | str:
-        """Returns the lab's own session with its broker, or the reason why there is none."""
+        """Returns the session of this Lab with its broker, or the reason why there is none."""
     def close(self) -> None: ...
 
 class Session:
@@ -29,28 +30,29 @@ class Session:
     @property
     def medium(self) -> str: ...
     def reference(self) -> tuple[str, int, int, str]:
-        """A reference to the object, as the members of an ObjectRef."""
+        """Returns a reference to the object, as the members of an ObjectRef."""
     def call(self, code: int, arguments: bytes, deadline: float | None) -> Command:
         """Calls an operation of the object's interface or a built-in operation."""
     def subscribe(self, code: int) -> Stream | tuple[int, str]: ...
     def outcome(self, command: str) -> Command: ...
     def ask_for_status(self, status: int, password: str, timeout: float) -> Command:
-        """Requests a status; the command is QUEUED while the request waits in line."""
+        """Requests a status. While the request waits for other clients, the command is QUEUED."""
     def lease(self, asked: Command) -> Lease | tuple[int, str, str, bytes]:
-        """The lease that a request for a status was granted, once the request has ended, or its
-        failure."""
+        """Returns the lease that a request for a status was granted, or the reason of its failure.
+        Waits until the request has ended."""
     def decline_status(self, asked: Command) -> None:
-        """Withdraws a request for a status, and releases the status if it is granted anyhow."""
+        """Withdraws a request for a status. Releases the status if it is granted nevertheless."""
     def close(self) -> None: ...
 
 class Command:
     def id(self) -> str: ...
     def about(self) -> str:
-        """The called operation, "RX90.move", after a failure that no caller had observed."""
+        """Returns the name of the called operation, for example "RX90.move", if the command failed
+        and no caller has observed the failure."""
     def observe(self) -> None:
-        """Marks the command as observed: its failure is not logged."""
+        """Marks the command as observed, so that its failure is not logged."""
     def peek(self) -> tuple[int, int, float]:
-        """Like progress(), but does not mark the command as observed."""
+        """Does the same as progress(), but does not mark the command as observed."""
     def progress(self) -> tuple[int, int, float]: ...
     def feedback(self) -> bytes: ...
     def wait(self, timeout: float | None) -> bool: ...
@@ -60,12 +62,12 @@ class Command:
         no result."""
     def failure(self) -> tuple[int, str, str, bytes]: ...
     def peek_failure(self) -> tuple[int, str, str, bytes]:
-        """Like failure(), but does not mark the command as observed."""
+        """Does the same as failure(), but does not mark the command as observed."""
     def descriptor(self) -> int: ...
 
 class Stream:
-    # The encoded sample, its sequence number, its time stamp (Unix ns), and its time of measurement
-    # (ns of this host's CLOCK_BOOTTIME).
+    # Both methods return the encoded sample, its sequence number, its time stamp (Unix time in ns),
+    # and its time of measurement (ns of this host's CLOCK_BOOTTIME).
     def latest(self) -> tuple[bytes, int, int, int] | str | None: ...
     def next(self, timeout: float | None) -> tuple[bytes, int, int, int] | str: ...
     def close(self) -> None: ...
@@ -76,14 +78,15 @@ class Lease:
     @property
     def epoch(self) -> int: ...
     def fresh(self) -> bool:
-        """Whether the lease was acquired less than 100 ms ago and no call was issued since."""
+        """Whether the lease was acquired less than 100 ms ago and no call was issued under it."""
     def release(self) -> None: ...
     def release_now(self) -> None: ...
 
 class PulledServant:
     def next(self, lane: int) -> IncomingCall | Literal["stopped"] | None:
-        """Waits without limit for the next task of a lane (0 safety, 1 sensor, 2 FIFO): a call,
-        "stopped" (lane 0 only) if a client stopped the object, or None if the lane is closed."""
+        """Waits without limit for the next task of a lane (0 safety, 1 sensor, 2 FIFO). Returns a
+        call, "stopped" (lane 0 only) if a client stopped the object, or None if the lane is
+        closed."""
     def publish(self, code: int, sample: bytes, stamp_ns: int | None) -> None: ...
 
 class IncomingCall:
@@ -103,9 +106,10 @@ class IncomingCall:
 class Server:
     def __init__(self, lab: Lab) -> None: ...
     def await_broker(self, patience: float) -> str | None:
-        """Returns None once a broker answers, or after `patience` s the reason and the address."""
+        """Waits for a broker. Returns None when a broker answers, or after `patience` seconds the
+        reason and the address."""
     def prepare(self, interface: Interface) -> PulledServant:
-        """Makes a servant to pass to `add`. Python threads pull the servant's calls."""
+        """Makes a servant to pass to `add`. Threads of Python fetch the calls of the servant."""
     def add(
         self, prepared: PulledServant, name: str, simulated: bool, media: Sequence[str]
     ) -> str | None:
@@ -115,7 +119,7 @@ class Server:
     def close(self) -> None: ...
 
 def warn_of_other_brokers() -> None:
-    """Warns of brokers in other processes that programs on this host may reach."""
+    """Warns about brokers in other processes that programs on this host may reach."""
 
 class Broker:
     """A broker in this process, at this host's well-known address."""
@@ -124,23 +128,26 @@ class Broker:
     def close(self) -> None: ...
 
 def runtime_directory() -> str:
-    """The folder in which the programs of this user meet over shm."""
+    """Returns the folder through which the programs of this user find each other over shm."""
 
 def runtime_directory_problem() -> str | None:
-    """Makes the runtime directory if it is missing. Returns why it is not usable, and the mend."""
+    """Makes the runtime directory if it is missing. If the directory cannot be used, returns the
+    reason and what to do."""
 
 def key_directory() -> str:
-    """The folder of this user's keys."""
+    """Returns the folder of this user's keys."""
 
 def own_key() -> str:
-    """This user's public key, 64 hex digits; made at first use. Raises RuntimeError, which says
-    what is wrong with the folder or the file."""
+    """Returns this user's public key as 64 hexadecimal digits, and makes the key at first use.
+    Raises RuntimeError, which says what is wrong with the folder or the file."""
 
 def key_problem(key: str) -> str | None:
-    """Why the key folder does not admit `key`; None if it does. Raises RuntimeError as own_key."""
+    """Returns the reason why the key folder does not admit `key`, or None if it does. Raises
+    RuntimeError like own_key."""
 
 def public_key_in(text: bytes) -> str:
-    """The key in the text of a .public file. Raises ValueError: "is cut short"."""
+    """Returns the key in the text of a .public file. Raises ValueError, for example with the text
+    "is cut short"."""
 
 def log_error(component: str, text: str) -> None: ...
 def detail_name(number: int) -> str: ...

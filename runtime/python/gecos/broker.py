@@ -1,4 +1,4 @@
-"""A broker in this process, at this host's well-known address: for tests and examples."""
+"""Runs a broker in this process, at this host's well-known address, for tests and examples."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from gecos.lab import Lab
 
 
 class Broker:
-    """This host's broker, until `close`. Raises ServeError if the host already has a broker."""
+    """Serves as this host's broker until `close`. Raises ServeError if the host already has a
+    broker."""
 
     def __init__(self, lab: Lab) -> None:
         try:

@@ -1,4 +1,5 @@
-"""The built-in operations of every object, as functions: an interface may use the same names."""
+"""The built-in operations of every object. They are functions, because an interface may use the
+same names."""
 
 from __future__ import annotations
 
@@ -38,7 +39,8 @@ def holders(robot: Object) -> Command[list[Holder]]:
 
 
 def model(robot: Object) -> Command[list[str]]:
-    """Asks for the object's interface and each of its bases as JSON, which `lab.dynamic` reads."""
+    """Asks for the JSON of the object's interface and of each of its bases, which `lab.dynamic`
+    reads."""
     return _answers_of(robot).model()
 
 
@@ -47,7 +49,7 @@ class Outcome:
     """The outcome of a command, or its present state."""
 
     detail: Detail
-    text: str  # reason of the failure, unless the command is DONE
+    text: str  # the reason of the failure; empty if the command is DONE
 
     @property
     def state(self) -> State:
@@ -58,11 +60,11 @@ def outcome(robot: Object, command: str) -> Command[Outcome]:
     """Asks the server for the outcome of an actor command that ended in this process as
     OUTCOME_UNKNOWN.
 
-    `robot` must be a new proxy, `command` is the command's id. The state of the command itself does
-    not change. NOT_STARTED guarantees that the command has not arrived and will never start. SENT:
-    the command has not arrived and may still start; ask again. OUTCOME_UNKNOWN: the server has
-    restarted since, or no longer keeps the outcome (it keeps the last 1024 outcomes of each
-    object). Raises ValueError if `command` is not an id.
+    `robot` must be a new proxy, and `command` the id of the command. The state of the command
+    itself does not change. NOT_STARTED guarantees that the command has not arrived and will never
+    start. SENT means that the command has not arrived and may still start; ask again.
+    OUTCOME_UNKNOWN means that the server has restarted since then, or no longer keeps the outcome
+    (it keeps the last 1024 outcomes of each object). Raises ValueError if `command` is not an id.
     """
     from gecos_idl.object import _GECOS_OBJECT_OUTCOME
 
@@ -77,7 +79,7 @@ def outcome(robot: Object, command: str) -> Command[Outcome]:
 
 
 def _answers_of(robot: Object) -> GecosObject:
-    """A proxy of the object with the interface of the built-in operations."""
+    """Returns a proxy of the object with the interface of the built-in operations."""
     from gecos_idl.object import GecosObject
 
     return GecosObject(robot._gecos_session)

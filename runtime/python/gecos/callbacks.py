@@ -1,4 +1,4 @@
-"""Callbacks at the end of a command: they run one by one on a dedicated Python thread."""
+"""Runs the callbacks that programs add to commands, one by one on a dedicated thread."""
 
 from __future__ import annotations
 
@@ -37,19 +37,20 @@ class _Watch:
     def __init__(self) -> None:
         self._new: deque[_Awaited] = deque()
         self._here, self._there = socket.socketpair()
-        self._there.setblocking(False)  # so that no callback can block in `send`
+        self._there.setblocking(False)  # so that no callback blocks in `send`
         self._runs = False
         self._taken = threading.Lock()  # held by the one thread that runs callbacks
 
     def add(self, ending: Ending, callback: Callable[[], object]) -> None:
         self._new.append(_Awaited(ending, os.dup(ending.fileno()), callback))
-        with contextlib.suppress(BlockingIOError):  # socket full: the thread wakes up anyway
+        # If the socket is full, the thread wakes up anyway.
+        with contextlib.suppress(BlockingIOError):
             self._there.send(b"!")
         if not self._runs:
             begin_thread("gecos-callbacks", self._begin)
 
     def _begin(self) -> None:
-        """Runs the callbacks, unless a thread that was started at the same time runs them."""
+        """Runs the callbacks, unless another thread that was started at the same time runs them."""
         self._runs = True
         if self._taken.acquire(blocking=False):
             self._run()
@@ -80,8 +81,8 @@ class _Watch:
 
 
 def call(callback: Callable[[], object]) -> None:
-    """Runs a callback and logs its exception. sys.exit() in a callback ends only this callback:
-    the thread continues with the next one."""
+    """Runs a callback and logs its exception. sys.exit() in a callback ends only this callback; the
+    thread continues with the next one."""
     try:
         callback()
     except BaseException:
@@ -104,7 +105,7 @@ def _watch() -> _Watch:
     if known is None:
         new = _Watch()
         known = _watches.setdefault("", new)
-        if known is not new:  # another thread has created the watch meanwhile
+        if known is not new:  # another thread has created the watch in the meantime
             new.close()
     return known
 

@@ -46,11 +46,12 @@ class Progress:
 
 
 class Command(TaskOf[T], Generic[T, F]):
-    """An issued call. T is the type of its result, F the type of the feedback of the handler.
+    """An issued call. T is the type of its result, and F is the type of the feedback from its
+    handler.
 
-    Issuing a call never blocks; only waiting does. A dropped command keeps running. A warning is
-    issued when a command that was never observed is dropped after its failure or while it runs: one
-    warning per operation. Later failures are written to the log.
+    Issuing a call never blocks; only waiting does. A dropped command keeps running. If a command
+    that was never observed is dropped while it runs or after it failed, a warning is issued: one
+    warning for each operation. Later failures are written to the log.
     """
 
     __slots__ = ("__weakref__", "_core", "_method")
@@ -72,7 +73,8 @@ class Command(TaskOf[T], Generic[T, F]):
 
     @property
     def id(self) -> str:
-        """The command's id, for `gecos.outcome` after a lost connection: three hexadecimal numbers.
+        """The command's id, three hexadecimal numbers. After a lost connection, pass it to
+        `gecos.outcome`.
 
         Any program that knows the id may ask for the outcome of the command.
         """
@@ -84,8 +86,8 @@ class Command(TaskOf[T], Generic[T, F]):
         return Progress(Detail(detail), position, fraction)
 
     def feedback(self) -> F | None:
-        """The latest feedback of the running command; None before the first feedback, or if the
-        latest feedback does not decode."""
+        """The latest feedback of the running command. None before the first feedback, and if the
+        latest feedback cannot be decoded."""
         self._observe()
         decode = self._method.feedback
         raw = self._core.feedback() if decode is not None else b""
@@ -103,8 +105,9 @@ class Command(TaskOf[T], Generic[T, F]):
     def result(self, timeout: float | None = None) -> T:
         """Waits for the result and returns it.
 
-        Raises a declared exception, CommandFailed or ConnectionFailed if the command failed.
-        Raises TimeoutError if the command still runs after `timeout` seconds; it keeps running.
+        If the command failed, raises a declared exception, CommandFailed or ConnectionFailed. If
+        the command still runs after `timeout` seconds, raises TimeoutError; the command keeps
+        running.
         """
         self._observe()
         answer = self._core.answer(timeout)
@@ -120,12 +123,13 @@ class Command(TaskOf[T], Generic[T, F]):
             ) from error
 
     def exception(self) -> CommandFailed | ConnectionFailed | None:
-        """The reason of the failure; None while the command runs and when it finished."""
+        """The reason of the failure. None while the command runs, and if it finished."""
         failed = self.state in (State.COMMAND_FAILED, State.CONNECTION_FAILED)
         return self._failure() if failed else None
 
     def cancel(self) -> None:
-        """Asks the server to stop the command. The state shows whether the request came in time."""
+        """Asks the server to stop the command. The final state shows whether the request came in
+        time."""
         self._observe()
         self._core.cancel()
 
@@ -136,9 +140,10 @@ class Command(TaskOf[T], Generic[T, F]):
         self._core.observe()
 
     def fileno(self) -> int:
-        """A descriptor that is readable once the command is terminal, for `select` and the like.
+        """Returns a descriptor that becomes readable once the command is terminal, for `select` and
+        similar functions.
 
-        The command owns the descriptor: keep the command while the descriptor is watched.
+        The command owns the descriptor: keep the command as long as the descriptor is watched.
         """
         self._observe()
         return self._core.descriptor()
@@ -186,12 +191,14 @@ class Command(TaskOf[T], Generic[T, F]):
         return f"<Command {self._name}: {Detail(detail).name}{more}>"
 
     def _observe(self) -> None:
-        """Marks the command as observed. Does nothing here; `_Unobserved` overrides the method."""
+        """Marks the command as observed. `_Unobserved` overrides this method, which does nothing
+        here."""
 
 
 class _Unobserved(Command[T, F]):
-    """A command that was not observed yet. Only this class has a `__del__`, because a Ctrl-C during
-    a `__del__` is lost, and `while True: oven.temperature().result()` would call it repeatedly."""
+    """A command that was not observed yet. Only this class has a `__del__`: a Ctrl-C during a
+    `__del__` is lost, and `while True: oven.temperature().result()` would call `__del__` again and
+    again."""
 
     __slots__ = ()
 
@@ -200,7 +207,7 @@ class _Unobserved(Command[T, F]):
 
     def __del__(self) -> None:
         if self._name in _warned:
-            return  # a warning was issued before; the log reports failures
+            return  # a warning was already issued; the log reports later failures
         detail = Detail(self._core.peek()[0])
         if detail is Detail.DONE:
             return
@@ -230,7 +237,9 @@ def _declared(
             try:
                 return decode(Decoder(evidence))
             except DecodeError as error:
-                return CommandFailed(Detail.FAULT, f"{text} (exception does not decode: {error})")
+                return CommandFailed(
+                    Detail.FAULT, f"{text} (the exception cannot be decoded: {error})"
+                )
     return CommandFailed(Detail.FAULT, text)
 
 

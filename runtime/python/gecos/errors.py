@@ -1,6 +1,7 @@
-"""The exceptions of gecos. Each derives from a built-in exception of similar meaning.
+"""The exceptions of gecos. Each derives from a built-in exception with a similar meaning.
 
-Generated exceptions derive from `DeclaredError`; generated types import this module and the codec.
+Generated exceptions derive from `DeclaredError`. Modules of generated types import only this module
+and the codec.
 """
 
 from __future__ import annotations
@@ -28,13 +29,13 @@ class State(IntEnum):
     RUNNING = 0
     FINISHED = 1
     COMMAND_FAILED = 2
-    CONNECTION_FAILED = 3  # proves that the command did not start: sending it again is safe
+    CONNECTION_FAILED = 3  # the command did not start, so sending it again is safe
 
 
 @printed_by_name
 class Detail(IntEnum):
-    """The detailed state of a command; `state` maps it to one of the four states. The numbers equal
-    those of `gecos::Detail` in C++."""
+    """The detailed state of a command. `state` tells to which of the four states a detail belongs.
+    The numbers equal those of `gecos::Detail` in C++."""
 
     SENT = 0
     QUEUED = 1
@@ -72,8 +73,8 @@ class Detail(IntEnum):
 
 
 class CommandFailed(RuntimeError):
-    """The command was not executed, or not completed. `detail` classifies the failure, `text` gives
-    the reason."""
+    """The command was not executed, or was not completed. `detail` classifies the failure, and
+    `text` gives the reason."""
 
     _detail: Detail = Detail.FAULT
 
@@ -94,7 +95,8 @@ class CommandFailed(RuntimeError):
         return f"{self.detail.name}: {self.text}"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copies and pickles keep all attributes, whatever the constructor's parameters are."""
+        """Makes copies and pickles keep all attributes, whatever the parameters of the constructor
+        are."""
         return _made_again, (type(self), self.args, {}), vars(self) or None
 
 
@@ -109,14 +111,14 @@ def _made_again(
 
 
 class DeclaredError(CommandFailed):
-    """An exception that an interface declares. The handler raises it at the server, and the command
-    raises it again at the caller.
+    """An exception that an interface declares. The handler raises it in the server, and the command
+    raises it again in the client.
 
     Each generated class is a dataclass (`eq=False`) and encodes itself.
     """
 
-    _gecos_name: ClassVar[str] = ""  # scoped name: "robcl::OutOfReach"
-    _gecos_units: ClassVar[Mapping[str, str]] = {}  # of the members that have a unit
+    _gecos_name: ClassVar[str] = ""  # scoped name, for example "robcl::OutOfReach"
+    _gecos_units: ClassVar[Mapping[str, str]] = {}  # the units of members that have a unit
 
     if TYPE_CHECKING:
         # mypy does not see the constructor that @dataclass makes for an exception without members.
@@ -124,7 +126,8 @@ class DeclaredError(CommandFailed):
     else:
 
         def __new__(cls, *members: object, **named: object) -> Self:
-            return super().__new__(cls)  # no arguments, because `args` would show secret members
+            # No arguments are passed on, because `args` would show secret members.
+            return super().__new__(cls)
 
     @property
     def text(self) -> str:
@@ -163,21 +166,21 @@ class DeclaredError(CommandFailed):
 
 
 class Rejected(CommandFailed):
-    """Raised by a handler to refuse a command; the text tells the caller what to do."""
+    """A handler raises this exception to refuse a command. Its text tells the caller what to do."""
 
     def __init__(self, text: str) -> None:
         super().__init__(Detail.REJECTED, text)
 
 
 class Interrupted(CommandFailed):
-    """Raised by a handler that ends early because `run.interrupted` is True."""
+    """A handler raises this exception when it ends early because `run.interrupted` is True."""
 
     def __init__(self) -> None:
         super().__init__(Detail.CANCELED, "canceled")
 
 
 class ConnectionFailed(ConnectionError):
-    """The command provably did not start: sending it again is safe."""
+    """It is proven that the command did not start, so sending it again is safe."""
 
     def __init__(self, detail: Detail, text: str) -> None:
         super().__init__(detail, text)
@@ -199,7 +202,7 @@ class Attempt:
 
 
 class CreateError(ConnectionError):
-    """No object could be reached; `attempts` has the reason for each name that was tried."""
+    """No object could be reached. `attempts` has the reason for each name that was tried."""
 
     def __init__(self, attempts: Sequence[Attempt]) -> None:
         super().__init__(attempts)
@@ -227,7 +230,7 @@ class ServeError(RuntimeError):
 
 
 class UnobservedCommandWarning(RuntimeWarning):
-    """A command was dropped while it ran or after it failed, and its outcome was not observed."""
+    """A command was dropped while it ran or after it failed, and no code observed its outcome."""
 
 
 class DroppedLeaseWarning(RuntimeWarning):

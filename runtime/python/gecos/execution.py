@@ -1,4 +1,5 @@
-"""The execution of a handler: its caller, its cancellation, its progress."""
+"""What a handler knows of the call that it executes: the caller, the cancellation and the
+progress."""
 
 from __future__ import annotations
 
@@ -25,7 +26,8 @@ class Caller:
 
 
 class Execution(Generic[F]):
-    """A running call of a cancelable operation with feedback F. Valid while its handler runs."""
+    """A running call of a cancelable operation with feedback of type F. Valid while its handler
+    runs."""
 
     __slots__ = ("_core", "_feedback")
 
@@ -35,17 +37,19 @@ class Execution(Generic[F]):
 
     @property
     def interrupted(self) -> bool:
-        """Whether the handler should end soon and raise `gecos.Interrupted()`: the call was
-        canceled or stopped, the caller lost its lease, the deadline passed, the server closes."""
+        """Whether the handler should end soon and raise `gecos.Interrupted()`. The reason is that
+        the call was canceled or stopped, the caller lost its lease, the deadline passed, or the
+        server closes."""
         return self._core.interrupted()
 
     def wait_interrupted(self, seconds: float) -> bool:
-        """Sleeps at most `seconds`; returns True as soon as the call is interrupted."""
+        """Sleeps at most `seconds`. Returns True as soon as the call is interrupted."""
         return self._core.wait_interrupted(seconds)
 
     def progress(self, fraction: float, feedback: F | None = None) -> None:
-        """Reports progress, 0 to 1, to the caller. Only the latest report is kept: call it as often
-        as you like. Raises TypeError for a feedback of another type than the operation declares."""
+        """Reports progress, from 0 to 1, to the caller. Only the latest report is kept, so reports
+        may be as frequent as you like. Raises TypeError for feedback of another type than the
+        operation declares."""
         expected = self._feedback
         if feedback is not None and expected is not None and not isinstance(feedback, expected):
             raise TypeError(

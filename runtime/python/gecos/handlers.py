@@ -1,4 +1,5 @@
-"""Threads that run the handlers of a servant, and send results and exceptions to the callers."""
+"""The threads that run the handlers of a servant, and send results and exceptions to the
+callers."""
 
 from __future__ import annotations
 
@@ -18,18 +19,18 @@ if TYPE_CHECKING:
     from gecos.server import Server
 
 LANES = ("safety", "sensor", "fifo")  # same order as in `Lane` of pulled_servant.hpp
-_LONGEST_TEXT = 10_000  # greatest length of a failure's text, in characters
+_LONGEST_TEXT = 10_000  # maximum length of the text of a failure, in characters
 
 
 class Lane(threading.Thread):
-    """The thread of one lane of a servant: runs the lane's handlers one after another until the
-    lane is closed."""
+    """The thread of one lane of a servant. It runs the handlers of the lane one after another,
+    until the lane is closed."""
 
     def __init__(
         self, server: Server, name: str, servant: Servant, core: _core.PulledServant, lane: int
     ) -> None:
         super().__init__(name=f"gecos-{LANES[lane]}-{name}", daemon=True)
-        self._server = server  # so that running threads keep their server alive
+        self._server = server  # so that a running thread keeps its server alive
         self.servant = servant
         self.core = core
         self._object_name = name
@@ -60,7 +61,7 @@ class Lane(threading.Thread):
             )
         else:
             method = "gecos_on_stop"
-            advice = "gecos_on_stop must only request the stop, and not wait until all has stopped"
+            advice = "gecos_on_stop must only request the stop, and must not wait for its end"
         log.error(
             "server",
             f"closing waits for the handler {type(self.servant).__name__}.{method}, which has "
@@ -70,14 +71,14 @@ class Lane(threading.Thread):
 
 
 def check_handlers(servant: Servant) -> None:
-    """Raises TypeError for a handler that does not take the parameters of its operation."""
+    """Raises TypeError if a handler does not take the parameters of its operation."""
     for handler in servant._gecos_handlers.values():
         if handler.parameters is None:
             continue
         words = [*handler.parameters, *(["run"] if handler.operation.cancelable else [])]
         try:
             takes = inspect.signature(getattr(servant, handler.method))
-        except ValueError:  # of a callable that is not written in Python
+        except ValueError:  # the callable is not written in Python
             continue
         try:
             takes.bind(*words)
@@ -133,7 +134,7 @@ def _answer(servant: Servant, call: _core.IncomingCall, name: str) -> None:
 def _raised(
     call: _core.IncomingCall, handler: Handler, object_name: str, error: BaseException
 ) -> None:
-    """Ends the call as failed, and sends the exception that its handler raised if possible."""
+    """Ends the call as failed. If possible, sends the exception that its handler raised."""
     raised = f"the handler of '{handler.operation.name}' raised "
     try:
         declared = (DeclaredError,) if handler.raises is None else handler.raises
@@ -141,7 +142,10 @@ def _raised(
             call.fail(Detail.FAULT, _sendable(str(error)), error._gecos_name, to_bytes(error))
             return
         if isinstance(error, Interrupted) and not call.interrupted():
-            what = f"{raised}Interrupted, but nothing interrupted it; raise gecos.Rejected(why)"
+            what = (
+                f"{raised}Interrupted, but nothing interrupted it; to refuse a call, raise "
+                "gecos.Rejected(why)"
+            )
             _fault(call, object_name, what, error)
             return
         if isinstance(error, Rejected | Interrupted):

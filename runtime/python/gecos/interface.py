@@ -1,8 +1,9 @@
-"""The interface description that the session uses: constant tables that gidl generates.
+"""The interface description that the session uses. It consists of constant tables that gidl
+generates.
 
-Each operation declares its parameters and result once, as steps of `gecos.wire.layout`; the codecs
-of proxies and servants are derived from these steps. `gecos/description.hpp` has the same tables in
-C++; `_core` reads the Python tables by the names of their attributes.
+Each operation declares its parameters and its result once, as steps of `gecos.wire.layout`. The
+codecs of proxies and servants are derived from these steps. `gecos/description.hpp` has the same
+tables for C++. `_core` reads the Python tables by the names of their attributes.
 """
 
 from __future__ import annotations
@@ -71,7 +72,8 @@ ANY_MEDIUM = Media(0)
 
 
 class Quality(Record, kw_only=True):
-    """The quality that an interface demands of a connection. A duration of 0 means: no demand."""
+    """The quality that an interface demands of a connection. A duration of 0 means that the
+    interface does not demand this term."""
 
     line: QualityClass = QualityClass.TIME_INDEPENDENT
     best_effort: bool = False
@@ -88,7 +90,7 @@ ASKED_NOTHING = Quality()
 
 class Operation(Record):
     code: int
-    name: str  # "move", "tool", "tool=" for a setter
+    name: str  # for example "move", "tool", or "tool=" for a setter
     access: Access = Access.ACTOR
     kind: Kind = Kind.OPERATION
     safety: bool = False
@@ -122,12 +124,12 @@ class Interface(Record, kw_only=True, derived=("models", "handlers")):
     operations: tuple[Operation, ...] = ()  # own and all inherited operations
     streams: tuple[OutwardStream, ...] = ()  # own and all inherited streams
     quality: Quality = ASKED_NOTHING
-    # JSON of the interface and of each of its bases, which the object serves
+    # The object serves these texts: the JSON of the interface and of each of its bases.
     models: tuple[str, ...] = ()
     handlers: Mapping[int, Handler] = MappingProxyType({})
 
     def __post_init__(self) -> None:
-        """Removes duplicates: several bases may inherit the same operation or stream."""
+        """Removes duplicates, because several bases may inherit the same operation or stream."""
         for name in ("operations", "streams", "models"):
             self.__dict__[name] = tuple(dict.fromkeys(getattr(self, name)))
 
@@ -156,7 +158,8 @@ _NO_VALUES = Arguments("", (), (), ())
 
 class Method(Record, Generic[T, F]):
     """How a proxy calls an operation: the decoders of its reply, feedback and exceptions. A
-    `Method` made by `method` also has the codec of the arguments and the encoder of the reply."""
+    `Method` that the function `method` builds also has the codec of the arguments and the encoder
+    of the reply."""
 
     operation: Operation
     result: Callable[[Decoder], T]
@@ -203,28 +206,23 @@ def _are_several(kind: Carried) -> bool:
 
 
 class Handler(Record):
-    """How a servant answers a call: its method, the decoder of the arguments, the encoder of the
-    result."""
+    """How a servant answers a call: its method, the decoder of the arguments, and the encoder of
+    the result."""
 
     operation: Operation
     method: str  # method of the servant; its last parameter is `run` if the operation is cancelable
     arguments: Callable[[Decoder], tuple[Any, ...]]
     result: Callable[[Any], Parts]
-    # exceptions that may be sent; None: every DeclaredError
+    # The exceptions that the handler may send; None stands for every DeclaredError.
     raises: tuple[type[DeclaredError], ...] | None = None
-    parameters: Sequence[str] | None = None  # their names; None: not known
+    parameters: Sequence[str] | None = None  # names of the parameters; None: not known
     feedback: type | None = None  # None: not known, or the operation has none
 
 
-def values(
-    names: str,
-    *steps: Step,
-    defaults: tuple[Any, ...] = (),
-    units: Mapping[str, str] | None = None,
-) -> tuple[Any, ...]:
-    """The parameters of an operation: their names, and a layout step for each. `defaults` are for
-    the last parameters, which an older caller may omit; `units` of parameters are for messages."""
-    return names.split(), steps, defaults, units or {}
+def values(names: str, *steps: Step, defaults: tuple[Any, ...] = ()) -> tuple[Any, ...]:
+    """Describes the parameters of an operation: their names, and a layout step for each. `defaults`
+    belong to the last parameters, which an older caller may omit."""
+    return names.split(), steps, defaults
 
 
 def method(
@@ -238,10 +236,10 @@ def method(
     stream: tuple[float, int] | None = None,
     handler: str = "",
 ) -> Method[Any, Any]:
-    """Builds the `Method` of an operation. `named`: the name of an `out` parameter that is the only
-    result. `stream`: the rate in Hz and the bytes of the largest
-    sample (0: unbounded), if the result is also published as a stream. `handler`: the name of the
-    servant's method, if it differs from the name of the operation."""
+    """Builds the `Method` of an operation. `named` is the name of an `out` parameter that is the
+    only result. If the result is also published as a stream, `stream` has its rate in Hz and the
+    size of its largest sample in bytes (0: unbounded). `handler` is the name of the servant's
+    method, if it differs from the name of the operation."""
     name, sender = operation.name, operation.name.removesuffix("=")
     result, body = (nothing, no_result) if gives is None else _answer(kind_of(gives), name)
     outward = None
@@ -299,7 +297,7 @@ def getter(
     quality: Quality = ASKED_NOTHING,
     hash: int,
 ) -> Operation:
-    """The operation that reads an attribute."""
+    """Describes the operation that reads an attribute."""
     return Operation(
         code,
         name,
@@ -324,7 +322,7 @@ def interface(
     quality: Quality = ASKED_NOTHING,
     model: str = "",
 ) -> Interface:
-    """Builds an interface with its own and all inherited members. `bases` are proxy classes,
+    """Builds an interface with its own and all inherited members. `bases` are proxy classes, and
     `model` is the JSON of the interface itself."""
     inherited: list[Interface] = [base._gecos_interface for base in bases]  # type: ignore[attr-defined]
     own = tuple(methods)

@@ -1,6 +1,8 @@
-"""This user's key and the keys that this user admits: files of one folder, which lcm needs.
+"""The key of this user, and the keys that this user admits. They are files of one folder, and lcm
+needs them.
 
-`gecos/crypto/key_directory.hpp` says what stands in the folder; its rules are asked for here.
+`gecos/crypto/key_directory.hpp` describes the folder. This module calls its functions to check
+keys.
 """
 
 from __future__ import annotations
@@ -14,18 +16,19 @@ from gecos import _core
 
 _KEY = re.compile(r"[0-9a-f]{64}")
 _SUFFIX = ".public"
-_LONGEST_FILE = 4096  # bytes: more is no key
-_LEAST_DIGITS = 8  # of a fingerprint that names a key
+_LONGEST_FILE = 4096  # bytes; a longer file is not a key
+_LEAST_DIGITS = 8  # of a fingerprint that selects a key
 _FINGERPRINT_DIGITS = 32
 
 
 class KeyFolderError(ValueError):
-    """A file or a name that is no key, or not the one of an admitted key."""
+    """The given file is not a key, or the given name is not the name of an admitted key."""
 
 
 @dataclass(frozen=True, slots=True)
 class Admitted:
-    """A file of the key folder. `problem`: why its key is not admitted; None if it is."""
+    """A file of the key folder. `problem` is the reason why its key is not admitted, or None if it
+    is."""
 
     key: str
     file: Path
@@ -37,8 +40,9 @@ def folder() -> Path:
 
 
 def own_key() -> str:
-    """This user's public key, 64 hex digits; made at first use. Raises RuntimeError if the folder
-    or the key is damaged, or other users can read or write it."""
+    """Returns this user's public key as 64 hexadecimal digits, and makes the key at first use.
+    Raises RuntimeError if the folder or the key is damaged, or if other users can read or write
+    it."""
     return _core.own_key()
 
 
@@ -47,14 +51,15 @@ def file_of(key: str) -> Path:
 
 
 def fingerprint(key: str) -> str:
-    """The first half of a key in groups, for people to compare: "9f3c:21aa:…"."""
+    """Returns the first half of a key in groups of digits, for example "9f3c:21aa:…", for people to
+    compare."""
     digits = key[:_FINGERPRINT_DIGITS]
     return ":".join(digits[at : at + 4] for at in range(0, len(digits), 4))
 
 
 def admitted() -> list[Admitted]:
-    """The keys beside this user's own, by name, also those whose files are damaged. Raises
-    RuntimeError like own_key."""
+    """Returns the keys in the folder except this user's own, sorted by name, including keys whose
+    files are damaged. Raises RuntimeError like own_key."""
     own = own_key()
     files = sorted(folder().glob(f"*{_SUFFIX}"))
     return [_judged(file) for file in files if file.name != own + _SUFFIX]
@@ -65,31 +70,34 @@ def _judged(file: Path) -> Admitted:
     if _KEY.fullmatch(key):
         return Admitted(key, file, _core.key_problem(key))
     mend = f"run `gecos keys add {file}`, and remove it"
-    return Admitted("", file, f"{file}: its name is no key of 64 hex digits: {mend}")
+    return Admitted(
+        "", file, f"{file}: the name of this file is not a key of 64 hex digits: {mend}"
+    )
 
 
 def add(file: Path) -> str:
     """Admits the key in a .public file of another user, and returns the key. Raises KeyFolderError
-    for a file that is no public key, OSError if it cannot be read or copied, RuntimeError like
+    if the file is not a public key, OSError if it cannot be read or copied, and RuntimeError like
     own_key."""
     with file.open("rb") as opened:
         text = opened.read(_LONGEST_FILE)
     if text.startswith(b"gecos-secret"):
         raise KeyFolderError(
-            f"{file}: is a secret key, which never leaves its folder: take the .public file beside "
-            "it, and a new key if somebody may have read this one"
+            f"{file}: this is a secret key, which must never leave its folder: use the "
+            ".public file "
+            "beside it, and make a new key if somebody may have read this one"
         )
     try:
         key = _core.public_key_in(text)
     except ValueError as error:
         raise KeyFolderError(f"{file}: {error}: ask its user to copy it again") from None
-    own_key()  # makes the folder
+    own_key()  # makes the folder if it is missing
     _put(file_of(key), text)
     return key
 
 
 def _put(place: Path, text: bytes) -> None:
-    """Writes the whole file or none."""
+    """Writes the whole file, or leaves it as it is."""
     fresh = place.with_name(f".new-{place.name[:8]}{os.getpid()}")
     descriptor = os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o600)
     try:
@@ -104,15 +112,16 @@ def _put(place: Path, text: bytes) -> None:
 
 
 def remove(name: str) -> Admitted:
-    """Takes a key from the admitted ones; `name` is its file name, or the beginning of its
-    fingerprint. Raises KeyFolderError if none or several have this name, or it is the own key."""
+    """Removes a key from the admitted ones. `name` is its file name, or the beginning of its
+    fingerprint. Raises KeyFolderError if no key or several keys have this name, or if it is the
+    user's own key."""
     own = own_key()
     wanted = Path(name).name
     digits = wanted.removesuffix(_SUFFIX).replace(":", "").lower()
     if len(digits) < _LEAST_DIGITS:
         raise KeyFolderError(f"{name}: give at least {_LEAST_DIGITS} digits of the fingerprint")
     if own.startswith(digits):
-        raise KeyFolderError(f"{name}: is your own key, which your programs need")
+        raise KeyFolderError(f"{name}: this is your own key, which your programs need")
     found = [one for one in admitted() if one.file.name == wanted or one.key.startswith(digits)]
     if len(found) != 1:
         how_many = "no admitted key has" if not found else f"{len(found)} admitted keys have"

@@ -1,4 +1,4 @@
-"""The laboratory as this process sees it: finds objects and connects to them."""
+"""The laboratory as this process sees it: the class that finds objects and connects to them."""
 
 from __future__ import annotations
 
@@ -22,9 +22,10 @@ P = TypeVar("P", bound=Object)
 
 
 class Lab:
-    """Finds objects through a broker at the address `broker` ("shm:…", "lcm:…"), else at
-    `GECOS_BROKER`, else on this host. Thread-safe. Use a Lab as a context manager to close it
-    early; otherwise it is closed at the end of the program, after all leases and servers."""
+    """Finds objects through a broker, and connects to them. The broker is at the address `broker`
+    ("shm:…", "lcm:…"), or else at `GECOS_BROKER`, or else on this host. A Lab is thread-safe. Use
+    it as a context manager to close it early; otherwise it is closed at the end of the program,
+    after all leases and servers."""
 
     def __init__(self, broker: str | None = None) -> None:
         check_environment()
@@ -44,13 +45,13 @@ class Lab:
     ) -> P:
         """Connects to the first of `names` that is online and of the right type.
 
-        `medium` names the medium to use ("inproc", "shm", "lcm"); the default is the best one that
-        meets the interface's quality. `patience` in s bounds the wait for an answer of the broker
-        and of each server. `wait` says how many s to try again while none of the objects is online
-        or no broker answers, `math.inf` without limit; an object of another type is not waited for.
-        Raises CreateError with a reason for each name.
+        `medium` names the medium to use ("inproc", "shm", "lcm"). The default is the best one that
+        fulfils the interface's quality. `patience` is the longest wait in s for an answer of the
+        broker and of each server. `wait` says for how many s to try again while none of the objects
+        is online or no broker answers; `math.inf` means without limit. An object of another type is
+        not waited for. Raises CreateError with a reason for each name.
 
-        A reference may be given instead of names (`lab.create(Tool, changer.current().result())`).
+        Instead of names, a reference may be given (`lab.create(Tool, changer.current().result())`).
         A reference is valid only while the server process that it refers to serves the object,
         because a restarted process may have another state. A nil reference is refused.
         """
@@ -100,8 +101,8 @@ class Lab:
 
         Leases are released. Commands that arrived at a server under these leases still finish
         there, but end in this process as OUTCOME_UNKNOWN. Readers of streams raise StreamLost.
-        Proxies of this Lab are unusable afterwards; servers of this Lab keep running. Takes at most
-        about one second, and 0.2 s more for each server over lcm that does not answer.
+        Proxies of this Lab are unusable afterwards. Servers of this Lab keep running. Closing takes
+        at most about one second, and 0.2 s more for each server over lcm that does not answer.
         """
         self._closed = True
         self._core.close()
@@ -127,5 +128,5 @@ def _table_of(interface: type[Object]) -> Interface:
     given = f"the class {interface.__name__}" if isinstance(interface, type) else repr(interface)
     raise TypeError(
         f"the first argument must be the class that gidl generated for the interface, not {given}: "
-        '`from robcl.rx90 import Rx90` and `lab.create(Rx90, "RX90")`'
+        'write `from robcl.rx90 import Rx90` and `lab.create(Rx90, "RX90")`'
     )

@@ -1,4 +1,4 @@
-"""Leases: actor or master status of a device for the duration of a `with` block."""
+"""Leases: actor or master status of a device, usually for the duration of a `with` block."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from gecos.wire import DecodeError, from_bytes
 
 
 class Lease:
-    """Actor or master status of one object, held until the lease is released or lost, or the
+    """Actor or master status of one object. It is held until the lease is released or lost, or the
     program ends.
 
-    Releasing drains: commands issued under the lease still finish before another client gets the
-    status. Once `release` has returned, the server knows of the release, and denies later commands
-    (DENIED).
+    Releasing drains: commands that were issued under the lease still finish before another client
+    gets the status. Once `release` has returned, the server knows of the release, and refuses later
+    commands (DENIED).
     """
 
     def __init__(self, core: _core.Lease, object_name: str) -> None:
@@ -91,13 +91,14 @@ def actor(
     timeout: float | None = 0.0,
     on_position: Callable[[int], object] | None = None,
 ) -> Lease:
-    """Acquires actor status, for commands that move or change the device. Clients with the same
-    `password` may join.
+    """Acquires actor status, which commands that move or change the device need. Clients with the
+    same `password` may share the status.
 
-    While others hold the status, the request waits in line for `timeout` s, in the order of
-    arrival; None waits without limit, and 0 not at all. `on_position(before)` is called with the
-    number of requests before this one, when the wait begins and whenever the number changes. A
-    `stop` of the object ends the line. A server that is older than `timeout` refuses at once.
+    While other clients hold the status, the request waits for `timeout` s, in the order of arrival.
+    A `timeout` of None waits without limit, and 0 does not wait. `on_position(before)` is called
+    with the number of requests before this one, when the wait begins and whenever the number
+    changes. A `stop` of the object ends all waiting requests. A server whose version does not know
+    `timeout` refuses the request at once.
 
     Raises LeaseRefused, which lists the holders, or ConnectionFailed.
     """
@@ -111,8 +112,8 @@ def master(
     timeout: float | None = 0.0,
     on_position: Callable[[int], object] | None = None,
 ) -> Lease:
-    """Acquires master status: like actor status, but the object refuses the calls of all other
-    clients."""
+    """Acquires master status. It is like actor status, but the object also refuses the calls of all
+    other clients."""
     return _acquire(robot, Access.MASTER, password, timeout, on_position)
 
 
@@ -148,12 +149,12 @@ def _acquire(
 
 
 def _await_reply(asked: _core.Command, on_position: Callable[[int], object] | None) -> None:
-    """Waits until `asked` has a reply, and reports its place in line meanwhile."""
+    """Waits until `asked` has a reply. Meanwhile reports how many requests are before it."""
     if on_position is None:
         asked.wait(None)
         return
     reported = None
-    while not asked.wait(0.05):  # progress wakes no thread
+    while not asked.wait(0.05):  # no event announces progress
         detail, position, _ = asked.progress()
         if detail == Detail.QUEUED and position != reported:
             reported = position
@@ -168,5 +169,6 @@ def _refusal(where: str, text: str, exception: str, evidence: bytes) -> LeaseRef
     try:
         refused = from_bytes(StatusRefused, evidence)
     except DecodeError as error:
-        return LeaseRefused(f"{where}: {text} (the list of holders does not decode: {error})")
-    return LeaseRefused(refused.reason, refused.holders)  # the reason names object and status
+        return LeaseRefused(f"{where}: {text} (the list of holders cannot be decoded: {error})")
+    # The reason already names the object and the status.
+    return LeaseRefused(refused.reason, refused.holders)

@@ -7,9 +7,10 @@ import sys
 
 
 def program_name() -> str:
-    """The script's file name, or the module's name under `python -m`, else "python"."""
+    """Returns the script's file name, or the module's name under `python -m`, or else "python"."""
     spec = getattr(sys.modules.get("__main__"), "__spec__", None)
-    if spec is not None and spec.name != "__main__":  # "__main__": a folder or archive was run
+    # The name "__main__" means that a folder or archive was run.
+    if spec is not None and spec.name != "__main__":
         return str(spec.name).removesuffix(".__main__")
     name = os.path.basename(sys.argv[0]) if sys.argv else ""  # noqa: PTH119  # pathlib takes long
     if name in ("", "-", "-c"):
@@ -19,7 +20,7 @@ def program_name() -> str:
 
 def check_environment() -> None:
     """Raises RuntimeError if GECOS_BROKER or GECOS_RUNTIME_DIR is not UTF-8, because no message
-    could show its value."""
+    could show the value."""
     for variable in ("GECOS_BROKER", "GECOS_RUNTIME_DIR"):
         value = os.environ.get(variable, "")
         try:

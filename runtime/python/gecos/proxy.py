@@ -71,7 +71,7 @@ class Object:
                 name = given[0] if given and isinstance(given[0], str) else "NAME"
                 kind = type(self).__name__
                 raise TypeError(
-                    f"{kind} is a client class; a Lab makes its objects: "
+                    f"{kind} is a proxy class, and a Lab makes its objects: write "
                     f"`gecos.Lab().create({kind}, {name!r})`"
                 )
             self._gecos_session = given[0]
@@ -99,7 +99,7 @@ class Object:
 
 
 def _no_stream(kind: type[Object], name: str) -> NoReturn:
-    """What `.stream()` does for a method of a proxy, which is not a StreamAttribute."""
+    """Raises the error for `.stream()` on a method of a proxy that is not a StreamAttribute."""
     streams = ", ".join(each.name for each in kind._gecos_interface.streams)
     raise TypeError(
         f"{kind.__name__}.{name} is not published as a stream; ask for its value with "
@@ -109,7 +109,8 @@ def _no_stream(kind: type[Object], name: str) -> NoReturn:
 
 
 class StreamAttribute(Generic[T]):
-    """A continuously published attribute: call the attribute for one value, or open its stream."""
+    """An attribute that the server publishes continuously. Call it to get one value, or open its
+    stream."""
 
     __slots__ = ("_method", "_object")
 
@@ -122,7 +123,7 @@ class StreamAttribute(Generic[T]):
         return self._object._gecos_call(self._method, [])
 
     def stream(self) -> Stream[T]:
-        """Subscribes to the attribute. Raises ConnectionFailed or CommandFailed on failure."""
+        """Subscribes to the attribute. Raises ConnectionFailed or CommandFailed if this fails."""
         session = self._object._gecos_session
         opened = session.subscribe(self._method.operation.code)
         name = f"{session.object_name}.{self._method.operation.name}"
@@ -135,19 +136,19 @@ class StreamAttribute(Generic[T]):
 
 
 def reference(proxy: Object) -> ObjectRef:
-    """A reference to the object as a value, for parameters and results whose type is an interface.
-    In any process, `lab.create` makes a proxy from the reference."""
+    """Returns a reference to the object, as a value for parameters and results whose type is an
+    interface. In any process, `lab.create` makes a proxy from the reference."""
     from gecos_idl.object_ref_types import ObjectRef
 
     return ObjectRef(*proxy._gecos_session.reference())
 
 
 def with_deadline(proxy: P, seconds: float) -> P:
-    """Returns a proxy of the same object. Calls through it fail unless they complete within
+    """Returns a proxy of the same object. Calls through this proxy fail unless they complete within
     `seconds` after they are sent.
 
-    If `seconds` is 0 or less, for example `end - time.monotonic()` after `end`, calls are not sent
-    and end as EXPIRED. Raises ValueError unless `seconds` is a finite number.
+    If `seconds` is 0 or less, calls are not sent and end as EXPIRED. This happens for example with
+    `end - time.monotonic()` after `end`. Raises ValueError unless `seconds` is a finite number.
     """
     if not math.isfinite(seconds):
         raise ValueError(

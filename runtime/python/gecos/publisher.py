@@ -1,4 +1,4 @@
-"""The thread of a server that measures and publishes while handlers run on other threads."""
+"""The thread of a server that measures and publishes while the handlers run on other threads."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from types import TracebackType
 from typing import Self
 
 Publish = Callable[[threading.Event], object]
-"""Publishes until the event is set."""
+"""A function that publishes samples until the event is set."""
 
 
 class Publisher:
-    """Runs a function that publishes. The end of the `with` block sets the event that the function
-    got, waits for its return, and raises the exception that ended it early."""
+    """Runs a function that publishes samples. At its end, the `with` block sets the event that the
+    function got, and waits until the function returns. If the function ended with an exception, the
+    block raises this exception."""
 
     def __init__(self) -> None:
         self._ended = threading.Event()
@@ -21,7 +22,8 @@ class Publisher:
         self._error: BaseException | None = None
 
     def start(self, publish: Publish, failed: Callable[[], None]) -> None:
-        """Calls `failed` on the thread of `publish` when `publish` raises an exception."""
+        """Starts the thread of `publish`. If `publish` raises an exception, the thread calls
+        `failed`."""
         self._thread = threading.Thread(
             target=self._run, args=(publish, failed), name="gecos-publish", daemon=True
         )

@@ -1,4 +1,4 @@
-"""`async for` over a stream: a dedicated thread waits for each sample."""
+"""Implements `async for` over a stream: a dedicated thread waits for each sample."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Turn(Generic[T]):
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self.over = False  # True when the task has stopped waiting
-        self.taken: deque[Sample[T]] = deque()  # at most one; whoever pops the sample owns it
+        self.taken: deque[Sample[T]] = deque()  # at most one sample; the code that pops it owns it
         self._loop = loop
         self._ended = loop.create_future()
         self._error: BaseException | None = None
@@ -47,7 +47,7 @@ class Turn(Generic[T]):
             except BaseException as error:
                 self._error = error
             break
-        with contextlib.suppress(RuntimeError):  # the event loop is closed
+        with contextlib.suppress(RuntimeError):  # the event loop may be closed
             self._loop.call_soon_threadsafe(_set, self._ended)
 
 
@@ -57,10 +57,10 @@ def _set(future: asyncio.Future[None]) -> None:
 
 
 class SampleReader(AsyncIterator["Sample[T]"]):
-    """Awaits samples with a dedicated thread. The thread waits only while a task awaits a sample,
-    so it never reads ahead. The thread ends when the SampleReader is destroyed.
+    """Awaits samples on a dedicated thread. The thread waits only while a task awaits a sample, so
+    it never reads ahead. The thread ends when the SampleReader is destroyed.
 
-    The event loop's thread pool is not used, because each stream would occupy one of its few
+    The thread pool of the event loop is not used, because each stream would occupy one of its few
     threads.
     """
 
@@ -88,7 +88,8 @@ def _serve(
     asked: SimpleQueue[Turn[T] | weakref.ref[SampleReader[T]]],
     end: weakref.ref[SampleReader[T]],
 ) -> None:
-    """Runs the reader's thread. Keeps `end` alive: a destroyed weak reference calls no callback."""
+    """Runs the reader's thread. The argument `end` only keeps the weak reference alive, because a
+    destroyed weak reference does not call its callback."""
     while isinstance(turn := asked.get(), Turn):
         turn.serve(stream)
-        del turn  # a Turn keeps its event loop alive
+        del turn  # a Turn would keep its event loop alive

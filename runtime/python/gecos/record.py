@@ -1,11 +1,12 @@
-"""Immutable values with named members: what `@dataclass(frozen=True)` makes, but made quickly.
+"""Immutable values with named members, like those of `@dataclass(frozen=True)`, but with classes
+that are made quickly.
 
     class Stream(Record, kw_only=True):
         name: str
         rate_hz: float = 0.0
 
 A dataclass compiles six methods for each class, which takes a millisecond or two. The tables of
-interfaces and models are some twenty classes, and every start of `gecos` makes them all.
+interfaces and models need about twenty classes, and every start of `gecos` makes all of them.
 """
 
 from __future__ import annotations
@@ -17,9 +18,9 @@ R = TypeVar("R", bound="Record")
 
 @dataclass_transform(frozen_default=True)
 class Record:
-    """Base class of values whose members are the annotated names of the class. All values share a
-    default, so it must be immutable. `derived` members follow from others: `==` and `repr` leave
-    them out."""
+    """Base class of values whose members are the annotated names of the class. All values share the
+    default of a member, so the default must be immutable. Members in `derived` are computed from
+    others: `==` and `repr` leave them out."""
 
     _members: ClassVar[tuple[str, ...]] = ()
     _defaults: ClassVar[dict[str, Any]] = {}
@@ -44,13 +45,13 @@ class Record:
             wrong = ", ".join(sorted(unknown | twice | missing)) or f"{len(given)} values"
             raise TypeError(
                 f"{type(self).__name__} has the members {', '.join(self._members)}, of which "
-                f"{self._positional} may be given without their names; wrong: {wrong}"
+                f"{self._positional} may be given without their names; these are wrong: {wrong}"
             )
         self.__dict__.update(self._defaults | values | named)
         self.__post_init__()
 
     def __post_init__(self) -> None:
-        """A class may complete its members here, in `self.__dict__`."""
+        """Subclasses may override this method to complete their members, in `self.__dict__`."""
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{type(self).__name__} is immutable: {name} cannot be set")
@@ -75,6 +76,6 @@ class Record:
 
 
 def replace(record: R, **changes: Any) -> R:
-    """A copy with other values of the members that are named."""
+    """Returns a copy of `record` in which the named members have other values."""
     members = {name: getattr(record, name) for name in record._members}
     return type(record)(**members | changes)

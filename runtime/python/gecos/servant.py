@@ -1,7 +1,7 @@
-"""The implementation of an object: a generated skeleton derives from `Servant`, and the
-user's class derives from the skeleton.
+"""The implementation of an object: a generated skeleton derives from `Servant`, and the user's
+class derives from the skeleton.
 
-What gidl generates for a server:
+gidl generates code such as this for a server:
 
     class ManipulatorServant(DeviceServant):
         _gecos_interface = _MANIPULATOR
@@ -35,21 +35,21 @@ if TYPE_CHECKING:
 
 class Servant(ABC):  # noqa: B024  # the skeletons declare the abstract methods
     """The base class of servants. A handler may raise a declared exception of its operation,
-    `gecos.Rejected` or `gecos.Interrupted`; any other exception becomes a FAULT and is logged.
+    `gecos.Rejected` or `gecos.Interrupted`. Any other exception becomes a FAULT and is logged.
 
-    Each object has three threads, and each thread calls one handler at a time: one for safety
-    operations, one for sensor operations that are neither cancelable nor ordered, one for all other
-    operations.
+    Each object has three threads, and each thread calls one handler at a time. One thread is for
+    safety operations, one for sensor operations that are neither cancelable nor ordered, and one
+    for all other operations.
     """
 
     _gecos_interface: ClassVar[Interface] = Interface(name="gecos::Object")
     _gecos_handlers: ClassVar[Mapping[int, Handler]] = {}
-    _gecos_core: _core.PulledServant | None = None  # set while the servant is served
+    _gecos_core: _core.PulledServant | None = None  # None unless the servant is served
 
     def gecos_on_stop(self) -> None:  # noqa: B027  # most servants watch run.interrupted instead
-        """Called when a client stops the object. Override it to halt the device. Runs on the thread
-        of the safety operations while other handlers may still run. Leases and queue are already
-        cleared."""
+        """Called when a client stops the object. Override this method to halt the device. It runs
+        on the thread of the safety operations while other handlers may still run. Leases and queue
+        are already cleared."""
 
     def _gecos_publish(self, code: int, sample: Parts, stamp: float | None) -> None:
         if self._gecos_core is None:

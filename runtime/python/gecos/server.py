@@ -1,4 +1,4 @@
-"""Serves objects: C++ accepts clients, checks access and queues calls; Python runs the handlers."""
+"""Serves objects. C++ accepts clients, checks access and queues calls; Python runs the handlers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from gecos.termination_signals import TerminationSignals
 BROKER_PATIENCE = 10.0
 """How long a server waits for a broker that is starting, in seconds."""
 _claiming = threading.Lock()  # guards `_gecos_core` of all servants
-_PATIENCE_WITH_HANDLERS = 1.0  # s until close() reports the handlers that it waits for
+_PATIENCE_WITH_HANDLERS = 1.0  # s after which close() reports the handlers it waits for
 
 
 class Server:
@@ -28,9 +28,9 @@ class Server:
         with gecos.Server(lab) as server:
             server.add("LASER", Lds())
 
-    Each object has three threads: one for its stop and its safety operations, one for sensor
-    operations that are neither cancelable nor ordered, one for all other operations in order of
-    arrival.
+    Each object has three threads: one for the stop and the safety operations of the object, one for
+    sensor operations that are neither cancelable nor ordered, and one for all other operations in
+    order of arrival.
     """
 
     def __init__(self, lab: Lab) -> None:
@@ -40,9 +40,9 @@ class Server:
         shutdown.at_exit(self, shutdown.Turn.SERVERS)
 
     def await_broker(self, patience: float = BROKER_PATIENCE) -> None:
-        """Waits at most `patience` seconds for a broker that is starting; `add` waits too.
+        """Waits at most `patience` seconds for a broker that is starting. `add` waits as well.
 
-        Raises ServeError, which says where the broker was expected, if no broker answers.
+        If no broker answers, raises ServeError, which says where the broker was expected.
         """
         if why := self._core.await_broker(patience):
             raise ServeError(why)
@@ -50,10 +50,11 @@ class Server:
     def add(
         self, name: str, servant: Servant, *, simulated: bool = False, media: Iterable[str] = ()
     ) -> None:
-        """Serves `servant` under `name` from now on. Clients may use `media`; empty: all media.
+        """Serves `servant` under `name` from now on. `media` lists the media that clients may use;
+        an empty list means all media.
 
-        Raises ServeError when no broker answers, the name is taken or no medium can be opened, and
-        TypeError when a handler does not take the parameters of its operation.
+        Raises ServeError if no broker answers, the name is taken or no medium can be opened. Raises
+        TypeError if a handler does not take the parameters of its operation.
         """
         if not isinstance(servant, Servant):
             given = f"the class {servant.__name__}" if isinstance(servant, type) else repr(servant)
@@ -68,8 +69,8 @@ class Server:
         with self._adding:
             prepared = self._core.prepare(servant._gecos_interface)
             lanes = [Lane(self, name, servant, prepared, lane) for lane in range(len(LANES))]
-            # New lanes are registered before they start, so that close() waits for them. Ended
-            # lanes are removed.
+            # New lanes are registered before they start, so that close() waits for them. Lanes that
+            # have ended are removed.
             self._lanes = [*filter(Lane.is_alive, self._lanes), *lanes]
             may_be_served = False
             try:
@@ -77,20 +78,21 @@ class Server:
                 _start(lanes, name)
                 may_be_served = True
                 if why := self._core.add(prepared, name, simulated, list(media)):
-                    raise ServeError(why)  # the text `why` already contains the name of the object
+                    raise ServeError(why)  # `why` already contains the name of the object
             except BaseException as error:
-                # if neither holds, the object stays served
+                # If neither condition holds, the object stays served.
                 if not may_be_served or isinstance(error, Exception):
                     _release(servant, prepared)
                     self._core.forget(prepared)  # ends the lanes of the servant
                 raise
 
     def close(self) -> None:
-        """Withdraws all objects, interrupts running handlers and waits until they return. After 1 s
-        the handlers that still run are named on stderr; `close` keeps waiting for them. When a
-        handler closes its own server, `close` waits for no handler."""
+        """Withdraws all objects, interrupts running handlers and waits until they return. After 1
+        s, `close` writes the names of the handlers that still run to stderr, and keeps waiting for
+        them. If a handler closes its own server, `close` waits for no handler."""
         self._core.close()
-        lanes = [lane for lane in self._lanes if lane.ident is not None]  # lanes that were started
+        # Only lanes that were started can be joined.
+        lanes = [lane for lane in self._lanes if lane.ident is not None]
         if threading.current_thread() in lanes:
             for lane in lanes:
                 _release(lane.servant, lane.core)
@@ -128,7 +130,8 @@ def _claim(servant: Servant, prepared: _core.PulledServant, name: str) -> None:
 
 
 def _release(servant: Servant, prepared: _core.PulledServant) -> None:
-    """Clears `_gecos_core` of the servant, unless another server has claimed the servant since."""
+    """Clears `_gecos_core` of the servant, unless another server has claimed the servant in the
+    meantime."""
     with _claiming:
         if servant._gecos_core is prepared:
             servant._gecos_core = None
@@ -150,19 +153,20 @@ def serve(
     media: Iterable[str] = (),
     publish: Publish | None = None,
 ) -> None:
-    """Serves objects under their names until SIGINT or SIGTERM. Call it from the main thread.
+    """Serves objects under their names until SIGINT or SIGTERM arrives. Call it from the main
+    thread.
 
     `publish(ended)` runs on a thread of its own while the objects are served: it measures and
-    publishes until the event `ended` is set. An exception of `publish` ends `serve`, which raises
-    it.
+    publishes until the event `ended` is set. If `publish` raises an exception, `serve` ends and
+    raises it again.
     """
     if threading.current_thread() is not threading.main_thread():
         raise RuntimeError(
             "call gecos.serve from the main thread, because only that thread receives signals; in "
             "another thread use `with gecos.Server(lab) as server: server.add(…)`"
         )
-    # TerminationSignals must be the inner context: then a signal while the server closes ends the
-    # program even if a handler or `publish` hangs.
+    # TerminationSignals must be the inner context. Then a signal that arrives while the server
+    # closes ends the program, even if a handler or `publish` hangs.
     with (
         Server(lab or Lab()) as server,
         Publisher() as publisher,
@@ -179,7 +183,7 @@ def serve(
 
 
 def _broker_found(server: Server, signals: TerminationSignals) -> bool:
-    """Waits for a broker; False if a termination signal comes first."""
+    """Waits for a broker. Returns False if a termination signal arrives first."""
     give_up = time.monotonic() + BROKER_PATIENCE
     while not signals.came():
         try:

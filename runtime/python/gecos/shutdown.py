@@ -1,6 +1,7 @@
-"""Orderly end of the program: leases are released and drain, then sessions are closed.
+"""Ends the program in order: leases are released and drain, then sessions are closed.
 
-So commands that the program did not wait for still finish, and the robot is free afterwards.
+As a result, commands for which the program did not wait still finish, and the robot is free
+afterwards.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from weakref import WeakSet
 
 
 class Turn(IntEnum):
-    """Order in which objects are closed at the end of the program."""
+    """The order in which objects are closed at the end of the program."""
 
     LEASES = 0
     SERVERS = 1
@@ -32,18 +33,19 @@ _waiting: dict[Turn, WeakSet[Closable]] = {turn: WeakSet() for turn in Turn}
 
 def at_exit(closable: Closable, turn: Turn) -> None:
     """Calls `closable.close()` at the end of the program if the object still exists then, even if
-    it was closed before."""
+    it was already closed."""
     _waiting[turn].add(closable)
 
 
-# A recursive lock: a __del__ or a signal handler may call begin_thread inside begin_thread.
+# The lock is recursive, because a __del__ or a signal handler may call begin_thread while
+# begin_thread runs.
 _starting = threading.RLock()
 _over = False
 
 
 def begin_thread(name: str, run: Callable[..., None], *words: object) -> None:
-    """Starts a daemon thread. Raises RuntimeError once the program is ending: a thread that starts
-    while the interpreter shuts down would crash it."""
+    """Starts a daemon thread. Raises RuntimeError once the program is ending, because a thread that
+    starts while the interpreter shuts down would crash the program."""
     with _starting:
         if _over:
             raise RuntimeError(f"{name}: cannot start a thread, because the program is ending")
@@ -55,7 +57,7 @@ def _leave() -> None:
     global _over
     for turn in Turn:
         for closable in list(_waiting[turn]):
-            with contextlib.suppress(Exception):  # no caller is left to report to
+            with contextlib.suppress(Exception):  # no caller is left that could get the exception
                 closable.close()
     with _starting:
         _over = True

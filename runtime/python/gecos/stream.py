@@ -1,4 +1,5 @@
-"""A subscription to an outward stream: read the newest sample, or every sample in order."""
+"""A subscription to an outward stream. A program reads its newest sample, or every sample in
+order."""
 
 from __future__ import annotations
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from gecos.reader import Turn
 
 T = TypeVar("T")
-_MOMENT = 0.01  # s of one wait for the lock of the stream
+_MOMENT = 0.01  # s for which one attempt waits for the stream's lock
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,25 +28,27 @@ class Sample(Generic[T]):
     """One value of a stream."""
 
     value: T
-    sequence: int  # rises by one per published sample
-    lost: int  # unread samples between the previous sample that was read and this sample
-    stamp: float  # time of measurement, for display: Unix time in s by the server's clock
-    age: float  # s from measurement to reading; setting a clock does not change it. Exact on one
-    # host; between hosts at most one round-trip time too large, and never too small
+    sequence: int  # increases by one with each published sample
+    lost: int  # samples between the previously read one and this one that were not read
+    stamp: float  # time of measurement for display: Unix time in s, by the server's clock
+    # s from measurement to reading. Setting a clock does not change the age. It is exact on one
+    # host; between hosts it is at most one round-trip time too large, and never too small.
+    age: float
 
 
 class Stream(Generic[T]):
     """The samples of a subscription in order, starting with the newest sample. A slow reader loses
-    old samples; `Sample.lost` counts them. A sample that does not decode is skipped: `unreadable`
-    counts it. Once a first sample was read, `Sample.lost` counts it too.
+    old samples, which `Sample.lost` counts. A sample that cannot be decoded is skipped, and
+    `unreadable` counts it. After the first sample was read, `Sample.lost` counts such samples too.
 
-    Iterating waits for each sample and ends after `close()`. Iterating raises StreamLost when the
-    server is gone or silent or closed the session, or when the Lab is closed. Only one thread or
-    task reads at a time: other threads wait in `next`, within their timeout, and their calls of
-    `latest` raise RuntimeError.
+    Iterating waits for each sample, and ends after `close()`. It raises StreamLost if the server is
+    gone or silent or has closed the session, or if the Lab is closed. Only one thread or task reads
+    at a time: other threads wait in `next`, within their timeout, and their calls of `latest` raise
+    RuntimeError.
 
     `async for` waits on a dedicated thread. Cancelling the `async for` loses no sample: a sample
-    already received goes to the next reader, or counts as lost if a later sample was read before.
+    that was already received goes to the next reader, or counts as lost if a later sample was read
+    before.
     """
 
     def __init__(self, core: _core.Stream, decode: Callable[[Decoder], T], name: str) -> None:
@@ -61,15 +64,16 @@ class Stream(Generic[T]):
         self._measured_ns = 0  # time stamp of the last sample that was read
         self._returned: deque[Sample[T]] = deque()  # samples whose readers were cancelled
         self._unread: Sample[T] | None = None  # the last sample, if a cancelled reader returned it
-        self._missed = 0  # samples that were returned after a later sample was read
+        self._missed = 0  # samples returned after a later sample had been read
         self._last_unreadable = 0
         self._unreadable = 0
 
     def latest(self) -> Sample[T] | None:
-        """The newest sample, even if it was read before. None before the first sample, while the
-        newest sample does not decode, and after `close()`. Never waits for a sample.
+        """Returns the newest sample, even if it was read before. Returns None before the first
+        sample, if the newest sample cannot be decoded, and after `close()`. Never waits for a
+        sample.
 
-        Raises StreamLost when the server is gone or silent, or the Lab was closed. A silent server
+        Raises StreamLost if the server is gone or silent, or if the Lab was closed. A silent server
         is noticed only after 1.3 s; until then check `age`. Raises RuntimeError while another
         thread or task waits in `next` of the same stream.
         """
@@ -89,11 +93,11 @@ class Stream(Generic[T]):
             self._reading.release()
 
     def next(self, timeout: float | None = None) -> Sample[T]:
-        """The next unread sample. It is old if you read more slowly than the server publishes; for
-        the current value, call `latest()`.
+        """Returns the next unread sample. It is old if you read more slowly than the server
+        publishes. For the current value, call `latest()`.
 
-        Raises TimeoutError after `timeout` seconds without a sample, EOFError when the stream was
-        closed, StreamLost when the server is gone or the Lab was closed.
+        Raises TimeoutError after `timeout` seconds without a sample, EOFError if the stream was
+        closed, and StreamLost if the server is gone or the Lab was closed.
         """
         sample = self._next(timeout)
         if sample is None:
@@ -102,8 +106,8 @@ class Stream(Generic[T]):
 
     @property
     def unreadable(self) -> int:
-        """Number of received samples that do not decode. Such samples come from a faulty server:
-        opening a stream fails if the server has another sample type."""
+        """The number of received samples that cannot be decoded. Such samples come from a faulty
+        server: if the server only had another sample type, opening the stream would have failed."""
         return self._unreadable
 
     def __iter__(self) -> Iterator[Sample[T]]:
@@ -111,7 +115,7 @@ class Stream(Generic[T]):
             yield sample
 
     def __aiter__(self) -> AsyncIterator[Sample[T]]:
-        from gecos.reader import SampleReader  # not at the top: importing asyncio is slow
+        from gecos.reader import SampleReader  # not at the top, because importing asyncio is slow
 
         return SampleReader(self)
 
@@ -127,8 +131,8 @@ class Stream(Generic[T]):
         self.close()
 
     def close(self) -> None:
-        """Ends the subscription; a waiting `next` raises EOFError. The end of `with stream:` does
-        the same."""
+        """Ends the subscription. A waiting `next` raises EOFError. The end of a `with` block of the
+        stream does the same."""
         self._closed = True
         self._core.close()
 
@@ -158,7 +162,7 @@ class Stream(Generic[T]):
             if sample is not None:
                 if turn is not None:
                     turn.taken.append(sample)
-                    if turn.over:  # the reader was cancelled meanwhile
+                    if turn.over:  # the reader was cancelled in the meantime
                         self._take_back(turn)
                 return sample
         finally:
@@ -171,7 +175,8 @@ class Stream(Generic[T]):
         return self._waits and not (turn is not None and turn.over)
 
     def _take_back(self, turn: Turn[T]) -> None:
-        """Keeps a sample that a cancelled reader received but did not use. Runs on any thread."""
+        """Keeps a sample that a cancelled reader received but did not use. Any thread may call this
+        method."""
         with contextlib.suppress(IndexError):
             self._returned.append(turn.taken.pop())
 

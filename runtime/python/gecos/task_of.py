@@ -1,4 +1,5 @@
-"""What lets `asyncio.TaskGroup.create_task` take an awaitable: it takes coroutines only."""
+"""Makes an awaitable acceptable to `asyncio.TaskGroup.create_task`, which accepts only
+coroutines."""
 
 from __future__ import annotations
 
@@ -13,11 +14,11 @@ if TYPE_CHECKING:
 T = TypeVar("T", covariant=True)
 
 _steps: WeakKeyDictionary[asyncio.Task[Any], Coroutine[Any, Any, Any]] = WeakKeyDictionary()
-"""The coroutine that each task of a `TaskOf` runs. Several tasks may wait for the same object."""
+"""The coroutine of each task that runs a `TaskOf`. Several tasks may run the same `TaskOf`."""
 
 
 class TaskOf(Coroutine[Any, Any, T]):
-    """A base class of awaitables. `asyncio` calls `send` and `throw`, programs do not."""
+    """A base class of awaitables. `asyncio` calls `send` and `throw`; programs do not."""
 
     __slots__ = ()
 
@@ -31,14 +32,14 @@ class TaskOf(Coroutine[Any, Any, T]):
         return self._of_this_task().throw(*error)
 
     def close(self) -> None:
-        """Does nothing: what is awaited goes on."""
+        """Does nothing, so that the awaited command continues."""
 
     def _of_this_task(self) -> Coroutine[Any, Any, T]:
         import asyncio
 
         task = asyncio.current_task()
         if task is None:
-            raise RuntimeError("only a task of asyncio calls this; write `await`")
+            raise RuntimeError("only a task of asyncio may call this method; write `await` instead")
         if task not in _steps:
             _steps[task] = self._awaited()
         return _steps[task]

@@ -12,10 +12,11 @@ _ENOUGH = 4096  # bytes to peek at; other signals may have arrived before SIGINT
 
 
 class TerminationSignals:
-    """Inside the `with` block, SIGINT and SIGTERM only end `wait`. For the main thread only.
+    """Inside the `with` block, SIGINT and SIGTERM do nothing but end `wait`. Only the main thread
+    may use this class.
 
-    Python writes each signal to a socket, whichever thread the kernel delivers the signal to. So
-    no signal is lost between checking and sleeping, and no signal handler takes a lock.
+    Python writes each signal to a socket, whichever thread the kernel delivers the signal to. So no
+    signal is lost between checking and sleeping, and no signal handler takes a lock.
     """
 
     def __enter__(self) -> Self:
@@ -26,16 +27,17 @@ class TerminationSignals:
         return self
 
     def wait(self) -> None:
-        """Sleeps until SIGINT or SIGTERM; returns at once if one of them has already arrived."""
+        """Sleeps until SIGINT or SIGTERM arrives. Returns at once if one of them has already
+        arrived."""
         while self._here.recv(1)[0] not in _SIGNALS:
             pass
 
     def end_wait(self) -> None:
-        """Lets `wait` return without a signal. Any thread may call it."""
+        """Makes `wait` return without a signal. Any thread may call this method."""
         self._there.send(bytes([signal.SIGTERM]))
 
     def came(self) -> bool:
-        """Whether SIGINT or SIGTERM has already arrived."""
+        """Returns whether SIGINT or SIGTERM has already arrived."""
         try:
             waiting = self._here.recv(_ENOUGH, socket.MSG_PEEK | socket.MSG_DONTWAIT)
         except BlockingIOError:

@@ -41,7 +41,7 @@ TEST_F(LeaseTableTest, MovingWithoutALeaseIsDeniedAndSaysHowToGetOne) {
   const auto denied = table.may_queue(kAda, Epoch{}, Status::Actor, now);
   ASSERT_FALSE(denied);
   EXPECT_EQ(denied.error().reason, Denial::Reason::NeedsStatus);
-  EXPECT_EQ(denied.error().text, "needs actor status; take it with actor(object) of gecos");
+  EXPECT_EQ(denied.error().text, "needs actor status; call actor(object) of gecos to acquire it");
 }
 
 TEST_F(LeaseTableTest, AHolderMayMove) {
@@ -60,7 +60,7 @@ TEST_F(LeaseTableTest, ActorDoesNotDoWhatNeedsMaster) {
   const Grant grant = give(kAda, Status::Actor);
   const auto denied = table.may_queue(kAda, grant.epoch, Status::Master, now);
   ASSERT_FALSE(denied);
-  EXPECT_EQ(denied.error().text, "needs master status; take it with master(object) of gecos");
+  EXPECT_EQ(denied.error().text, "needs master status; call master(object) of gecos to acquire it");
 }
 
 TEST_F(LeaseTableTest, ASecondClientIsRefusedAndToldWhoHoldsItSinceAndUntilWhen) {
@@ -69,9 +69,11 @@ TEST_F(LeaseTableTest, ASecondClientIsRefusedAndToldWhoHoldsItSinceAndUntilWhen)
   const auto refused = table.acquire(kBob, bob, Status::Actor, kNoPassword, now);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().reason, LeaseRefusal::Reason::HeldByOther);
-  EXPECT_EQ(refused.error().text,
-            "actor status refused: it is not shared; actor status is held by ada on lab1 "
-            "(grip_block, pid 4711) for 0.1 s, lost in 0.4 s if silent");
+  EXPECT_EQ(
+      refused.error().text,
+      "actor status refused: it is not shared, so wait or ask the holder to release it; actor "
+      "status is held by ada on lab1 (grip_block, pid 4711) for 0.1 s; this client loses it if it "
+      "stays silent for 0.4 s more");
   ASSERT_EQ(refused.error().holders.size(), 1U);
   EXPECT_EQ(refused.error().holders[0].client.pid, 4711);
 }
@@ -82,7 +84,7 @@ TEST_F(LeaseTableTest, WhoIsRefusedToMoveIsToldWhoMoves) {
   ASSERT_FALSE(denied);
   EXPECT_EQ(denied.error().text,
             "needs actor status; actor status is held by ada on lab1 (grip_block, pid 4711) "
-            "for 0.0 s, lost in 0.5 s if silent");
+            "for 0.0 s; this client loses it if it stays silent for 0.5 s more");
 }
 
 TEST_F(LeaseTableTest, MasterIsRefusedWhileAnotherHoldsActor) {
@@ -98,9 +100,10 @@ TEST_F(LeaseTableTest, MasterRefusesReadingToOthersOnly) {
   const auto denied = table.may_queue(kBob, Epoch{}, Status::Sensor, now);
   ASSERT_FALSE(denied);
   EXPECT_EQ(denied.error().reason, Denial::Reason::OthersMaster);
-  EXPECT_EQ(denied.error().text,
-            "is refused while another client is master: master status is held by ada on lab1 "
-            "(grip_block, pid 4711) for 0.0 s, lost in 0.5 s if silent");
+  EXPECT_EQ(
+      denied.error().text,
+      "is refused while another client is master: master status is held by ada on lab1 "
+      "(grip_block, pid 4711) for 0.0 s; this client loses it if it stays silent for 0.5 s more");
 }
 
 TEST_F(LeaseTableTest, TheOnlyHolderMayBecomeMaster) {
@@ -174,10 +177,9 @@ TEST_F(LeaseTableTest, SilentHolderLosesTheRobot) {
   const auto denied = table.may_start(kAda, grant.epoch, Status::Actor, now + 500ms);
   ASSERT_FALSE(denied);
   EXPECT_EQ(denied.error().reason, Denial::Reason::LeaseEnded);
-  EXPECT_EQ(
-      denied.error().text,
-      "was issued under a status that has ended: its holder was silent for 0.5 s; take it with "
-      "actor(object) of gecos again");
+  EXPECT_EQ(denied.error().text,
+            "was issued under a status that has ended: its holder was silent for 0.5 s; call "
+            "actor(object) of gecos to acquire it again");
 }
 
 TEST_F(LeaseTableTest, ASignOfLifeKeepsTheRobot) {
@@ -215,8 +217,8 @@ TEST_F(LeaseTableTest, ASilentHolderOfASharedStatusIsToldThatItLostItsShare) {
   EXPECT_EQ(denied.error().reason, Denial::Reason::LeaseEnded);
   EXPECT_EQ(denied.error().text,
             "was issued under a status that has ended: its holder was silent for 0.5 s; actor "
-            "status is held by bob on lab2 (watch, pid 4712) for 0.5 s, lost in 0.4 s if silent; "
-            "take it with actor(object) of gecos again");
+            "status is held by bob on lab2 (watch, pid 4712) for 0.5 s; this client loses it if it "
+            "stays silent for 0.4 s more; call actor(object) of gecos to acquire it again");
   EXPECT_EQ(table.may_queue(kAda, Epoch{}, Status::Actor, now).error().reason,
             Denial::Reason::NeedsStatus)
       << "what is issued under no status is denied";
@@ -250,7 +252,7 @@ TEST_F(LeaseTableTest, ReleaseDrainsBeforeAnybodyElseGetsIn) {
   EXPECT_TRUE(table.may_queue(kAda, epoch, Status::Sensor, now));
   const auto refused = table.acquire(kBob, bob, Status::Actor, kNoPassword, now);
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().text.find("released: its last commands are still running"),
+  EXPECT_NE(refused.error().text.find("it is released, but the last commands under it still run"),
             std::string::npos);
   table.drained(kAda);
   EXPECT_TRUE(table.acquire(kBob, bob, Status::Actor, kNoPassword, now));
@@ -314,8 +316,8 @@ TEST_F(LeaseTableTest, WhatArrivesAfterTheStopThatEndedItsStatusIsStopped) {
   ASSERT_FALSE(denied);
   EXPECT_EQ(denied.error().reason, Denial::Reason::Stopped);
   EXPECT_EQ(denied.error().text,
-            "was issued under a status that has ended: stopped by bob on lab2; take it with "
-            "actor(object) of gecos again");
+            "was issued under a status that has ended: stopped by bob on lab2; call actor(object) "
+            "of gecos to acquire it again");
   const Epoch later = give(kAda, Status::Actor).epoch;
   EXPECT_EQ(table.may_queue(kAda, epoch, Status::Actor, now).error().reason,
             Denial::Reason::Stopped)

@@ -105,7 +105,7 @@ TEST_F(GeneratedCalls, TurnWhatAHandlerThrowsIntoAFaultWithItsText) {
   EXPECT_EQ(painted.error().detail, Detail::Fault);
   EXPECT_EQ(painted.error().text,
             "the handler of 'paint' threw std::runtime_error, which it does not declare: "
-            "the can fell over");
+            "the can fell over; the handler must catch it and return a gecos::Fault");
 }
 
 TEST_F(GeneratedCalls, NameAnExceptionThatOnlyAnotherOperationDeclares) {
@@ -122,7 +122,9 @@ TEST_F(GeneratedCalls, TurnWhatIsNoExceptionOfTheStandardLibraryIntoAFaultToo) {
   const auto painted = stage.paint(Colour::RED, {"bang"}).get();
   ASSERT_FALSE(painted);
   EXPECT_EQ(painted.error().detail, Detail::Fault);
-  EXPECT_EQ(painted.error().text, "the handler of 'paint' threw int, which it does not declare");
+  EXPECT_EQ(painted.error().text,
+            "the handler of 'paint' threw int, which it does not declare; the handler must catch "
+            "it and return a gecos::Fault");
   EXPECT_TRUE(stage.paint(Colour::RED, {"a"}).get()) << "and the next call is carried out";
 }
 

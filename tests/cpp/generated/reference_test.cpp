@@ -163,8 +163,10 @@ TEST_P(References, AnotherLifeOfTheServerIsAnotherObject) {
 TEST_P(References, AnObjectOfAnotherInterfaceIsNotTakenForIt) {
   const auto created = lab_.create<workshop::Tool>(gecos::reference(changer_proxy_));
   ASSERT_FALSE(created);
-  EXPECT_EQ(created.error().attempts[0].reason,
-            "CHANGER is a workshop::Changer, not a workshop::Tool");
+  EXPECT_EQ(
+      created.error().attempts[0].reason,
+      "CHANGER is a workshop::Changer, not a workshop::Tool; create a workshop::Changer, or name "
+      "another object");
 }
 
 TEST_P(References, WhatIsNoTextIsNotSent) {

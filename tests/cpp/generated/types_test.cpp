@@ -66,21 +66,25 @@ TEST(GeneratedTypes, SayWhatMustNotBeSentByItsName) {
   many.words = {"abcde"};
   EXPECT_EQ(gecos_violation(many), "Sequences.words: 5 bytes, at most 4 fit");
   many.words = {"\xff"};
-  EXPECT_EQ(gecos_violation(many), "Sequences.words: the string is not UTF-8 or contains NUL");
+  EXPECT_EQ(gecos_violation(many),
+            "Sequences.words: the string is not UTF-8 or contains NUL; convert it to UTF-8");
   many.words.clear();
   many.percents = {100, 101};
-  EXPECT_EQ(gecos_violation(many), "Sequences.percents: 101 is outside [0, 100]");
+  EXPECT_EQ(gecos_violation(many), "Sequences.percents[1]: 101 is outside [0, 100]");
 
   Holds nested;
   nested.many.resize(2);
   nested.many[1].fourth = std::string("\0", 1);
-  EXPECT_EQ(gecos_violation(nested), "Grows.fourth: the string is not UTF-8 or contains NUL");
+  EXPECT_EQ(gecos_violation(nested),
+            "Grows.fourth: the string is not UTF-8 or contains NUL; convert it to UTF-8");
 
   Shape shape = Shape::make_radius(1.0);
   EXPECT_EQ(gecos_violation(shape), "");
   shape.tag = Colour::BLUE;
-  EXPECT_EQ(gecos_violation(shape),
-            "Shape: the value does not agree with the union's discriminator");
+  EXPECT_EQ(
+      gecos_violation(shape),
+      "Shape: the value does not agree with the union's discriminator; make it with one of the "
+      "functions make_…");
 
   Packed bits;
   bits.mode = 8;
@@ -92,9 +96,9 @@ TEST(GeneratedTypes, RefuseWhatIsOutOfRangeWhereItLies) {
   limits.few = 1;
   gecos::Bytes bytes = gecos::wire::to_bytes(limits);
   bytes.back() = std::byte{9};
-  EXPECT_EQ(why_refused<Limits>(bytes), "field 'Limits.few' at byte " +
-                                            std::to_string(bytes.size() - 2) +
-                                            ": outside its declared range");
+  EXPECT_EQ(
+      why_refused<Limits>(bytes),
+      "field 'Limits.few' at byte " + std::to_string(bytes.size() - 2) + ": 9 is outside [1, 3]");
 }
 
 TEST(GeneratedTypes, ReadAnUnknownEnumeratorAsTheDefaultLiteralOrRefuseIt) {

@@ -103,7 +103,7 @@ TEST_F(AdmissionTest, WhatRejectsOthersIsNotQueuedBesideARunningCommand) {
   const auto refusal = queued(alone);
   ASSERT_TRUE(refusal);
   EXPECT_EQ(refusal->detail, Detail::Rejected);
-  EXPECT_NE(refusal->text.find("'move' runs"), std::string::npos) << refusal->text;
+  EXPECT_NE(refusal->text.find("'move' is running"), std::string::npos) << refusal->text;
   EXPECT_FALSE(queued(move)) << "it waits for its turn";
 }
 

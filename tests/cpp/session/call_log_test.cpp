@@ -33,7 +33,7 @@ PROBE_OVER_MEDIA(CallLog);
 TEST_P(CallLog, TellsCommandsLeasesAndSessionsAtInfo) {
   const std::string said = said_at(gecos::LogLevel::Info);
   const std::string me = "(session_test, pid " + std::to_string(getpid()) + ")";
-  EXPECT_SAYS(said, me + " comes over " + std::string(to_string(GetParam())) + "\n");
+  EXPECT_SAYS(said, me + " connects over " + std::string(to_string(GetParam())) + "\n");
   EXPECT_SAYS(said, me + " ended COMMAND_FAILED/DENIED: 'set' of PROBE needs actor status");
   EXPECT_SAYS(said, me + " has ACTOR status\n");
   EXPECT_SAYS(said, "gecos info server: PROBE.set of ");

@@ -35,7 +35,7 @@ TEST_P(Call, ThatMovesTheDeviceIsDeniedWithoutStatusAndSaysHowToGetIt) {
   ASSERT_FALSE(set);
   EXPECT_EQ(set.error().detail, Detail::Denied);
   EXPECT_EQ(set.error().text,
-            "'set' of PROBE needs actor status; take it with actor(object) of gecos");
+            "'set' of PROBE needs actor status; call actor(object) of gecos to acquire it");
 }
 
 TEST_P(Call, IsCarriedOutUnderALease) {

@@ -85,8 +85,10 @@ TEST_P(Commands, AreNotSentWhenTheirDeadlineHasPassedAlready) {
       const auto ended = command.get();
       ASSERT_FALSE(ended);
       EXPECT_EQ(ended.error().detail, Detail::Expired);
-      EXPECT_EQ(ended.error().text, "the deadline of '" + std::string(name) +
-                                        "' passed before it was sent; it was not carried out");
+      EXPECT_EQ(ended.error().text,
+                "the deadline of '" + std::string(name) +
+                    "' passed before it was sent; it was not carried out: allow it more "
+                    "time");
       EXPECT_EQ(command.id(), gecos::CommandId{});
     }
   }

@@ -33,7 +33,8 @@ TEST_F(Create, TakesTheFirstThatIsThereAndSaysWhyNotTheOthers) {
   EXPECT_EQ(created->session->object_name(), "SIM");
   ASSERT_EQ(created->passed_over.attempts.size(), 1u);
   EXPECT_EQ(created->passed_over.attempts[0].name, "REAL");
-  EXPECT_EQ(created->passed_over.attempts[0].reason, "no object is called REAL; known are SIM");
+  EXPECT_EQ(created->passed_over.attempts[0].reason,
+            "no object is called REAL; the broker knows SIM");
 }
 
 TEST_F(Create, WaitsForAnObjectThatComesOnline) {
@@ -102,8 +103,10 @@ TEST_F(Create, NamesBothTypesWhenTheObjectIsOfAnother) {
   serve("PROBE", servant_);
   auto created = lab_.create<probe::Other>("PROBE");
   ASSERT_FALSE(created);
-  EXPECT_EQ(created.error().to_string(),
-            "PROBE: REFUSED: PROBE is a probe::Probe, not a probe::Other");
+  EXPECT_EQ(
+      created.error().to_string(),
+      "PROBE: REFUSED: PROBE is a probe::Probe, not a probe::Other; create a probe::Probe, or "
+      "name another object");
 }
 
 TEST_F(Create, SaysThatTheServerIsOffline) {
@@ -136,7 +139,8 @@ TEST_F(Create, FailsOverAMediumThatTheServerDoesNotOfferThoughOthersExist) {
   ASSERT_EQ(error.attempts.size(), 1u);
   EXPECT_EQ(error.attempts[0].detail, Detail::QosUnavailable);
   EXPECT_EQ(error.attempts[0].reason,
-            "PROBE cannot be reached over lcm: its server does not offer this medium");
+            "PROBE cannot be reached over lcm: its server does not offer this medium, it offers "
+            "inproc");
 }
 
 TEST_F(Create, SaysWhatItTriedWhenThereIsNoBroker) {
@@ -173,8 +177,8 @@ TEST_F(Create, TellsAnotherRuntimeDirectoryOfThisHostFromAnotherHost) {
   entry.host = runtime.host_identity() + "0";
   EXPECT_EQ(why(),
             "cannot be reached (shm: it is on this host, in another runtime directory "
-            "(shm:/tmp/theirs/PROBE.12.1.sock): programs that are to meet over shm need one user "
-            "and the same GECOS_RUNTIME_DIR)");
+            "(shm:/tmp/theirs/PROBE.12.1.sock): for shm, both programs must run as one user "
+            "with the same GECOS_RUNTIME_DIR)");
   entry.host = "0" + runtime.host_identity();
   EXPECT_EQ(why(), "cannot be reached (shm: it is on another host (robots))");
 }

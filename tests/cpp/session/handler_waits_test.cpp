@@ -67,8 +67,8 @@ TEST_P(HandlerWaits, ForACallThatCannotStartBeforeTheyReturnAreToldSo) {
   EXPECT_EQ(inner.error().detail, Detail::Rejected);
   EXPECT_EQ(inner.error().text,
             "'read' of PROBE was not started: the handler of 'read' of PROBE waits for it, and it "
-            "cannot start before that handler returns; call the method itself, or let another "
-            "thread wait");
+            "cannot start before that handler returns; call the method of the servant directly, or "
+            "wait in another thread");
 }
 
 TEST_P(HandlerWaits, ForEachOtherEndWithTheWholeCircle) {

@@ -79,7 +79,7 @@ TEST_P(LargeBody, AsAResultThatNoMediumCarriesIsAFaultThatSaysSo) {
   command->wait_until(gecos::TimePoint::max());
   ASSERT_EQ(command->progress().detail, Detail::Fault);
   EXPECT_EQ(command->failure().text, "the result takes " + std::to_string(largest() + 1) +
-                                         " bytes and the medium carries " +
+                                         " bytes and the medium carries at most " +
                                          std::to_string(largest() + gecos::wire::packet_size(0)));
 }
 

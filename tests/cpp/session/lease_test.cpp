@@ -234,9 +234,9 @@ TEST_P(Leases, AreRefusedWhenTheWaitIsOver) {
       gecos::actor(connect(second_lab_), {.timeout = std::chrono::milliseconds(50)});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().holders.size(), 1u);
-  EXPECT_NE(refused.error().failure.text.find(
-                "it was not free within 0.05 s, with 0 requests before this one"),
-            std::string::npos)
+  EXPECT_NE(
+      refused.error().failure.text.find("the request waited 0.05 s, with 0 requests before it"),
+      std::string::npos)
       << refused.error();
 }
 

@@ -321,11 +321,12 @@ class Comparison:
         ours = calls.values_from_json(of, text)
 
         def read(theirs: Verdict, _: Verdict) -> None:
+            name, named = of.method.operation.name, of.method.named
             same_place = ours.why == theirs.why or (
                 # a result that cannot be sent: Python names the operation alone
                 not of.are_arguments
-                and ours.why == of.method.operation.name
-                and theirs.why.removeprefix(f"{ours.why}.") == of.method.named
+                and ours.why.startswith(name)
+                and theirs.why.removeprefix(f"{name}.") == named + ours.why.removeprefix(name)
             )
             if (ours.fine, ours.bytes) != (theirs.fine, theirs.bytes) or not same_place:
                 self._differ(

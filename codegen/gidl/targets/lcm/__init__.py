@@ -1,1 +1,2 @@
-"""Prints .lcm files for lcm-gen: types have the same encoding and fingerprint as in gidl's code."""
+"""Prints .lcm files for lcm-gen. Their types have the same encodings and fingerprints as the code
+that gidl generates."""

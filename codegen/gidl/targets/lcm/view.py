@@ -1,4 +1,5 @@
-"""Builds the views of a model's .lcm files from the structs that gidl.lcm_lowering computes."""
+"""Builds the views of a model's .lcm files from the structs that gidl.layout.lcm_lowering
+computes."""
 
 from __future__ import annotations
 
@@ -21,7 +22,7 @@ from gidl.targets.naming import OutputFile, doc_lines, value_note
 @dataclass(frozen=True, slots=True)
 class MemberView:
     doc: tuple[str, ...]
-    text: str  # the declaration: "double x[3];"
+    text: str  # the declaration, for example "double x[3];"
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +60,7 @@ def files(model: Model, layout: Layout) -> Iterator[OutputFile]:
 
 
 def _packages(model: Model, structs: tuple[LcmStruct, ...]) -> tuple[PackageView, ...]:
-    """The packages, sorted by name; structs without a package come first."""
+    """Returns the packages, sorted by name. Structs without a package come first."""
     names = sorted({struct.package for struct in structs})
     return tuple(
         PackageView(name, tuple(_struct(model, s) for s in structs if s.package == name))
@@ -78,7 +79,8 @@ def _struct(model: Model, struct: LcmStruct) -> StructView:
 
 
 def _facts(model: Model, struct: LcmStruct) -> dict[str, Facts]:
-    """The facts (such as comments) of the struct, under "", and of its members, by name."""
+    """Returns the facts (for example comments) of the struct under "", and those of its members by
+    name."""
     if struct.source is None:
         return {}
     declaration = model.find(struct.source)

@@ -1,1 +1,2 @@
-"""Generates Python 3.11: slotted dataclasses that encode themselves, client proxies, servants."""
+"""Generates code for Python 3.11: slotted dataclasses that encode themselves, client proxies and
+servants."""

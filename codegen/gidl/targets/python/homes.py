@@ -11,7 +11,7 @@ from gidl.layout.wire_layout import Layout
 from gidl.model import File, Interface, Model, Operation, Struct
 from gidl.targets.naming import LocalNames
 
-# The type of all values whose declared type is an interface; and the file that declares this type.
+# The type of all values whose declared type is an interface, and the file that declares it.
 OBJECT_REF = "gecos::ObjectRef"
 _OBJECT_REF_FILE = "gecos/object_ref.gidl"
 
@@ -31,7 +31,8 @@ class Homes:
         self._names = layout.python_names
 
     def value(self, scoped_name: str) -> Home:
-        """Module and name of the class of a value. A value of an interface type is an ObjectRef."""
+        """Returns the module and the name of the class of a value. A value of an interface type is
+        an ObjectRef."""
         if scoped_name != OBJECT_REF and isinstance(self._model.find(scoped_name), Interface):
             scoped_name = OBJECT_REF
         if scoped_name == OBJECT_REF and not self._model.has(OBJECT_REF):
@@ -46,18 +47,19 @@ class Homes:
         return Home(self._module(interface), self._names.servants[interface].name)
 
     def result(self, operation: Operation) -> Home:
-        """Module and name of the result class of an operation with several results."""
+        """Returns the module and the name of the result class of an operation with several
+        results."""
         name = self._names.results[operation.scoped_name].name
         return Home(self._types_module(operation.interface), name)
 
     def results_of(self, file: File) -> list[Operation]:
-        """The operations of a file that have several results."""
+        """Returns the operations of a file that have several results."""
         interfaces = [d for d in file.declarations if isinstance(d, Interface)]
         known = self._names.results
         return [o for i in interfaces for o in i.operations if o.scoped_name in known]
 
     def names_of(self, file: File) -> set[str]:
-        """All names that the modules of a file define."""
+        """Returns all names that the modules of a file define."""
         known = self._names
         declared = [d.name for d in file.declarations]
         found = [
@@ -77,8 +79,8 @@ class Homes:
 
 
 class ModuleNames:
-    """The names of classes in one module. An imported class keeps its name if this name is free
-    in the module. Otherwise it is imported under an alias, which cannot be the name of a
+    """The names that one module uses for classes. An imported class keeps its name if this name is
+    free in the module. Otherwise it is imported under an alias, which cannot be the name of a
     declaration."""
 
     def __init__(
@@ -118,7 +120,8 @@ class ModuleNames:
         return self._called(self.homes.result(operation))
 
     def imports(self) -> dict[str, set[str]]:
-        """What to import from each module: "Frame", "Frame as _Frame__lab_types"."""
+        """Returns the names to import from each module, for example "Frame" or "Frame as
+        _Frame__lab_types"."""
         modules: dict[str, set[str]] = {}
         for home, called in self._imported.items():
             text = home.name if called == home.name else f"{home.name} as {called}"
@@ -130,7 +133,8 @@ class ModuleNames:
 
 
 class NamesAsUsed(ModuleNames):
-    """Names for a module. Each class is imported when its name is requested for the first time."""
+    """The names that a module uses for classes. A class is imported when its name is requested for
+    the first time."""
 
     def __init__(self, homes: Homes, taken: Iterable[str]) -> None:
         super().__init__(homes)
@@ -143,15 +147,15 @@ class NamesAsUsed(ModuleNames):
 
 
 class AllNames(ModuleNames):
-    """Names without imports: each class has the name that it has in the module that defines it."""
+    """The names of classes in the modules that define them, for texts without imports."""
 
     def _called(self, home: Home) -> str:
         return home.name
 
 
 def mapped_import(struct: Struct, called: str) -> tuple[str, str]:
-    """How to import the hand-written class under the name `called`: the module, and the text after
-    `import`."""
+    """Returns how to import the hand-written class under the name `called`: the module, and the
+    text after `import`."""
     assert struct.maps_to is not None and struct.maps_to.python is not None
     module, name = struct.maps_to.python
     return module, name if name == called else f"{name} as {called}"

@@ -8,26 +8,29 @@ _WIDTH = 100
 
 
 def import_order(name: str) -> tuple[int, str, str]:
-    """Sort key for imported names: CONSTANTS, then Classes, then all others."""
+    """Returns the sort key for imported names: CONSTANTS come first, then Classes, then all
+    others."""
     name = name.partition(" as ")[0]
     kind = 0 if name.isupper() and len(name) > 1 else 1 if name[0].isupper() else 2
     return kind, name.lower(), name
 
 
 def export_order(name: str) -> tuple[int, str]:
-    """Sort key for `__all__`: like `import_order`, but capitals sort before small letters."""
+    """Returns the sort key for names in `__all__`: as for `import_order`, but capitals sort before
+    small letters."""
     kind, _, _ = import_order(name)
     return kind, name
 
 
 def private(names: Iterable[str]) -> list[str]:
-    """Imports under private names: "Kind as _Kind". No name of an interface begins with an
-    underscore, so none can hide such an import."""
+    """Returns import terms with private names, for example "Kind as _Kind". No name in an interface
+    begins with an underscore, so no such name can hide the import."""
     return [f"{name} as _{name}" for name in names]
 
 
 def import_lines(modules: Mapping[str, Iterable[str]]) -> list[str]:
-    """`from module import names` for each module with names to import, sorted by module."""
+    """Returns a line `from module import names` for each module with names to import, sorted by
+    module."""
     lines: list[str] = []
     for module in sorted(modules):
         given = sorted(set(modules[module]), key=import_order)

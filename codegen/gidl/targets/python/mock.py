@@ -25,7 +25,7 @@ from gidl.targets.python.mock_values import MockValues, OwnNames, plain_hint
 
 @dataclass(frozen=True, slots=True)
 class HeldView:
-    """An attribute of a mock. Its getter returns the value that was last set."""
+    """An attribute of a mock. Its getter returns the value that was set last."""
 
     name: str
     hint: str
@@ -115,14 +115,15 @@ def _as(name: str, called: str) -> str:
 
 
 class _Facts(Members):
-    """Method heads as in hand-written code, without private names: users edit their mocks."""
+    """Prints the heads of methods as in hand-written code, without private names, because users
+    edit their mocks."""
 
     def __init__(self, lowering: Lowering, interface: Interface, own: OwnNames) -> None:
         super().__init__(lowering, interface, names.Constants())
         self._own_names = own
 
     def hidden_by(self, methods: set[str]) -> None:
-        """Sets the names of all methods of the mock's class, which may hide builtins."""
+        """Sets the names of all methods of the mock's class. These methods may hide builtins."""
         self._beside = methods
 
     def _in_class(self, hint: str) -> str:
@@ -141,7 +142,8 @@ class _Mock(MockValues):
         self._methods = {name for member in members for name in names.method_names(member)}
 
     def view(self, served: LocalNames) -> MockView:
-        """The view of the mock. `served` are the object names of earlier mocks in the file."""
+        """Returns the view of the mock. `served` has the object names of earlier mocks in the
+        file."""
         held, methods, streams = [], [], []
         for interface in self._model.with_bases(self.interface):
             facts = _Facts(self._lowering, interface, self._own)

@@ -1,4 +1,4 @@
-"""Names in a Python mock, and the values that its methods return."""
+"""Names in a Python mock, and the values that the methods of the mock return."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ from gidl.targets.python.lower.types import DTYPES, bulk_code, is_octet
 
 
 class OwnNames:
-    """Names that a mock needs for itself. They avoid the names of parameters and methods; the names
-    of types avoid them."""
+    """The names that a mock needs for itself. They differ from the names of parameters and methods.
+    The names of types are chosen after them, and differ from them."""
 
     def __init__(self, taken: Iterable[str]) -> None:
         free = LocalNames(taken)
@@ -51,7 +51,8 @@ class OwnNames:
 
 
 def plain_hint(hint: str, own: OwnNames, hidden: Collection[str]) -> str:
-    """A type hint as in hand-written code. A builtin that a method hides becomes `builtins.x`."""
+    """Returns a type hint as in hand-written code. A builtin that a method hides, for example
+    `list`, becomes `builtins.list`."""
 
     def other(found: re.Match[str]) -> str:
         return f"{own['builtins']}.{found[0]}" if found[0] in hidden else found[0]
@@ -72,7 +73,8 @@ class MockValues:
         return f"{self._own['builtins']}.{word}" if word in hidden else word
 
     def _value(self, node: Node, default: Value | None = None, hidden: Collection[str] = ()) -> str:
-        """An expression for a value, used where parameters hide the names `hidden`."""
+        """Returns an expression for a value. The expression avoids the names `hidden`, which
+        parameters hide."""
         if default is not None and not isinstance(node, OptionalNode):
             return self._lowering.literal(default, node)
         match node:

@@ -11,9 +11,10 @@ from gidl.layout.type_names import escaped
 from gidl.model import Attribute, Operation, Struct
 from gidl.targets.naming import LocalNames, snake_case, wrapped
 
-# A name that is reserved in Python gets a trailing underscore. What generated code imports from the
-# runtime and the standard library gets a leading underscore, which no name of an interface has. So
-# only the words of gidl.languages and the words below are reserved.
+# A name that is reserved in Python gets an underscore at its end. The names that generated code
+# imports from the runtime and the standard library get an underscore at their beginning, which no
+# name in an interface has. So only the words of gidl.layout.languages and the words below are
+# reserved.
 METHOD_WORDS = PYTHON_WORDS | {"property", "gecos_on_stop"}
 STRUCT_WORDS = PYTHON_WORDS | PYTHON_CLASS_WORDS | {"encode", "decode", "fingerprint"}
 # Declared exceptions derive from CommandFailed and BaseException, whose attributes are reserved.
@@ -28,21 +29,23 @@ ENUM_WORDS = PYTHON_WORDS | words(
 
 
 def mapped(struct: Struct) -> tuple[str, str] | None:
-    """Module and name of the hand-written class that a struct maps to, or None."""
+    """Returns the module and the name of the hand-written class that a struct maps to, or None."""
     return struct.maps_to.python if struct.maps_to else None
 
 
 def member_name(name: str, words: frozenset[str] = STRUCT_WORDS) -> str:
-    """`name`, with underscores appended if it would be one of `words`. Names that differ only in
-    trailing underscores all get the same number of them, so that they remain different."""
+    """Returns `name`, with underscores appended if it would be one of `words`. Names that differ
+    only in trailing underscores all get the same number of underscores, so that they remain
+    different."""
     plain = name.rstrip("_")
     taken = (len(word) - len(plain) for word in words if word.rstrip("_") == plain)
     return name + "_" * max((more + 1 for more in taken), default=0)
 
 
 class Constants:
-    """Unique names of a module's constants: ("Manipulator", "tool_offset") becomes
-    `_MANIPULATOR_TOOL_OFFSET`. Names that are equal in capitals are told apart by underscores."""
+    """Chooses unique names for the constants of a module: for example `_MANIPULATOR_TOOL_OFFSET`
+    for ("Manipulator", "tool_offset"). If two names are equal in capitals, one gets an underscore
+    at its end."""
 
     def __init__(self) -> None:
         self._taken = LocalNames()
@@ -59,7 +62,8 @@ def method_name(name: str) -> str:
     return escaped(name, METHOD_WORDS)
 
 
-# gidl.rules.accessors refuses members whose names are equal to one of these two method names.
+# The rule gidl.rules.accessors refuses members with one of the names that the next two functions
+# return.
 def setter(attribute: str) -> str:
     return f"set_{attribute}"
 
@@ -69,7 +73,7 @@ def publisher(attribute: str) -> str:
 
 
 def method_names(member: Operation | Attribute) -> Iterator[str]:
-    """Names of all methods that proxy and servant may have for a member."""
+    """Yields the names of all methods that proxy and servant may have for a member."""
     yield method_name(member.name)
     if isinstance(member, Attribute):
         yield from (setter(member.name), publisher(member.name))
@@ -80,7 +84,7 @@ def enumerator(name: str) -> str:
 
 
 def docstring(lines: tuple[str, ...]) -> tuple[str, ...]:
-    """`lines` wrapped and escaped for a docstring in triple quotes."""
+    """Returns `lines`, wrapped and escaped for a docstring in triple quotes."""
     fitting = [part for line in lines for part in wrapped(line, 86)]
     quotes = '"{3,}|"+$' if len(fitting) == 1 else '"{3,}'
     return tuple(

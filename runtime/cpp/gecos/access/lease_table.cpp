@@ -21,7 +21,7 @@ std::string needs(Status needed) {
 
 /// Programs in all languages show this text, so it must not use the syntax of one language.
 std::string how_to_get(Status needed) {
-  return "take it with " + std::string(to_string(needed)) + "(object) of gecos";
+  return "call " + std::string(to_string(needed)) + "(object) of gecos to acquire it";
 }
 
 }  // namespace
@@ -31,8 +31,9 @@ std::string describe(const Holder& holder, TimePoint now) {
                      holder.client.user + " on " + holder.client.host + " (" +
                      holder.client.program + ", pid " + std::to_string(holder.client.pid) +
                      ") for " + seconds(now - holder.since);
-  text += holder.releasing ? ", released: its last commands are still running"
-                           : ", lost in " + seconds(holder.expires - now) + " if silent";
+  text += holder.releasing ? "; it is released, but the last commands under it still run"
+                           : "; this client loses it if it stays silent for " +
+                                 seconds(holder.expires - now) + " more";
   return text;
 }
 
@@ -67,9 +68,9 @@ LeaseRefusal LeaseTable::refuse(LeaseRefusal::Reason reason, std::string_view wh
 }
 
 LeaseRefusal LeaseTable::refusal_to_return(Status wanted, TimePoint now) const {
-  return refuse(LeaseRefusal::Reason::HeldByOther,
-                std::string(to_string(wanted)) + " status refused: others wait for it in line",
-                now);
+  return refuse(
+      LeaseRefusal::Reason::HeldByOther,
+      std::string(to_string(wanted)) + " status refused: other clients already wait for it", now);
 }
 
 tl::expected<Grant, LeaseRefusal> LeaseTable::acquire(SessionId session, const Client& client,
@@ -83,17 +84,19 @@ tl::expected<Grant, LeaseRefusal> LeaseTable::acquire(SessionId session, const C
   for (const auto& [id, other] : members_) {
     if (id == session) continue;
     if (other.holder.status != target) {
-      return tl::unexpected(
-          refuse(Reason::HeldByOther, status + " status refused: others hold another status", now));
+      return tl::unexpected(refuse(
+          Reason::HeldByOther, status + " status refused: other clients hold another status", now));
     }
     if (member) continue;  // the session has given the right password before
     if (password_.empty()) {
-      return tl::unexpected(
-          refuse(Reason::HeldByOther, status + " status refused: it is not shared", now));
+      return tl::unexpected(refuse(
+          Reason::HeldByOther,
+          status + " status refused: it is not shared, so wait or ask the holder to release it",
+          now));
     }
     if (!password_.proves_the_same_as(password)) {
-      const std::string given =
-          password.empty() ? "no password was given" : "the given password is wrong";
+      const std::string given = password.empty() ? "no password was given"
+                                                 : "the given password is wrong, so ask the holder";
       return tl::unexpected(
           refuse(Reason::WrongPassword,
                  status + " status refused: it is shared by password, and " + given, now));
@@ -216,10 +219,10 @@ tl::expected<void, Denial> LeaseTable::may_queue(SessionId session, Epoch epoch,
                                                  TimePoint now) const {
   const Member* const member = find(session);
   if (member != nullptr && member->holder.releasing && needed != Status::Sensor) {
-    return tl::unexpected(Denial{Denial::Reason::NeedsStatus,
-                                 needs(needed) +
-                                     "; the lease was released, and its last commands still run; " +
-                                     how_to_get(needed) + " again"});
+    return tl::unexpected(Denial{
+        Denial::Reason::NeedsStatus,
+        needs(needed) + "; the lease was released, and the last commands under it still run; " +
+            how_to_get(needed) + " again"});
   }
   return authorise(member, session, epoch, needed, now);
 }

@@ -14,7 +14,7 @@
 
 namespace gecos::access {
 
-/// The client of a session, as refusals and rosters show it.
+/// The client of a session, as refusals and lists of holders show it.
 struct Client {
   std::string user;
   std::string host;
@@ -22,17 +22,18 @@ struct Client {
   std::int32_t pid = 0;
 };
 
-/// A holder of actor or master status: one line of the roster.
+/// A holder of actor or master status: one entry of the list of holders.
 struct Holder {
   SessionId session{};
   Status status = Status::Actor;
   Client client;
   TimePoint since{};
-  TimePoint expires{};     ///< when a silent holder loses the status; unused while releasing
-  bool releasing = false;  ///< the status was released; its last commands still run
+  TimePoint expires{};     ///< when the holder loses the status if it stays silent; unused while
+                           ///< releasing
+  bool releasing = false;  ///< the status was released, but the last commands under it still run
 };
-/// The text "actor status is held by ada on lab1 (grip_block, pid 4711) for 3.2 s, lost in 0.4 s if
-/// silent".
+/// Returns a text such as "actor status is held by ada on lab1 (grip_block, pid 4711) for 3.2 s;
+/// this client loses it if it stays silent for 0.4 s more".
 std::string describe(const Holder& holder, TimePoint now);
 
 /// A granted status. Commands issued under it contain its epoch.
@@ -58,66 +59,72 @@ struct Denial {
     Stopped,       ///< the command was issued under a status that a stop ended
   };
   Reason reason = Reason::NeedsStatus;
-  std::string text;  ///< follows the name of the operation: "needs actor status; …"
+  std::string text;  ///< a text to append to the name of the operation, for example "needs actor
+                     ///< status; …"
 };
 
 /// Decides who may command one object. Every client may read; moving needs a lease.
 ///
 /// A lease ends when its holder releases it, is lost, or stays silent for `ttl`, so a crashed
-/// client cannot lock a robot forever. Time is passed in: no clock, no I/O, tests need no sleep.
+/// client cannot lock a robot forever. The caller passes the current time. Reads no clock and does
+/// no I/O.
 ///
-/// The epoch fences commands: it rises whenever the object becomes free and at stop, and a command
-/// issued under an older epoch does not start. It does not rise when a holder joins, or when one of
-/// several holders leaves. Epochs of two incarnations of a server differ; no epoch is 0.
+/// A command that was issued under an older epoch than the current one does not start. The epoch
+/// rises at every stop and whenever the last holder leaves. It does not rise when a holder joins,
+/// or when one of several holders leaves. Epochs of two incarnations of a server differ. No epoch
+/// is 0.
 class LeaseTable {
  public:
   LeaseTable(IncarnationId incarnation, Duration ttl);
 
   /// Grants actor or master status to `session`. A session that has a status already keeps it, or
-  /// gets `wanted` if that is higher. It must release as often as it acquired. Other sessions join
-  /// with the password of the first holder. @pre `wanted` is not Sensor, which needs no lease.
+  /// gets `wanted` if that is higher. A session must release a status as often as it acquired the
+  /// status. Another session joins the holders with the password of the first holder. @pre `wanted`
+  /// is not Sensor, which needs no lease.
   tl::expected<Grant, LeaseRefusal> acquire(SessionId session, const Client& client, Status wanted,
                                             const Proof& password, TimePoint now);
 
-  /// Why a session that has released its status does not get `wanted` again yet: others wait.
+  /// Returns the refusal for a session that has released its status and requests `wanted` again
+  /// while other clients wait for it.
   LeaseRefusal refusal_to_return(Status wanted, TimePoint now) const;
 
-  /// Called at each sign of life of `session`. Does nothing when the session is no holder.
+  /// Must be called at each sign of life of `session`. Does nothing when the session is no holder.
   void renew(SessionId session, TimePoint now);
 
   enum class Commands : std::uint8_t { None, Pending };
-  /// Releases a status that was acquired under `epoch`. An old epoch changes nothing. A session
-  /// with pending commands is releasing: its commands start and finish, and no other client gets a
-  /// lease, until `drained` is called. Returns true when the session no longer holds any status.
+  /// Releases a status that was acquired under `epoch`. Does nothing when `epoch` is not the
+  /// current epoch. A session with pending commands becomes `releasing` until `drained` is called:
+  /// its commands still start and finish, and no other client gets a lease. Returns true when the
+  /// session no longer holds any status.
   bool release(SessionId session, Epoch epoch, Commands commands);
-  /// Called when the last command of a releasing session has ended.
+  /// Must be called when the last command of a releasing session has ended.
   void drained(SessionId session);
 
-  /// Ends the lease of a session at once, because the session did not end in order. A releasing
-  /// session continues to drain, because it released its lease before. Returns true when a lease
-  /// was lost.
+  /// Ends the lease of a session at once, because the session was lost. Does nothing when the
+  /// session is releasing: its last commands may still finish. Returns true when a lease was lost.
   bool lose(SessionId session);
-  /// Ends the lease of every holder that was silent for the TTL; returns these holders in no order.
+  /// Ends the lease of every holder that was silent for `ttl`. Returns these holders, unsorted.
   std::vector<Holder> expire(TimePoint now);
-  /// Ends every lease except that of `by`, which continues under the new epoch. Returns the holders
-  /// that lost their leases. A call that was issued before the stop but arrives later is denied as
-  /// Stopped, with `why`.
+  /// Ends every lease except the lease of `by`, which continues under the new epoch. Returns the
+  /// holders that lost their leases. A call that was issued before the stop but arrives after it is
+  /// denied as Stopped, with the reason `why`.
   std::vector<Holder> stop(SessionId by, const std::string& why);
   /// Forgets how `session` lost its status, because no call of it can arrive any more.
   void forget(SessionId session);
 
-  /// Whether a command of `session` may be queued. The command needs the status `needed` and was
-  /// issued under `epoch`.
+  /// Returns whether a command of `session` may be queued. The command needs the status `needed`
+  /// and was issued under `epoch`.
   tl::expected<void, Denial> may_queue(SessionId session, Epoch epoch, Status needed,
                                        TimePoint now) const;
-  /// Whether the command may start now. Like may_queue, but commands of a releasing session may
-  /// still start.
+  /// Returns whether the command may start now. Like may_queue, but commands of a releasing session
+  /// may still start.
   tl::expected<void, Denial> may_start(SessionId session, Epoch epoch, Status needed,
                                        TimePoint now) const;
 
-  std::vector<Holder> roster() const;  ///< holders, in the order in which they acquired
+  std::vector<Holder> roster() const;  ///< the holders, in the order in which they acquired the
+                                       ///< status
   Epoch epoch() const;
-  /// The status that the session holds; at least Sensor.
+  /// Returns the status that the session holds; at least Sensor.
   Status status_of(SessionId session) const;
   bool releasing(SessionId session) const;
 
@@ -127,7 +134,7 @@ class LeaseTable {
     std::uint32_t claims = 1;  ///< how many acquisitions are not released yet
   };
   using Members = std::unordered_map<SessionId, Member>;
-  /// How a session lost its last status: by its silence or by a stop.
+  /// How a session lost its last status: because it was silent, or by a stop.
   struct Loss {
     Epoch epoch;
     Denial::Reason reason = Denial::Reason::LeaseEnded;

@@ -22,7 +22,7 @@ Proof& Proof::operator=(Proof&& other) noexcept {
 Proof::~Proof() { wipe(); }
 
 void Proof::wipe() {
-  // volatile: a compiler may drop writes to memory that is about to be freed.
+  // `volatile`, because otherwise the compiler may remove writes to memory that is freed next.
   volatile std::byte* const byte = bytes_.data();
   for (std::size_t i = 0; i < bytes_.size(); ++i) byte[i] = std::byte{0};
 }

@@ -29,8 +29,9 @@ class Proof {
   Bytes bytes_;
 };
 
-/// The password itself as a proof, for proofs that arrive over a session's authenticated channel. A
-/// caller that derives a key from the password passes that key to Proof instead.
+/// Returns the password itself as a proof. Use it only for a password that arrives over an
+/// authenticated channel of a session. A caller that derives a key from the password passes that
+/// key to Proof instead.
 Proof plain_proof(std::string_view password);
 
 }  // namespace gecos::access

@@ -8,8 +8,8 @@ namespace gecos::access {
 /// The rights of a client at an object; each status includes the ones before it.
 enum class Status : std::uint8_t {
   Sensor,  ///< may read; every client has this status
-  Actor,   ///< may move and change; one client unless shared by password
-  Master,  ///< like actor, and the calls of other clients are refused
+  Actor,   ///< may also move and change; held by one client, or by several that share a password
+  Master,  ///< like Actor; in addition, the calls of all other clients are refused
 };
 std::string_view to_string(Status status);
 

@@ -11,8 +11,8 @@
 namespace gecos::broker {
 namespace {
 
-/// The given time in seconds, which a server reports, as a Duration: zero when it is negative or
-/// NaN, and a century at most.
+/// Converts a time in seconds that a server reports. Returns zero for a negative number or NaN, and
+/// at most a century.
 Duration duration_of(double seconds) {
   constexpr double century = 3.2e9;
   if (!(seconds > 0)) return Duration::zero();
@@ -20,7 +20,7 @@ Duration duration_of(double seconds) {
       std::chrono::duration<double>(std::min(seconds, century)));
 }
 
-/// How long the broker hears nothing of a server until it ends the session with it.
+/// Returns the silence of a server after which the broker ends the session with that server.
 Duration silence_that_ends_a_session() {
   const LabOptions standard;
   return standard.lease_ttl + standard.grace;
@@ -28,14 +28,15 @@ Duration silence_that_ends_a_session() {
 
 bool has_ended(std::int32_t pid) {
   if (::kill(pid, 0) != 0) return errno == ESRCH;
-  std::string status;  // "4711 (name) S …"; Z: it has ended, and its parent has not asked for it
+  std::string status;  // e.g. "4711 (name) S …"; state Z: ended, not yet waited for by its parent
   std::getline(std::ifstream("/proc/" + std::to_string(pid) + "/stat"), status);
   const std::size_t name_end = status.rfind(") ");
   return name_end != std::string::npos && status.substr(name_end + 2, 1) == "Z";
 }
 
-/// Whether the process of `entry` is known to have ended. On another host, or where processes have
-/// other numbers, nothing is known.
+/// Returns true when the process of `entry` is known to have ended. Returns false for a process on
+/// another host, because nothing is known about it. Processes on this host are assumed to be in one
+/// PID namespace.
 bool is_gone(const Entry& entry) {
   return entry.pid > 0 && media::on_one_machine(entry.host, media::host_identity()) &&
          has_ended(entry.pid);
@@ -45,7 +46,7 @@ bool is_gone(const Entry& entry) {
 
 Serving Broker::serving(std::vector<media::Kind> media) {
   ObjectOptions options;
-  options.simulated = true;  // a directory moves nothing, so it cannot cause harm
+  options.simulated = true;  // a broker moves nothing, so it cannot cause harm
   options.well_known = true;
   // When no other process can use these media, no object was served before this broker started.
   const bool alone = media::within_process(media);
@@ -123,7 +124,8 @@ Result<std::vector<SilentObject>> Broker::silent() {
 }
 
 void Broker::gecos_session_ended(std::uint64_t session) {
-  // An end that the kernel reports comes earlier, but then the process is gone, too.
+  // The session may also end earlier, because the kernel reports the death of the server's process.
+  // Then this time is too early, but it is not used: `silent` leaves out dead processes.
   const TimePoint heard = SystemClock().since_boot() - silence_that_ends_a_session();
   const MutexLock lock(mutex_);
   for (const auto& name : directory_.end_session(session, heard)) {

@@ -13,10 +13,10 @@
 
 namespace gecos::broker {
 
-/// The broker as an object: `gecos::serve(lab, {broker.serving()})`, or `broker.serve(server)` in a
-/// program with a server of its own, serves it at this host's well-known address. An
-/// entry is dropped when the session that enlisted it ends. In its first second the broker prefers
-/// objects that were served before it started (directory.hpp).
+/// The broker as an object: `gecos::serve(lab, {broker.serving()})` serves it at this host's
+/// well-known address; `broker.serve(server)` does so in a program that has a server of its own.
+/// The broker removes an entry when the session that enlisted the entry ends. In its first second
+/// the broker prefers objects that were served before the broker started (directory.hpp).
 class Broker final : public BrokerServant {
  public:
   /// The broker as an object of `gecos::serve`. Its first second begins now.
@@ -38,8 +38,8 @@ class Broker final : public BrokerServant {
   struct {
     std::uint64_t session = 0;
     std::uint64_t incarnation = 0;
-  } calling_;    ///< the client of the current call: handlers run one at a time
-  Mutex mutex_;  ///< calls run on one thread, sessions end on another
+  } calling_;    ///< the client of the current call; handlers run one at a time
+  Mutex mutex_;  ///< needed because calls run on one thread and sessions end on another
   Directory directory_ GECOS_GUARDED_BY(mutex_){SystemClock().since_boot()};
 };
 

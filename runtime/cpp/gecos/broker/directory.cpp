@@ -18,7 +18,8 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
   Place& place = found->second;
   if (place.entry == entry && (place.session == claim.session || entry.boot == claim.incarnation)) {
     place.session = claim.session;
-    // A delayed claim gives a later moment, so the earliest moment is the most exact.
+    // A claim that arrives with a delay yields a later `since`, so the earliest `since` is the most
+    // exact.
     place.since = std::min(place.since, since);
     return provisional;
   }

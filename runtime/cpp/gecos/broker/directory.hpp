@@ -12,58 +12,62 @@
 
 namespace gecos::broker {
 
-/// The claim of a server to the name of an object.
+/// A server's claim to the name of an object.
 struct Claim {
   std::uint64_t session = 0;
   std::uint64_t incarnation = 0;  ///< incarnation of the server process, as its session reports
   Duration served_for{};          ///< how long the object has been served
 };
 
-/// An object whose server was not heard any more and had not withdrawn it.
+/// An object whose server fell silent without withdrawing the object.
 struct Silent {
   Entry entry;
   TimePoint since;  ///< when the server was heard last
 };
 
-/// The known objects, and the session that enlisted each of them. No I/O; not thread-safe.
+/// The known objects, each with the session that enlisted it. Does no I/O. Not thread-safe.
 ///
 /// For the duration `young` after its start, the directory may receive claims for objects that were
 /// served before the broker started. If several such objects have one name, the object that has
-/// been served longest gets the name. Each of them takes the name from an object that is newer than
-/// the broker. During `young` the answer to a claim is provisional; afterwards a name stays with
-/// its object. All moments are read from CLOCK_BOOTTIME.
+/// been served longest gets the name. An object that was served before the broker started also
+/// takes its name from an object that is newer than the broker. During `young` the answer to a
+/// claim is provisional. After `young` a name stays with its object. All moments are read from
+/// CLOCK_BOOTTIME.
 class Directory {
  public:
   static constexpr Duration first_second = std::chrono::seconds(1);
   static constexpr Duration remembered = std::chrono::hours(1);
   static constexpr std::size_t most_silent = 256;
 
-  /// `young` is how long after `started` a claim is provisional.
+  /// The answer to a claim is provisional until `young` after `started`.
   explicit Directory(TimePoint started, Duration young = first_second)
       : started_(started), settled_(started + young) {}
 
   /// Adds `entry` for the session of `claim`. The same incarnation of a server may enlist an entry
-  /// again in a new session, even before the end of its previous session is known. Fails when
-  /// another entry keeps the name. Returns for how long the answer is provisional; 0 when it is
-  /// final.
+  /// again in a new session, even before the directory knows that its previous session has ended.
+  /// Fails when another entry keeps the name. Returns how long the answer is still provisional; 0
+  /// when the answer is final.
   tl::expected<Duration, NameTaken> enlist(const Claim& claim, const Entry& entry, TimePoint now);
   /// Removes an object. Only the session that enlisted the object may remove it.
   tl::expected<void, UnknownName> withdraw(std::uint64_t session, const std::string& name);
-  /// Removes all objects that the session enlisted, and returns their names. `heard` is when the
-  /// server was heard last.
+  /// Removes all objects that the session enlisted, and returns their names. `heard` is the time of
+  /// the last sign of life of the server.
   std::vector<std::string> end_session(std::uint64_t session, TimePoint heard);
 
   tl::expected<Entry, UnknownName> look_up(const std::string& name) const;
   std::vector<Entry> list() const;
-  /// The objects that `end_session` has removed since `now` - `remembered` and whose name no server
-  /// has taken, by name; of more than `most_silent` those that were heard last.
+  /// Returns the objects that `end_session` has removed, sorted by name: those whose server was
+  /// alive within `remembered` before `now`, and whose name no server has taken since. The
+  /// directory keeps at most `most_silent` of them, and forgets the one that has been silent
+  /// longest first.
   std::vector<Silent> silent(TimePoint now) const;
 
  private:
   struct Place {
     std::uint64_t session = 0;
     Entry entry;
-    TimePoint since;  ///< when the server began to serve the object, by the broker's clock
+    TimePoint since;  ///< when the server began to serve the object, by CLOCK_BOOTTIME of the
+                      ///< broker
     std::vector<Entry> displaced{};  ///< entries that lost this name and cannot get it back
   };
   bool gives_way(const Place& place, const Entry& entry, TimePoint since, TimePoint now) const;

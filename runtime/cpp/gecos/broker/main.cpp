@@ -1,4 +1,5 @@
-// gecos-broker: the directory that leads from an object's name to the addresses of its server.
+// The program gecos-broker: the directory that leads from an object's name to the addresses of its
+// server.
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -15,8 +16,9 @@ namespace {
 
 constexpr const char* usage =
     "usage: gecos-broker [inproc|shm|lcm]...\n"
-    "The directory of the objects of this host. Without arguments it serves clients over every\n"
-    "available medium. Prints one line when it is ready and ends on SIGINT or SIGTERM.\n";
+    "Runs the broker of this host: the directory in which programs find objects by name.\n"
+    "The arguments are the media over which programs can reach the broker; without arguments,\n"
+    "all available media. Prints one line when it is ready. Ends on SIGINT or SIGTERM.\n";
 
 /// The search for other brokers, on a thread of its own, until its end.
 class Search {

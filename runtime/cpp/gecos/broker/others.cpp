@@ -23,9 +23,10 @@ std::vector<std::string> other_brokers(Duration patience) {
 void warn_of_other_brokers() try {
   for (const auto& place : other_brokers(std::chrono::milliseconds(500))) {
     log_warning("broker", "another broker answers at " + place +
-                              ": names are unique within one broker only. Programs use the broker "
-                              "of this host's socket unless GECOS_BROKER names another; end one of "
-                              "the brokers, or set GECOS_BROKER for all programs");
+                              ": object names are unique only within one broker. Programs use "
+                              "the broker at this host's local address unless GECOS_BROKER names "
+                              "another one. End one of the brokers, or set GECOS_BROKER for all "
+                              "programs");
   }
 } catch (const std::exception& failed) {  // no threads or descriptors are left
   log_warning("broker", std::string("cannot search for other brokers: ") + failed.what());

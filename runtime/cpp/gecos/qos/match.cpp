@@ -20,7 +20,7 @@ std::vector<Violation> violations(const Quality& asked, const LineCapabilities& 
   std::vector<Violation> found;
   if (asked.line == Class::HardRealtime && !line.real_time) {
     found.push_back({"class=" + std::string(to_string(asked.line)),
-                     line.name + " shares its queue with others and may lose packets"});
+                     line.name + " shares a queue with other programs and may lose packets"});
   }
   if (asked.reliability == Reliability::Reliable && !line.reliable) {
     found.push_back({"reliability=" + std::string(to_string(asked.reliability)),

@@ -11,17 +11,18 @@ namespace gecos::qos {
 
 enum class Class : std::uint8_t { TimeIndependent, SoftRealtime, HardRealtime };
 enum class Reliability : std::uint8_t { Reliable, BestEffort };
-std::string_view to_string(Class line);  ///< "HARD_REALTIME", as in the interface
+std::string_view to_string(Class line);  ///< for example "HARD_REALTIME", as in the interface
 std::string_view to_string(Reliability reliability);
 
-/// The media that an operation or stream may use: `media="shm|can"` is `Media::Shm | Media::Can`.
+/// The media that an operation or stream may use. For example, `media="shm|can"` in an interface is
+/// `Media::Shm | Media::Can`.
 enum class Media : std::uint8_t { Any = 0, Inproc = 1, Shm = 2, Lcm = 4, Tcp = 8, Can = 16 };
 constexpr Media operator|(Media left, Media right) {
   return static_cast<Media>(static_cast<std::uint8_t>(left) | static_cast<std::uint8_t>(right));
 }
-std::string to_string(Media media);  ///< "shm|can", as in the interface; "any"
-/// Whether `media` contains the medium called `name`. "inproc" is also allowed where shm is,
-/// because it is at least as good.
+std::string to_string(Media media);  ///< for example "shm|can", as in the interface; "any" for Any
+/// Returns whether `media` contains the medium called `name`. Wherever shm is allowed, inproc is
+/// allowed too, because it is at least as good.
 bool allows(Media media, std::string_view name);
 
 /// A required quality of service. A duration of zero means: no requirement.

@@ -2,32 +2,68 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
+#include <numbers>
 
 namespace gecos::wire {
 
 namespace {
 
-template <class Number>
-std::string outside(std::string_view field, Number value, std::string_view range) {
-  std::array<char, 32> digits;
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
-  std::string text(field);
-  text.append(": ").append(digits.data(), end).append(" is outside ").append(range);
-  return text;
+/// The bound at the beginning of `text`, which gidl printed: "0.01", "-inf".
+double bound_of(std::string_view text) {
+  double bound = 0;
+  std::from_chars(text.data(), text.data() + text.size(), bound);
+  return bound;
+}
+
+/// The question of `mistaken_unit` for a number outside `limits`, such as "[0.01, 1.0] m".
+std::string_view question(double number, std::string_view limits) {
+  const auto high = limits.find(", "), unit = limits.find("] ");
+  if (high == limits.npos || unit == limits.npos) return {};
+  return mistaken_unit(number, bound_of(limits.substr(1)), bound_of(limits.substr(high + 2)),
+                       limits.substr(unit + 2));
+}
+
+std::string shown(RefusedNumber number) {
+  return std::visit(
+      [](auto value) {
+        std::array<char, 32> digits;
+        return std::string(digits.data(),
+                           std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr);
+      },
+      number);
 }
 
 }  // namespace
 
-std::string out_of_range(std::string_view field, double value, std::string_view range) {
-  return outside(field, value, range);
+std::string_view mistaken_unit(double value, double low, double high, std::string_view unit) {
+  const auto fits = [&](double meant) { return meant >= low && meant <= high; };
+  const double size = std::abs(value);
+  if (fits(value)) return {};
+  if (unit == "rad" && size > std::numbers::pi && fits(value * std::numbers::pi / 180)) {
+    return "; is the value in degrees?";
+  }
+  if (unit == "m" && size >= 1 && fits(value / 1000)) return "; is the value in millimetres?";
+  return {};
 }
 
-std::string out_of_range(std::string_view field, long long value, std::string_view range) {
-  return outside(field, value, range);
+std::string outside_limits(RefusedNumber number, std::string_view limits) {
+  const double value = std::visit([](auto each) { return static_cast<double>(each); }, number);
+  return shown(number).append(" is outside ").append(limits).append(question(value, limits));
 }
 
-std::string out_of_range(std::string_view field, unsigned long long value, std::string_view range) {
-  return outside(field, value, range);
+std::string none_of(RefusedNumber number, std::string_view known) {
+  return shown(number).append(" is ").append(known);
+}
+
+std::string out_of_range(std::string_view field, RefusedNumber number, std::string_view limits) {
+  return std::string(field).append(": ").append(outside_limits(number, limits));
+}
+
+std::string element_out_of_range(std::string_view field, std::ptrdiff_t index, RefusedNumber number,
+                                 std::string_view limits) {
+  const auto element = std::string(field) + "[" + std::to_string(index) + "]";
+  return out_of_range(element, number, limits);
 }
 
 std::string over_bound(std::string_view field, std::size_t size, std::size_t bound,
@@ -39,11 +75,13 @@ std::string over_bound(std::string_view field, std::size_t size, std::size_t bou
 }
 
 std::string bad_text(std::string_view field) {
-  return std::string(field) + ": the string is not UTF-8 or contains NUL";
+  return std::string(field) + ": the string is not UTF-8 or contains NUL; convert it to UTF-8";
 }
 
 std::string wrong_arm(std::string_view type) {
-  return std::string(type) + ": the value does not agree with the union's discriminator";
+  return std::string(type) +
+         ": the value does not agree with the union's discriminator; make it with one of the "
+         "functions make_…";
 }
 
 }  // namespace gecos::wire

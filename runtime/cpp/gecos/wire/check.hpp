@@ -2,27 +2,67 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "gecos/wire/bounds.hpp"
+#include "gecos/wire/decode_error.hpp"
 #include "gecos/wire/text.hpp"
 
 namespace gecos::wire {
 
-/// The text "Trajectory.speed: 3 is outside [0.01, 1.0]".
-std::string out_of_range(std::string_view field, double value, std::string_view range);
-std::string out_of_range(std::string_view field, long long value, std::string_view range);
-std::string out_of_range(std::string_view field, unsigned long long value, std::string_view range);
+/// A question to add to the message about `value`: "; is the value in degrees?". Empty unless
+/// `value` is outside `low` to `high`, and inside when it means degrees (a value above pi rad) or
+/// millimetres (a value of at least 1 m) instead of `unit`.
+std::string_view mistaken_unit(double value, double low, double high, std::string_view unit);
+
+template <class T>
+RefusedNumber refused_number(T number) {
+  if constexpr (std::is_floating_point_v<T>) {
+    return double{number};
+  } else if constexpr (std::is_unsigned_v<T>) {
+    return std::uint64_t{number};
+  } else {
+    return std::int64_t{number};
+  }
+}
+
+/// The text "110 is outside [-2.0, 2.0] rad; is the value in degrees?".
+std::string outside_limits(RefusedNumber number, std::string_view limits);
+
+/// The text "7 is no Speed; there are SLOW, FAST", for `known` "no Speed; there are SLOW, FAST".
+std::string none_of(RefusedNumber number, std::string_view known);
+
+/// The text "Trajectory.speed: 3 is outside [0.01, 1.0] m/s".
+std::string out_of_range(std::string_view field, RefusedNumber number, std::string_view limits);
+
+template <class T>
+std::string out_of_range(std::string_view field, T number, std::string_view limits) {
+  return out_of_range(field, refused_number(number), limits);
+}
+
+/// The text "Joints.position[2]: 3 is outside [-2.0, 2.0] rad" for the element at `index`.
+std::string element_out_of_range(std::string_view field, std::ptrdiff_t index, RefusedNumber number,
+                                 std::string_view limits);
+
+/// `outlier` points to an element of `numbers`.
+template <class Numbers>
+std::string element_out_of_range(std::string_view field, const Numbers& numbers,
+                                 const typename Numbers::value_type* outlier,
+                                 std::string_view limits) {
+  return element_out_of_range(field, outlier - numbers.data(), refused_number(*outlier), limits);
+}
 
 /// The text "Scan.echoes: 500 elements, at most 360 fit". `what` is "elements" or "bytes".
 std::string over_bound(std::string_view field, std::size_t size, std::size_t bound,
                        std::string_view what);
 
-/// The text "Pose.name: the string is not UTF-8 or contains NUL".
+/// The text "Pose.name: the string is not UTF-8 or contains NUL; convert it to UTF-8".
 std::string bad_text(std::string_view field);
 
-/// The text "Shape: the value does not agree with the union's discriminator".
+/// The text "Shape: the value does not agree with the union's discriminator; make …".
 std::string wrong_arm(std::string_view type);
 
 }  // namespace gecos::wire

@@ -2,6 +2,8 @@
 
 #include <string_view>
 
+#include "gecos/wire/check.hpp"
+
 namespace gecos::wire {
 
 const char* describe(DecodeProblem problem) {
@@ -43,8 +45,10 @@ const char* describe(DecodeProblem problem) {
 std::string DecodeError::message() const {
   std::string text;
   if (*field != '\0') text.append("field '").append(field).append("' ");
-  text.append("at byte ").append(std::to_string(offset)).append(": ").append(describe(problem));
-  return text;
+  text.append("at byte ").append(std::to_string(offset)).append(": ");
+  if (*limits == '\0') return text.append(describe(problem));
+  if (problem == DecodeProblem::OutOfRange) return text.append(outside_limits(number, limits));
+  return text.append(none_of(number, limits));
 }
 
 bool operator==(const DecodeError& a, const DecodeError& b) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <variant>
 
 namespace gecos::wire {
 
@@ -28,15 +29,24 @@ enum class DecodeProblem : std::uint8_t {
 /// Returns the problem as a text, for example "the string is not UTF-8".
 const char* describe(DecodeProblem problem);
 
+/// A number that a range or an enum refused.
+using RefusedNumber = std::variant<double, std::int64_t, std::uint64_t>;
+
 struct DecodeError {
   DecodeProblem problem{};
   std::size_t offset =
       0;  ///< position of the refused value, counted from the first byte given to the decoder
   const char* field = "";  ///< static text; empty when the reader passed no field name
 
-  /// Returns a text such as "field 'speed' at byte 12: outside its declared range".
+  /// Static text: the range that `number` is outside of, for example "[0.01, 1.0] m/s", or the
+  /// enumerators of which `number` is none. Empty when the problem is not about a number.
+  const char* limits = "";
+  RefusedNumber number{};
+
+  /// Returns a text such as "field 'speed' at byte 12: 3 is outside [0.01, 1.0] m/s"
   std::string message() const;
 
+  /// Compares problem, offset and field.
   friend bool operator==(const DecodeError& a, const DecodeError& b);
 };
 inline std::string describe(const DecodeError& error) { return error.message(); }

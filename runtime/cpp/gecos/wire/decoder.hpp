@@ -164,6 +164,12 @@ class Decoder {
     return fail_at(begin_ + offset, problem, field);
   }
 
+  /// Records that `number`, which was read from the last `size` bytes, is refused. `limits` is
+  /// static text: the range that it is outside of, or the known enumerators. Always returns
+  /// false.
+  bool fail_number(DecodeProblem problem, RefusedNumber number, const char* limits,
+                   std::size_t size, const char* field);
+
   /// Returns true when no read failed and no bytes are left. Otherwise records an error.
   [[nodiscard]] bool expect_end() {
     if (failed_) return false;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gecos/wire/bounds.hpp"
+#include "gecos/wire/check.hpp"
 #include "gecos/wire/decoder.hpp"
 
 namespace gecos::wire {
@@ -104,15 +105,32 @@ template <class Key, class T, class Order, class GetKey, class Get>
   return valid || from.fail(DecodeProblem::OutOfRange, field, from.offset() - size);
 }
 
-/// Returns whether the numbers that were just read are all within `bounds`. If not, records an
-/// error.
+/// Returns whether the number that was just read lies within `bounds`. If not, records an error.
+/// `limits` is the static text of the range, for example "[0.01, 1.0] m/s".
+template <class T>
+[[nodiscard]] bool within(Decoder& from, T number, std::type_identity_t<Bounds<T>> bounds,
+                          const char* field, const char* limits) {
+  return bounds.hold(number) || from.fail_number(DecodeProblem::OutOfRange, refused_number(number),
+                                                 limits, sizeof(T), field);
+}
+
+/// Like `within`, for all numbers of an array or sequence that was just read.
 template <class Numbers>
 [[nodiscard]] bool all_within(Decoder& from, const Numbers& numbers,
-                              Bounds<typename Numbers::value_type> bounds, const char* field) {
+                              Bounds<typename Numbers::value_type> bounds, const char* field,
+                              const char* limits) {
   const auto* const outlier = first_outside(numbers, bounds);
   if (outlier == nullptr) return true;
   const auto after = static_cast<std::size_t>(numbers.data() + numbers.size() - outlier);
-  return in_range(from, false, after * sizeof *outlier, field);
+  return from.fail_number(DecodeProblem::OutOfRange, refused_number(*outlier), limits,
+                          after * sizeof *outlier, field);
+}
+
+/// Refuses the number of an enum that was just read; `known` is static text with its enumerators.
+[[nodiscard]] inline bool no_enumerator(Decoder& from, std::int32_t number, const char* known,
+                                        const char* field) {
+  return from.fail_number(DecodeProblem::UnknownEnumerator, refused_number(number), known,
+                          sizeof number, field);
 }
 
 /// Reads the discriminator (tag) of a union, which is encoded as a number of the type `Wire`.

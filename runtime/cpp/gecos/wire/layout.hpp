@@ -130,32 +130,20 @@ struct Text : Plain {
   }
 };
 
-/// A number within `bounds`. `text` shows them in errors.
+/// A number within `bounds`. `limits` shows them in errors: "[0.01, 1.0] m/s".
 template <class T>
 struct Ranged : Plain {
-  constexpr Ranged(wire::Bounds<T> allowed, std::string_view shown)
-      : bounds(allowed), text(shown) {}
+  constexpr Ranged(wire::Bounds<T> allowed, const char* shown) : bounds(allowed), limits(shown) {}
 
   bool get(wire::Decoder& from, T& number, const char* label) const {
-    return from.get(number, label) &&
-           wire::in_range(from, bounds.hold(number), sizeof number, label);
+    return from.get(number, label) && wire::within(from, number, bounds, label, limits);
   }
   std::string wrong(T number, const char* label) const {
-    return bounds.hold(number) ? std::string() : wire::out_of_range(label, wide(number), text);
-  }
-
-  static auto wide(T number) {
-    if constexpr (std::is_floating_point_v<T>) {
-      return static_cast<double>(number);
-    } else if constexpr (std::is_unsigned_v<T>) {
-      return static_cast<unsigned long long>(number);
-    } else {
-      return static_cast<long long>(number);
-    }
+    return bounds.hold(number) ? std::string() : wire::out_of_range(label, number, limits);
   }
 
   wire::Bounds<T> bounds;
-  std::string_view text;
+  const char* limits;
 };
 
 template <class T>
@@ -177,6 +165,16 @@ template <class Step>
 inline constexpr bool is_secret = false;
 template <class Step>
 inline constexpr bool is_secret<Secret<Step>> = true;
+
+/// The error of an element of an element, which has more than one index: the text has none.
+template <class Step, class T>
+std::string wrong_inside(const Step& step, const T& value, const char* label) {
+  if constexpr (requires { step.wrong(value, label, true); }) {
+    return step.wrong(value, label, true);
+  } else {
+    return step.wrong(value, label);
+  }
+}
 
 /// An optional value.
 template <class Step>
@@ -203,8 +201,9 @@ struct Optional {
                               [&](T& inner) { return step.get(from, inner, label); });
   }
   template <class T>
-  std::string wrong(const std::optional<T>& value, const char* label) const {
-    return value ? step.wrong(*value, label) : std::string();
+  std::string wrong(const std::optional<T>& value, const char* label, bool inside = false) const {
+    if (!value) return {};
+    return inside ? wrong_inside(step, *value, label) : step.wrong(*value, label);
   }
 
   Step step;
@@ -235,18 +234,20 @@ struct Elements {
   template <class Range>
   bool all_hold(wire::Decoder& from, const Range& values, const char* label) const {
     if constexpr (requires { step.bounds; }) {
-      return wire::all_within(from, values, step.bounds, label);
+      return wire::all_within(from, values, step.bounds, label, step.limits);
     }
     return true;
   }
   template <class Range>
-  std::string wrong(const Range& values, const char* label) const {
+  std::string wrong(const Range& values, const char* label, bool inside = false) const {
     if constexpr (requires { step.bounds; }) {
       const auto* const outlier = wire::first_outside(values, step.bounds);
-      return outlier == nullptr ? std::string() : step.wrong(*outlier, label);
+      if (outlier == nullptr) return {};
+      if (inside) return step.wrong(*outlier, label);
+      return wire::element_out_of_range(label, values, outlier, step.limits);
     } else if constexpr (!in_bulk<typename Range::value_type>) {
       for (const auto& each : values) {
-        if (auto why = step.wrong(each, label); !why.empty()) return why;
+        if (auto why = wrong_inside(step, each, label); !why.empty()) return why;
       }
     }
     return {};
@@ -312,9 +313,9 @@ struct Items : Elements<Step> {
     }
   }
   template <class T>
-  std::string wrong(const std::vector<T>& values, const char* label) const {
+  std::string wrong(const std::vector<T>& values, const char* label, bool inside = false) const {
     if (values.size() > bound) return wire::over_bound(label, values.size(), bound, "elements");
-    return Elements<Step>::wrong(values, label);
+    return Elements<Step>::wrong(values, label, inside);
   }
 };
 
@@ -357,8 +358,8 @@ struct Entries {
       return wire::over_bound(label, entries.size(), bound, "entries");
     }
     for (const auto& [key, entry] : entries) {
-      if (auto why = key_step.wrong(key, label); !why.empty()) return why;
-      if (auto why = step.wrong(entry, label); !why.empty()) return why;
+      if (auto why = wrong_inside(key_step, key, label); !why.empty()) return why;
+      if (auto why = wrong_inside(step, entry, label); !why.empty()) return why;
     }
     return {};
   }

@@ -14,7 +14,8 @@ def main() -> int:
     except ImportError as error:
         if error.name != "gecos._core":
             raise
-        print(f"gecos: {error}", file=sys.stderr)  # it is not built, or for another Python
+        # The extension is not built, or is built for another Python.
+        print(f"gecos: {error}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:  # before `run` handles it
+    except KeyboardInterrupt:  # Ctrl-C before `run` handles it
         return 130

@@ -1,7 +1,8 @@
-"""The verbs of `gecos` for objects as a whole, and the start of the command line.
+"""The verbs of `gecos` that concern whole objects, and the start of the command line.
 
-Imports take most of the time of a short command. So verbs import at the start of their function
-what they alone need, and a verb in a module of its own is imported when it is used.
+Imports take most of the time of a short command. Therefore each verb imports the modules that only
+this verb needs at the start of its function. A verb in a module of its own is imported when it is
+used.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ _VERBS = {
     "up": "up.up",
     "watch": "members.watch",
 }
-"""The verbs in modules of their own: module and name of the function."""
+"""Maps each verb that has a module of its own to the module and the name of the function."""
 
 
 class Verbs(click.Group):
@@ -87,7 +88,7 @@ def app() -> None:
     """Shows, calls and stops the objects of a robot laboratory, and runs a broker.
 
     Exit codes: 0 FINISHED, 1 the environment is wrong, 2 wrong usage, 3 COMMAND_FAILED, 4
-    CONNECTION_FAILED, 5 access DENIED or REFUSED (wins over 3 and 4), 130 Ctrl-C.
+    CONNECTION_FAILED, 5 access DENIED or REFUSED (instead of 3 and 4), 130 Ctrl-C.
     """
 
 
@@ -172,7 +173,7 @@ def stop(names: tuple[str, ...], everything: bool, broker: str | None, as_json: 
         wanted = list(names)
         if everything:
             wanted = [entry.name for entry in entries(lab)]
-            # They cannot be stopped, and the user must know.
+            # Silent objects cannot be stopped, but the user must know of them.
             wanted += [one.entry.name for one in silent_objects(lab)]
 
         def failure_of(name: str) -> Exception | None:
@@ -182,7 +183,8 @@ def stop(names: tuple[str, ...], everything: bool, broker: str | None, as_json: 
                 return error
             return None
 
-        # All at once: an object that does not answer must not keep the others moving.
+        # All objects are stopped at the same time, because an object that does not answer must not
+        # keep the others moving.
         wanted = list(dict.fromkeys(wanted))
         with ThreadPoolExecutor(max(1, len(wanted))) as threads:
             outcomes = dict(zip(wanted, threads.map(failure_of, wanted), strict=True))
@@ -200,7 +202,7 @@ def stop(names: tuple[str, ...], everything: bool, broker: str | None, as_json: 
 
 @app.command()
 @name_argument
-@click.option("--timeout", type=Number(), help="Seconds; the default is no limit.")
+@click.option("--timeout", type=Number(), help="Seconds to wait; the default is no limit.")
 @broker_option
 @json_option
 def wait(name: str, timeout: float | None, broker: str | None, as_json: bool) -> None:
@@ -227,7 +229,7 @@ def wait(name: str, timeout: float | None, broker: str | None, as_json: bool) ->
 
 @app.command()
 def schema() -> None:
-    """Prints the JSON Schema of what `--json` prints: a definition for each verb."""
+    """Prints the JSON Schema of the output of `--json`, with a definition for each verb."""
     from pathlib import Path
 
     print((Path(__file__).parent / "output.schema.json").read_text(encoding="utf-8"), end="")
@@ -236,7 +238,8 @@ def schema() -> None:
 @app.command()
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
 def completion(shell: str) -> None:
-    """Prints the completion of `gecos` for a shell: eval "$(gecos completion bash)"."""
+    """Prints the completion of `gecos` for a shell. For bash, use: eval "$(gecos completion
+    bash)"."""
     from click.shell_completion import get_completion_class
 
     kind = get_completion_class(shell)
@@ -278,7 +281,7 @@ def _tell(error: Exception) -> None:
     words = sys.argv[1:]
     options = words[: words.index("--")] if "--" in words else words
     if "--json" in options:
-        with contextlib.suppress(OSError):  # else standard output is full
+        with contextlib.suppress(OSError):  # standard output may be full
             print_json(failure_json(error))
             return
     if isinstance(error, click.ClickException):

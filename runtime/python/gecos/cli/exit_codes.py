@@ -1,8 +1,8 @@
-"""The exit codes of the command `gecos`, and the failures that they stand for.
+"""The exit codes of the command `gecos`, and the failures for which they stand.
 
-0 the command FINISHED; 1 the environment is wrong, as a setting that is not valid; 2 wrong usage;
-3 COMMAND_FAILED; 4 CONNECTION_FAILED; 5 access was DENIED or REFUSED, which wins over 3 and 4;
-130 ended by Ctrl-C.
+0: the command FINISHED. 1: the environment is wrong, for example a setting is not valid. 2: wrong
+usage. 3: COMMAND_FAILED. 4: CONNECTION_FAILED. 5: access was DENIED or REFUSED (used instead of 3
+and 4). 130: ended by Ctrl-C.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ class ExitCode(IntEnum):
 
 
 class UsageFailure(ValueError):
-    """A name or a value on the command line that the object does not have or take."""
+    """The object does not have a name, or does not take a value, that the command line gives."""
 
 
 _NO_ACCESS = (Detail.DENIED, Detail.REFUSED)
 
 
 def exit_code(error: BaseException) -> ExitCode:
-    """The exit code for a failure of a command."""
+    """Returns the exit code for a failure of a command."""
     if isinstance(error, KeyboardInterrupt | click.Abort):
         return ExitCode.INTERRUPTED
     if isinstance(error, LeaseRefused) or _details(error) & set(_NO_ACCESS):
@@ -57,7 +57,7 @@ def exit_code(error: BaseException) -> ExitCode:
 
 
 def failure_json(error: BaseException) -> dict[str, Any]:
-    """A failure as `--json` shows it."""
+    """Returns a failure as `--json` shows it."""
     text = error.format_message() if isinstance(error, click.ClickException) else str(error)
     shown: dict[str, Any] = {"exit_code": int(exit_code(error)), "text": text or "interrupted"}
     details = _details(error)

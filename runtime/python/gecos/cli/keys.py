@@ -14,7 +14,7 @@ from gecos.cli.options import json_option, print_json
 
 _EXCHANGE = """\
 To reach objects of another user over lcm, give your file to that user, add the file that you get,
-and compare the fingerprints on another way, as by telephone:
+and compare the fingerprints in another way, for example by telephone:
   gecos keys add FILE"""
 
 
@@ -22,7 +22,7 @@ and compare the fingerprints on another way, as by telephone:
 @json_option
 @click.pass_context
 def keys(context: click.Context, as_json: bool) -> None:
-    """Shows the key of this user and the admitted keys of others, which lcm needs.
+    """Shows the key of this user, and the admitted keys of other users. lcm needs these keys.
 
     Ends with 1 if the file of an admitted key cannot be used.
     """
@@ -72,7 +72,7 @@ def _state(of: Any) -> dict[str, Any]:
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
 @json_option
 def add(file: Path, as_json: bool) -> None:
-    """Admits the user whose .public file is given."""
+    """Admits the user to whom the given .public file belongs."""
     from gecos import key_folder
 
     try:
@@ -82,11 +82,14 @@ def add(file: Path, as_json: bool) -> None:
     if as_json:
         print_json(_plain(key))
     else:
-        print(f"admitted  {key_folder.fingerprint(key)}: compare it with its user")
+        print(
+            f"admitted  {key_folder.fingerprint(key)}: compare this fingerprint with that "
+            "user's own"
+        )
 
 
 def _known(context: click.Context, _: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Admitted keys, for the completion of a shell."""
+    """Returns the admitted keys, for the completion of a shell."""
     from gecos import key_folder
 
     try:
@@ -100,7 +103,8 @@ def _known(context: click.Context, _: click.Parameter, begun: str) -> list[Compl
 @click.argument("name", shell_complete=_known)
 @json_option
 def remove(name: str, as_json: bool) -> None:
-    """Admits a user no more. NAME: the file, or the first 8 or more digits of the fingerprint."""
+    """Removes an admitted key. NAME is the file, or at least the first 8 digits of the
+    fingerprint."""
     from gecos import key_folder
 
     try:
@@ -110,4 +114,4 @@ def remove(name: str, as_json: bool) -> None:
     if as_json:
         print_json(_plain(gone.key) | {"file": str(gone.file)})
     else:
-        print(f"removed   {gone.file}; programs of its user get no new connection")
+        print(f"removed   {gone.file}; programs of that user get no new connections")

@@ -29,9 +29,11 @@ if TYPE_CHECKING:
     from gecos.stream import Sample
 
 password_option = click.option(
-    "--password", default="", help="Share the status of clients that give the same password."
+    "--password", default="", help="Share the status with clients that give the same password."
 )
-timeout_option = click.option("--timeout", type=Number(), help="Seconds; the default is no limit.")
+timeout_option = click.option(
+    "--timeout", type=Number(), help="Seconds to wait; the default is no limit."
+)
 attribute_argument = click.argument(
     "attribute", shell_complete=members(lambda m: m.kind == "attribute" and m.offered)
 )
@@ -45,13 +47,13 @@ stream_argument = click.argument(
 operation_argument = click.argument(
     "operation", shell_complete=members(lambda m: m.kind == "operation")
 )
-_CANCELED_WITHIN = 1.0  # s for the end of a command after the request to cancel it
+_CANCELED_WITHIN = 1.0  # s in which a command must end after the request to cancel it
 _REDRAW = 0.1  # s between two drawings of a progress bar
 
 
 @contextmanager
 def _connected(broker: str | None, name: str, member: str) -> Iterator[DynamicObject]:
-    """A proxy of the object called `name`, with this member alone."""
+    """Connects to the object called `name`, with a proxy that has only the member `member`."""
     import gecos
     from gecos.dynamic_client.by_name import UnknownMemberError
     from gecos.dynamic_client.connect import connect
@@ -65,7 +67,7 @@ def _connected(broker: str | None, name: str, member: str) -> Iterator[DynamicOb
 
 
 def _status(robot: DynamicObject, needed: Access, password: str) -> AbstractContextManager[object]:
-    """The status that a call needs, for the time of the call."""
+    """Returns a context in which this program holds the status that a call needs."""
     import gecos
 
     match needed.name:
@@ -83,7 +85,7 @@ def _status(robot: DynamicObject, needed: Access, password: str) -> AbstractCont
 @broker_option
 @json_option
 def get(name: str, attribute: str, password: str, broker: str | None, as_json: bool) -> None:
-    """Reads an attribute, under the status that it needs."""
+    """Reads an attribute. Acquires the status that reading needs."""
     from gecos.dynamic_client import by_name
 
     with _connected(broker, name, attribute) as robot:
@@ -118,7 +120,7 @@ def set_(
 ) -> None:
     """Sets an attribute. VALUE is JSON, or the name of an enumerator.
 
-    Ctrl-C, or the end of --timeout, cancels the command if it has not begun.
+    Ctrl-C, or the end of --timeout, cancels the command if it has not started.
     """
     from gecos.dynamic_client import by_name
 
@@ -152,9 +154,9 @@ def call(
 ) -> None:
     """Calls an operation and waits for its end.
 
-    The arguments are one JSON object, '{"width": 0.05}', or PARAMETER=VALUE for each parameter.
-    Acquires the status that the operation needs for the time of the call. Ctrl-C, or the end of
-    --timeout, cancels a call that is cancelable; another one goes on.
+    The arguments are one JSON object, '{"width": 0.05}', or PARAMETER=VALUE for each parameter. The
+    status that the operation needs is held during the call. Ctrl-C, or the end of --timeout,
+    cancels the call if the operation is cancelable; otherwise the call continues.
     """
     from gecos.dynamic_client import by_name
     from gecos.interface import Access
@@ -207,7 +209,8 @@ def _arguments(words: tuple[str, ...]) -> dict[str, Any]:
 def _ends(
     command: Command[Any, Any], label: str, timeout: float | None, shows: bool
 ) -> Command[Any, Any]:
-    """Waits for the end of a command and returns it. Cancels it on Ctrl-C and after `timeout`."""
+    """Waits for the end of a command and returns the command. Cancels it on Ctrl-C and after
+    `timeout`."""
     try:
         if _ended_within(command, label, timeout, shows):
             return command
@@ -229,7 +232,8 @@ def _cancel(command: Command[Any, Any]) -> bool:
 def _ended_within(
     command: Command[Any, Any], label: str, timeout: float | None, shows: bool
 ) -> bool:
-    """Waits for the end of a command, with a progress bar on a terminal."""
+    """Waits for the end of a command, and shows a progress bar on a terminal. Returns whether the
+    command ended in time."""
     if not (shows and sys.stderr.isatty()):
         return command.wait(timeout) is not State.RUNNING
     end = None if timeout is None else time.monotonic() + timeout
@@ -245,7 +249,7 @@ def _ended_within(
 @click.command()
 @name_argument
 @attribute_argument
-@click.option("--count", type=click.IntRange(min=1), help="End after so many values.")
+@click.option("--count", type=click.IntRange(min=1), help="End after this number of values.")
 @click.option(
     "--every",
     type=Number(0.01),
@@ -265,9 +269,9 @@ def watch(
     broker: str | None,
     as_json: bool,
 ) -> None:
-    """Shows an attribute again and again: the samples of its stream, or readings.
+    """Shows an attribute again and again: the samples of its stream, or repeated readings.
 
-    On a terminal the newest value is drawn in place; into a pipe, each value is a line.
+    On a terminal, each value replaces the previous one. Into a pipe, each value is a line.
     """
     from gecos.cli import report
     from gecos.dynamic_client import by_name
@@ -320,22 +324,23 @@ def _sample_json(sample: Sample[Any]) -> dict[str, Any]:
 @click.command()
 @name_argument
 @stream_argument
-@click.option("--count", type=click.IntRange(min=1), help="End after so many lines.")
+@click.option("--count", type=click.IntRange(min=1), help="End after this number of lines.")
 @click.option(
     "--window",
     type=Number(0.1),
     default=1.0,
     show_default=True,
-    help="Seconds that each line counts.",
+    help="Seconds of measurement for each line.",
 )
 @broker_option
 @json_option
 def hz(
     name: str, stream: str, count: int | None, window: float, broker: str | None, as_json: bool
 ) -> None:
-    """Measures the rate of a stream: samples per second, shortest and longest period, losses.
+    """Measures the rate of a stream: samples per second, shortest and longest period, lost samples.
 
-    The periods are between the times of measurement, so they do not depend on this program.
+    A period is the difference between two times of measurement, so it does not depend on this
+    program.
     """
     with _connected(broker, name, stream) as robot, _subscribed(robot, stream) as opened:
         lines = 0
@@ -352,7 +357,8 @@ def hz(
 
 
 def _rate(stream: Any, window: float, last: float | None) -> tuple[dict[str, Any], float | None]:
-    """What a stream delivers within `window` seconds. `last`: stamp of the previous sample."""
+    """Returns what a stream delivers within `window` seconds. `last` is the stamp of the previous
+    sample."""
     start = time.monotonic()
     samples, lost, periods = 0, 0, []
     while (left := start + window - time.monotonic()) > 0:

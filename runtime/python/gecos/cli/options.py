@@ -1,4 +1,4 @@
-"""Options and arguments that several verbs have, and JSON output."""
+"""Options and arguments that several verbs have, and the output of JSON."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ import click
 from click.shell_completion import CompletionItem
 
 _MOST = 1e6  # s
-_MOMENT = 0.5  # s that a completion waits for a broker and for a server
+_MOMENT = 0.5  # s for which a completion waits for a broker and for a server
 
 
 def _names(context: click.Context, _: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Objects that are online, for the completion of a shell; none without a broker."""
+    """Returns the objects that are online, for the completion of a shell; none if there is no
+    broker."""
     import gecos
     from gecos.dynamic_client.connect import entries
 
@@ -34,7 +35,8 @@ def _names(context: click.Context, _: click.Parameter, begun: str) -> list[Compl
 def members(
     wanted: Callable[[Any], bool],
 ) -> Callable[[click.Context, click.Parameter, str], list[CompletionItem]]:
-    """Completes the members of the object that is named before, of which `wanted` is true."""
+    """Returns the completion for members of the object that the command line names before. Only
+    members for which `wanted` is true are offered."""
 
     def complete(context: click.Context, _: click.Parameter, begun: str) -> list[CompletionItem]:
         import gecos
@@ -61,7 +63,7 @@ broker_option = click.option(
     help="Address of the broker; default: GECOS_BROKER, else this host.",
 )
 json_option = click.option(
-    "--json", "as_json", is_flag=True, help="Print JSON: see `gecos schema`."
+    "--json", "as_json", is_flag=True, help="Print JSON; `gecos schema` describes it."
 )
 
 
@@ -70,15 +72,16 @@ def print_json(value: Any) -> None:
 
 
 def plain(value: Any) -> Any:
-    """A generated value as data for JSON."""
+    """Returns a generated value as data for JSON."""
     from gecos.wire.kinds import kind_of
 
     return kind_of(type(value)).plain(value)
 
 
 def value_of(text: str) -> Any:
-    """A value on the command line: JSON, else the text itself, as the name of an enumerator.
-    Raises JsonError for JSON that says one thing twice, or is beyond what a value can be."""
+    """Returns a value from the command line: JSON, or else the text itself as the name of an
+    enumerator. Raises JsonError for JSON with two entries of the same name, and for numbers that
+    are too large."""
     from gecos.wire import json as gecos_json
 
     try:
@@ -88,7 +91,7 @@ def value_of(text: str) -> Any:
 
 
 class Number(click.ParamType):
-    """A finite number from `least` on."""
+    """A finite number that is at least `least`."""
 
     name = "number"
 

@@ -1,4 +1,4 @@
-"""What `gecos ls` shows: the objects of the broker, and whether their servers answer."""
+"""Finds out what `gecos ls` shows: the objects of the broker, and whether their servers answer."""
 
 from __future__ import annotations
 
@@ -15,15 +15,16 @@ if TYPE_CHECKING:
     from gecos_idl.broker_types import Entry
 
 ASKED_FOR = 2.0
-"""Seconds that each server has to answer, all at the same time. After 1.5 s of silence the broker
-says since when a server is silent, so this is a little more."""
+"""Seconds in which each server must answer; all servers are asked at the same time. After
+1.5 s of silence, the broker says since when a server is silent; this time is a little longer."""
 _MOST_AT_ONCE = 64
 
 
 @dataclass(frozen=True, slots=True)
 class Presence:
-    """`silent_since`: Unix time at which the broker last heard the server; None while it hears it.
-    `answers`: the server has answered this program, or refused it."""
+    """Whether an object can be reached. `silent_since` is the Unix time at which the broker last
+    heard the server; None while the broker hears it. `answers` is true if the server has answered
+    this program, or refused it."""
 
     entry: Entry
     silent_since: float | None
@@ -31,8 +32,8 @@ class Presence:
 
 
 def presences(lab: gecos.Lab) -> list[Presence]:
-    """The objects that are online or silent, sorted by name. Takes ASKED_FOR and the answers of the
-    broker at most. Raises CreateError without a broker."""
+    """Returns the objects that are online or silent, sorted by name. Takes at most ASKED_FOR, and
+    the time in which the broker answers. Raises CreateError without a broker."""
     listed = entries(lab)
     with ThreadPoolExecutor(_MOST_AT_ONCE) as side_by_side:
         answers = list(side_by_side.map(lambda entry: _answers(lab, entry), listed))
@@ -48,8 +49,9 @@ def presences(lab: gecos.Lab) -> list[Presence]:
 
 
 def _answers(lab: gecos.Lab, entry: Entry) -> bool:
-    """Whether a server answers, be it that it refuses this program. A server that cannot be reached
-    from here, as over its own memory only, is not asked and counts as answering."""
+    """Returns whether a server answers; refusing this program counts as an answer. A server that
+    cannot be reached from this process, for example because only its own process can reach it, is
+    not asked and counts as answering."""
     began = time.monotonic()
     try:
         connect_to(lab, entry, patience=ASKED_FOR)

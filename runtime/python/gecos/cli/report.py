@@ -1,4 +1,4 @@
-"""Prints the output of the commands of `gecos` for people, on a terminal and into a pipe."""
+"""Prints the output of the commands of `gecos` for people, on a terminal or into a pipe."""
 
 from __future__ import annotations
 
@@ -49,9 +49,9 @@ def _state(of: Presence) -> str:
 
 
 def _media(entry: Entry) -> str:
-    """The media by which other programs reach the object."""
+    """Returns the media by which other programs reach the object."""
     kinds = {address.partition(":")[0] for address in entry.addresses} - {"inproc"}
-    return ", ".join(sorted(kinds)) or "the server's process only"
+    return ", ".join(sorted(kinds)) or "only the server's own process"
 
 
 def description(of: Description) -> None:
@@ -100,7 +100,8 @@ def holders(name: str, who: Sequence[Holder]) -> None:
 
 
 def members(model: Model) -> None:
-    """The attributes, operations and types of an interface, with units, ranges and access."""
+    """Prints the attributes, operations and types of an interface, with units, ranges and
+    access."""
 
     from gecos.dynamic_client import Attribute
 
@@ -125,7 +126,7 @@ def members(model: Model) -> None:
 
 
 def _types(model: Model) -> None:
-    """The members, enumerators, flags and arms of the types that the interface uses."""
+    """Prints the members, enumerators, flags and arms of the types that the interface uses."""
     shown = [(name, list(_parts(model, declared))) for name, declared in model.types.items()]
     if shown:
         print("\ntypes")
@@ -158,7 +159,8 @@ def _doc(member: Member) -> None:
 
 
 def _typed(value: Value) -> str:
-    """The type of a value with unit and range: "double [m, 0.01 to 1.0]"."""
+    """Returns the type of a value with its unit and range, for example "double [m, 0.01 to
+    1.0]"."""
     notes = [note for note in (printable(value.unit), value.range) if note]
     return value.type + (f" [{', '.join(notes)}]" if notes else "")
 
@@ -192,7 +194,8 @@ def _how_called(operation: Operation) -> str:
 
 
 def value(of: Any, unit: str) -> None:
-    """A result or an attribute; values with members as indented JSON."""
+    """Prints a result or the value of an attribute. Values with members are printed as indented
+    JSON."""
     print(
         _text(of, indent=2)
         + (f" {printable(unit)}" if unit and not isinstance(of, dict | list) else "")
@@ -206,7 +209,8 @@ def _text(of: Any, indent: int | None = None) -> str:
 
 
 def printable(text: str) -> str:
-    """`text` from a server, with escapes in place of characters that could command a terminal."""
+    """Returns `text`, which comes from a server, with escapes in place of characters that a
+    terminal would execute."""
     return "".join(
         c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text
     )
@@ -222,7 +226,8 @@ def rate(line: dict[str, Any]) -> None:
 
 
 class Samples:
-    """Shows one sample after another: in place on a terminal, else a line for each."""
+    """Shows one sample after another. On a terminal each sample replaces the previous one;
+    otherwise each sample is a line."""
 
     def __init__(self, as_json: bool) -> None:
         self._as_json = as_json
@@ -250,7 +255,8 @@ class Samples:
             print(_text(sample["value"]), flush=True)
 
     def _redraw(self, lines: list[str]) -> None:
-        """Replaces the lines of the previous sample. What does not fit on the terminal is cut."""
+        """Replaces the lines of the previous sample. Text that does not fit on the terminal is
+        cut."""
         columns, rows = get_terminal_size()
         lines = [line[: columns - 1] for line in lines[: rows - 1]]
         up = f"\x1b[{self._lines - 1}A" if self._lines > 1 else ""
@@ -269,5 +275,5 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
         table.add_row(*(Text(printable(cell)) for cell in row))
     console = Console()
     if not console.is_terminal:
-        console.width = 10_000  # do not break lines in a pipe
+        console.width = 10_000  # lines in a pipe are not broken
     console.print(table)

@@ -16,13 +16,13 @@ import click
     "folders",
     multiple=True,
     type=click.Path(path_type=Path, file_okay=False, exists=True),
-    help="Folder with programs, as the build folder of robcl; may be given several times.",
+    help="Folder with programs, for example the build folder of robcl; may be given several times.",
 )
-@click.option("--restart", is_flag=True, help="Start a program again when it ends by itself.")
+@click.option("--restart", is_flag=True, help="Start each program again when it ends by itself.")
 def up(file: Path | None, folders: tuple[Path, ...], restart: bool) -> None:
     """Starts a laboratory: the broker and the programs of FILE, or the simulated devices of robcl.
 
-    Without FILE, lab.toml in the current folder is taken if there is one. Ctrl-C ends all programs,
+    Without FILE, lab.toml in the current folder is used if there is one. Ctrl-C ends all programs,
     the last one first.
     """
     from gecos.cli.exit_codes import UsageFailure
@@ -39,12 +39,13 @@ def up(file: Path | None, folders: tuple[Path, ...], restart: bool) -> None:
         laboratory = simulated_laboratory() if file is None else read_laboratory(file)
     except LaboratoryFileError as error:
         raise UsageFailure(str(error)) from None
-    for number in (signal.SIGTERM, signal.SIGHUP):  # the latter when a terminal is closed
+    for number in (signal.SIGTERM, signal.SIGHUP):  # SIGHUP arrives when a terminal is closed
         signal.signal(number, _interrupt)
     with running(laboratory, folders=folders, restart=restart) as started:
         names = ", ".join(program.name for program in laboratory.programs)
-        print(f"up: {names} are ready; Ctrl-C ends them", flush=True)
+        verb = "is" if len(laboratory.programs) == 1 else "are"
         try:
+            print(f"up: {names} {verb} ready; Ctrl-C ends them", flush=True)
             started.watch()
         except KeyboardInterrupt:
             print("up: ending", flush=True)

@@ -1,9 +1,9 @@
-"""Proxies that are made at run time from the model that an object serves, without generated code.
+"""Makes proxies at run time, from the model that an object serves, without generated code.
 
     kind = proxy_class(texts, "robcl::Gripper")
     for member in description_of(kind).members: ...
 
-Values are plain data as in `gecos.wire.json`. numpy is not imported.
+Values are plain data, as in `gecos.wire.json`. numpy is not imported.
 """
 
 from gecos.dynamic_client.model import (

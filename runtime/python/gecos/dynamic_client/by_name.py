@@ -23,7 +23,8 @@ class UnknownMemberError(LookupError):
 
 
 def operation(robot: DynamicObject, name: str) -> Operation:
-    """The description of an operation. Raises UnknownMemberError."""
+    """Returns the description of an operation. Raises UnknownMemberError if there is no such
+    operation."""
     for member in robot._gecos_model.members:
         if member.name == name and isinstance(member, Operation) and member.offered:
             return member
@@ -31,7 +32,8 @@ def operation(robot: DynamicObject, name: str) -> Operation:
 
 
 def attribute(robot: DynamicObject, name: str) -> Attribute:
-    """The description of an attribute. Raises UnknownMemberError."""
+    """Returns the description of an attribute. Raises UnknownMemberError if there is no such
+    attribute."""
     for member in robot._gecos_model.members:
         if member.name == name and isinstance(member, Attribute) and member.offered:
             return member
@@ -51,16 +53,17 @@ def read(robot: DynamicObject, name: str) -> Command[Any, None]:
 
 
 def write(robot: DynamicObject, name: str, value: Any) -> Command[None, None]:
-    """Sets an attribute. Raises UnknownMemberError if it is read-only."""
+    """Sets an attribute. Raises UnknownMemberError if the attribute is read-only."""
     if not attribute(robot, name).can_be_set:
         where = f"{robot._gecos_session.object_name}.{name}"
-        raise UnknownMemberError(f"{where} is readonly: it cannot be set")
+        raise UnknownMemberError(f"{where} is readonly and cannot be set")
     written: Command[None, None] = getattr(robot, f"set_{name}")(value)
     return written
 
 
 def subscribe(robot: DynamicObject, name: str) -> Stream[Any]:
-    """Opens the stream of an attribute. Raises UnknownMemberError if it has none."""
+    """Opens the stream of an attribute. Raises UnknownMemberError if the attribute has no
+    stream."""
     if attribute(robot, name).stream is None:
         streams = [n for n in _names(robot, Attribute) if attribute(robot, n).stream is not None]
         raise _unknown(robot, "stream", name, streams)

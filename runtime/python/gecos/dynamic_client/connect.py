@@ -1,4 +1,5 @@
-"""Connects to objects of any interface: by their built-in operations alone, or with all members."""
+"""Connects to objects of any interface, with a proxy that has only the built-in operations, or all
+members."""
 
 from __future__ import annotations
 
@@ -22,15 +23,16 @@ if TYPE_CHECKING:
 
 
 def entries(lab: Lab, *, patience: float = 2.0) -> list[Entry]:
-    """The objects that the broker knows, sorted by name. Raises CreateError without a broker."""
+    """Returns the objects that the broker knows, sorted by name. Raises CreateError without a
+    broker."""
     from gecos_idl.broker import Broker
 
     return sorted(lab.broker(Broker, patience=patience).list().result(), key=lambda e: e.name)
 
 
 def silent_objects(lab: Lab, *, patience: float = 2.0) -> list[SilentObject]:
-    """The objects that the broker knew and whose servers it no longer hears, sorted by name: none
-    from a broker of an older version. Raises CreateError without a broker."""
+    """Returns the objects whose servers the broker no longer hears, sorted by name. A broker of an
+    older version reports no such objects. Raises CreateError without a broker."""
     from gecos_idl.broker import Broker
 
     try:
@@ -42,7 +44,7 @@ def silent_objects(lab: Lab, *, patience: float = 2.0) -> list[SilentObject]:
 
 
 def find(lab: Lab, name: str, *, medium: str | None = None, patience: float = 2.0) -> Object:
-    """A proxy of the object called `name`, whatever its interface, with only the built-in
+    """Connects to the object called `name`, whatever its interface. The proxy has only the built-in
     operations. Raises CreateError, which says since when the object is silent, proposes a similar
     name, or lists the objects online."""
     known = {entry.name: entry for entry in entries(lab, patience=patience)}
@@ -62,14 +64,15 @@ def find(lab: Lab, name: str, *, medium: str | None = None, patience: float = 2.
 def connect_to(
     lab: Lab, entry: Entry, *, medium: str | None = None, patience: float = 2.0
 ) -> Object:
-    """A proxy of the object that the broker lists, with only the built-in operations. Raises
-    CreateError."""
+    """Connects to the object that the broker lists as `entry`. The proxy has only the built-in
+    operations. Raises CreateError."""
     anything = _without_members(entry.interface_name, entry.interface_hash)
     return lab.create(anything, entry.name, medium=medium, patience=patience)
 
 
 def _silence(lab: Lab, name: str) -> CreateError | None:
-    """Since when the broker has not heard the server of `name`; None if it hears it."""
+    """Returns an error that says since when the broker has not heard the server of `name`, or None
+    if the broker hears the server."""
     for one in silent_objects(lab):
         if one.entry.name == name:
             since, of = silent_since(one.silent_for), one.entry
@@ -86,22 +89,25 @@ def connect(
     patience: float = 2.0,
     only: Collection[str] | None = None,
 ) -> DynamicObject:
-    """A proxy of the object called `name`, made from the model that the object serves. It has all
-    members of the interface, or `only` those with the given names, which takes less time."""
+    """Connects to the object called `name`, with a proxy that is made from the model that the
+    object serves. The proxy has all members of the interface, or only the members named in `only`,
+    which takes less time."""
     found = find(lab, name, medium=medium, patience=patience)
     interface = found._gecos_interface.name
     texts = served_models(found)
     if not texts:
         raise ModelError(
             interface,
-            f"{name} serves no model; generate the code of its server again, with this gidl",
+            f"{name} serves no model; generate the code of its server again, with this "
+            "version of gidl",
         )
     kind = _class_of(interface, tuple(texts), None if only is None else frozenset(only))
     return lab.create(kind, name, medium=medium, patience=patience)
 
 
 def dynamic(name: str, lab: Lab | None = None) -> DynamicObject:
-    """`lab.dynamic(name)`; without `lab`, with a Lab that this process keeps until it ends."""
+    """Does the same as `lab.dynamic(name)`. Without `lab`, uses a Lab that this process keeps until
+    it ends."""
     return connect(lab or _lab_of_process(), name)
 
 
@@ -113,7 +119,8 @@ def _lab_of_process() -> Lab:
 
 
 def served_models(robot: Object) -> list[str]:
-    """The models that an object serves. Empty for a server of an older version."""
+    """Returns the models that an object serves. The list is empty for a server of an older
+    version."""
     try:
         return model(robot).result()
     except CommandFailed as error:

@@ -1,4 +1,4 @@
-"""Docstrings of proxies, as generated code has them."""
+"""Writes the docstrings of dynamic proxies, which equal those of generated proxies."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ def setter_doc(attribute: Attribute) -> str:
 
 
 def operation_doc(operation: Operation, names: dict[str, str], model: Model) -> str:
-    """`names` are the Python names of the parameters."""
+    """Returns the docstring of a method. `names` maps names of parameters in the interface to their
+    names in Python."""
     lines = _noted(operation.doc, operation.result)
     notes = []
     for each in operation.parameters:
@@ -31,7 +32,8 @@ def operation_doc(operation: Operation, names: dict[str, str], model: Model) -> 
 
 
 def _noted(doc: str, value: Value | None) -> list[str]:
-    """The lines of `doc`, with the unit and the range of the value in brackets at the end."""
+    """Returns the lines of `doc`, with the unit and the range of the value in brackets at the
+    end."""
     lines = [line.strip() for line in doc.strip().splitlines()]
     parts = [] if value is None else [each for each in (value.unit, value.range) if each]
     if parts:

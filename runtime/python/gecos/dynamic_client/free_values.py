@@ -10,12 +10,13 @@ from gecos.dynamic_client.type_text import Type
 from gecos.wire.codes import MAX_ZERO_WIDTH
 
 _MAX_FREE = 1 << 22
-_MAX_OPEN = 64  # types in each other, sequences included
+_MAX_OPEN = 64  # levels of types, including sequences
 
 
 def check_free_values(model: Model) -> None:
-    """Raises `Malformed` if a value of a type, or what a member of an interface receives, can have
-    more than `_MAX_FREE` values that take no bytes: empty structs, and arrays and structs of them.
+    """Raises `Malformed` if the number of values that take no bytes is above `_MAX_FREE`. Such
+    values are empty structs, and arrays and structs of empty structs. They are counted in each
+    type, and in everything that a member of an interface receives.
 
     @pre no type contains itself other than through a sequence
     """
@@ -29,9 +30,9 @@ def check_free_values(model: Model) -> None:
 
 
 class _Counter:
-    """Tells of each type whether its values take no bytes, and how many values without bytes are in
-    one value. Of the elements of a sequence or array that take bytes, one is counted, because the
-    bytes limit the others."""
+    """Finds for each type whether its values take no bytes, and how many values without bytes one
+    value may contain. If the elements of a sequence or array take bytes, only one element is
+    counted, because the bytes limit the number of the others."""
 
     def __init__(self, model: Model) -> None:
         self._model = model
@@ -41,7 +42,7 @@ class _Counter:
     def named(self, name: str) -> tuple[bool, int]:
         if name in self._known or name not in self._model.types:
             return self._known.get(name, (False, 0))
-        if name in self._open:  # below a sequence of itself: such a type takes bytes
+        if name in self._open:  # a type that contains itself through a sequence takes bytes
             return False, 0
         if len(self._open) == _MAX_OPEN:
             raise Malformed(f"type {self._open[0]} has more than {_MAX_OPEN} levels of types")
@@ -78,7 +79,7 @@ class _Counter:
         if use.kind == "sequence":
             most = MAX_ZERO_WIDTH if use.bound is None else min(use.bound, MAX_ZERO_WIDTH)
             return False, free * most
-        return False, free  # a map: the keys take bytes
+        return False, free  # the keys of a map take bytes
 
 
 def _limit(free: int, place: str) -> None:

@@ -1,4 +1,4 @@
-"""Checked access to the entries of JSON objects that comes from another program."""
+"""Checked access to the entries of a JSON object that comes from another program."""
 
 from __future__ import annotations
 
@@ -16,13 +16,14 @@ T = TypeVar("T")
 
 
 class Malformed(ValueError):
-    """An entry is missing or wrong; the text names its place."""
+    """An entry is missing or wrong. The text names the place of the entry."""
 
 
 def parse_object(text: str, place: str) -> JsonObject:
     try:
         data = json.loads(text, object_pairs_hook=_once, parse_constant=_refuse)
-    except (ValueError, RecursionError) as error:  # ValueError: not JSON, or a number too long
+    # A ValueError means that the text is not JSON, or that a number in it is too long.
+    except (ValueError, RecursionError) as error:
         raise Malformed(f"{place} is not JSON: {str(error)[:200]}") from None
     return JsonObject(data, place)
 
@@ -30,17 +31,17 @@ def parse_object(text: str, place: str) -> JsonObject:
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) != len(pairs):
-        raise ValueError("an object has two entries of one name")
+        raise ValueError("an object has two entries with the same name")
     return found
 
 
 def _refuse(constant: str) -> Any:
-    raise ValueError(f"{constant} is not a number of JSON")
+    raise ValueError(f"{constant} is not a JSON number")
 
 
 class JsonObject:
-    """A JSON object. Each method reads one entry, and raises `Malformed` if it is of another type,
-    or missing without an `otherwise`."""
+    """A JSON object. Each method reads one entry. The method raises `Malformed` if the entry has
+    another type, or if the entry is missing and `otherwise` is not given."""
 
     def __init__(self, data: Any, place: str) -> None:
         if type(data) is not dict:
@@ -94,12 +95,12 @@ class JsonObject:
         return value
 
     def number(self, key: str) -> int | float | None:
-        """A finite number, or None if it is missing."""
+        """Returns a finite number, or None if the entry is missing."""
         if key not in self._data:
             return None
         value: int | float = self._typed(key, "a number", (int, float), None)
-        if not -_LARGEST <= value <= _LARGEST:  # also a float beyond, which is infinite
-            raise Malformed(f"'{key}' of {self.place} is beyond what a number can be")
+        if not -_LARGEST <= value <= _LARGEST:  # a float beyond this limit is infinite
+            raise Malformed(f"'{key}' of {self.place} is too large for a number")
         return value
 
     def hash(self, key: str) -> int:
@@ -117,7 +118,7 @@ class JsonObject:
         return JsonObject(self._data[key], f"'{key}' of {self.place}")
 
     def list_of(self, key: str, read: Callable[[JsonObject], T]) -> tuple[T, ...]:
-        """The elements of a list of objects; empty if the entry is missing."""
+        """Returns the elements of a list of objects; an empty tuple if the entry is missing."""
         found: list[Any] = self._typed(key, "a list", (list,), [])
         named = f"'{key}' of {self.place}"
         return tuple(read(JsonObject(each, f"{named}[{i}]")) for i, each in enumerate(found))
@@ -130,7 +131,8 @@ class JsonObject:
         return self.distinct(key, found)
 
     def distinct(self, key: str, names: Collection[str]) -> tuple[str, ...]:
-        """`names` of the entry `key`; raises `Malformed` if one occurs twice."""
+        """Returns `names`, which come from the entry `key`. Raises `Malformed` if a name occurs
+        twice."""
         found = tuple(names)
         if len(set(found)) != len(found):
             twice = next(name for name in found if found.count(name) > 1)

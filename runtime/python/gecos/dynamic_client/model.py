@@ -1,7 +1,7 @@
 """The model that an object serves: its interfaces, and the types that they use.
 
-`gecos.dynamic_client.read` makes a model from the served texts. The members of interfaces are also
-the description of an object for people: `description_of(proxy).members`.
+`gecos.dynamic_client.read` makes a model from the served texts. The members of its interfaces also
+describe the object for people: `description_of(proxy).members`.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ OBJECT_REFERENCE = "gecos::ObjectRef"
 
 
 class ModelError(ValueError):
-    """A served model is not valid: `interface` is the object's interface, `why` the place in the
-    model and the reason."""
+    """A served model is not valid. `interface` is the object's interface; `why` has the place in
+    the model and the reason."""
 
     def __init__(self, interface: str, why: str) -> None:
         super().__init__(f"the model of {interface} is not valid: {why}")
@@ -32,7 +32,7 @@ class ModelError(ValueError):
 
 
 class Limits(Record):
-    """An inclusive range; None: no limit on this side."""
+    """An inclusive range. None means that the range has no limit on this side."""
 
     low: int | float | None
     high: int | float | None
@@ -44,7 +44,7 @@ class Limits(Record):
 
 
 def within(inner: Limits | None, outer: Limits | None) -> Limits | None:
-    """The intersection of two ranges; None stands for a range without limits."""
+    """Returns the intersection of two ranges; None stands for a range without limits."""
     if inner is None or outer is None:
         return inner or outer
     lows = [each.low for each in (inner, outer) if each.low is not None]
@@ -56,19 +56,21 @@ class Value(Record, kw_only=True, derived=("use",)):
     """A member of a type, a parameter, a result, or the value of an attribute."""
 
     name: str
-    type: str  # as in .gidl: "sequence<double, 6>"
+    type: str  # as in .gidl, for example "sequence<double, 6>"
     use: Type  # `type`, parsed
     direction: str = "in"  # "in", "out" or "inout"
     unit: str = ""
     limits: Limits | None = None
-    default: Any = None  # None: no default. Enumerators are scoped: "robcl::Blend::BREAK"
+    # None: no default. Enumerators are scoped names, for example "robcl::Blend::BREAK".
+    default: Any = None
     optional: bool = False
     secret: bool = False
     doc: str = ""
 
     @property
     def range(self) -> str:
-        """The declared range for people: "0.01 to 1.0"; "" if there is none."""
+        """The declared range as a text for people, for example "0.01 to 1.0"; "" if no range is
+        declared."""
         return "" if self.limits is None else str(self.limits)
 
     @property
@@ -82,7 +84,7 @@ class Value(Record, kw_only=True, derived=("use",)):
 class Struct(Record):
     """A struct or an exception."""
 
-    name: str  # scoped: "robcl::Frame"
+    name: str  # scoped name, for example "robcl::Frame"
     members: tuple[Value, ...]  # without inherited members
     base: str = ""
     appendable: bool = False
@@ -94,13 +96,13 @@ class Struct(Record):
 class Enumeration(Record):
     name: str
     enumerators: tuple[tuple[str, int], ...]
-    otherwise: str | None = None  # replaces numbers that no enumerator has
+    otherwise: str | None = None  # enumerator that readers use for unknown numbers
     bits: int = 32
     doc: str = ""
 
     @property
     def initial(self) -> str:
-        """Name of the enumerator that a member has before it is set."""
+        """The name of the enumerator that a member has before it is set."""
         return self.otherwise or self.enumerators[0][0]
 
 
@@ -120,7 +122,8 @@ class Bitset(Record):
 
 
 class Case(Record):
-    """An arm of a union. `labels` are empty if all tags without an arm select this one."""
+    """An arm of a union. If `labels` is empty, the arm is selected by all tags that select no other
+    arm."""
 
     labels: tuple[Any, ...]
     member: Value
@@ -149,7 +152,7 @@ Declaration = Struct | Enumeration | Bitmask | Bitset | Union | Typedef
 
 
 class Operation(Record, kw_only=True):
-    """An operation, or an event, which proxies do not offer yet."""
+    """An operation or an event. Dynamic proxies do not offer events yet."""
 
     kind: str  # "operation" or "event"
     name: str
@@ -178,7 +181,7 @@ class Operation(Record, kw_only=True):
 
     @property
     def outputs(self) -> tuple[Value, ...]:
-        """The result, then the parameters that the operation sets."""
+        """The result, then the `out` and `inout` parameters."""
         result = () if self.result is None else (self.result,)
         return result + tuple(each for each in self.parameters if each.direction != "in")
 
@@ -188,13 +191,14 @@ class Operation(Record, kw_only=True):
 
 
 class AttributeStream(Record):
-    direction: str  # "out": the server publishes; "in": the server accepts
+    direction: str  # "out": the server publishes; "in": the server receives
     rate_hz: float = 0.0  # 0: not declared
     largest: int = 0  # bytes of the largest sample; 0 when unbounded
 
 
 class Attribute(Record, kw_only=True):
-    """An attribute. Proxies do not offer attributes that clients publish (`stream.direction`)."""
+    """An attribute. Dynamic proxies do not offer attributes that clients publish
+    (`stream.direction`)."""
 
     name: str
     interface: str
@@ -202,14 +206,14 @@ class Attribute(Record, kw_only=True):
     doc: str = ""
     readonly: bool = False
     stream: AttributeStream | None = None
-    access: Access = Access.SENSOR  # to read the value and its stream
+    access: Access = Access.SENSOR  # status needed to read the value and its stream
     write_access: Access = Access.ACTOR
     write_presence: bool = True
     idempotent: bool = False
     parallel: bool = False
     on_new: OnNew = OnNew.QUEUE
     on_loss: OnLoss = OnLoss.STOP
-    raises: tuple[str, ...] = ()  # exceptions of reading
+    raises: tuple[str, ...] = ()  # exceptions that reading may raise
     set_raises: tuple[str, ...] = ()
     quality: Quality = ASKED_NOTHING
     code: int = 0
@@ -246,7 +250,7 @@ class Model(Record):
     """An interface, its bases, and all types that they use."""
 
     interface: str
-    interfaces: Mapping[str, Interface]  # each after its bases
+    interfaces: Mapping[str, Interface]  # each interface comes after its bases
     types: Mapping[str, Declaration]
     references: frozenset[str]  # interfaces that are used as types
 
@@ -256,17 +260,18 @@ class Model(Record):
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """Inherited and own members, also those that proxies do not offer."""
+        """All inherited and own members, including those that dynamic proxies do not offer."""
         return tuple(m for each in self.interfaces.values() for m in each.members)
 
     def resolved(self, use: Type, limits: Limits | None = None) -> tuple[Type, Limits | None]:
-        """The type and limits of a value, typedefs followed. Typedefs of elements are not."""
+        """Returns the type and the limits of a value, with typedefs resolved. Typedefs of its
+        elements are not resolved."""
         while use.kind == "named" and isinstance(alias := self.types.get(use.name), Typedef):
             use, limits = alias.use, within(limits, alias.limits)
         return use, limits
 
     def all_members(self, struct: Struct) -> tuple[Value, ...]:
-        """The members of a struct, those of its bases first."""
+        """Returns the members of a struct; those of its bases come first."""
         base = self.types.get(struct.base)
         return (*(self.all_members(base) if isinstance(base, Struct) else ()), *struct.members)
 
@@ -275,8 +280,8 @@ class Model(Record):
         return (*(self.all_fields(base) if isinstance(base, Bitset) else ()), *bitset.fields)
 
     def default_of(self, value: Value) -> Any:
-        """The declared default as plain data, with the simple names of enumerators; None if there
-        is no default."""
+        """Returns the declared default as plain data, with the simple names of enumerators; None if
+        there is no default."""
         use, _ = self.resolved(value.use)
         return self.plain_literal(value.default, use)
 
@@ -289,7 +294,7 @@ class Model(Record):
         return literal
 
     def direct_uses(self, declaration: Declaration) -> Iterator[Type]:
-        """The types of the values in a value of the declared type."""
+        """Yields the types of the values inside a value of the declared type."""
         if isinstance(declaration, Struct):
             yield from (each.use for each in self.all_members(declaration))
         elif isinstance(declaration, Union):
@@ -299,7 +304,8 @@ class Model(Record):
             yield declaration.use
 
     def class_name(self, scoped: str) -> str:
-        """The name of the class of a type; inside another type both names: `Manipulator_Mode`."""
+        """Returns the name of the class of a type. A type inside another type has both names, for
+        example `Manipulator_Mode`."""
         scope, _, name = scoped.rpartition("::")
         while scope in self.types or scope in self.interfaces or scope in self.references:
             name = f"{simple(scope)}_{name}"

@@ -1,6 +1,6 @@
-"""Python names for the declarations of a served model: the same as those of generated code.
+"""Python names for the declarations of a served model. They are the same as in generated code.
 
-`gidl.targets.python.names` and `gidl.languages` have the same words and rules.
+`gidl.targets.python.names` and `gidl.layout.languages` have the same words and rules.
 """
 
 from __future__ import annotations
@@ -23,12 +23,13 @@ ENUM_WORDS = PARAMETER_WORDS | {
 
 
 def simple(scoped: str) -> str:
-    """The name without its scope: "Frame" for "robcl::Frame"."""
+    """Returns the name without its scope, for example "Frame" for "robcl::Frame"."""
     return scoped.rpartition("::")[2]
 
 
 def escaped(name: str, words: Collection[str]) -> str:
-    """The name of a method or an enumerator, with underscores appended if it is reserved."""
+    """Returns the name of a method or an enumerator, with underscores appended if it is
+    reserved."""
     plain = name.rstrip("_")
     if f"{plain}_" in words:
         return f"{name}__"
@@ -36,8 +37,9 @@ def escaped(name: str, words: Collection[str]) -> str:
 
 
 def member_name(name: str, words: Collection[str]) -> str:
-    """The name of a member or a parameter, with underscores appended if it would be one of `words`.
-    Names that differ only in trailing underscores all get the same number of them."""
+    """Returns the name of a member or a parameter, with underscores appended if it would be one of
+    `words`. Names that differ only in trailing underscores all get the same number of
+    underscores."""
     plain = name.rstrip("_")
     taken = (len(word) - len(plain) for word in words if word.rstrip("_") == plain)
     return name + "_" * max((more + 1 for more in taken), default=0)

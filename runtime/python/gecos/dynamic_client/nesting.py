@@ -8,16 +8,16 @@ from gecos.dynamic_client.json_object import Malformed
 from gecos.dynamic_client.model import Declaration, Model, Struct, Typedef, Union
 from gecos.dynamic_client.type_text import Type
 
-_MAX_DEPTH = 16  # structs and unions in each other without a sequence in between, as in gidl
-_MAX_OPEN = 64  # structs, unions and typedefs in each other without a sequence in between
+_MAX_DEPTH = 16  # levels of structs and unions without a sequence in between, as in gidl
+_MAX_OPEN = 64  # levels of structs, unions and typedefs without a sequence in between
 _MAX_SIZE = 1 << 22  # numbers, texts and other values in the smallest value of a type
-_OCTETS = 64  # a bytes object needs less memory than a list: so many octets count as one value
+_OCTETS = 64  # a bytes object needs little memory, so this number of octets counts as one value
 _REFERENCE = (1, 4)
 
 
 def check_nesting(model: Model) -> None:
-    """Raises `Malformed` if a type contains itself other than through a sequence, if types nest too
-    deep, or if the smallest value of a type is too large."""
+    """Raises `Malformed` if a type contains itself other than through a sequence, if types are
+    nested too deep, or if the smallest value of a type is too large."""
     walker = _Walker(model)
     for name in model.types:
         walker.named(name)
@@ -30,7 +30,7 @@ class _Walker:
         self._open: list[str] = []
 
     def named(self, name: str) -> tuple[int, int]:
-        """Depth of the type, and number of values in its smallest value."""
+        """Returns the depth of the type, and the number of values in its smallest value."""
         if name in self._known or name not in self._model.types:
             return self._known.get(name, _REFERENCE)
         if name in self._open:

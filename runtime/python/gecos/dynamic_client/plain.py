@@ -1,4 +1,4 @@
-"""Plain data as values, and the place of a value that cannot be encoded."""
+"""Turns plain data into values, and finds the place of a value that cannot be encoded."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from gecos.wire.members import BitsLayout, StructLayout
 from gecos.wire.several import Entries, Items, Optional
 from gecos.wire.unions import UnionLayout
 
-_MAX_DEPTH = 100  # of given data, as in gecos.wire.json
+_MAX_DEPTH = 100  # levels of the given data, as in gecos.wire.json
 
 
 class PlainMap(Entries):
-    """A map. Plain data is a list of pairs, as in JSON, or a dict: then the keys may be numbers, or
-    the texts that JSON has in their place."""
+    """A map. Its plain data is either a list of pairs, as in JSON, or a dict. The keys of a dict
+    may be numbers, or the texts that stand for these numbers in JSON."""
 
     __slots__ = ()
 
@@ -44,8 +44,8 @@ class PlainMap(Entries):
 
 
 def plain_data(data: Any, path: str, levels: int = _MAX_DEPTH) -> Any:
-    """`data` in the types that `gecos.wire.json` expects: tuples, bytes and arrays become lists,
-    a proxy becomes a reference to its object."""
+    """Returns `data` in the types that `gecos.wire.json` expects. Tuples, bytes and arrays become
+    lists, and a proxy becomes a reference to its object."""
     if data is None or type(data) in (bool, int, float, str):
         return data
     if levels == 0:
@@ -56,7 +56,7 @@ def plain_data(data: Any, path: str, levels: int = _MAX_DEPTH) -> Any:
         return [plain_data(each, path, levels - 1) for each in data]
     if isinstance(data, bytes | bytearray | memoryview):
         return list(bytes(data))
-    if hasattr(data, "tolist"):  # numbers and arrays of numpy
+    if hasattr(data, "tolist"):  # true for numbers and arrays of numpy
         return plain_data(data.tolist(), path, levels - 1)
     if isinstance(data, Object):
         object_reference = reference(data)
@@ -65,7 +65,7 @@ def plain_data(data: Any, path: str, levels: int = _MAX_DEPTH) -> Any:
     for kind in (int, float, str):
         if isinstance(data, kind):
             return kind(data)
-    raise EncodeError(path, f"a value of {type(data).__name__} is no plain data")
+    raise EncodeError(path, f"a value of the type {type(data).__name__} is not plain data")
 
 
 def _key(name: Any) -> Any:
@@ -76,7 +76,8 @@ def _key(name: Any) -> Any:
 
 
 def place_of_error(kind: Kind, value: Any, path: str) -> str:
-    """The path of the innermost part of `value` that cannot be encoded. @pre `value` cannot"""
+    """Returns the path of the innermost part of `value` that cannot be encoded. @pre `value` cannot
+    be encoded"""
     if isinstance(kind, BitsLayout):
         return below(path, _refusal(kind, value).rpartition(".")[2])
     for inner, each, at in _parts(kind, value, path):
@@ -96,7 +97,8 @@ def _refusal(kind: Kind, value: Any) -> str:
 
 
 def _parts(kind: Kind, value: Any, path: str) -> list[tuple[Kind, Any, str]]:
-    """The parts of a value. A secret has none, so that no path shows a key in it."""
+    """Returns the parts of a value. A secret has no parts, so that no path shows a key of a secret
+    map."""
     if isinstance(kind, Optional):
         return [] if value is None else [(kind.inner, value, path)]
     if isinstance(kind, Items):

@@ -1,7 +1,7 @@
 """Makes the class of a proxy from the model that an object serves.
 
-The class has the members of a generated proxy. Values are plain data, as `gecos.wire.json` has
-them: `robot.move({"position": {"x": 0.4, "y": 0, "z": 0.3}, …}).result()`.
+The class has the same members as a generated proxy. Values are plain data, as in `gecos.wire.json`:
+for example `robot.move({"position": {"x": 0.4, "y": 0, "z": 0.3}, …}).result()`.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ class DynamicObject(Object):
 def proxy_class(
     models: Sequence[str], name: str, only: Collection[str] | None = None
 ) -> type[DynamicObject]:
-    """Makes the class of proxies of the interface `name`. `models` are the served texts of the
-    interface and all its bases. `only` names the members to make; the default is all of them.
+    """Makes the class of proxies for the interface `name`. `models` are the served texts of the
+    interface and all its bases. `only` names the members to make; the default is all members.
     Raises ModelError if the texts are not valid."""
     model = read_model(models, name)
     try:
@@ -47,7 +47,8 @@ def proxy_class(
 
 
 def description_of(proxy: DynamicObject | type[DynamicObject]) -> Model:
-    """The model of the object's interface; `members` describes operations and attributes."""
+    """Returns the model of the object's interface. Its `members` describe operations and
+    attributes."""
     return proxy._gecos_model
 
 
@@ -86,7 +87,7 @@ class _Builder:
         return known[self._model.interface]
 
     def _members(self, member: Member) -> Iterator[tuple[str, Any]]:
-        """The names and entries of a member in the class."""
+        """Yields the names and the values of the class attributes that a member needs."""
         name = escaped(member.name, METHOD_WORDS)
         if isinstance(member, Operation):
             yield name, self._operation(member, name)
@@ -183,7 +184,7 @@ class _Builder:
         raises: tuple[str, ...],
         stream: tuple[float, int] | None = None,
     ) -> Method[Any, Any]:
-        """The table of a call, with decoders that return plain data."""
+        """Returns the table of a call, with decoders that return plain data."""
         names = request.arguments.names
         made = method(
             operation,
@@ -206,7 +207,8 @@ class _Builder:
         return _plainly(kind.decode, kind._gecos_layout.plain)
 
     def _error(self, name: str) -> type[DeclaredError]:
-        """The class of a declared exception. Its members are plain data when it is received."""
+        """Returns the class of a declared exception. The members of a received exception are plain
+        data."""
         if name not in self._errors:
             kind = self._types.named(name)
             kind.decode = classmethod(_plain_members(kind.decode.__func__, kind._gecos_layout))
@@ -240,7 +242,7 @@ def _caller(
 
 
 def _given(operation: Operation) -> str:
-    """The result of an operation for its signature."""
+    """Returns the result of an operation as a text for its signature."""
     outputs = {each.name: each.type for each in operation.outputs}
     if len(outputs) < 2:
         return next(iter(outputs.values()), "None")

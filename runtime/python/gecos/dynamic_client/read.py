@@ -1,5 +1,5 @@
 """Reads the texts that a server serves into a `Model`. The texts come from another program over a
-network: whatever is wrong with them becomes a `ModelError`."""
+network, so every mistake in them becomes a `ModelError`."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _QUALITY_CLASS = {each.name: each for each in QualityClass}
 _MEDIA = {each.name.lower(): each for each in Media if each.name}
 _MAX_CODE = (1 << 32) - 1
 _MAX_NS = (1 << 63) - 1
-_MAX_BASES = 64  # of an interface or a type, in each other
+_MAX_BASES = 64  # limit for the length of a chain of bases of an interface or a type
 
 
 def read_model(texts: Sequence[str], name: str) -> Model:
@@ -82,12 +82,14 @@ class _Reader:
         self._references.update(text.scoped_names("references"))
 
     def _order(self, name: str, ordered: dict[str, Interface], above: list[str]) -> None:
-        """Adds the interface to `ordered`, after its bases. `above` are interfaces that derive from
-        it."""
+        """Adds the interface to `ordered`, after its bases. `above` are the interfaces that derive
+        from it."""
         if name in ordered:
             return
         if name in above or len(above) > _MAX_BASES:
-            raise Malformed(f"interface {name} inherits from itself, or from too many others")
+            raise Malformed(
+                f"interface {name} inherits from itself, or its chain of bases is too long"
+            )
         if name not in self._interfaces:
             raise Malformed(f"there is no text of interface {name}")
         for base in self._interfaces[name].bases:
@@ -143,7 +145,7 @@ def _bitset(data: JsonObject) -> Bitset:
     bits = data.whole("bit_size", 1, 64)
 
     def field(each: JsonObject) -> tuple[str, int, int, str]:
-        name = each.name() if each.has("name") else ""  # without a name: unused bits
+        name = each.name() if each.has("name") else ""  # bits without a name are unused
         position = each.whole("position", 0, bits - 1)
         kind = each.one_of("type", _WHOLE | {"boolean"})
         return name, position, each.whole("width", 1, bits - position), kind
@@ -204,7 +206,7 @@ _DECLARATIONS: dict[str, Callable[[JsonObject], Declaration]] = {
 
 
 def _value(data: JsonObject) -> Value:
-    """A member of a type, or a parameter."""
+    """Reads a member of a type, or a parameter."""
     return Value(
         name=data.name(),
         type=data.text("type"),
@@ -220,7 +222,7 @@ def _value(data: JsonObject) -> Value:
 
 
 def _result(data: JsonObject, name: str, key: str, prefix: str) -> Value:
-    """The result of an operation, or the value of an attribute."""
+    """Reads the result of an operation, or the value of an attribute."""
     return Value(
         name=name,
         type=data.text(key),
@@ -389,7 +391,7 @@ def _quality(data: JsonObject) -> Quality:
     )
 
 
-# -- what must hold between declarations -----------------------------------------------------------
+# -- checks across several declarations ------------------------------------------------------------
 
 
 def _check_types(model: Model) -> None:
@@ -410,7 +412,7 @@ def _check_types(model: Model) -> None:
             for _, position, width, _ in fields:
                 bits = ((1 << width) - 1) << position
                 if used & bits or position + width > each.bits:
-                    raise Malformed(f"the members of type {each.name} overlap")
+                    raise Malformed(f"the bits of two members of type {each.name} overlap")
                 used |= bits
 
 
@@ -419,7 +421,9 @@ def _check_bases(model: Model, declared: Struct | Bitset) -> None:
     while base:
         found = model.types.get(base)
         if not isinstance(found, kind) or base in seen or len(seen) > _MAX_BASES:
-            raise Malformed(f"a base of type {declared.name} is missing, or there are too many")
+            raise Malformed(
+                f"a base of type {declared.name} is missing, or the chain of its bases is too long"
+            )
         seen.add(base)
         base = found.base
 

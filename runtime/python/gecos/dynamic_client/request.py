@@ -9,13 +9,13 @@ from typing import Any
 from gecos.dynamic_client.model import Model, Value
 from gecos.dynamic_client.names import PARAMETER_WORDS, member_name
 from gecos.dynamic_client.plain import place_of_error, plain_data
-from gecos.dynamic_client.types import Types, units_of
+from gecos.dynamic_client.types import Types
 from gecos.wire import EncodeError, JsonError, Parts
 from gecos.wire.members import Arguments
 
 
 class Request:
-    """The parameters of a call. `name` names the call in error messages."""
+    """The parameters of a call. `name` is the name of the call in error messages."""
 
     def __init__(self, name: str, values: Sequence[Value], types: Types, model: Model) -> None:
         self.name = name
@@ -31,18 +31,19 @@ class Request:
         first = self._first_missing()
         self.defaults = tuple(self._defaults[i] for i in range(first, len(values)))
         names = [each.name for each in values]
-        self.arguments = Arguments(name, names, steps, self.defaults, units_of(values))
+        self.arguments = Arguments(name, names, steps, self.defaults)
 
     def _first_missing(self) -> int:
-        """Index of the first parameter that an older caller may leave out, with all after it."""
+        """Returns the index of the first parameter that an older caller may leave out, together
+        with all parameters after it."""
         first = len(self._values)
         while first - 1 in self._defaults:
             first -= 1
         return first
 
     def encoded(self, given: Sequence[Any], named: Mapping[str, Any]) -> Parts:
-        """Raises TypeError for a missing or unknown argument, and EncodeError, which names the
-        member, for a value that does not fit."""
+        """Returns the bytes of the request. Raises TypeError for a missing or unknown argument, and
+        EncodeError, which names the member, for a value that does not fit."""
         arguments = self.arguments
         data = self._bound(given, named)
         plain = {key: plain_data(each, f"{self.name}.{key}") for key, each in data.items()}
@@ -65,7 +66,7 @@ class Request:
         return ""
 
     def _bound(self, given: Sequence[Any], named: Mapping[str, Any]) -> dict[str, Any]:
-        """The arguments by the names of their parameters in the interface."""
+        """Returns the arguments, by the names of their parameters in the interface."""
         names = [each.name for each in self._values]
         if len(given) > len(names):
             raise TypeError(

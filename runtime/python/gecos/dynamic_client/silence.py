@@ -1,4 +1,4 @@
-"""Since when a server is silent, in words."""
+"""Says in words since when a server is silent."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ import time
 
 
 def silent_since(silent_for: float) -> float:
-    """The Unix time at which a server was last heard, `silent_for` seconds ago."""
+    """Returns the Unix time at which a server was last heard, if that was `silent_for` seconds
+    ago."""
     return time.time() - silent_for
 
 
 def told(since: float) -> str:
-    """`silent since 12:03:07 (4.2 s)`, in the local time of this host. `since`: Unix time."""
+    """Returns a text such as "silent since 12:03:07 (4.2 s)", in the local time of this host.
+    `since` is the Unix time."""
     age = max(0.0, time.time() - since)
     span = f"{age:.1f} s" if age < 60 else f"{age / 60:.0f} min"
     return f"silent since {time.strftime('%H:%M:%S', time.localtime(since))} ({span})"

@@ -1,4 +1,5 @@
-"""Parses the types in a served model: `sequence<double, 6>`, `map<string, robcl::Frame>`."""
+"""Parses the texts of types in a served model, for example `sequence<double, 6>` and `map<string,
+robcl::Frame>`."""
 
 from __future__ import annotations
 
@@ -13,9 +14,9 @@ CODES = {
     "uint16": "H", "int32": "i", "uint32": "I", "int64": "q", "uint64": "Q", "float": "f",
     "double": "d",
 }  # fmt: skip
-"""The number code of each primitive type, as in `gecos.wire.Fields`."""
+"""The number code of each primitive type; `gecos.wire.Fields` has the same codes."""
 
-_MAX_DEPTH = 16  # of types inside each other
+_MAX_DEPTH = 16  # levels of types inside each other
 _TOKEN = re.compile(
     r'\s*(?:(?P<unit>@unit\("[^"]*"\))|(?P<word>[A-Za-z]\w*(?:::[A-Za-z]\w*)*)'
     r"|(?P<number>[0-9]{1,10})|(?P<sign>[<>,\[\]])|(?P<end>\Z))",
@@ -25,16 +26,16 @@ _KEYWORDS = frozenset(("string", "sequence", "map"))
 
 
 class Type(Record):
-    """A type as it is used. `kind` says which of the other members are set."""
+    """A type as it is used. `kind` says which of the other members have a meaning."""
 
     kind: str  # "primitive", "string", "sequence", "map", "array" or "named"
-    name: str = ""  # of a primitive or a declaration
+    name: str = ""  # name of a primitive or a declaration
     inner: tuple[Type, ...] = ()  # the element, or key and value
     bound: int | None = None  # largest size of a string, sequence or map
     sizes: tuple[int, ...] = ()  # dimensions of an array
 
     def __str__(self) -> str:
-        """The type as in .gidl, without the units of elements."""
+        """Returns the type as in .gidl, without the units of elements."""
         inner = [str(each) for each in self.inner]
         if self.kind == "array":
             return inner[0] + "".join(f"[{size}]" for size in self.sizes)
@@ -45,13 +46,13 @@ class Type(Record):
         return self.name
 
     def named(self) -> set[str]:
-        """Names of all declarations in the text of the type."""
+        """Returns the names of all declarations in the text of the type."""
         own = {self.name} if self.kind == "named" else set()
         return own.union(*(each.named() for each in self.inner))
 
 
 def parse_type(text: str) -> Type:
-    """Raises ValueError if `text` is not a type."""
+    """Returns the type that `text` names. Raises ValueError if `text` is not a type."""
     return _Parser(text).whole()
 
 
@@ -78,7 +79,7 @@ class _Parser:
 
     def _type(self, levels: int) -> Type:
         if levels == 0:
-            self._refuse(f"nested deeper than {_MAX_DEPTH}")
+            self._refuse(f"nested deeper than {_MAX_DEPTH} levels")
         found = self._bare(levels)
         sizes = []
         while self._token == "[":

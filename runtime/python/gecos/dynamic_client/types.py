@@ -1,12 +1,12 @@
-"""Builds Python types from declarations, by the functions of `gecos.wire.layout` that generated
-code uses: so codec, ranges and JSON are the same.
+"""Builds Python types from declarations, by the same functions of `gecos.wire.layout` that
+generated code uses. So codec, ranges and JSON are the same.
 
 One thing differs: sequences and arrays of numbers are lists, because importing numpy takes long.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import field, make_dataclass
 from enum import IntEnum, IntFlag
 from math import prod
@@ -42,20 +42,20 @@ from gecos.wire.errors import EncodeError, JsonError
 from gecos.wire.kinds import Later, Ranged, kind_of
 from gecos.wire.kinds import Limits as WireLimits
 
-_MAX_LEVELS = 64  # of types in each other, sequences included
+_MAX_LEVELS = 64  # levels of types inside each other, including sequences
 _LARGEST: dict[str, int | float] = {
     **dict.fromkeys("bBhHiIq", (1 << 63) - 1),
     "Q": (1 << 64) - 1,
     "f": 3.4e38,
     "d": 1.7e308,
 }
-"""The largest limit of a number of each code, on both sides."""
+"""The lowest and the highest limit that a range of numbers may have, for each number code."""
 _FLOATING = ("float", "double")
 _ZEROS = {"boolean": False, "char": "\0", "float": 0.0, "double": 0.0}
 
 
 class Types:
-    """The Python types of one model, each built when it is first used."""
+    """The Python types of one model. Each type is built when it is first used."""
 
     def __init__(self, model: Model) -> None:
         self._model = model
@@ -66,43 +66,44 @@ class Types:
     # -- values ------------------------------------------------------------------------------------
 
     def step(self, value: Value) -> layout.Step:
-        """The layout step of a member, parameter or result."""
-        found = self._bare(value.use, value.limits)
+        """Returns the layout step of a member, parameter or result."""
+        found = self._bare(value.use, value.limits, value.unit)
         if value.optional:
             found = layout.optional(found)
         return layout.secret(found) if value.secret else found
 
     def default(self, value: Value) -> Any:
-        """What a missing member or argument becomes. @pre `value.may_be_missing`"""
+        """Returns the value that stands for a missing member or argument. @pre
+        `value.may_be_missing`"""
         return None if value.optional else self._literal(value.default, value.use, value.name)
 
-    def _bare(self, use: Type, limits: Limits | None) -> layout.Step:
+    def _bare(self, use: Type, limits: Limits | None, unit: str = "") -> layout.Step:
         use, limits = self._model.resolved(use, limits)
         if self._levels == _MAX_LEVELS:
             raise Malformed(f"more than {_MAX_LEVELS} levels of types")
         self._levels += 1
         try:
-            return self._resolved(use, limits)
+            return self._resolved(use, limits, unit)
         finally:
             self._levels -= 1
 
-    def _resolved(self, use: Type, limits: Limits | None) -> layout.Step:
+    def _resolved(self, use: Type, limits: Limits | None, unit: str) -> layout.Step:
         match use.kind:
             case "primitive":
-                return _number(use.name, limits)
+                return _number(use.name, limits, unit)
             case "string":
                 return layout.text(MAX_TEXT if use.bound is None else use.bound)
             case "sequence":
                 most = MAX_COUNT if use.bound is None else use.bound
                 octets = self._octet_limits(use, limits)
                 if octets is not None:
-                    return layout.octets(most, *octets)
-                return layout.items(self._bare(use.inner[0], limits), most)
+                    return layout.octets(most, *octets, unit)
+                return layout.items(self._bare(use.inner[0], limits, unit), most)
             case "array":
                 octets = self._octet_limits(use, limits)
                 if octets is not None and len(use.sizes) == 1:
-                    return layout.fixed_octets(use.sizes[0], *octets)
-                step = self._bare(use.inner[0], limits)
+                    return layout.fixed_octets(use.sizes[0], *octets, unit)
+                step = self._bare(use.inner[0], limits, unit)
                 _check_size(step, prod(use.sizes))
                 for size in reversed(use.sizes):
                     step = layout.fixed_items(step, size)
@@ -117,7 +118,7 @@ class Types:
                 return named
 
     def _check_key(self, key: Type) -> None:
-        """The rule of `gidl.rules.maps`: other values do not compare exactly."""
+        """Enforces the rule of `gidl.rules.maps`: keys are values that compare exactly."""
         use, _ = self._model.resolved(key)
         if use.kind == "string" or (use.kind == "primitive" and use.name not in _FLOATING):
             return
@@ -125,14 +126,15 @@ class Types:
             raise Malformed(f"{key.name or key.kind} cannot be the key of a map")
 
     def _octet_limits(self, use: Type, limits: Limits | None) -> tuple[Any, Any] | None:
-        """The limits of the elements if they are octets, which are kept in a bytes object."""
+        """Returns the limits of the elements of `use` if they are octets, which are kept in a bytes
+        object."""
         element, narrowed = self._model.resolved(use.inner[0], limits)
         if element.kind != "primitive" or element.name != "octet":
             return None
         return (None, None) if narrowed is None else (narrowed.low, narrowed.high)
 
     def _literal(self, literal: Any, use: Type, place: str) -> Any:
-        """The Python value of a default or of a label of a union."""
+        """Returns the Python value of a default, or of a label of a union."""
         use, limits = self._model.resolved(use)
         kind = kind_of(self._bare(use, limits))
         try:
@@ -143,14 +145,16 @@ class Types:
         return value
 
     def _initial(self, value: Value) -> Any:
-        """The dataclass field of a member: its default value, or a function that makes it."""
+        """Returns the dataclass field of a member. The field has the default value, or a function
+        that makes it."""
         if value.may_be_missing:
             return field(default=self.default(value))
         made = self._zero(value.use)
         return field(default_factory=made) if callable(made) else field(default=made)
 
     def _zero(self, use: Type) -> Any:
-        """The zero of a type, or for a type with mutable values a function that makes it."""
+        """Returns the zero of a type. For a type with mutable values, returns a function that makes
+        the zero."""
         use, _ = self._model.resolved(use)
         match use.kind:
             case "primitive":
@@ -186,8 +190,8 @@ class Types:
     # -- declarations ------------------------------------------------------------------------------
 
     def named(self, name: str) -> Any:
-        """The class of a declared type, or a function that returns it if it is still being
-        built."""
+        """Returns the class of a declared type. While the class is still being built, returns a
+        function that returns it later."""
         if name in self._open:
             return lambda: self._classes[name]
         return self._class(name)
@@ -224,20 +228,22 @@ class Types:
             "open": declared.appendable,
             "label": simple(declared.name),
             "names": _renamed(attributes, members),
-            "units": units_of(members),
         }
         steps = [self.step(each) for each in members]
         bases = (layout.Struct, DeclaredError) if declared.is_exception else (layout.Struct,)
         kind = self._dataclass(declared, attributes, map(self._initial, members), bases)
         if declared.is_exception:
-            tell = layout.exception(declared.name, declared.fingerprint, *steps, **terms)
+            units = {each.name: each.unit for each in members if each.unit and not each.secret}
+            tell = layout.exception(
+                declared.name, declared.fingerprint, *steps, units=units, **terms
+            )
         else:
             deep = self._reaches_itself(declared.name)
             tell = layout.struct(declared.fingerprint, *steps, deep=deep, **terms)
         return tell(kind)
 
     def result(self, operation: Operation) -> Any:
-        """The class of the result of an operation with several results."""
+        """Returns the class for the result of an operation with several results."""
         values = operation.outputs
         attributes = self._attributes(values, False)
         name = f"{self._model.class_name(operation.interface)}_{operation.name}_result"
@@ -250,7 +256,7 @@ class Types:
         )
         steps = [self.step(each) for each in values]
         missing, names = _missing(values), _renamed(attributes, values)
-        return layout.result(*steps, missing=missing, names=names, units=units_of(values))(kind)
+        return layout.result(*steps, missing=missing, names=names)(kind)
 
     def _union(self, declared: Union) -> Any:
         use, _ = self._model.resolved(declared.discriminator)
@@ -265,7 +271,7 @@ class Types:
                 *(self._literal(label, use, place) for label in case.labels),
             )
             for case in declared.cases
-            for step in [self._bare(case.member.use, case.member.limits)]
+            for step in [self._bare(case.member.use, case.member.limits, case.member.unit)]
         ]
         fields = [field(default=self._zero(use)), field(default=None)]
         kind = self._dataclass(declared, ["tag", "value"], iter(fields), (layout.Union,))
@@ -333,7 +339,7 @@ class Types:
         return [member_name(each.name, words) for each in members]
 
     def _reaches_itself(self, name: str) -> bool:
-        """Whether a value of the type can contain another value of it."""
+        """Returns whether a value of the type can contain another value of the same type."""
         seen, waiting = set[str](), [name]
         while waiting:
             declared = self._model.types.get(waiting.pop())
@@ -348,7 +354,7 @@ class Types:
         return False
 
 
-def _number(name: str, limits: Limits | None) -> layout.Step:
+def _number(name: str, limits: Limits | None, unit: str) -> layout.Step:
     code = CODES[name]
     if name == "char":
         return layout.char()
@@ -356,26 +362,22 @@ def _number(name: str, limits: Limits | None) -> layout.Step:
         return code
     for limit in (limits.low, limits.high):
         if limit is not None and not -_LARGEST[code] <= limit <= _LARGEST[code]:
-            raise Malformed(f"the range {limits} is beyond the type {name}")
+            raise Malformed(f"the range {limits} is larger than that of the type {name}")
     binding = WireLimits(code, limits.low, limits.high).effective(code) != (None, None)
-    return Ranged(code, limits.low, limits.high) if binding else code
+    return Ranged(code, limits.low, limits.high, unit) if binding else code
 
 
 def _check_size(element: layout.Step, count: int) -> None:
-    """Refuses an array of very many elements that take no bytes, so that nothing limits it."""
+    """Refuses an array of very many elements that take no bytes, because the size of a message
+    would not limit it."""
     kind = kind_of(element)
-    takes_bytes = isinstance(kind, Later) or kind.least  # Later: contains itself in a sequence
+    takes_bytes = isinstance(kind, Later) or kind.least  # a Later contains itself in a sequence
     if count > MAX_ZERO_WIDTH and not takes_bytes:
         raise Malformed(f"an array of {count} values that take no bytes")
 
 
-def units_of(values: Sequence[Value]) -> dict[str, str]:
-    """The units of values, for messages. That of a secret is left out with its value."""
-    return {each.name: each.unit for each in values if each.unit and not each.secret}
-
-
 def _missing(values: tuple[Value, ...]) -> int:
-    """How many of the last values an older writer may leave out."""
+    """Returns how many of the last values an older writer may leave out."""
     count = 0
     while count < len(values) and values[-1 - count].may_be_missing:
         count += 1

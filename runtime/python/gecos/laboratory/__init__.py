@@ -1,4 +1,4 @@
-"""A laboratory as programs that are started and ended together: `gecos up`."""
+"""Starts and ends the programs of a laboratory together, for `gecos up`."""
 
 from gecos.laboratory.description import (
     LaboratoryDescription,

@@ -1,4 +1,4 @@
-"""What belongs to a laboratory: its broker and its programs, as `lab.toml` says it."""
+"""The description of a laboratory in `lab.toml`: its broker and its programs."""
 
 from __future__ import annotations
 
@@ -12,19 +12,21 @@ from typing import Any
 
 
 class LaboratoryFileError(ValueError):
-    """`lab.toml` cannot be read, or says what cannot be. The text begins with file and line."""
+    """`lab.toml` cannot be read, or has a wrong entry. The text begins with file and line."""
 
 
 @dataclass(frozen=True, slots=True)
 class Program:
     """A program of the laboratory."""
 
-    name: str  # for people: "RX90"
+    name: str  # the name for people, for example "RX90"
     run: tuple[str, ...]  # the program and its arguments
-    restart: bool = False  # starts again when it ends by itself
-    ready: str = "ready"  # a line with this text says that it is ready; "": at once
+    restart: bool = False  # True: start it again when it ends by itself
+    # The program is ready after a line with this text; "": at once; None: after a line that servers
+    # print by default
+    ready: str | None = None
     environment: Mapping[str, str] = field(default_factory=dict)
-    line: int = 0  # in lab.toml; 0 if it is not from a file
+    line: int = 0  # line in lab.toml; 0 if there is no file
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,12 +34,12 @@ class LaboratoryDescription:
     programs: tuple[Program, ...]  # in the order in which they start
     starts_broker: bool = True
     broker_address: str = ""  # where programs look for the broker; "": on this host
-    folder: Path = Path()  # relative paths of programs begin here
-    file: str = ""  # "lab.toml"; "" if it is not from a file
+    folder: Path = Path()  # relative paths of programs are relative to this folder
+    file: str = ""  # for example "lab.toml"; "" if there is no file
 
 
 def simulated_laboratory() -> LaboratoryDescription:
-    """The simulated devices of robcl: world, arm, gripper and laser distance sensor."""
+    """Returns the simulated devices of robcl: world, arm, gripper and laser distance sensor."""
     programs = {
         "WORLD": "robcl-world",
         "RX90": "robcl-rx90",
@@ -54,7 +56,7 @@ def read_laboratory(path: Path) -> LaboratoryDescription:
         data = tomllib.loads(text)
     except OSError as error:
         raise LaboratoryFileError(f"{path}: {error.strerror}") from None
-    except ValueError as error:  # not UTF-8, or not TOML; the latter says line and column
+    except ValueError as error:  # not UTF-8, or not TOML; then the error has line and column
         raise LaboratoryFileError(f"{path}: {error}") from None
     return _Reader(path, text).laboratory(data)
 
@@ -79,8 +81,8 @@ class _Reader:
             starts = not address
         if starts and address:
             self._refuse(
-                "broker.address", "says where a broker runs already, so `start = true` is a "
-                "contradiction; leave out one of them",
+                "broker.address", "says where a broker already runs, which contradicts "
+                "`start = true`; leave out one of the two",
             )  # fmt: skip
         programs = self._table(data, "programs", "")
         if not programs:
@@ -99,15 +101,20 @@ class _Reader:
         self._known(table, place, _PROGRAM_KEYS)
         run = self._value(table, place, "run", list, "a list of words", [])
         if not run or not all(isinstance(word, str) for word in run) or not run[0]:
-            self._refuse(f"{place}.run", 'a list of words is needed: ["robcl-rx90", "--name", "A"]')
+            self._refuse(
+                f"{place}.run", 'write a list of texts, for example ["robcl-rx90", "--name", "A"]'
+            )
         environment = self._value(table, place, "environment", dict, "a table", {})
         if not all(isinstance(value, str) for value in environment.values()):
-            self._refuse(f"{place}.environment", 'the values are texts: { GECOS_LCM_TTL = "0" }')
+            self._refuse(
+                f"{place}.environment",
+                'the values must be texts, for example { GECOS_LCM_TTL = "0" }',
+            )
         return Program(
             name,
             tuple(run),
             self._value(table, place, "restart", bool, "true or false", False),
-            self._value(table, place, "ready", str, "a text", "ready"),
+            self._value(table, place, "ready", str, "a text", "") if "ready" in table else None,
             environment,
             self._line(place),
         )
@@ -130,15 +137,18 @@ class _Reader:
         for key in table:
             if key not in keys:
                 near = get_close_matches(key, keys, n=1)
-                instead = f"did you mean {near[0]}?" if near else f"there are {', '.join(keys)}"
+                instead = (
+                    f"did you mean {near[0]}?" if near else f"known keys are {', '.join(keys)}"
+                )
                 self._refuse(f"{place}.{key}" if place else key, f"this key is unknown; {instead}")
 
     def _refuse(self, place: str, why: str) -> None:
         raise LaboratoryFileError(f"{self._path}:{self._line(place)}: {place}: {why}")
 
     def _line(self, place: str) -> int:
-        """The line of a key or of the header of a table, from 1; that of the innermost table around
-        the key if the key is written in another form, such as a dotted key."""
+        """Returns the line of a key, or of the header of a table, counted from 1. If the key is
+        written in another form, for example as a dotted key, returns the line of the innermost
+        table around it."""
         place = _bare(place)
         table, best, best_size = "", 1, 0
         for number, line in enumerate(self._lines, 1):
@@ -158,5 +168,5 @@ class _Reader:
 
 
 def _bare(name: str) -> str:
-    """A key without quotes and blanks, so that all ways to write it are equal."""
+    """Returns a key without quotes and blanks, so that all ways to write the key are equal."""
     return re.sub(r"[\"'\s]", "", name)

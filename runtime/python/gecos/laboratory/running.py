@@ -25,11 +25,11 @@ _LONG_RUN = 60.0  # s after which a program that ends is started again after the
 
 
 class LaboratoryError(RuntimeError):
-    """A program of the laboratory is missing, or did not get ready."""
+    """A program of the laboratory is missing, or did not become ready."""
 
 
 class _Process:
-    """One run of a program. Its lines are passed on, after the name of the program."""
+    """One run of a program. Each line of its output is printed after the name of the program."""
 
     def __init__(
         self,
@@ -52,29 +52,38 @@ class _Process:
             stderr=subprocess.STDOUT,
             text=True,
             errors="replace",
-            start_new_session=True,  # Ctrl-C is for this process, which ends the others in order
+            # Ctrl-C reaches only this process, which then ends the others in order.
+            start_new_session=True,
         )
         self._reader = threading.Thread(target=self._pass_on, daemon=True)
         self._reader.start()
 
     def _pass_on(self) -> None:
         assert self._process.stdout is not None
-        if not self.program.ready:
+        if self.program.ready == "":
             self._ready.set()
         for line in self._process.stdout:
             print(f"  [{self.program.name}] {line}", end="", flush=True)
-            if _says(line, self.program.ready):
+            if _is_ready(line, self.program):
                 self._ready.set()
+        self._process.stdout.close()
         self._process.wait()
         self._ready.set()
         self._ended(self)
 
     def await_ready(self) -> None:
-        """Raises LaboratoryError if the program ends, or is not ready in time."""
+        """Raises LaboratoryError if the program ends before it is ready, or is not ready in
+        time."""
         in_time = self._ready.wait(READY_WITHIN)
         if not in_time:
-            raise LaboratoryError(f"{self.program.name} is not ready after {READY_WITHIN:g} s")
-        if self.program.ready and self.status is not None:
+            ready = self.program.ready
+            text = "'serving' or 'ready'" if ready is None else repr(ready)
+            raise LaboratoryError(
+                f"{self.program.name} is not ready: within {READY_WITHIN:g} s it has printed no "
+                f"line with {text}; if it prints another one, name a part of that line as `ready` "
+                "in lab.toml"
+            )
+        if self.program.ready != "" and self.status is not None:
             raise LaboratoryError(f"{self.program.name} {self.how_ended()} before it was ready")
 
     @property
@@ -90,19 +99,20 @@ class _Process:
             self._process.terminate()
 
     def end(self) -> None:
-        """Waits for the end, and insists on it."""
+        """Asks the program to end, and waits for the end. Kills the program if it does not end in
+        time."""
         self.ask_to_end()
         try:
             self._process.wait(END_WITHIN)
         except subprocess.TimeoutExpired:
-            print(f"{self.program.name} does not end: killed", file=sys.stderr)
+            print(f"{self.program.name} did not end after SIGTERM and was killed", file=sys.stderr)
             self._process.kill()
         self._process.wait()
         self._reader.join(END_WITHIN)
 
 
 class RunningLaboratory:
-    """The processes of a laboratory, which run in `folder`."""
+    """The processes of a laboratory. They run in `folder`."""
 
     def __init__(self, environment: Mapping[str, str], folder: Path) -> None:
         self._environment = dict(environment)
@@ -113,15 +123,16 @@ class RunningLaboratory:
         self._pauses: dict[str, float] = {}
 
     def start(self, program: Program, command: Sequence[str]) -> None:
-        """Starts a program and returns when it is ready."""
+        """Starts a program, and returns when the program is ready."""
         self._commands[program.name] = tuple(command)
         process = _Process(program, command, self._environment, self._folder, self._events.put)
         self._processes[program.name] = process
         process.await_ready()
 
     def watch(self, timeout: float | None = None) -> None:
-        """Starts programs again that end and are to be restarted; says so of the others. Returns
-        after `timeout` s, otherwise only by an exception such as KeyboardInterrupt."""
+        """Watches the programs. When a program ends, starts it again if it is to be restarted, and
+        otherwise prints that it has ended. Returns after `timeout` s, or else only by an exception
+        such as KeyboardInterrupt."""
         end = None if timeout is None else time.monotonic() + timeout
         while end is None or time.monotonic() < end:
             try:
@@ -134,13 +145,13 @@ class RunningLaboratory:
     def _after(self, ended: _Process) -> None:
         program = ended.program
         if not program.restart:
-            print(f"{program.name} {ended.how_ended()}; the others go on", flush=True)
+            print(f"{program.name} {ended.how_ended()}; the other programs continue", flush=True)
             return
         ran = time.monotonic() - ended.since
         before = self._pauses.get(program.name, 0.0) if ran < _LONG_RUN else 0.0
         pause = min(max(_FIRST_PAUSE, 2 * before), _LONGEST_PAUSE)
         self._pauses[program.name] = pause
-        print(f"{program.name} {ended.how_ended()}; starts again in {pause:g} s", flush=True)
+        print(f"{program.name} {ended.how_ended()}; it is started again in {pause:g} s", flush=True)
         time.sleep(pause)
         try:
             self.start(program, self._commands[program.name])
@@ -160,10 +171,10 @@ def running(
     folders: Sequence[Path] = (),
     restart: bool = False,
 ) -> Iterator[RunningLaboratory]:
-    """Starts a laboratory, and ends all its programs when the block ends. Programs are looked up in
-    `folders`, beside this command and in PATH. With `restart`, each program is started again when
-    it ends by itself. If a program is missing or does not get ready, all programs that run are
-    ended, and LaboratoryError is raised."""
+    """Starts a laboratory, and ends all its programs when the block ends. Programs are searched in
+    `folders`, in the folder of this command, and in PATH. With `restart`, each program is started
+    again when it ends by itself. If a program is missing or does not become ready, all running
+    programs are ended, and LaboratoryError is raised."""
     commands = [(p, _command(laboratory, p, folders)) for p in laboratory.programs]
     variables = dict(os.environ if environment is None else environment)
     if laboratory.broker_address:
@@ -180,7 +191,8 @@ def running(
 
 
 def _broker(environment: Mapping[str, str], restart: bool) -> tuple[Program, Sequence[str]]:
-    """The broker of this package, which an installed SDK has outside of the interpreter's path."""
+    """Returns the broker of this package, with the command that starts it. PYTHONPATH is set,
+    because the package of an installed SDK is not in the interpreter's own path."""
     command = (sys.executable, "-m", "gecos.cli", "broker")
     packages = [str(Path(__file__).resolve().parents[2]), environment.get("PYTHONPATH", "")]
     path = os.pathsep.join(filter(None, packages))
@@ -190,7 +202,7 @@ def _broker(environment: Mapping[str, str], restart: bool) -> tuple[Program, Seq
 def _command(
     laboratory: LaboratoryDescription, program: Program, folders: Sequence[Path]
 ) -> tuple[str, ...]:
-    """The program with its full path, and its arguments."""
+    """Returns the program with its full path, and its arguments."""
     name, *arguments = program.run
     if os.sep in name:
         found = [laboratory.folder / name]
@@ -215,8 +227,17 @@ def _command(
     )
 
 
+def _is_ready(line: str, program: Program) -> bool:
+    """Whether a program says by this line that it is ready. Without `ready` the lines that servers
+    print by default do: "serving RX90" and "robcl-rx90: RX90 is ready"."""
+    if program.ready is None:
+        return line.startswith("serving ") or _says(line, "ready")
+    return _says(line, program.ready)
+
+
 def _says(line: str, words: str) -> bool:
-    """Whether the line has the words as whole words: "already" does not say "ready"."""
+    """Returns whether `line` contains `words` as whole words. For example, "already" does not
+    contain the word "ready"."""
     return re.search(rf"(?<!\w){re.escape(words)}(?!\w)", line) is not None
 
 
@@ -226,6 +247,7 @@ def _below(folder: Path, name: str) -> Iterator[Path]:
 
 
 def _ends_with_us() -> list[str]:
-    """Words before a command by which the kernel ends it when this process is killed."""
+    """Returns words to put before a command, so that the kernel ends the command when this process
+    is killed."""
     setpriv = shutil.which("setpriv")
     return [setpriv, "--pdeathsig", "TERM", "--"] if setpriv else []

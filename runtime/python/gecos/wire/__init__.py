@@ -1,10 +1,10 @@
-"""The codec of generated Python types: LCM's type encoding, big-endian, fields in order.
+"""The codec of generated Python types. It uses LCM's type encoding: big-endian, fields in order.
 
 The C++ codec, `runtime/cpp/gecos/wire`, accepts and refuses the same bytes and uses the same names
-for errors. If bytes contain two errors, the codecs may report different errors.
+for errors. If bytes contain two errors, the codecs may report different ones.
 
-Encoding appends pieces to a list (`Parts`) that is joined once; decoding raises `DecodeError`.
-numpy is imported with the first array, so that programs without arrays start faster.
+Encoding appends pieces to a list (`Parts`) that is joined once at the end. Decoding raises
+`DecodeError`. numpy is imported with the first array, so that programs without arrays start faster.
 """
 
 from gecos.wire.codes import MAX_COUNT, MAX_DEPTH, MAX_TEXT, MAX_ZERO_WIDTH
@@ -44,7 +44,6 @@ from gecos.wire.errors import (
     WrongTypeError,
     expect,
     expect_enumerator,
-    out_of_range,
 )
 from gecos.wire.fields import Fields
 from gecos.wire.values import same, signed, zeros
@@ -80,7 +79,6 @@ __all__ = [
     "number",
     "numbers",
     "octets",
-    "out_of_range",
     "put",
     "put_block",
     "same",

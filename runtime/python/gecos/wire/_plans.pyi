@@ -18,5 +18,5 @@ def struct(
     """Returns the compiled methods `encode` and `decode` of the struct `kind`."""
 
 def entry(name: str, python: _T) -> _T:
-    """Returns the compiled function `name` of `gecos.wire`, which calls the function `python` in
-    unusual cases."""
+    """Returns the compiled function `name` of `gecos.wire`. In unusual cases it calls the function
+    `python`."""

@@ -1,4 +1,4 @@
-"""Codes of number types, as in `struct` and numpy: b B h H i I q Q f d, and ? for a boolean."""
+"""Codes of number types, as in `struct` and numpy: `b B h H i I q Q f d`, and `?` for a boolean."""
 
 from __future__ import annotations
 
@@ -35,8 +35,9 @@ READERS = {code: struct.Struct(">" + code.replace("?", "B")) for code in CODE_ME
 
 @cache
 def arrays(code: str) -> tuple[type[np.ndarray[Any, Any]], np.dtype[Any], np.dtype[Any], int]:
-    """Returns numpy's array type, the dtype of the encoding, the native dtype (the same object as
-    the `dtype` of native arrays, so that `is` compares them), and the bytes per element."""
+    """Returns numpy's array type, the dtype of the encoding, the native dtype, and the number of
+    bytes per element. The native dtype is the same object as the `dtype` of native arrays, so that
+    `is` can compare them."""
     import numpy as np
 
     wire = np.dtype(">" + code)

@@ -1,4 +1,4 @@
-"""Values that encode themselves, as bare fields, blocks or LCM messages."""
+"""Values that encode themselves: as bare fields, as blocks or as LCM messages."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ class Encodes(Protocol):
 
 
 class Contents(Encodes, Protocol):
-    """GeneralContents: a value that encodes itself, generated or written by hand."""
+    """GeneralContents: a value that encodes and decodes itself. Its type is generated or written by
+    hand."""
 
     @classmethod
     def decode(cls, source: Decoder, /) -> Self:
@@ -43,7 +44,7 @@ def to_bytes(value: Contents) -> bytes:
 
 @accelerated
 def from_bytes(kind: type[_ContentsT], data: bytes | bytearray | memoryview) -> _ContentsT:
-    """The inverse of `to_bytes`; raises TRAILING_BYTES if bytes are left over."""
+    """Decodes the bytes that `to_bytes` returns. Raises TRAILING_BYTES if bytes are left over."""
     source = Decoder(data)
     value = kind.decode(source)
     source.expect_end()
@@ -60,7 +61,8 @@ def to_message(value: Contents) -> bytes:
 
 @accelerated
 def from_message(kind: type[_ContentsT], data: bytes | bytearray | memoryview) -> _ContentsT:
-    """The inverse of `to_message`; raises WRONG_FINGERPRINT for a message of another type."""
+    """Decodes the message that `to_message` returns. Raises WRONG_FINGERPRINT for a message of
+    another type."""
     source = Decoder(data)
     if source.data[:8] != _fingerprint_bytes(kind):
         source.octets(8)  # raises TRUNCATED if there are fewer than 8 bytes
@@ -78,14 +80,14 @@ def _fingerprint_bytes(kind: type[Contents]) -> bytes:
 
 @accelerated
 def put(value: Encodes, kind: type, out: Parts, field: str) -> None:
-    """Appends a nested value, which must be an instance of `kind`."""
+    """Appends a nested value to `out`. The value must be an instance of `kind`."""
     expect(value, kind, field)
     value.encode(out)
 
 
 @accelerated
 def put_block(value: Encodes, kind: type, out: Parts, field: str) -> None:
-    """Appends a nested value of the appendable type `kind` in a block."""
+    """Appends a nested value of the appendable type `kind` to `out`, in a block."""
     expect(value, kind, field)
     parts: Parts = []
     value.encode(parts)

@@ -15,6 +15,7 @@ from gecos.wire.codes import (
     arrays,
 )
 from gecos.wire.errors import DecodeError, DecodeProblem
+from gecos.wire.units import Range, outside
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -55,7 +56,7 @@ class Decoder:
         return self.end - self.offset
 
     def number(self, code: str, field: str = "") -> Any:
-        """Reads one number; `code` as in `Fields`."""
+        """Reads one number. `code` is a number code as in `Fields`."""
         reader = READERS[code]
         offset = self.offset
         if offset + reader.size > self.end:
@@ -69,7 +70,7 @@ class Decoder:
         return value
 
     def string(self, most: int = MAX_COUNT, field: str = "") -> str:
-        """Reads a string; `most` is the limit in bytes of UTF-8 without the NUL."""
+        """Reads a string. `most` is the limit for its UTF-8 bytes, without the NUL."""
         start = self.offset
         first = start + 4
         if first <= self.end:
@@ -86,7 +87,7 @@ class Decoder:
         raise self._string_error(most, field)
 
     def _string_error(self, most: int, field: str) -> DecodeError:
-        """Returns the error of the string at `offset`. Makes the checks in the same order as
+        """Returns the error of the string at `offset`. The checks are made in the same order as in
         C++."""
         size = self.remaining - 4
         length: int = _read_int32(self.data, self.offset)[0] if size >= 0 else 0
@@ -108,7 +109,8 @@ class Decoder:
         return DecodeError(problem, self.offset, field)
 
     def count(self, min_bytes_each: int, most: int = MAX_COUNT, field: str = "") -> int:
-        """Reads a count of elements; checks that `min_bytes_each` bytes follow for each element."""
+        """Reads a count of elements, and checks that at least `min_bytes_each` bytes follow for
+        each element."""
         start = self.offset
         if start + 4 > self.end:
             self.refuse(DecodeProblem.TRUNCATED, field)
@@ -122,19 +124,29 @@ class Decoder:
         self.offset = start + 4
         return number
 
-    def ranged(self, code: str, low: Any, high: Any, field: str = "") -> Any:
-        """Reads a number of `code` from `low` to `high`; None: no limit on that side."""
+    def ranged(
+        self, code: str, low: Any, high: Any, field: str = "", limits: Range | None = None
+    ) -> Any:
+        """Reads a number of `code` from `low` to `high`, which messages show as `limits`. None
+        means that there is no limit on that side."""
         value = self.number(code, field)
         if (low is not None and not value >= low) or (high is not None and not value <= high):
-            self.refuse_range(field, READERS[code].size)
+            why = outside(value, limits or Range(low, high))
+            self.refuse_range(field, READERS[code].size, why)
         return value
 
-    def refuse_range(self, field: str, width: int) -> NoReturn:
+    def refuse_range(self, field: str, width: int, why: str = "") -> NoReturn:
         """Raises OUT_OF_RANGE for the number that starts `width` bytes before `offset`."""
-        raise DecodeError(DecodeProblem.OUT_OF_RANGE, self.offset - width, field)
+        raise DecodeError(DecodeProblem.OUT_OF_RANGE, self.offset - width, field, why)
 
     def numbers(
-        self, code: str, most: int = MAX_COUNT, field: str = "", low: Any = None, high: Any = None
+        self,
+        code: str,
+        most: int = MAX_COUNT,
+        field: str = "",
+        low: Any = None,
+        high: Any = None,
+        limits: Range | None = None,
     ) -> Array:
         """Reads a sequence of numbers: its count, then the numbers."""
         start = self.offset
@@ -143,13 +155,19 @@ class Decoder:
         if first <= self.end and code != "?" and low is high is None:
             number = _read_int32(self.data, start)[0]
             after = first + number * size
-            if 0 <= number <= most and after <= self.end:  # fast path
+            if 0 <= number <= most and after <= self.end:  # the usual case, handled fast
                 self.offset = after
                 return kind(number, wire, self.data, first).astype(native)
-        return self.array(code, self.count(size, most, field), field, low, high)
+        return self.array(code, self.count(size, most, field), field, low, high, limits)
 
     def array(
-        self, code: str, number: int, field: str = "", low: Any = None, high: Any = None
+        self,
+        code: str,
+        number: int,
+        field: str = "",
+        low: Any = None,
+        high: Any = None,
+        limits: Range | None = None,
     ) -> Array:
         """Reads `number` numbers into a new array in the machine's byte order."""
         kind, wire, native, size = arrays(code)
@@ -162,9 +180,9 @@ class Decoder:
         self.offset = after
         values = kind(number, wire, self.data, offset).astype(native)
         if low is not None and not (values >= low).all():
-            self._refuse_outside(values >= low, size, field)
+            self._refuse_outside(values, values >= low, size, field, limits or Range(low, high))
         if high is not None and not (values <= high).all():
-            self._refuse_outside(values <= high, size, field)
+            self._refuse_outside(values, values <= high, size, field, limits or Range(low, high))
         return values
 
     def _expect_booleans(self, number: int, field: str) -> None:
@@ -173,8 +191,12 @@ class Decoder:
         if wrong is not None:
             self.refuse(DecodeProblem.INVALID_BOOLEAN, field, self.offset + wrong)
 
-    def _refuse_outside(self, inside: Array, width: int, field: str) -> NoReturn:
-        self.refuse_range(field, (len(inside) - int((~inside).argmax())) * width)
+    def _refuse_outside(
+        self, values: Array, inside: Array, width: int, field: str, limits: Range
+    ) -> NoReturn:
+        first = int((~inside).argmax())
+        why = outside(values[first].item(), limits)
+        self.refuse_range(field, (len(inside) - first) * width, why)
 
     def octets(self, number: int, field: str = "") -> bytes:
         """Reads `number` raw bytes."""
@@ -199,7 +221,9 @@ class Decoder:
         except ValueError:
             if default is not None:
                 return default
-        raise DecodeError(DecodeProblem.UNKNOWN_ENUMERATOR, self.offset - width, field)
+        problem, known = DecodeProblem.UNKNOWN_ENUMERATOR, ", ".join(kind.__members__)
+        why = f"{number} is no {kind.__name__}; there are {known}"
+        raise DecodeError(problem, self.offset - width, field, why)
 
     def flags(
         self, kind: type[_FlagsT], number: int, bits: int, field: str = "", width: int = 4
@@ -211,7 +235,7 @@ class Decoder:
         return kind(number)
 
     def arm(self, selected: bool, field: str = "") -> bool:
-        """Reads the flag that says whether the arm of a union is present. Raises DecodeError unless
+        """Reads the flag that says whether the arm of a union follows. Raises DecodeError unless
         the flag equals `selected`."""
         start = self.offset
         if self.number("?", field) != selected:
@@ -239,7 +263,7 @@ class Decoder:
         return entries
 
     def block(self, field: str = "") -> Decoder:
-        """Skips an appendable struct and returns a decoder for the fields of this struct only.
+        """Skips an appendable struct, and returns a decoder for the fields of this struct only.
 
         Fields that remain unread in the returned decoder come from a newer writer and are ignored.
         """
@@ -252,8 +276,8 @@ class Decoder:
         return inner
 
     def enter(self, field: str = "") -> None:
-        """Limits the depth of nesting: call it before you decode a struct that may contain itself,
-        and `leave` afterwards."""
+        """Limits the depth of nesting. Call this method before you decode a struct that may contain
+        itself, and `leave` afterwards."""
         if self.depth == MAX_DEPTH:
             self.refuse(DecodeProblem.TOO_DEEP, field)
         self.depth += 1
@@ -268,5 +292,5 @@ class Decoder:
     def refuse(
         self, problem: DecodeProblem, field: str = "", offset: int | None = None
     ) -> NoReturn:
-        """Raises DecodeError; `offset` defaults to the offset of the next read."""
+        """Raises DecodeError. The default of `offset` is the offset of the next read."""
         raise DecodeError(problem, self.offset if offset is None else offset, field)

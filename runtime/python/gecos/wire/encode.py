@@ -1,4 +1,4 @@
-"""Encodes parts of a value: each function returns bytes; all bytes are joined once at the end."""
+"""Encodes parts of a value. Each function returns bytes; all bytes are joined once at the end."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from gecos.wire.codes import CODE_MEANING, MAX_COUNT, WRITERS, arrays
-from gecos.wire.errors import HIDDEN, EncodeError, brief, expect, expect_boolean, out_of_range
+from gecos.wire.errors import HIDDEN, EncodeError, RangeError, brief, expect, expect_boolean
+from gecos.wire.units import Range
 from gecos.wire.values import as_array, first
 
 if TYPE_CHECKING:
@@ -43,7 +44,8 @@ def _length(values: Any, field: str) -> int:
 
 
 def entries(values: Mapping[_KeyT, _ElementT], field: str = "") -> list[tuple[_KeyT, _ElementT]]:
-    """The entries of a map in the order of its keys, so that a map has one encoding."""
+    """Returns the entries of a map in the order of its keys, so that each map has only one
+    encoding."""
     expect(values, Mapping, field)
     try:
         return sorted(values.items(), key=first)
@@ -69,7 +71,7 @@ def string(text: str, most: int = MAX_COUNT - 1, field: str = "") -> bytes:
 
 
 def secret_string(text: str, most: int = MAX_COUNT - 1, field: str = "") -> bytes:
-    """Encodes a string that no error message shows."""
+    """Encodes a string that must not appear in any error message."""
     try:
         return string(text, most, field)
     except EncodeError as error:
@@ -77,10 +79,11 @@ def secret_string(text: str, most: int = MAX_COUNT - 1, field: str = "") -> byte
 
 
 def array(values: npt.ArrayLike, code: str, field: str = "") -> memoryview:
-    """Encodes an array of numbers as big-endian, without a count. `code` as in `Fields`.
+    """Encodes an array of numbers as big-endian, without a count. `code` is a number code as in
+    `Fields`.
 
     Refuses a conversion that changes a number; only a conversion to floating point may round. A
-    bytes object is an array of code `B`.
+    bytes object counts as an array with the code `B`.
     """
     kind, wanted, native, _ = arrays(code)
     if type(values) is kind and values.dtype is native:
@@ -119,7 +122,7 @@ def block(parts: Parts) -> bytes:
 
 
 def number(value: Any, code: str, field: str = "") -> bytes:
-    """Encodes one number; `code` as in `Fields`."""
+    """Encodes one number. `code` is a number code as in `Fields`."""
     if code == "?":
         expect_boolean(value, field)
     try:
@@ -142,11 +145,18 @@ def char(letter: str, field: str = "") -> bytes:
 
 
 def numbers(
-    values: npt.ArrayLike, code: str, most: int, field: str = "", low: Any = None, high: Any = None
+    values: npt.ArrayLike,
+    code: str,
+    most: int,
+    field: str = "",
+    low: Any = None,
+    high: Any = None,
+    limits: Range | None = None,
 ) -> Parts:
-    """Encodes a sequence of numbers: its count, then the numbers, each from `low` to `high`."""
+    """Encodes a sequence of numbers: its count, then the numbers, each from `low` to `high`, which
+    messages show as `limits`."""
     kind, wanted, native, _ = arrays(code)
-    if (  # fast path
+    if (  # the usual case, handled fast
         type(values) is kind
         and (values.dtype is native and values.ndim == 1 and low is high is None)
         and (size := len(values)) <= most
@@ -155,9 +165,9 @@ def numbers(
         return [_pack_int32(size), swapped]
     given = as_array(values, code)
     if given.ndim != 1:
-        raise EncodeError(field, f"the array has {given.ndim} dimensions, a sequence has one")
+        raise EncodeError(field, f"the array has {given.ndim} dimensions, but a sequence has one")
     number = count(len(given), most, field)
-    return [number, _array_within(given, code, low, high, field)]
+    return [number, _array_within(given, code, low, high, field, limits)]
 
 
 def fixed(
@@ -167,25 +177,28 @@ def fixed(
     field: str = "",
     low: Any = None,
     high: Any = None,
+    limits: Range | None = None,
 ) -> memoryview:
-    """Encodes an array of numbers of shape `shape`, each number from `low` to `high`."""
+    """Encodes an array of numbers of shape `shape`, each number from `low` to `high`, which
+    messages show as `limits`."""
     given = as_array(values, code)
     if given.shape != shape:
         raise EncodeError(
-            field, f"the array has shape {given.shape}, the declared shape is {shape}"
+            field, f"the array has shape {given.shape}, but the declared shape is {shape}"
         )
-    return _array_within(given, code, low, high, field)
+    return _array_within(given, code, low, high, field, limits)
 
 
-def _array_within(given: Array, code: str, low: Any, high: Any, field: str) -> memoryview:
-    numbers = array(given, code, field)  # checks the type before the limits, as for one number
-    _expect_within(given, low, high, field)
+def _array_within(
+    given: Array, code: str, low: Any, high: Any, field: str, limits: Range | None
+) -> memoryview:
+    numbers = array(given, code, field)  # the type is checked before the limits, as for one number
+    if low is not None or high is not None:
+        _expect_within(given, low, high, field, limits or Range(low, high))
     return numbers
 
 
-def _expect_within(given: Array, low: Any, high: Any, field: str) -> None:
-    if low is None and high is None:
-        return
+def _expect_within(given: Array, low: Any, high: Any, field: str, limits: Range) -> None:
     import numpy as np
 
     outside = np.zeros(given.shape, bool)
@@ -194,8 +207,9 @@ def _expect_within(given: Array, low: Any, high: Any, field: str) -> None:
     if high is not None:
         outside |= ~(given <= high)
     if outside.any():
-        shown = f"[{'-inf' if low is None else low}, {'inf' if high is None else high}]"
-        raise out_of_range(field, given[outside].flat[0].item(), shown)
+        first = np.unravel_index(int(outside.argmax()), given.shape)
+        index = "".join(f"[{each}]" for each in first)
+        raise RangeError(f"{field}{index}", given[first].item(), limits)
 
 
 def octets(raw: bytes, most: int, field: str = "") -> Parts:
@@ -207,12 +221,13 @@ def octets(raw: bytes, most: int, field: str = "") -> Parts:
 def fixed_octets(raw: bytes, size: int, field: str = "") -> bytes:
     given = _as_bytes(raw, field)
     if len(given) != size:
-        raise EncodeError(field, f"{len(given)} bytes where {size} are declared")
+        raise EncodeError(field, f"{len(given)} bytes, but {size} are declared")
     return given
 
 
 def _as_bytes(raw: Any, field: str) -> bytes:
-    """Converts a list or tuple of numbers 0 to 255, or a buffer of bytes, to a bytes object."""
+    """Converts a buffer of bytes, or a list or tuple of numbers from 0 to 255, to a bytes
+    object."""
     if type(raw) is bytes:
         return raw
     try:
@@ -227,8 +242,8 @@ def _as_bytes(raw: Any, field: str) -> bytes:
 
 
 def exactly(values: Sequence[_ElementT], size: int, field: str = "") -> Sequence[_ElementT]:
-    """Returns `values`; raises EncodeError unless it has `size` elements."""
+    """Returns `values`. Raises EncodeError unless `values` has `size` elements."""
     number = _length(values, field)
     if number != size:
-        raise EncodeError(field, f"{number} elements where {size} are declared")
+        raise EncodeError(field, f"{number} elements, but {size} are declared")
     return values

@@ -1,4 +1,4 @@
-"""How enumerators are printed: by name, as in C++. Python 3.11 prints an IntEnum as a number."""
+"""Prints enumerators by name, as C++ does. Python 3.11 prints an IntEnum as a number."""
 
 from __future__ import annotations
 

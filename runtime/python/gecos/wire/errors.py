@@ -5,14 +5,14 @@ from __future__ import annotations
 from enum import Enum, IntEnum
 from typing import Any
 
-from gecos.wire.units import mistaken_unit
+from gecos.wire.units import Range, outside
 
 HIDDEN = "***"
-"""The text that replaces a secret."""
+"""The text that error messages and logs show in place of a secret."""
 
 
 class DecodeProblem(Enum):
-    """Why bytes were refused. Names and texts equal those in C++."""
+    """The reasons why bytes are refused. Names and texts equal those in C++."""
 
     TRUNCATED = "the bytes end before the value does"
     INVALID_BOOLEAN = "a boolean must be 0 or 1"
@@ -32,21 +32,23 @@ class DecodeProblem(Enum):
 
 
 class DecodeError(ValueError):
-    """The bytes do not encode a valid value: which field, at which byte, and why."""
+    """The bytes do not encode a valid value. The error names the field, the byte and the reason.
+    `why` replaces the general reason, for example by "3.0 is outside [0.01, 1.0] m/s"."""
 
-    def __init__(self, problem: DecodeProblem, offset: int, field: str = "") -> None:
+    def __init__(self, problem: DecodeProblem, offset: int, field: str = "", why: str = "") -> None:
         named = f"field '{field}' " if field else ""
-        super().__init__(f"{named}at byte {offset}: {problem.value}")
+        super().__init__(f"{named}at byte {offset}: {why or problem.value}")
         self.problem = problem
         self.offset = offset
         self.field = field
+        self.why = why
 
-    def __reduce__(self) -> tuple[type[DecodeError], tuple[DecodeProblem, int, str]]:
-        return DecodeError, (self.problem, self.offset, self.field)
+    def __reduce__(self) -> tuple[type[DecodeError], tuple[DecodeProblem, int, str, str]]:
+        return DecodeError, (self.problem, self.offset, self.field, self.why)
 
 
 class JsonError(ValueError):
-    """The text is not JSON of the expected type: `path` is the place in the value, `why` the
+    """The text is not JSON of the expected type. `path` is the place in the value, and `why` is the
     reason."""
 
     def __init__(self, path: str, why: str) -> None:
@@ -59,7 +61,7 @@ class JsonError(ValueError):
 
 
 class EncodeError(ValueError):
-    """The value cannot be encoded in its field: `field` names the field, `why` is the reason."""
+    """The value cannot be encoded. `field` is the name of its field, and `why` is the reason."""
 
     def __init__(self, field: str, why: str) -> None:
         super().__init__(f"{field}: {why}" if field else why)
@@ -82,10 +84,11 @@ class WrongTypeError(EncodeError, TypeError):
 
 
 def brief(value: object) -> str:
-    """`repr(value)`; of a whole number that Python does not print, its size."""
+    """Returns `repr(value)`. For a whole number that is too large for Python to print, returns its
+    size."""
     try:
         return repr(value)
-    except ValueError:  # more than 4300 digits
+    except ValueError:  # the number has more than 4300 digits
         assert isinstance(value, int)
         return f"a number of {value.bit_length()} bits"
 
@@ -111,23 +114,10 @@ def expect_enumerator(value: Any, kind: type[IntEnum], field: str) -> None:
 class RangeError(EncodeError):
     """A number is outside the range of its field."""
 
-    def __init__(self, field: str, value: object, limits: str) -> None:
-        super().__init__(field, f"{value} is outside {limits}")
+    def __init__(self, field: str, value: Any, limits: Range) -> None:
+        super().__init__(field, outside(value, limits))
         self.value = value
-        self.limits = limits  # "[0.01, 1.0]", with a unit behind it if the field has one
-
-    def with_unit(self, unit: str) -> RangeError:
-        """The same error with the unit of the field, and a question if the value fits in degrees or
-        millimetres."""
-        low, high = self.limits.strip("[]").split(", ")
-        error = RangeError(self.field, self.value, f"{self.limits} {unit}")
-        error.why += mistaken_unit(self.value, float(low), float(high), unit)
-        error.args = (f"{error.field}: {error.why}",)
-        return error
+        self.limits = limits
 
     def __reduce__(self) -> tuple[type[EncodeError], tuple[str, str]]:
         return EncodeError, (self.field, self.why)
-
-
-def out_of_range(field: str, value: object, limits: str) -> RangeError:
-    return RangeError(field, value, limits)

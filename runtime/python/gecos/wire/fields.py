@@ -1,4 +1,4 @@
-"""Runs of consecutive members of fixed size, each run encoded by one `struct.Struct`."""
+"""Runs of consecutive members of fixed size. Each run is encoded by one `struct.Struct`."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from gecos.wire.errors import DecodeError, DecodeProblem, EncodeError, expect_bo
 
 
 class Fields:
-    """A run of consecutive members of fixed size, packed and unpacked in a single call.
+    """A run of consecutive members of fixed size, which are packed and unpacked in a single call.
 
-    `codes` are those of `struct` without byte order: b B h H i I q Q f d, and ? for a boolean.
+    `codes` are those of `struct` without byte order: `b B h H i I q Q f d`, and `?` for a boolean.
     """
 
     __slots__ = (
@@ -71,7 +71,7 @@ class Fields:
         for code, name in zip(self._codes, self._names, strict=True):
             if source.remaining < struct.calcsize(">" + code):
                 source.refuse(DecodeProblem.TRUNCATED, name)
-            source.number(code, name)  # an invalid boolean is reported instead of a later TRUNCATED
+            source.number(code, name)  # an invalid boolean is reported before a later TRUNCATED
         raise AssertionError("the group of numbers is truncated, but each number fits")
 
     def _unfit(self, values: tuple[Any, ...]) -> EncodeError | TypeError:

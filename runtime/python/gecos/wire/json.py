@@ -1,8 +1,9 @@
 """Converts values to JSON and back, for people, logs and tools: `dumps` and its inverse `loads`.
 
-Members and enumerators are written by name, bitmasks as lists of flags, unions as
-{"tag": …, "value": …}, maps as lists of pairs, bytes as lists of numbers. 64-bit integers are
-exact; "nan", "inf" and "-inf" are texts. Secrets are "***". C++ writes the same JSON.
+Members and enumerators are written by name, bitmasks as lists of flags, unions as {"tag": …,
+"value": …}, maps as lists of pairs, and bytes as lists of numbers. 64-bit integers are exact. The
+numbers nan, inf and -inf are texts: "nan", "inf" and "-inf". Secrets are written as "***". C++
+writes the same JSON.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ __all__ = ["JsonError", "NotJsonError", "dumps", "loads", "plain"]
 
 _ContentsT = TypeVar("_ContentsT", bound=Contents)
 MAX_DEPTH = 100
-_LONGEST_DOUBLE = 308  # greatest number of digits; a longer number may exceed the range of a double
+_LONGEST_DOUBLE = 308  # a double may not be able to represent a number with more digits
 
 
 class NotJsonError(JsonError):
@@ -33,8 +34,8 @@ def dumps(value: Contents, indent: int | None = None) -> str:
 
 def loads(kind: type[_ContentsT], text: str | bytes) -> _ContentsT:
     """Reads a value from JSON. Omitted members get their default values. Raises JsonError, which
-    names the member, also for a value that cannot be encoded: a number out of range, a text too
-    long."""
+    names the member, if the text is wrong or has a value that cannot be encoded: for example a
+    number out of range, or a text that is too long."""
     value: _ContentsT = kind_of(kind).made(plain(text), "")
     try:
         to_bytes(value)
@@ -45,7 +46,7 @@ def loads(kind: type[_ContentsT], text: str | bytes) -> _ContentsT:
 
 def plain(text: str | bytes) -> Any:
     """Reads JSON as plain data. Raises JsonError for a member that occurs twice, for a number that
-    no double can be, and for a text that is nested too deep."""
+    is too large for a double, and for a text that is nested too deep."""
     try:
         data = json.loads(
             text,
@@ -57,9 +58,9 @@ def plain(text: str | bytes) -> Any:
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
         raise NotJsonError("", f"not JSON: {error}") from None
     except RecursionError:
-        raise JsonError("", f"nested deeper than {MAX_DEPTH}") from None
+        raise JsonError("", f"nested deeper than {MAX_DEPTH} levels") from None
     if _is_deeper(data, MAX_DEPTH):
-        raise JsonError("", f"nested deeper than {MAX_DEPTH}")
+        raise JsonError("", f"nested deeper than {MAX_DEPTH} levels")
     return data
 
 
@@ -70,7 +71,7 @@ def _refuse(constant: str) -> Any:
 def _finite(text: str) -> float:
     number = float(text)
     if math.isinf(number):
-        raise JsonError("", f"not JSON: {text[:40]} is beyond what a number can be")
+        raise JsonError("", f"not JSON: {text[:40]} is too large for a number")
     return number
 
 

@@ -1,6 +1,6 @@
-"""The kinds of values in layouts: each kind encodes and decodes its values, also as JSON.
+"""The kinds of values in layouts. Each kind encodes and decodes its values, also as JSON.
 
-`plain` converts a value to types that the module `json` can dump; `made` is the inverse of `plain`
+`plain` converts a value to types that the module `json` can dump. `made` is the inverse of `plain`
 and raises `JsonError`. `step` describes the kind to the extension `_plans`; it returns None if the
 extension does not support the kind.
 """
@@ -23,10 +23,11 @@ from gecos.wire.errors import (
     DecodeError,
     EncodeError,
     JsonError,
+    RangeError,
     brief,
     expect_enumerator,
-    out_of_range,
 )
+from gecos.wire.units import Range
 
 _NOT_FINITE = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
 
@@ -46,14 +47,15 @@ def below(path: str, name: str) -> str:
 
 
 class Kind(ABC):
-    """Encodes and decodes values of one kind. `label` names the value in error messages."""
+    """Encodes and decodes values of one kind. `label` is the name of the value in error
+    messages."""
 
     __slots__ = ()
 
     least = 0
     """Smallest size of a value in bytes."""
     holds_array = False
-    """Whether values hold numpy arrays, for which `==` gives an array: `same` must compare them."""
+    """Whether values hold numpy arrays, which `same` must compare, because `==` gives an array."""
 
     @abstractmethod
     def put(self, value: Any, out: Parts, label: str) -> None: ...
@@ -72,7 +74,8 @@ class Kind(ABC):
 
 
 class Number(Kind):
-    """A number; `code` as in `wire.Fields`. In JSON, "nan", "inf" and "-inf" are also numbers."""
+    """A number. `code` is a number code as in `wire.Fields`. In JSON, "nan", "inf" and "-inf" are
+    numbers too."""
 
     __slots__ = ("code", "least")
 
@@ -119,37 +122,38 @@ class Number(Kind):
         try:
             WRITERS[self.code].pack(data)
             return float(data)
-        except (OverflowError, struct.error):  # the latter for a whole number of 309 digits
+        except (OverflowError, struct.error):  # struct.error for a whole number of 309 digits
             wrong = "too large" if isinstance(data, int) else f"not {CODE_MEANING[self.code]}"
             raise JsonError(path, f"{brief(data)[:40]} is {wrong}") from None
 
 
 def limits_of(code: str) -> tuple[int, int]:
-    """The smallest and the largest whole number that `code` can represent."""
+    """Returns the smallest and the largest whole number that `code` can represent."""
     bits = 8 * READERS[code].size
     return (0, (1 << bits) - 1) if code.isupper() else (-(1 << bits - 1), (1 << bits - 1) - 1)
 
 
 class Limits:
-    """The range that @range allows for numbers of code `code`. None means: no limit on this side.
+    """The range that @range declares for numbers of code `code`. None means that there is no limit
+    on that side.
 
-    Python's floats are more precise than single precision. For code `f`, the limit as written and
-    the single-precision number nearest to the limit may be sent; both are encoded as the latter.
+    Python's floats are more precise than single precision. For code `f`, both the limit as written
+    and the nearest single-precision number may be sent. Both are encoded as the latter.
     """
 
-    __slots__ = ("high", "low", "received", "sent", "text")
+    __slots__ = ("range", "received", "sent")
 
-    def __init__(self, code: str, low: Any, high: Any) -> None:
-        self.low, self.high = low, high
+    def __init__(self, code: str, low: Any, high: Any, unit: str = "") -> None:
+        self.range = Range(low, high, unit)  # as messages show it
         self.sent: tuple[Any, Any] = (low, high)
         self.received: tuple[Any, Any] = (low, high)
         if code == "f":
             self.received = (_single(low), _single(high))
             self.sent = (_outer(min, low), _outer(max, high))
-        self.text = f"[{'-inf' if low is None else low}, {'inf' if high is None else high}]"
 
     def effective(self, code: str) -> tuple[Any, Any]:
-        """The limits, with None in place of a limit that no number of `code` can exceed."""
+        """Returns the limits, with None in place of each limit that no number of `code` can
+        exceed."""
         low, high = self.sent
         if code not in "fd":
             least, most = limits_of(code)
@@ -171,19 +175,19 @@ class Ranged(Number):
 
     __slots__ = ("high", "limits", "low")
 
-    def __init__(self, code: str, low: Any, high: Any) -> None:
+    def __init__(self, code: str, low: Any, high: Any, unit: str = "") -> None:
         super().__init__(code)
-        self.limits = Limits(code, low, high)
+        self.limits = Limits(code, low, high, unit)
         self.low, self.high = self.limits.sent
 
     def put(self, value: Any, out: Parts, label: str) -> None:
         out.append(number(value, self.code, label))
         low, high = self.low, self.high
         if (low is not None and not value >= low) or (high is not None and not value <= high):
-            raise out_of_range(label, value, self.limits.text)
+            raise RangeError(label, value, self.limits.range)
 
     def take(self, source: Decoder, label: str) -> Any:
-        return source.ranged(self.code, *self.limits.received, label)
+        return source.ranged(self.code, *self.limits.received, label, self.limits.range)
 
     def step(self) -> Any:
         low, high = self.limits.effective(self.code)
@@ -278,7 +282,8 @@ class Enumerators(Kind):
 
 
 class Flags(Kind):
-    """A bitmask; in JSON the list of the set flags. Only the lowest `bits` bits may be set."""
+    """A bitmask; in JSON the list of the flags that are set. Only the lowest `bits` bits may be
+    set."""
 
     __slots__ = ("bits", "code", "kind", "least", "names")
 
@@ -292,7 +297,7 @@ class Flags(Kind):
     def put(self, value: Any, out: Parts, label: str) -> None:
         out.append(number(value, self.code, label))
         if value >> self.bits:
-            raise out_of_range(label, value, f"[0, {(1 << self.bits) - 1}]")
+            raise RangeError(label, value, Range(0, (1 << self.bits) - 1))
 
     def take(self, source: Decoder, label: str) -> Any:
         read = source.number(self.code, label)
@@ -318,7 +323,8 @@ class Flags(Kind):
 
 
 class Nested(Kind):
-    """A value whose type has its own layout; encoded in a block if the type is appendable."""
+    """A value whose type has a layout of its own. It is encoded in a block if the type is
+    appendable."""
 
     __slots__ = ("kind", "layout", "put")
     # `put` is an attribute instead of a method, which saves one call.
@@ -352,7 +358,7 @@ class Nested(Kind):
 
 
 class Later(Kind):
-    """A value whose type is declared later; `known` returns the type when it is declared."""
+    """A value whose type is declared later. `known` returns the type once it is declared."""
 
     __slots__ = ("_known",)
 
@@ -424,14 +430,14 @@ class Secret(Kind):
 
 
 def _without(value: Any, text: str) -> str:
-    """`text` with a placeholder wherever it shows the value, or a value inside it."""
+    """Returns `text` with a placeholder wherever it shows the value, or a value inside it."""
     for each in sorted(_inside(value), key=len, reverse=True):
         text = text.replace(each, HIDDEN)
     return text
 
 
 def _inside(value: Any) -> set[str]:
-    """The texts that would reveal the value, or a value inside it, in an error message."""
+    """Returns the texts that would reveal the value, or a value inside it, in an error message."""
     shown = {repr(value), str(value)} - {""}
     if isinstance(value, dict):
         value = [*value.keys(), *value.values()]
@@ -441,7 +447,8 @@ def _inside(value: Any) -> set[str]:
 
 
 class Twin:
-    """The layout of a hand-written type whose encoding equals that of the generated `struct`."""
+    """The layout of a hand-written type. Its encoding equals that of the generated type
+    `struct`."""
 
     __slots__ = ("kind", "struct")
     compiled = False
@@ -477,8 +484,8 @@ _numbers = {code: Number(code) for code in READERS}
 
 
 def kind_of(step: Any) -> Kind:
-    """Converts a layout step to a Kind. A step is a Kind, the code of a number, a type with its
-    own layout, or a function that returns a type that is declared later."""
+    """Converts a layout step to a Kind. A step is a Kind, the code of a number, a type with a
+    layout of its own, or a function that returns a type that is declared later."""
     if isinstance(step, Kind):
         return step
     if isinstance(step, str):

@@ -1,4 +1,4 @@
-"""Layouts of generated types: a type declares a layout once; the layout provides its methods.
+"""Layouts of generated types. A type declares its layout once, and the layout provides its methods.
 
     @layout.struct(0xE3695E149ACAA4EA, "dd??", layout.text(), open=True)
     @dataclass(slots=True)
@@ -6,11 +6,12 @@
         width: float = 0.0
         ...
 
-A layout lists the members in order, as *steps*: codes of numbers as in `wire.Fields`, any number
-of them in one text; a type with its own layout; a function that returns a type declared later; or
-the result of a function below. A layout provides: encoding and decoding with all checks, `==` for
-values that hold arrays, JSON, a `repr` without secrets, and the plan by which the C++ extension
-encodes and decodes the usual case (`gecos.wire.plans`).
+A layout lists the members in order, as *steps*. A step is one of these: a text with the codes of
+any number of numbers, as in `wire.Fields`; a type with a layout of its own; a function that returns
+a type that is declared later; or the result of a function below. A layout provides encoding and
+decoding with all checks, `==` for values that hold arrays, JSON, and a `repr` without secrets. It
+also provides the plan by which the C++ extension encodes and decodes the usual case
+(`gecos.wire.plans`).
 """
 
 from __future__ import annotations
@@ -47,9 +48,10 @@ _EnumT = TypeVar("_EnumT", bound=type[IntEnum])
 _FlagsT = TypeVar("_FlagsT", bound=type[IntFlag])
 
 
-def ranged(code: str, low: float | None, high: float | None = None) -> Kind:
-    """A number from `low` to `high`; None: no limit on this side."""
-    return Ranged(code, low, high)
+def ranged(code: str, low: float | None, high: float | None = None, unit: str = "") -> Kind:
+    """Describes a number from `low` to `high`. None means that there is no limit on that side.
+    Messages show the limits with `unit`."""
+    return Ranged(code, low, high, unit)
 
 
 def char() -> Kind:
@@ -60,23 +62,37 @@ def text(most: int = MAX_TEXT) -> Kind:
     return Text(most)
 
 
-def octets(most: int = MAX_COUNT, low: int | None = None, high: int | None = None) -> Kind:
-    return Octets(most, low=low, high=high)
+def octets(
+    most: int = MAX_COUNT, low: int | None = None, high: int | None = None, unit: str = ""
+) -> Kind:
+    return Octets(most, low=low, high=high, unit=unit)
 
 
-def fixed_octets(size: int, low: int | None = None, high: int | None = None) -> Kind:
-    return Octets(size=size, low=low, high=high)
+def fixed_octets(
+    size: int, low: int | None = None, high: int | None = None, unit: str = ""
+) -> Kind:
+    return Octets(size=size, low=low, high=high, unit=unit)
 
 
 def numbers(
-    code: str, most: int = MAX_COUNT, low: float | None = None, high: float | None = None
+    code: str,
+    most: int = MAX_COUNT,
+    low: float | None = None,
+    high: float | None = None,
+    unit: str = "",
 ) -> Kind:
-    """A sequence of numbers, as a numpy array."""
-    return Numbers(code, most, low, high)
+    """Describes a sequence of numbers, which is kept as a numpy array."""
+    return Numbers(code, most, low, high, unit)
 
 
-def array(code: str, *shape: int, low: float | None = None, high: float | None = None) -> Kind:
-    return Array(code, shape, low, high)
+def array(
+    code: str,
+    *shape: int,
+    low: float | None = None,
+    high: float | None = None,
+    unit: str = "",
+) -> Kind:
+    return Array(code, shape, low, high, unit)
 
 
 def items(inner: Step, most: int = MAX_COUNT) -> Kind:
@@ -100,13 +116,13 @@ def secret(inner: Step) -> Kind:
 
 
 def arm(name: str, step: Step, *tags: Any) -> Arm:
-    """An arm of a union and the tags that select it. Without tags, the arm is selected by every tag
-    that selects no other arm."""
+    """Describes an arm of a union, and the tags that select it. Without tags, the arm is selected
+    by every tag that selects no other arm."""
     return Arm(name, kind_of(step), tags)
 
 
 class Encoded:
-    """The base class of generated types: methods that encode and decode by the layout."""
+    """The base class of generated types. Its methods encode and decode as the layout says."""
 
     __slots__ = ()
     _gecos_layout: ClassVar[Any]
@@ -136,7 +152,8 @@ class Union(Struct):
 
     @classmethod
     def _arm(cls, tag: Any) -> int:
-        """Number of the arm that `tag` selects, from 1; 0 if `tag` selects no arm."""
+        """Returns the number of the arm that `tag` selects, counted from 1; 0 if `tag` selects no
+        arm."""
         number: int = cls._gecos_layout.selected(tag)
         return number
 
@@ -174,21 +191,17 @@ def struct(
     deep: bool = False,
     label: str = "",
     names: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
     """Declares the members of a dataclass, in the order of its constructor.
 
     An older writer may omit the last `missing` members, which then get their default values. In an
     `open` struct, members added by a newer writer are skipped. A `deep` struct may contain values
     of its own type. `label` is the struct's name in messages, if its class has another name.
-    `names` maps Python names of members to names in the interface where the two differ. `units`
-    maps names in the interface to units, which errors show.
+    `names` maps Python names of members to names in the interface where the two differ.
     """
 
     def tell(kind: _KindT) -> _KindT:
-        layout = StructLayout(
-            kind, fingerprint, steps, missing, open, deep, label, names or {}, units or {}
-        )
+        layout = StructLayout(kind, fingerprint, steps, missing, open, deep, label, names or {})
         _describe(kind, layout)
         if plans.COMPILED:
             plans.compile_struct(layout, fingerprint)
@@ -201,13 +214,12 @@ def result(
     *steps: Step,
     missing: int = 0,
     names: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
-    """Declares the members of the result of an operation with several results. Such a result is
-    extensible like an @appendable struct, but needs no block because it is a whole reply."""
+    """Declares the members of the result of an operation with several results. Such a result can be
+    extended like an @appendable struct, but needs no block because it is a whole reply."""
 
     def tell(kind: _KindT) -> _KindT:
-        layout = StructLayout(kind, None, steps, missing, True, False, "", names or {}, units or {})
+        layout = StructLayout(kind, None, steps, missing, True, False, "", names or {})
         layout.in_block = False
         _describe(kind, layout)
         return kind
@@ -225,15 +237,14 @@ def exception(
     names: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
-    """Declares the members of an exception with the scoped name `name`, compared by identity."""
+    """Declares the members of an exception with the scoped name `name`, compared by identity.
+    `units` maps names in the interface to units, which its text shows."""
 
     def tell(kind: _KindT) -> _KindT:
-        layout = StructLayout(
-            kind, fingerprint, steps, missing, open, False, label, names or {}, units or {}
-        )
+        layout = StructLayout(kind, fingerprint, steps, missing, open, False, label, names or {})
         named = zip(layout.attributes, layout.names, strict=True)
         kind._gecos_name = name
-        kind._gecos_units = {here: layout.units[n] for here, n in named if n in layout.units}
+        kind._gecos_units = {here: units[n] for here, n in named if n in units} if units else {}
         _describe(kind, layout)
         return kind
 
@@ -247,14 +258,11 @@ def twin(
     open: bool = False,
     label: str = "",
     names: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
     """Declares the members of a struct whose encoding equals that of the hand-written type `of`."""
 
     def tell(kind: _KindT) -> _KindT:
-        layout = StructLayout(
-            kind, None, steps, missing, open, False, label, names or {}, units or {}
-        )
+        layout = StructLayout(kind, None, steps, missing, open, False, label, names or {})
         _describe(kind, layout)
         twins[of] = Twin(of, kind)
         return kind
@@ -271,7 +279,7 @@ def union(
     label: str = "",
 ) -> Callable[[_KindT], _KindT]:
     """Declares a dataclass with `tag` and `value` as a union. The parameter `tag` is the step of
-    the union's tag: an enum or the code of a number."""
+    the union's tag: an enum, or the code of a number."""
 
     def tell(kind: _KindT) -> _KindT:
         layout = UnionLayout(kind, fingerprint, kind_of(tag), arms, open, deep, label)
@@ -287,8 +295,8 @@ def bits(
     label: str = "",
     names: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
-    """Declares a bitset that is encoded as one number of code `code`. `members` are the position,
-    width and code of each member."""
+    """Declares a bitset that is encoded as one number with the code `code`. `members` are the
+    position, width and code of each member."""
 
     def tell(kind: _KindT) -> _KindT:
         kind._gecos_layout = BitsLayout(kind, code, members, label, names or {})
@@ -300,7 +308,7 @@ def bits(
 def enumeration(
     code: str, otherwise: str | None = None, names: Mapping[str, str] | None = None
 ) -> Callable[[_EnumT], _EnumT]:
-    """Declares the layout of an enum; the enumerator `otherwise` replaces unknown numbers."""
+    """Declares the layout of an enum. The enumerator `otherwise` replaces unknown numbers."""
 
     def tell(kind: _EnumT) -> _EnumT:
         unknown = None if otherwise is None else kind[otherwise]
@@ -313,7 +321,7 @@ def enumeration(
 def flags(
     code: str, count: int, names: Mapping[str, str] | None = None
 ) -> Callable[[_FlagsT], _FlagsT]:
-    """Declares the layout of a bitmask in which only the lowest `count` bits may be set."""
+    """Declares the layout of a bitmask. Only the lowest `count` bits may be set."""
 
     def tell(kind: _FlagsT) -> _FlagsT:
         kind._gecos_layout = Flags(kind, code, count, names or {})  # type: ignore[attr-defined]

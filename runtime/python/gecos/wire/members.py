@@ -1,4 +1,5 @@
-"""Sequences of named values: members of a struct, arguments of a call, fields of a bitset."""
+"""Sequences of named values: the members of a struct, the arguments of a call, or the fields of a
+bitset."""
 
 from __future__ import annotations
 
@@ -9,24 +10,23 @@ from typing import Any, TypeAlias
 
 from gecos.wire.decode import Decoder
 from gecos.wire.encode import Parts, number
-from gecos.wire.errors import JsonError, RangeError, expect, out_of_range
+from gecos.wire.errors import JsonError, RangeError, expect
 from gecos.wire.fields import Fields
 from gecos.wire.kinds import Kind, Number, Secret, below, expect_json, kind_of
+from gecos.wire.units import Range
 from gecos.wire.values import same, signed
 
 _Group: TypeAlias = tuple[int, int, Callable[..., Any], Callable[..., Any], str]
 """First and end index of a group of members, the functions that encode and decode the group, and
 its label. A group is a run of numbers with the label "", or one member with its own label."""
-_NO_UNITS: Mapping[str, str] = {}
 
 
 class Members:
     """Members in the order of their encoding. `names` are their names in the interface; messages
     call a member `label.name`. `defaults` are for the last members, which an older writer may omit.
-    `units` are the units of members, for messages.
     """
 
-    __slots__ = ("_groups", "_needed", "defaults", "kinds", "label", "names", "units")
+    __slots__ = ("_groups", "_needed", "defaults", "kinds", "label", "names")
 
     def __init__(
         self,
@@ -34,11 +34,9 @@ class Members:
         names: Sequence[str],
         steps: Sequence[Any],
         defaults: Sequence[Any],
-        units: Mapping[str, str] = _NO_UNITS,
     ) -> None:
         self.label = label
         self.names = names
-        self.units = units
         self.kinds = [kind_of(each) for each in _single(steps)]
         if len(self.kinds) != len(names):
             raise TypeError(f"{label}: {len(self.kinds)} steps for {len(names)} members")
@@ -72,9 +70,7 @@ class Members:
                 yield at, end, run.pack, run.unpack, ""
                 at = end
             else:
-                unit = self.units.get(self.names[at])
-                put = kinds[at].put if unit is None else _naming_unit(kinds[at].put, unit)
-                yield at, at + 1, put, kinds[at].take, labels[at]
+                yield at, at + 1, kinds[at].put, kinds[at].take, labels[at]
                 at += 1
 
     def write(self, values: Sequence[Any], out: Parts) -> None:
@@ -104,7 +100,8 @@ class Members:
         }
 
     def made(self, data: Any, path: str) -> list[tuple[int, Any]]:
-        """The inverse of `plain`: index and value of each given member. Refuses unknown members."""
+        """Converts plain data back to members: returns the index and the value of each given
+        member. Refuses unknown members."""
         expect_json(dict, data, path, "an object")
         for name in sorted(data.keys() - set(self.names)):
             why = f"unknown member; the known members are {', '.join(self.names)}"
@@ -114,18 +111,6 @@ class Members:
             for i, (name, kind) in enumerate(zip(self.names, self.kinds, strict=True))
             if name in data
         ]
-
-
-def _naming_unit(put: Callable[..., None], unit: str) -> Callable[..., None]:
-    """`put`, whose range errors name the unit of the value."""
-
-    def put_with_unit(value: Any, out: Parts, label: str) -> None:
-        try:
-            put(value, out, label)
-        except RangeError as error:
-            raise error.with_unit(unit) from None
-
-    return put_with_unit
 
 
 def _single(steps: Sequence[Any]) -> Iterator[Any]:
@@ -160,13 +145,12 @@ class StructLayout(Members):
         deep: bool,
         label: str,
         names: Mapping[str, str],
-        units: Mapping[str, str] = _NO_UNITS,
     ) -> None:
         members = fields(kind)
         self.attributes = [member.name for member in members]
         called = [names.get(name, name) for name in self.attributes]
         defaults = [member.default for member in members[len(members) - missing :]]
-        super().__init__(label or kind.__name__, called, steps, defaults, units)
+        super().__init__(label or kind.__name__, called, steps, defaults)
         self.kind = kind
         self.fingerprint = fingerprint
         self.open = open
@@ -199,7 +183,7 @@ class StructLayout(Members):
         return super().plain(self._values(value))
 
     def made(self, data: Any, path: str) -> Any:
-        """The inverse of `plain`. Omitted members get their default values."""
+        """Converts plain data back to a value. Omitted members get their default values."""
         return self.kind(**{self.attributes[i]: each for i, each in super().made(data, path)})
 
     @property
@@ -242,7 +226,7 @@ class Arguments(Members):
 
     def encode(self, *values: Any) -> Parts:
         out: Parts = []
-        # a copy of the body of `write`, for speed
+        # This loop is a copy of the body of `write`, for speed.
         for at, end, put, _, label in self._groups or self._grouped():
             if label:
                 put(values[at], out, label)
@@ -254,7 +238,7 @@ class Arguments(Members):
         return tuple(self.read(source))
 
     def made_values(self, data: Any, path: str = "") -> tuple[Any, ...]:
-        """The inverse of `plain`; only arguments with defaults may be omitted."""
+        """Converts plain data back to arguments. Only arguments with defaults may be omitted."""
         given = dict(super().made(data, path))
         required = self._needed
         for i, name in enumerate(self.names):
@@ -266,8 +250,8 @@ class Arguments(Members):
 
 
 class BitsLayout(Kind):
-    """The layout of a bitset, which is encoded as one number of code `code`. `members` are the
-    position, width and code of each member."""
+    """The layout of a bitset, which is encoded as one number with the code `code`. `members` are
+    the position, width and code of each member."""
 
     __slots__ = ("_labels", "_members", "_number", "attributes", "kind", "least", "names", "used")
 
@@ -297,7 +281,7 @@ class BitsLayout(Kind):
             low = -(1 << width - 1) if code.islower() else 0
             high = low + (1 << width) - 1
             if not low <= member <= high:
-                raise out_of_range(label, member, f"[{low}, {high}]")
+                raise RangeError(label, member, Range(low, high))
             bits |= (member & (1 << width) - 1) << position
         return number(bits, self._number.code)
 

@@ -1,8 +1,8 @@
-"""Compiled codecs: the extension `gecos.wire._plans` handles the usual case of generated structs.
+"""Compiled codecs. The extension `gecos.wire._plans` handles the usual cases of generated structs.
 
 In an unusual case (a value that does not fit its field, invalid bytes, a number of an unusual type)
 the Python codec starts again from the beginning. Without the extension, the Python codec always
-runs. Both codecs give the same results; only their speed differs.
+runs. Both codecs give the same results, only with different speed.
 """
 
 from __future__ import annotations
@@ -40,5 +40,6 @@ def compile_struct(layout: StructLayout, fingerprint: int) -> None:
 
 
 def accelerated(function: _FunctionT) -> _FunctionT:
-    """Decorates a function of `gecos.wire`: structs with a compiled plan use the C++ version."""
+    """Decorates a function of `gecos.wire`, so that structs with a compiled plan use its C++
+    version."""
     return _plans.entry(function.__name__, function) if COMPILED else function

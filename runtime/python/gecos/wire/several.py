@@ -17,8 +17,9 @@ from gecos.wire.encode import (
     numbers,
     octets,
 )
-from gecos.wire.errors import JsonError, out_of_range
+from gecos.wire.errors import JsonError, RangeError
 from gecos.wire.kinds import Kind, Limits, Number, expect_json
+from gecos.wire.units import outside
 from gecos.wire.values import as_array
 
 
@@ -116,14 +117,16 @@ class Octets(Kind):
         size: int | None = None,
         low: int | None = None,
         high: int | None = None,
+        unit: str = "",
     ) -> None:
         self.most = most
         self.size = size
-        limits = Limits("B", low, high)
+        limits = Limits("B", low, high, unit)
         self.limits = None if limits.effective("B") == (None, None) else limits
 
     def _first_outside(self, value: bytes | bytearray | memoryview[int]) -> int | None:
-        """Index of the first byte outside the declared range; None if there is none."""
+        """Returns the index of the first byte outside the declared range; None if there is no such
+        byte."""
         if self.limits is None:
             return None
         low, high = self.limits.sent
@@ -142,13 +145,14 @@ class Octets(Kind):
         else:
             out.append(fixed_octets(value, self.size, label))
         if self.limits is not None and (index := self._first_outside(out[-1])) is not None:
-            raise out_of_range(label, out[-1][index], self.limits.text)
+            raise RangeError(f"{label}[{index}]", out[-1][index], self.limits.range)
 
     def take(self, source: Decoder, label: str) -> Any:
         size = source.count(1, self.most, label) if self.size is None else self.size
         taken = source.octets(size, label)
         if (index := self._first_outside(taken)) is not None:
-            source.refuse_range(label, size - index)
+            assert self.limits is not None
+            source.refuse_range(label, size - index, outside(taken[index], self.limits.range))
         return taken
 
     def step(self) -> Any:
@@ -164,22 +168,27 @@ class Octets(Kind):
 
 
 class Numbers(Kind):
-    """A sequence of numbers as a numpy array. Limits are compared in the precision of the array."""
+    """A sequence of numbers, kept as a numpy array. Limits are compared in the precision of the
+    array."""
 
     __slots__ = ("code", "limits", "most")
     least = 4
     holds_array = True
 
-    def __init__(self, code: str, most: int, low: Any = None, high: Any = None) -> None:
+    def __init__(
+        self, code: str, most: int, low: Any = None, high: Any = None, unit: str = ""
+    ) -> None:
         self.code = code
         self.most = most
-        self.limits = Limits(code, low, high)
+        self.limits = Limits(code, low, high, unit)
 
     def put(self, value: Any, out: Parts, label: str) -> None:
-        out += numbers(value, self.code, self.most, label, *self.limits.sent)
+        limits = self.limits
+        out += numbers(value, self.code, self.most, label, *limits.sent, limits.range)
 
     def take(self, source: Decoder, label: str) -> Any:
-        return source.numbers(self.code, self.most, label, *self.limits.sent)
+        limits = self.limits
+        return source.numbers(self.code, self.most, label, *limits.sent, limits.range)
 
     def step(self) -> Any:
         supported = self.limits.sent == (None, None) or self.code == "d"
@@ -198,14 +207,19 @@ class Numbers(Kind):
 
 
 class Array(Numbers):
-    """A numpy array of numbers with a fixed shape."""
+    """An array of numbers with a fixed shape, kept as a numpy array."""
 
     __slots__ = ("count", "shape")
 
     def __init__(
-        self, code: str, shape: tuple[int, ...], low: Any = None, high: Any = None
+        self,
+        code: str,
+        shape: tuple[int, ...],
+        low: Any = None,
+        high: Any = None,
+        unit: str = "",
     ) -> None:
-        super().__init__(code, 0, low, high)
+        super().__init__(code, 0, low, high, unit)
         self.shape = shape
         self.count = 1
         for size in shape:
@@ -216,10 +230,12 @@ class Array(Numbers):
         return self.count * READERS[self.code].size
 
     def put(self, value: Any, out: Parts, label: str) -> None:
-        out.append(fixed(value, self.code, self.shape, label, *self.limits.sent))
+        limits = self.limits
+        out.append(fixed(value, self.code, self.shape, label, *limits.sent, limits.range))
 
     def take(self, source: Decoder, label: str) -> Any:
-        read = source.array(self.code, self.count, label, *self.limits.sent)
+        limits = self.limits
+        read = source.array(self.code, self.count, label, *limits.sent, limits.range)
         return read.reshape(self.shape) if len(self.shape) > 1 else read
 
     def step(self) -> Any:

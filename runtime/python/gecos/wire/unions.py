@@ -1,4 +1,4 @@
-"""Unions: which arm a tag selects, and how tag and arm are encoded and decoded."""
+"""The layout of unions: which arm a tag selects, and how tag and arm are encoded and decoded."""
 
 from __future__ import annotations
 
@@ -23,12 +23,17 @@ from gecos.wire.kinds import (
 )
 from gecos.wire.values import same
 
+NOT_OF_TAG = (
+    "the value does not agree with the union's discriminator; make it with one of the functions "
+    "make_…"
+)
 CONTAINERS = (bytes, bytearray, list, tuple, dict)
 WITHOUT_ITEMS = (Number, Char, Text, Enumerators, Flags, Nested)
 
 
 class Arm:
-    """An arm of a union. Without `tags`, every tag that selects no other arm selects it."""
+    """An arm of a union. An arm without `tags` is selected by every tag that selects no other
+    arm."""
 
     __slots__ = ("kind", "name", "tags")
 
@@ -66,7 +71,8 @@ class _Tag:
 
 
 class UnionLayout:
-    """The layout of a union: a dataclass with `tag` and `value`, see `gecos.wire.layout.union`."""
+    """The layout of a union. The union is a dataclass with `tag` and `value`; see
+    `gecos.wire.layout.union`."""
 
     __slots__ = (
         "_deep", "_keeps_secrets", "_otherwise", "_selected", "_tag", "arms", "fingerprint",
@@ -98,7 +104,8 @@ class UnionLayout:
         self._otherwise = next((i for i, arm in enumerate(arms, start=1) if not arm.tags), 0)
 
     def selected(self, tag: Any) -> int:
-        """Number of the arm that `tag` selects, from 1; 0 if `tag` selects no arm."""
+        """Returns the number of the arm that `tag` selects, counted from 1; 0 if `tag` selects no
+        arm."""
         try:
             return self._selected.get(tag, self._otherwise)
         except TypeError:  # an unhashable value is not a tag
@@ -120,7 +127,7 @@ class UnionLayout:
         selected = self.selected(union.tag)
         value = union.value
         if (value is None) != (selected == 0):
-            raise EncodeError(self.label, "the value does not agree with the union's discriminator")
+            raise EncodeError(self.label, NOT_OF_TAG)
         self._tag.put(union.tag, out, f"{self.label}.tag")
         for i, arm in enumerate(self.arms, start=1):
             out.append(b"\1" if i == selected else b"\0")
@@ -160,7 +167,8 @@ class UnionLayout:
         for name in sorted(data):
             if name != "tag" and not (arm and name == "value"):
                 raise JsonError(
-                    below(path, name), "with this discriminator the union has no such member"
+                    below(path, name),
+                    "with this discriminator the union has no such member",
                 )
         if not arm:
             return self.kind(tag)
@@ -179,9 +187,9 @@ class UnionLayout:
         return __repr__
 
     def _may_be_secret(self, kind: Kind | None, value: Any) -> bool:
-        """Whether `value` may be secret: the selected arm is secret, or `value` is a text or
-        container that does not fit the selected arm and so may belong to a secret arm. `kind` is
-        the kind of the selected arm, or None."""
+        """Returns whether `value` may be secret. It may be if the selected arm is secret. It may
+        also be if `value` is a text or container that does not fit the selected arm, because it may
+        belong to a secret arm. `kind` is the kind of the selected arm, or None."""
         if not self._keeps_secrets or isinstance(kind, Secret):
             return self._keeps_secrets
         if isinstance(value, str):

@@ -1,26 +1,51 @@
-"""Units in messages: behind the values of an exception and the limits of a range."""
+"""Adds units to messages: after the members of an exception, and after the limits of a range."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
-# What a value may have been given in, and its factor to the unit.
-_MISTAKEN = {"rad": ("degrees", math.pi / 180), "m": ("millimetres", 1e-3)}
+# What a value may have been given in, its factor to the unit, and the smallest value that is
+# rather a mistake of the unit than a value a little beyond its limit.
+_MISTAKEN = {"rad": ("degrees", math.pi / 180, math.pi), "m": ("millimetres", 1e-3, 1.0)}
 
 
 def mistaken_unit(value: object, low: float, high: float, unit: str) -> str:
-    """A question to add to the message about `value`, which is outside `low` to `high` in `unit`,
-    but inside if it was given in degrees or millimetres: "; is the value in degrees?". Else empty.
-    """
-    name, factor = _MISTAKEN.get(unit, ("", 0.0))
-    if not name or not isinstance(value, int | float):
+    """A question to add to the message about `value`: "; is the value in degrees?". Empty unless
+    `value` is outside `low` to `high`, and inside when it means degrees (a value above pi rad) or
+    millimetres (a value of at least 1 m) instead of `unit`."""
+    name, factor, least = _MISTAKEN.get(unit, ("", 0.0, 0.0))
+    if not name or not isinstance(value, int | float) or low <= value <= high:
         return ""
-    return f"; is the value in {name}?" if low <= value * factor <= high else ""
+    meant = abs(value) >= least and low <= value * factor <= high
+    return f"; is the value in {name}?" if meant else ""
+
+
+class Range:
+    """The limits of a number and their unit. None: no limit on this side."""
+
+    __slots__ = ("high", "low", "unit")
+
+    def __init__(self, low: Any, high: Any, unit: str = "") -> None:
+        self.low, self.high, self.unit = low, high, unit
+
+    def __str__(self) -> str:
+        """ "[0.01, 1.0] m/s" """
+        low = "-inf" if self.low is None else self.low
+        high = "inf" if self.high is None else self.high
+        return f"[{low}, {high}]{f' {self.unit}' if self.unit else ''}"
+
+
+def outside(value: Any, limits: Range) -> str:
+    """The reason why `limits` refuse `value`: "1.9 is outside [-1.5, 1.5] rad"."""
+    low = -math.inf if limits.low is None else limits.low
+    high = math.inf if limits.high is None else limits.high
+    return f"{value} is outside {limits}{mistaken_unit(value, low, high, limits.unit)}"
 
 
 def shown_members(values: Mapping[str, str], units: Mapping[str, str]) -> str:
-    """Members and their units: "axis=1, value=2.9 rad"."""
+    """Returns members with their units, as a text such as "axis=1, value=2.9 rad"."""
     return ", ".join(
         f"{name}={value}{f' {units[name]}' if name in units else ''}"
         for name, value in values.items()

@@ -13,24 +13,25 @@ if TYPE_CHECKING:
 
 
 def signed(bits: int, width: int) -> int:
-    """The number that `width` bits represent in two's complement."""
+    """Returns the number that the lowest `width` bits represent in two's complement."""
     return bits - (1 << width) if bits >> (width - 1) else bits
 
 
 def first(entry: tuple[Any, Any]) -> Any:
-    """The key of an entry of a map; sorts the entries."""
+    """Returns the key of an entry of a map; `sorted` uses it to sort the entries."""
     return entry[0]
 
 
 def zeros(code: str, *shape: int) -> Array:
-    """The initial value of an array member."""
+    """Returns the initial value of an array member: all elements are 0."""
     import numpy as np
 
     return np.zeros(shape, native(code))
 
 
 def as_array(values: npt.ArrayLike, code: str) -> Array:
-    """`values` as a numpy array; a bytes object becomes an array of numbers only for code `B`."""
+    """Returns `values` as a numpy array. A bytes object becomes an array of numbers only for the
+    code `B`."""
     import numpy as np
 
     if code == "B" and isinstance(values, bytes):
@@ -39,7 +40,8 @@ def as_array(values: npt.ArrayLike, code: str) -> Array:
 
 
 def _numbers(value: Any) -> Any:
-    """Converts bytes to an array of numbers, to compare it with arrays; other values unchanged."""
+    """Converts bytes to an array of numbers, so that they can be compared with arrays. Returns
+    other values unchanged."""
     import numpy as np
 
     given = isinstance(value, bytes | bytearray | memoryview)
@@ -47,7 +49,7 @@ def _numbers(value: Any) -> Any:
 
 
 def same(left: Any, right: Any) -> bool:
-    """`==` for values that hold arrays."""
+    """Returns whether two values that may hold arrays are equal."""
     if isinstance(left, list) or isinstance(right, list):
         sized = hasattr(left, "__len__") and hasattr(right, "__len__")
         return sized and len(left) == len(right) and all(map(same, left, right))

@@ -1,4 +1,4 @@
-"""Position and orientation of a coordinate system seen from another."""
+"""The type Frame: position and orientation of a coordinate system, seen from another."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Vector = npt.NDArray[np.float64]
 _Quaternion = tuple[float, float, float, float]
 
 # If a sine or cosine is below this limit, the first and the third axis of the Euler angles are
-# parallel, and only the sum or the difference of the first and the third angle is determined.
+# parallel. Then only the sum or the difference of the first and the third angle can be determined.
 _PARALLEL_AXES = 1e-9
 
 # The layout of robcl::Frame in idl/robcl/geometry.gidl.
@@ -33,10 +33,10 @@ class InvalidFrame(ValueError):
 
 
 class Frame:
-    """Position (m) and orientation of a coordinate system seen from another.
+    """Position (in m) and orientation of a coordinate system, seen from another.
 
-    Immutable. `==` compares number by number; to compare with tolerances, use `near`. A quaternion
-    and its negative are the same orientation, but `==` treats them as different.
+    A Frame is immutable. `==` compares number by number; to compare with tolerances, use `near`. A
+    quaternion and its negative describe the same orientation, but `==` treats them as different.
     """
 
     __slots__ = ("_numbers",)
@@ -51,8 +51,8 @@ class Frame:
         position: Sequence[float] | Vector = (0.0, 0.0, 0.0),
         orientation: Sequence[float] | Vector = (1.0, 0.0, 0.0, 0.0),
     ) -> None:
-        """`position` in m; `orientation` is a quaternion w, x, y, z, which is normalised. Raises
-        InvalidFrame."""
+        """Makes a frame from a position in m and an orientation. The orientation is a quaternion w,
+        x, y, z, which is normalised. Raises InvalidFrame."""
         x, y, z = map(float, position)
         w, i, j, k = map(float, orientation)
         if not (isfinite(x) and isfinite(y) and isfinite(z)):
@@ -74,17 +74,19 @@ class Frame:
 
     @staticmethod
     def from_euler_zyz(x: float, y: float, z: float, a: float, b: float, c: float) -> Frame:
-        """Euler angles Rz(a)·Ry'(b)·Rz''(c) in rad, as in the paper and V+ (yaw, pitch, roll)."""
+        """Makes a frame from a position in m and the Euler angles Rz(a)·Ry'(b)·Rz''(c) in rad, as
+        in the paper and V+ (yaw, pitch, roll)."""
         return Frame((x, y, z), _product(_product(_about_z(a), _about_y(b)), _about_z(c)))
 
     @staticmethod
     def from_euler_zyx(x: float, y: float, z: float, a: float, b: float, c: float) -> Frame:
-        """Euler angles Rz(a)·Ry'(b)·Rx''(c) in rad."""
+        """Makes a frame from a position in m and the Euler angles Rz(a)·Ry'(b)·Rx''(c) in rad."""
         return Frame((x, y, z), _product(_product(_about_z(a), _about_y(b)), _about_x(c)))
 
     @staticmethod
     def from_fixed_xyz(x: float, y: float, z: float, rx: float, ry: float, rz: float) -> Frame:
-        """Rotations in rad about the fixed axes X, then Y, then Z: the paper's CXYZ, URDF's rpy."""
+        """Makes a frame from a position in m and rotations in rad about the fixed axes X, then Y,
+        then Z. The paper calls them CXYZ, URDF calls them rpy."""
         return Frame.from_euler_zyx(x, y, z, rz, ry, rx)
 
     @staticmethod
@@ -95,7 +97,7 @@ class Frame:
 
     @staticmethod
     def from_matrix(matrix: npt.ArrayLike) -> Frame:
-        """The frame of a homogeneous 4x4 matrix. Raises InvalidFrame."""
+        """Makes a frame from a homogeneous 4x4 matrix. Raises InvalidFrame."""
         m = np.asarray(matrix, dtype=np.float64)
         if m.shape != (4, 4):
             _refuse(f"the matrix has shape {m.shape}, it must be (4, 4)")
@@ -143,9 +145,10 @@ class Frame:
         return w, x, y, z
 
     def euler_zyz(self) -> tuple[float, float, float]:
-        """Angles a, b, c in rad: b in [0, pi], a and c in [-pi, pi]; c = 0 if b is 0 or pi."""
-        # q = (cos(b/2)·cos s, -sin(b/2)·sin d, sin(b/2)·cos d, cos(b/2)·sin s)
-        # with s = (a + c)/2 and d = (a - c)/2
+        """Returns the angles a, b, c in rad: b in [0, pi], a and c in [-pi, pi]. c is 0 if b is 0
+        or pi."""
+        # The quaternion is (cos(b/2)·cos s, -sin(b/2)·sin d, sin(b/2)·cos d, cos(b/2)·sin s) with s
+        # = (a + c)/2 and d = (a - c)/2.
         w, x, y, z = self.quaternion()
         cosine = hypot(w, z)
         sine = hypot(x, y)
@@ -159,7 +162,8 @@ class Frame:
         return _wrapped(total + difference), b, _wrapped(total - difference)
 
     def euler_zyx(self) -> tuple[float, float, float]:
-        """Angles a, b, c in rad: b in [-pi/2, pi/2], a and c in [-pi, pi]; c = 0 if b is ±pi/2."""
+        """Returns the angles a, b, c in rad: b in [-pi/2, pi/2], a and c in [-pi, pi]. c is 0 if b
+        is ±pi/2."""
         r = _rotation(self.quaternion())
         cosine = hypot(r[0][0], r[1][0])
         b = atan2(-r[2][0], cosine)
@@ -168,7 +172,8 @@ class Frame:
         return atan2(r[1][0], r[0][0]), b, atan2(r[2][1], r[2][2])
 
     def fixed_xyz(self) -> tuple[float, float, float]:
-        """Angles rx, ry, rz in rad: the angles of `euler_zyx` in reverse order."""
+        """Returns the angles rx, ry, rz in rad. They are the angles of `euler_zyx` in reverse
+        order."""
         rz, ry, rx = self.euler_zyx()
         return rx, ry, rz
 
@@ -212,7 +217,7 @@ class Frame:
 
     def _moved(self, px: float, py: float, pz: float) -> tuple[float, float, float]:
         x, y, z, w, i, j, k = self._numbers
-        # the rotated point is p + w·t + q x t, with t = 2·(q x p)
+        # The rotated point is p + w·t + q x t, with t = 2·(q x p).
         tx = 2 * (j * pz - k * py)
         ty = 2 * (k * px - i * pz)
         tz = 2 * (i * py - j * px)
@@ -222,8 +227,8 @@ class Frame:
             z + pz + w * tz + i * ty - j * tx,
         )
 
-    # GeneralContents: x, y, z, then w, x, y, z of the quaternion. A decoded frame keeps its exact
-    # numbers, so that encoding it again gives the same bytes.
+    # The methods of GeneralContents. The fields are x, y, z, then w, x, y, z of the quaternion. A
+    # decoded frame keeps its exact numbers, so that encoding it again gives the same bytes.
 
     def encode(self, out: Parts) -> None:
         out.append(_LAYOUT.pack(*self._numbers))
@@ -241,14 +246,15 @@ class Frame:
 
     @staticmethod
     def fingerprint() -> int:
-        """lcm-gen's fingerprint of struct Frame { Vector position; Quaternion orientation; }."""
+        """Returns lcm-gen's fingerprint of struct Frame { Vector position; Quaternion orientation;
+        }."""
         return 0x249634CE2AA17B5E
 
     def __setattr__(self, name: str, value: Any) -> NoReturn:
-        raise AttributeError(f"a Frame does not change (tried to set {name}); make a new one")
+        raise AttributeError(f"a Frame is immutable: {name} cannot be set; make a new Frame")
 
     def __delattr__(self, name: str) -> NoReturn:
-        raise AttributeError(f"a Frame does not change (tried to delete {name}); make a new one")
+        raise AttributeError(f"a Frame is immutable: {name} cannot be deleted; make a new Frame")
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Frame) and self._numbers == other._numbers
@@ -263,7 +269,8 @@ class Frame:
         return f"Frame.from_quaternion({', '.join(map(repr, self._numbers))})"
 
     def __str__(self) -> str:
-        """Text for display: "(452.1, -150.0, 431.8) mm, ZYZ (0.00, 90.00, 0.00) deg"."""
+        """Returns a text for display, such as "(452.1, -150.0, 431.8) mm, ZYZ (0.00, 90.00, 0.00)
+        deg"."""
         place = ", ".join(f"{in_mm(number) + 0.0:.1f}" for number in self._numbers[:3])
         turn = ", ".join(f"{in_deg(number) + 0.0:.2f}" for number in self.euler_zyz())
         return f"({place}) mm, ZYZ ({turn}) deg"
@@ -286,12 +293,13 @@ def rotate_z(angle: float) -> Frame:
 
 
 def distance(left: Frame, right: Frame) -> float:
-    """Distance between the two origins, m."""
+    """Returns the distance between the two origins in m."""
     return hypot(left.x - right.x, left.y - right.y, left.z - right.z)
 
 
 def angle(left: Frame, right: Frame) -> float:
-    """Angle of the single rotation that turns one orientation into the other, rad in [0, pi]."""
+    """Returns the angle of the single rotation that turns one orientation into the other, in rad in
+    [0, pi]."""
     w, i, j, k = left.quaternion()
     between = _product((w, -i, -j, -k), right.quaternion())
     return 2 * atan2(hypot(*between[1:]), abs(between[0]))
@@ -334,8 +342,8 @@ def _rotation(q: _Quaternion) -> tuple[tuple[float, ...], ...]:
 
 
 def _from_rotation(turn: Vector) -> _Quaternion:
-    """The quaternion of a 3x3 rotation matrix, computed from the quaternion's largest component,
-    so that no component is lost to rounding."""
+    """Returns the quaternion of a 3x3 rotation matrix. It is computed from the quaternion's largest
+    component, so that rounding loses no component."""
     (a, b, c), (d, e, f), (g, h, i) = turn.tolist()
     candidates = (
         (1 + a + e + i, h - f, c - g, d - b),

@@ -1,4 +1,4 @@
-"""robcl takes and returns SI units. Only these functions convert millimetres and degrees."""
+"""Conversions of millimetres and degrees. All other functions of robcl take and return SI units."""
 
 from math import pi
 

@@ -36,12 +36,11 @@ from gidl.targets.calls import (
 from gidl.targets.cpp import names
 from gidl.targets.cpp.includes import system_headers
 from gidl.targets.cpp.lower import PRIMITIVES, Lowering
-from gidl.targets.cpp.lower.ranges import bounds
+from gidl.targets.cpp.lower.ranges import bounds, limits_text
 from gidl.targets.cpp.lower.statements import quoted
 from gidl.targets.cpp.values.structs import Structs
 from gidl.targets.cpp.values.views import FieldView
 from gidl.targets.groups import WIDTH, call, flat, group
-from gidl.targets.naming import range_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,14 +138,14 @@ class _Calls(Structs):
             member = members[each.name.removesuffix("=")]
             name = short_name(each).removesuffix("=")
             if each.request:
-                does = f"Setting `{name}`" if each.kind is CallKind.SETTER else f"`{name}`"
+                does = f"setting `{name}`" if each.kind is CallKind.SETTER else f"`{name}`"
                 takes = (
                     [parameter_value(p) for p in member.inputs]
                     if isinstance(member, Operation)
                     else [attribute_value(member)]
                 )
                 place = table.arguments[each.name]
-                doc = f"What {does[0].lower()}{does[1:]} takes."
+                doc = f"The arguments of {does}."
                 yield place, self._listed(place, doc, name, takes, each.request)
             if len(each.reply) == 1:
                 place = table.results[each.name]
@@ -161,7 +160,7 @@ class _Calls(Structs):
             value = replace(attribute_value(member), name="result")
         step = self._step(layout.reply[0].node, inside=False, secret=value.secret)
         if step.arguments or value.name != "result":
-            return self._listed(place, f"What `{name}` gives.", name, [value], layout.reply)
+            return self._listed(place, f"The result of `{name}`.", name, [value], layout.reply)
         held = [self._lowering.type(value.type, value.optional)]
         return ResultView(
             place.name,
@@ -211,7 +210,7 @@ class _Calls(Structs):
                     return _PLAIN
                 return _Step(
                     f"gecos::layout::Ranged<{PRIMITIVES[primitive]}>",
-                    (bounds(node), quoted(range_text(limits))),
+                    (bounds(node), limits_text(node)),
                 )
             case StringNode(bound):
                 return _PLAIN if bound is None else _Step(f"gecos::layout::Text<{bound}>")

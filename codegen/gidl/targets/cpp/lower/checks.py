@@ -24,7 +24,7 @@ from gidl.model import (
     Model,
 )
 from gidl.targets.cpp import names
-from gidl.targets.cpp.lower.ranges import bounds, range_test
+from gidl.targets.cpp.lower.ranges import bounds, limits_text, range_test
 from gidl.targets.cpp.lower.statements import (
     block,
     loop,
@@ -34,7 +34,6 @@ from gidl.targets.cpp.lower.statements import (
 from gidl.targets.cpp.lower.types import Slot, Types, is_bulk
 from gidl.targets.cpp.names import Locals
 from gidl.targets.groups import call
-from gidl.targets.naming import range_text
 
 Refuse = Callable[[str], str]
 
@@ -85,13 +84,16 @@ class Checks(Types):
             for head, found, rest in [line.partition("return ")]
         ]
 
-    def _check(self, node: Node, x: str, label: str, local: Locals) -> list[str]:
+    def _check(
+        self, node: Node, x: str, label: str, local: Locals, inner: bool = False
+    ) -> list[str]:
+        """`inner`: `x` is an element, so that its own elements have more than one index."""
         match node:
             case ScalarNode():
                 return self._check_number(node, x, label)
             case OptionalNode(element):
-                inner = self._check(element, f"*{x}", label, local)
-                return block(f"if ({x})", inner) if inner else []
+                lines = self._check(element, f"*{x}", label, local, inner)
+                return block(f"if ({x})", lines) if lines else []
             case StringNode(bound):
                 head = f"if (!gecos::wire::valid_text({x}))"
                 bad = f"return gecos::wire::bad_text({quoted(label)});"
@@ -100,17 +102,17 @@ class Checks(Types):
                 return self._over(x, label, bound, "bytes") + lines
             case SequenceNode(element, bound):
                 over = self._over(x, label, bound, "elements")
-                return over + self._check_elements(element, 1, x, label, local)
+                return over + self._check_elements(element, 1, x, label, local, inner)
             case ArrayNode(element, dimensions):
-                return self._check_elements(element, len(dimensions), x, label, local)
+                return self._check_elements(element, len(dimensions), x, label, local, inner)
             case MapNode(key, value, bound):
                 key_name, value_name = local.fresh("key"), local.fresh("entry")
-                inner = [
-                    *self._check(key, key_name, label, local),
-                    *self._check(value, value_name, label, local),
+                checks = [
+                    *self._check(key, key_name, label, local, True),
+                    *self._check(value, value_name, label, local, True),
                 ]
                 head = f"for (const auto& [{key_name}, {value_name}] : {x})"
-                lines = block(head, inner) if inner else []
+                lines = block(head, checks) if checks else []
                 return self._over(x, label, bound, "entries") + lines
             case EnumNode(name) | StructNode(name) | AppendableNode(name) | UnionNode(name):
                 return self._violation(node, name, x, local)
@@ -118,16 +120,16 @@ class Checks(Types):
                 return self._violation(node, interface, x, local)
 
     def _check_elements(
-        self, element: Node, depth: int, x: str, label: str, local: Locals
+        self, element: Node, depth: int, x: str, label: str, local: Locals, inner: bool
     ) -> list[str]:
         if depth == 1 and isinstance(element, ScalarNode) and is_bulk(element):
-            return self._check_numbers(element, x, label, local)
+            return self._check_numbers(element, x, label, local, inner)
         item = local.fresh("item" if depth == 1 else "row")
         if depth == 1:
-            inner = self._check(element, item, label, local)
+            lines = self._check(element, item, label, local, True)
         else:
-            inner = self._check_elements(element, depth - 1, item, label, local)
-        return loop(item, x, inner)
+            lines = self._check_elements(element, depth - 1, item, label, local, True)
+        return loop(item, x, lines)
 
     def _violation(self, node: Node, name: str, x: str, local: Locals) -> list[str]:
         if not self._has_checks(node):
@@ -139,15 +141,21 @@ class Checks(Types):
     def _check_number(number: ScalarNode, x: str, label: str) -> list[str]:
         if number.limits is None:
             return []
-        return _refused(f"if (!{range_test(x, number)})", number, x, label)
+        told = call("gecos::wire::out_of_range", quoted(label), x, limits_text(number))
+        return block(f"if (!{range_test(x, number)})", [f"return {told};"])
 
     @staticmethod
-    def _check_numbers(number: ScalarNode, x: str, label: str, local: Locals) -> list[str]:
+    def _check_numbers(
+        number: ScalarNode, x: str, label: str, local: Locals, inner: bool
+    ) -> list[str]:
         if number.limits is None:
             return []
         found = local.fresh("outlier")
         first = call("gecos::wire::first_outside", x, bounds(number))
-        return _refused(f"if (const auto* {found} = {first})", number, f"*{found}", label)
+        where = [quoted(label), f"*{found}"] if inner else [quoted(label), x, found]
+        function = "out_of_range" if inner else "element_out_of_range"
+        told = call(f"gecos::wire::{function}", *where, limits_text(number))
+        return block(f"if (const auto* {found} = {first})", [f"return {told};"])
 
     @staticmethod
     def _over(x: str, label: str, bound: int | None, what: str) -> list[str]:
@@ -159,13 +167,3 @@ class Checks(Types):
             f"if ({size} > {bound})",
             [f"return {told};"],
         )
-
-
-def _refused(head: str, number: ScalarNode, x: str, label: str) -> list[str]:
-    assert number.limits is not None
-    kind = number.primitive
-    wide = "unsigned long long" if kind.is_unsigned else "long long"
-    cast = x if kind.is_floating else f"static_cast<{wide}>({x})"
-    text = range_text(number.limits)
-    told = call("gecos::wire::out_of_range", quoted(label), cast, quoted(text))
-    return block(head, [f"return {told};"])

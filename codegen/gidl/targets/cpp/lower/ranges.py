@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from gidl.layout.wire_nodes import ScalarNode
 from gidl.model import Primitive
+from gidl.targets.naming import range_text
 
 
 def range_test(x: str, number: ScalarNode) -> str:
@@ -13,9 +14,17 @@ def range_test(x: str, number: ScalarNode) -> str:
 
 
 def bounds(number: ScalarNode) -> str:
-    """A gecos::wire::Bounds: "{.low = 0.01, .high = 1.0}". Empty if all values are in the range."""
-    terms = [f".{side} = {bound}" for _, side, bound in _bounds(number)]
+    """A gecos::wire::Bounds: "{0.01, 1.0}" or "{.low = 0.01}". Empty if all values are in the
+    range."""
+    found = _bounds(number)
+    terms = [bound if len(found) == 2 else f".{side} = {bound}" for _, side, bound in found]
     return f"{{{', '.join(terms)}}}" if terms else ""
+
+
+def limits_text(number: ScalarNode) -> str:
+    """The string literal that messages show: ""[0.01, 1.0] m/s"". @pre the number has limits"""
+    assert number.limits is not None
+    return f'"{range_text(number.limits, number.unit)}"'
 
 
 def _bounds(number: ScalarNode) -> list[tuple[str, str, str]]:

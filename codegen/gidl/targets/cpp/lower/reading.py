@@ -22,10 +22,11 @@ from gidl.layout.wire_nodes import (
     StructNode,
     UnionNode,
 )
-from gidl.targets.cpp.lower.ranges import bounds, range_test
+from gidl.targets.cpp.lower.ranges import bounds, limits_text
 from gidl.targets.cpp.lower.statements import (
     indented,
     of,
+    quoted,
     with_lambda,
 )
 from gidl.targets.cpp.lower.types import Slot, Types, is_bulk
@@ -46,14 +47,13 @@ class Reading(Types):
                 inner = self._decode(element, inner_name, label, source, local)
                 head = f"gecos::wire::get_optional({source}, {x}, {field}, "
                 return with_lambda(head, inner_name, inner)
-            case ScalarNode(primitive):
-                lines = [f"{source}.get({x}, {field})"]
-                if node.limits is not None:
-                    test, size = range_test(x, node), primitive.size
-                    lines[0] += " &&"
-                    in_range = call("gecos::wire::in_range", source, test, str(size), field)
-                    lines.append(in_range)
-                return lines
+            case ScalarNode():
+                read = f"{source}.get({x}, {field})"
+                if node.limits is None:
+                    return [read]
+                shown = limits_text(node)
+                within = call("gecos::wire::within", source, x, bounds(node), field, shown)
+                return [f"{read} &&", within]
             case EnumNode(name):
                 return [f"{self.function(name, 'decode_enum')}({source}, {x}, {field})"]
             case StringNode(bound):
@@ -104,7 +104,9 @@ def _bulk(read: str, number: ScalarNode, x: str, label: str, source: str) -> lis
         return [read]
     return [
         f"{read} &&",
-        call("gecos::wire::all_within", source, x, bounds(number), f'"{label}"'),
+        call(
+            "gecos::wire::all_within", source, x, bounds(number), quoted(label), limits_text(number)
+        ),
     ]
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 from gidl.layout.languages import CPP_BITSET_WORDS, CPP_WORDS
 from gidl.layout.type_names import escaped
 from gidl.model import (
@@ -43,6 +45,7 @@ class Enums(ValueNames):
             "" if enum.default_literal is None else word(enum.default_literal),
             tuple((word(e.name), e.name) for e in enum.enumerators),
             tuple(rows([f"case {e.number}:" for e in enum.enumerators])),
+            _known(enum),
         )
 
     def _mask(self, mask: Bitmask) -> MaskView:
@@ -112,14 +115,20 @@ class Enums(ValueNames):
         if kind is Primitive.BOOLEAN or width == 8 * kind.size:
             return []
         if kind.is_unsigned:
-            low, high, wide = 0, (1 << width) - 1, "unsigned long long"
+            low, high = 0, (1 << width) - 1
             test = f"value.{name} > {high}U"
         else:
-            low, high, wide = -(1 << (width - 1)), (1 << (width - 1)) - 1, "long long"
+            low, high = -(1 << (width - 1)), (1 << (width - 1)) - 1
             test = f"value.{name} < {low} || value.{name} > {high}"
-        text, cast = f"{bitset.simple_name}.{label}", f"static_cast<{wide}>(value.{name})"
-        told = call("gecos::wire::out_of_range", quoted(text), cast, quoted(f"[{low}, {high}]"))
+        text, limits = f"{bitset.simple_name}.{label}", quoted(f"[{low}, {high}]")
+        told = call("gecos::wire::out_of_range", quoted(text), f"value.{name}", limits)
         return block(
             f"if ({test})",
             [f"return {told};"],
         )
+
+
+def _known(enum: EnumDeclaration) -> str:
+    """ "no Speed; there are SLOW, FAST"; of many enumerators the first ones."""
+    shown = textwrap.shorten(", ".join(e.name for e in enum.enumerators), 50, placeholder=" …")
+    return f"no {enum.simple_name}; there are {shown}"

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from gidl.layout.type_names import TypeName
 from gidl.layout.wire_layout import FieldLayout
+from gidl.layout.wire_nodes import ScalarNode
 from gidl.model import (
     ExceptionStruct,
     Interface,
@@ -30,6 +31,7 @@ from gidl.targets.cpp.values.views import (
     printed,
     unit_of,
 )
+from gidl.targets.groups import call
 from gidl.targets.naming import (
     value_note,
 )
@@ -69,7 +71,11 @@ class Structs(ValueNames):
             tuple(self._field(m, incomplete) for m in struct.members),
             f"0x{layout.fingerprint & (1 << 64) - 1:016x}",
             self._struct_codec(content),
-            printed(self._name(struct), [self._print(m) for m in content.members]),
+            printed(
+                self._name(struct),
+                [self._print(m) for m in content.members],
+                _mistaken_unit(content) if isinstance(struct, ExceptionStruct) else "",
+            ),
         )
 
     def results_of(self, interface: Interface) -> Iterator[tuple[TypeName, StructView]]:
@@ -187,3 +193,16 @@ def missing_value(lowering: Lowering, member: Member) -> str:
         return "std::nullopt"
     assert member.default is not None
     return lowering.literal(member.default, member.type)
+
+
+def _mistaken_unit(content: Content) -> str:
+    """A call that asks whether `value` was given in degrees or millimetres, for an exception with
+    numbers `value`, `lower` and `upper`. Empty for other exceptions."""
+    found = {m.name: (m, f.node) for m, f in zip(content.members, content.fields, strict=True)}
+    names = ("value", "lower", "upper")
+    members, nodes = zip(*(found.get(name, (None, None)) for name in names), strict=True)
+    number = all(isinstance(node, ScalarNode) and node.primitive.is_number for node in nodes)
+    if not number or not all(member.unit for member in members):
+        return ""
+    values = [f"value.{name}" for name in names]
+    return call("gecos::wire::mistaken_unit", *values, f'"{members[0].unit}"')

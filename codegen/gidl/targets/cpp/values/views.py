@@ -28,6 +28,7 @@ class EnumView:
     unknown: str  # enumerator that replaces an unknown number; "" if such a number is refused
     words: tuple[tuple[str, str], ...]  # pairs of enumerator and its IDL name
     cases: tuple[str, ...]  # lines of the labels of the known numbers
+    known: str  # the enumerators, for the message about an unknown number
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,8 +169,8 @@ class TypesView:
     namespaces: tuple[NamespaceView, ...]
 
 
-def printed(name: str, prints: list[PrintView]) -> tuple[str, ...]:
-    """Literals and values in turn: `"Point{x=", value.x, " m}"`."""
+def printed(name: str, prints: list[PrintView], end: str = "") -> tuple[str, ...]:
+    """Literals and values in turn: `"Point{x=", value.x, " m}"`. `end` is a last value."""
     parts, literal = [], f"{name}{{"
     for i, each in enumerate(prints):
         literal += f"{', ' if i else ''}{each.label}"
@@ -179,7 +180,7 @@ def printed(name: str, prints: list[PrintView]) -> tuple[str, ...]:
         else:
             literal += "***"
     lines = [""]
-    for part in [*parts, f'"{literal}}}"']:
+    for part in [*parts, f'"{literal}}}"', *([end] if end else [])]:
         if lines[-1] and len(lines[-1]) + len(part) > 90:
             lines.append("")
         lines[-1] += f"{', ' if lines[-1] else ''}{part}"

@@ -1,1 +1,1 @@
-"""Views for the template of `<file>.py`: client proxies and servants."""
+"""Builds the views of client proxies and servants, for the template of `<file>.py`."""

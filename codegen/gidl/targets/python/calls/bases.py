@@ -1,8 +1,9 @@
 """Chooses the base classes of a generated proxy or servant.
 
-Python lists all bases of a class in one order (C3), which keeps the order of each base, and refuses
-a class without such an order: `interface C : A, B` where B derives from A. Members are never
-overridden, so any order is correct. All classes use the same one: the deepest base first.
+Python puts all bases of a class in one order, by the algorithm C3, which keeps the order that each
+base already has. Python refuses a class for which no such order exists: for example the class of
+`interface C : A, B` where B derives from A. Members are never overridden, so any order is correct.
+All generated classes use the same order: the deepest base first.
 """
 
 from __future__ import annotations
@@ -11,8 +12,9 @@ from gidl.model import Interface, Model
 
 
 def class_bases(model: Model, interface: Interface) -> list[str]:
-    """Scoped names of the base classes. The direct bases suffice if Python then orders all bases
-    deepest first; otherwise all bases are named."""
+    """Returns the scoped names of the base classes. They are the direct bases if Python then puts
+    all bases in the order from deepest to least deep. Otherwise they are all bases, in this
+    order."""
     wanted = _ordered(model, interface.all_bases)
     inherited = {name for base in interface.bases for name in model.interface(base).all_bases}
     own = _ordered(model, [name for name in interface.bases if name not in inherited])
@@ -29,7 +31,8 @@ def _depth(model: Model, name: str) -> int:
 
 
 def _merged(lists: list[list[str]]) -> list[str]:
-    """The bases in Python's order (C3). The list ends early if Python would refuse the bases."""
+    """Returns the bases in the order of Python (C3). The list ends early if Python would refuse the
+    bases."""
     found: list[str] = []
     while lists := [each for each in lists if each]:
         heads = (each[0] for each in lists)

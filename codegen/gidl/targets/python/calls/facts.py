@@ -1,4 +1,4 @@
-"""Facts that client and server share: names, parameters and results of each call."""
+"""Facts that client and server code share: names, parameters and results of each call."""
 
 from __future__ import annotations
 
@@ -78,14 +78,14 @@ class CallFacts:
         return Passed(attribute_value(attribute), sample.node)
 
     def _parameter_names(self, call: CallLayout) -> list[str]:
-        """Names of the parameters, in order. No parameter has the name of a class in a type
-        hint."""
+        """Returns the names of the parameters, in order. No parameter has the name of a class in a
+        type hint."""
         inputs = self._inputs(call)
         words = self._lowering.words_beside([each.node for each in inputs], PYTHON_WORDS)
         return [names.member_name(each.value.name, words) for each in inputs]
 
     def _missing(self, each: Passed) -> str:
-        """The default value of a parameter that an older caller leaves out, as text."""
+        """Returns the default value, as text, of a parameter that an older caller leaves out."""
         if each.value.optional or each.value.default is None:
             return "None"
         return self._lowering.literal(each.value.default, each.node)
@@ -94,8 +94,8 @@ class CallFacts:
         return call.name in self._layout.python_names.results
 
     def _in_class(self, hint: str) -> str:
-        """A type hint inside a class. Where a method `list` hides the type `list`, the hint uses
-        the alias `_list_`."""
+        """Returns a type hint for use inside a class. If a method `list` hides the type `list`, the
+        hint uses the alias `_list_`."""
 
         def other(found: re.Match[str]) -> str:
             if found[0] not in self._beside:
@@ -124,7 +124,8 @@ class CallFacts:
 
 
 def classes_of(lowering: Lowering, interface: Interface) -> set[Home]:
-    """The classes that the proxy and the servant of an interface use: value types and bases."""
+    """Returns the classes that the proxy and the servant of an interface use: value types and
+    bases."""
     model, layout, homes = lowering.model, lowering.layout, lowering.module.homes
     nodes: list[Node] = []
     found: set[Home] = set()

@@ -67,8 +67,8 @@ def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> I
 
 
 def _in_module(lowering: Lowering, file: File, interfaces: list[Interface]) -> Lowering:
-    """`lowering` with the names in the module of a file's interfaces, which also exports the file's
-    types."""
+    """Returns `lowering` with the names in the module of a file's interfaces, which also exports
+    the file's types."""
     homes = lowering.module.homes
     used = {home for interface in interfaces for home in classes_of(lowering, interface)}
     own = python_module(file.path)
@@ -76,7 +76,7 @@ def _in_module(lowering: Lowering, file: File, interfaces: list[Interface]) -> L
 
 
 def _texts(view: InterfaceView) -> Iterator[str]:
-    """The texts in a view that may contain names of the gecos runtime."""
+    """Yields the texts in a view that may contain names of the gecos runtime."""
     yield from (*view.client_bases, *view.server_bases, view.quality)
     for method in view.methods:
         yield from (method.result, method.feedback, method.operation, *method.terms)

@@ -39,8 +39,9 @@ class Members(Tables):
         return names.docstring((*lines, *([""] if lines and notes else []), *notes))
 
     def _parameters(self, layout: CallLayout, calling: bool) -> tuple[ParameterView, ...]:
-        """The parameters of a proxy's method (`calling`) or of a handler. Those of a handler have
-        no defaults, because it is called with all parameters."""
+        """Returns the parameters of a method of the proxy (with `calling`) or of a handler.
+        Parameters of a handler have no defaults, because the runtime calls it with all
+        parameters."""
         values = self._inputs(layout)
         missing = first_missing([each.value for each in values])
         return tuple(
@@ -74,7 +75,7 @@ class Members(Tables):
         )
 
     def _run(self, layout: CallLayout) -> str:
-        """The name of the parameter through which a handler gets its gecos.Execution."""
+        """Returns the name of the parameter through which a handler gets its gecos.Execution."""
         return LocalNames(self._parameter_names(layout)).fresh("run")
 
     def _handler(self, layout: CallLayout) -> HandlerView:
@@ -88,11 +89,11 @@ class Members(Tables):
             self._method_name(layout),
             parameters,
             self._in_class(self._result_hint(layout, sending=True)),
-            self._doc(layout) or (f"Answers {short_name(layout)}.",),
+            self._doc(layout) or (f"Handles calls of `{short_name(layout)}`.",),
         )
 
     def _execution(self) -> str:
-        """The name that the generated module uses for gecos.Execution."""
+        """Returns the name that the generated module uses for gecos.Execution."""
         return "_Execution"
 
     def _publisher(self, attribute: Attribute, getter: CallLayout) -> PublisherView:

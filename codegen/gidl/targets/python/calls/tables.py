@@ -9,7 +9,6 @@ from gidl.targets.calls import first_missing, short_name
 from gidl.targets.groups import call, group
 from gidl.targets.python.calls.facts import CallFacts, Passed
 from gidl.targets.python.calls.views import MethodTableView
-from gidl.targets.python.lower.steps import has_range, unit_of, units_of
 from gidl.targets.python.lower.types import quoted
 
 _NO_TERMS = "_Quality()"
@@ -30,8 +29,8 @@ class Tables(CallFacts):
     def _carried(
         self, layout: CallLayout, member: Operation | Attribute, feedback: str
     ) -> list[str]:
-        """Arguments that describe the parameters, results, feedback, exceptions and stream of a
-        call. A part that the call does not have gets no argument."""
+        """Returns the arguments that describe the parameters, results, feedback, exceptions and
+        stream of a call. A part that the call does not have gets no argument."""
         terms = []
         if inputs := self._inputs(layout):
             terms.append(f"takes={self._values(inputs)}")
@@ -62,26 +61,20 @@ class Tables(CallFacts):
         defaults = [self._missing(each) for each in values[first_missing(passed) :]]
         listed = group(defaults) if defaults[1:] else f"({defaults[0]},)" if defaults else ""
         terms = [f"defaults={listed}"] if defaults else []
-        units = [
-            (each.name, unit_of(each.unit, each.type))
-            for each, node in zip(passed, (v.node for v in values), strict=True)
-            if not each.secret and has_range(node)
-        ]
-        terms += units_of(units)
         return call("_values", quoted(" ".join(each.name for each in passed)), *steps, *terms)
 
     def _step(self, each: Passed) -> str:
         return self._lowering.step(each.node, each.value.secret)
 
     def _stream(self, attribute: Attribute) -> str:
-        """The rate of a stream in Hz, and the size of its largest sample in bytes."""
+        """Returns the rate of a stream in Hz, and the size of its largest sample in bytes."""
         assert attribute.stream is not None
         largest = self._layout.stream(attribute.scoped_name).sample.fixed_size or 0
         return group([repr(float(attribute.stream.rate_hz or 0)), str(largest)])
 
     def _operation(self, layout: CallLayout, member: Operation | Attribute) -> str:
-        """A gecos.interface.Operation: its code, name, access and hash, and other arguments only
-        where they differ from the defaults."""
+        """Returns the text of a gecos.interface.Operation: its code, name, access and hash, and
+        those other arguments that differ from their defaults."""
         setter = layout.kind is CallKind.SETTER
         getter = isinstance(member, Attribute) and not setter
         flags = {}

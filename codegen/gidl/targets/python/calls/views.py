@@ -9,7 +9,7 @@ from dataclasses import dataclass
 class MethodTableView:
     """The constant that describes an operation's parameters, results and exceptions."""
 
-    name: str  # name of the constant: "_DEVICE_MOUNT"
+    name: str  # name of the constant, for example "_DEVICE_MOUNT"
     result: str
     feedback: str
     operation: str  # "_Operation(…)"
@@ -44,7 +44,7 @@ class HandlerView:
 
 @dataclass(frozen=True, slots=True)
 class PublisherView:
-    name: str  # name of the method: "publish_tool"
+    name: str  # name of the method, for example "publish_tool"
     attribute: str
     hint: str
     stamp: str
@@ -56,7 +56,7 @@ class PublisherView:
 class InterfaceView:
     name: str
     servant: str
-    constant: str  # name of the interface's constant: "_DEVICE"
+    constant: str  # name of the interface's constant, for example "_DEVICE"
     scoped_name: str
     version: str
     hash: str

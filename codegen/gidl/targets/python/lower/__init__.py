@@ -1,4 +1,4 @@
-"""Python text for nodes of the wire layout: type hints, default values and layout steps."""
+"""Prints Python text for nodes of the wire layout: type hints, default values and layout steps."""
 
 from __future__ import annotations
 

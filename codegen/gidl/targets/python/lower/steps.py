@@ -19,7 +19,7 @@ from gidl.layout.wire_nodes import (
     StructNode,
     UnionNode,
 )
-from gidl.model import Model, Primitive, Range, SequenceType, Type
+from gidl.model import Model, Primitive, Range
 from gidl.targets.groups import call, group
 from gidl.targets.python.homes import ModuleNames
 from gidl.targets.python.lower.types import CODES, Types, bulk_code, is_octet, quoted
@@ -32,8 +32,8 @@ class Lowering(Types):
         """Names of declarations whose classes are defined later in the module."""
 
     def steps(self, values: Iterable[tuple[Node, bool]]) -> list[str]:
-        """The steps for values, given as pairs (node, is secret). The codes of consecutive numbers
-        are joined into one text."""
+        """Returns the steps for values, given as pairs (node, is secret). The codes of consecutive
+        numbers are joined into one text."""
         found: list[str] = []
         for node, secret in values:
             step = self.step(node, secret)
@@ -58,7 +58,7 @@ class Lowering(Types):
                 if limits is None or node.bounds is None:
                     return code
                 high = [] if limits.maximum is None else [_limit(limits.maximum)]
-                return call("_layout.ranged", code, _limit(limits.minimum), *high)
+                return call("_layout.ranged", code, _limit(limits.minimum), *high, *_unit(node))
             case StringNode(bound):
                 return call("_layout.text", *_bound(bound))
             case SequenceNode(element, bound):
@@ -99,33 +99,17 @@ class Lowering(Types):
 
 
 def renamed(names: Iterable[tuple[str, str]]) -> list[str]:
-    """The argument `names` of a layout: pairs of Python name and interface name, for names that
-    differ. Empty if none differ."""
+    """Returns the argument `names` of a layout. It has pairs of Python name and interface name, for
+    the names that differ. The list is empty if no name differs."""
     pairs = [f"{quoted(here)}: {quoted(there)}" for here, there in names if here != there]
     return [f"names={group(pairs, '{', '}')}"] if pairs else []
 
 
 def units_of(units: Iterable[tuple[str, str | None]]) -> list[str]:
-    """The argument `units` of a layout: pairs of interface name and unit, for the values that have
-    a unit. Empty if none has."""
+    """Returns the argument `units` of an exception: pairs of interface name and
+    unit, for the members that have a unit. The list is empty if no member has a unit."""
     pairs = [f"{quoted(name)}: {quoted(unit)}" for name, unit in units if unit]
     return [f"units={group(pairs, '{', '}')}"] if pairs else []
-
-
-def unit_of(unit: str | None, used: Type) -> str | None:
-    """The unit of a value, or of its elements."""
-    return unit or (used.unit if isinstance(used, SequenceType) else None)
-
-
-def has_range(node: Node) -> bool:
-    """Whether a number, or an element of a sequence or array, has a range."""
-    match node:
-        case ScalarNode(limits=limits):
-            return limits is not None
-        case OptionalNode(element) | SequenceNode(element) | ArrayNode(element):
-            return has_range(element)
-        case _:
-            return False
 
 
 def _bound(bound: int | None) -> list[str]:
@@ -141,4 +125,9 @@ def _limits(element: Node) -> list[str]:
         return []
     limits: Range = element.limits
     sides = (("low", limits.minimum), ("high", limits.maximum))
-    return [f"{name}={_limit(value)}" for name, value in sides if value is not None]
+    given = [f"{name}={_limit(value)}" for name, value in sides if value is not None]
+    return given + _unit(element)
+
+
+def _unit(number: ScalarNode) -> list[str]:
+    return [f"unit={quoted(number.unit)}"] if number.unit else []

@@ -1,4 +1,4 @@
-"""Python text for values: type hints, default values and literals."""
+"""Prints Python text for values: type hints, default values and literals."""
 
 from __future__ import annotations
 
@@ -54,12 +54,12 @@ class Types:
         self.module = module  # names in the module that is printed
 
     def within(self, module: ModuleNames) -> Self:
-        """A copy that prints texts for another module."""
+        """Returns a copy that prints texts for another module."""
         return type(self)(self.model, self.layout, module)
 
     def hint(self, node: Node, sending: bool = False) -> str:
-        """The type hint of a value. With `sending` it includes types that are accepted as input but
-        never returned."""
+        """Returns the type hint of a value. With `sending`, the hint includes types that are
+        accepted as input but never returned."""
         match node:
             case OptionalNode(element):
                 return f"{self.hint(element, sending)} | None"
@@ -96,17 +96,18 @@ class Types:
         return text
 
     def fields(self, struct: Struct) -> tuple[FieldLayout, ...]:
-        """The wire fields of all members, base members first, ordered like `Model.all_members`."""
+        """Returns the wire fields of all members, in the order of `Model.all_members`: those of the
+        bases come first."""
         return self.layout.structs[struct.name].fields
 
     def words(self, struct: Struct) -> frozenset[str]:
-        """Names that the members of a struct cannot have in Python."""
+        """Returns the names that the members of a struct cannot have in Python."""
         exception = isinstance(struct, ExceptionStruct)
         words = names.EXCEPTION_WORDS if exception else names.STRUCT_WORDS
         return self.words_beside([field.node for field in self.fields(struct)], words)
 
     def words_beside(self, nodes: Iterable[Node], words: frozenset[str]) -> frozenset[str]:
-        """`words`, and the names of the classes in the type hints of `nodes`."""
+        """Returns `words`, and the names of the classes in the type hints of `nodes`."""
         return words | self.type_names(nodes)
 
     def literal(self, value: Value, node: Node) -> str:
@@ -130,8 +131,8 @@ class Types:
         return " | ".join(f"{mine}.{names.enumerator(flag)}" for flag in flags) or f"{mine}(0)"
 
     def initial(self, member: Member, node: Node) -> tuple[str, bool]:
-        """The default of a member as text, and whether this text is a factory, called for each new
-        object."""
+        """Returns the default of a member as text, and whether this text is a factory, which is
+        called for each new object."""
         if isinstance(node, OptionalNode):
             return "None", False
         if member.default is not None:
@@ -182,11 +183,12 @@ class Types:
         return f"lambda: {repeated(text, dimensions)}", True
 
     def type_names(self, nodes: Iterable[Node]) -> frozenset[str]:
-        """Names of the classes in the type hints of `nodes`, as in the modules that define them."""
+        """Returns the names of the classes in the type hints of `nodes`, as the modules that define
+        the classes call them."""
         return frozenset(home.name for node in nodes for home in self.named(node))
 
     def named(self, node: Node) -> set[Home]:
-        """Modules and names of the classes in the type hint of a value."""
+        """Returns modules and names of the classes in the type hint of a value."""
         match node:
             case OptionalNode(element) | SequenceNode(element) | ArrayNode(element):
                 return self.named(element)
@@ -205,7 +207,8 @@ class Types:
 
 
 def bulk_code(element: Node) -> str | None:
-    """The number code of elements that are kept in a numpy array; None for other elements."""
+    """Returns the number code of elements that are kept in a numpy array; None for other
+    elements."""
     if isinstance(element, ScalarNode) and element.primitive is not Primitive.CHAR:
         return CODES[element.primitive]
     return None
@@ -216,14 +219,14 @@ def is_octet(element: Node) -> bool:
 
 
 def repeated(text: str, dimensions: tuple[int, ...]) -> str:
-    """A nested list comprehension, which evaluates `text` for each element."""
+    """Returns a nested list comprehension, which evaluates `text` for each element."""
     for size in reversed(dimensions):
         text = clauses([text, f"for _ in range({size})"], "[", "]")
     return text
 
 
 def quoted(text: str) -> str:
-    """A string literal in double quotes, as ruff writes them."""
+    """Returns a string literal in double quotes, as ruff formats it."""
     body = repr(text)[1:-1] if "'" not in text else repr(text)[1:-1].replace("\\'", "'")
     if repr(text).startswith('"'):
         return repr(text)

@@ -1,1 +1,1 @@
-"""Views for the template of `<file>_types.py`."""
+"""Builds the views for the template of `<file>_types.py`."""

@@ -66,7 +66,7 @@ def types_view(lowering: Lowering, file: File) -> TypesView:
 
 
 def _in_module(lowering: Lowering, file: File) -> Lowering:
-    """`lowering` with the names in the module of a file's types."""
+    """Returns `lowering` with the names in the module of a file's types."""
     homes, layout = lowering.module.homes, lowering.layout
     nodes = [n for d in file.declarations for n in _nodes(lowering.model, layout, d)]
     for operation in homes.results_of(file):
@@ -77,7 +77,8 @@ def _in_module(lowering: Lowering, file: File) -> Lowering:
 
 
 def _nodes(model: Model, layout: Layout, declaration: AnyDeclaration) -> list[Node]:
-    """The wire-layout nodes of all values in the class that is generated for a declaration."""
+    """Returns the wire-layout nodes of all values in the class that is generated for a
+    declaration."""
     match declaration:
         case Struct(name):
             return [field.node for field in layout.structs[name].fields]
@@ -151,12 +152,12 @@ class _Types(Structs, Unions):
         return self._lowering.module
 
     def results(self, file: File) -> list[StructView]:
-        """The result classes of the operations in the file that have several results."""
+        """Returns the result classes of those operations in the file that have several results."""
         return [self._result(operation) for operation in self.module.homes.results_of(file)]
 
     def types(self, file: File) -> list[TypeView]:
-        """The views of the declarations in the file's order. Typedefs of types that are declared
-        later come last."""
+        """Returns the views of the declarations in the order of the file. Typedefs of types that
+        are declared later come last."""
         views: list[TypeView] = []
         later: list[TypeView] = []
         missing = self.module.homes.names_of(file)

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 from gidl.layout.wire_layout import FieldLayout
 from gidl.layout.wire_nodes import Node
-from gidl.model import ExceptionStruct, Member, Operation, Struct
+from gidl.model import ExceptionStruct, Member, Operation, SequenceType, Struct
 from gidl.targets.calls import result_struct
 from gidl.targets.groups import call
 from gidl.targets.naming import value_note
 from gidl.targets.python import names
-from gidl.targets.python.lower.steps import has_range, renamed, unit_of, units_of
+from gidl.targets.python.lower.steps import renamed, units_of
 from gidl.targets.python.lower.types import quoted
 from gidl.targets.python.values.names import ValueNames, may_be_missing, type_doc
 from gidl.targets.python.values.views import FieldView, StructView
@@ -43,7 +43,8 @@ class Structs(ValueNames):
         return self._view(printed, "struct", [number], self._missing(printed) + terms)
 
     def _twin(self, struct: Struct) -> StructView:
-        """The view of the declared members of a struct that maps to a hand-written class."""
+        """Returns the view of the declared members of a struct that maps to a hand-written
+        class."""
         called, members = self._name(struct), self._model.all_members(struct)
         fields = self._layout.structs[struct.name].fields
         label = f"_{struct.simple_name}Layout"
@@ -52,7 +53,7 @@ class Structs(ValueNames):
         return self._view(printed, "twin", [called], self._missing(printed) + terms)
 
     def _result(self, operation: Operation) -> StructView:
-        """The view of the result class of an operation with several results."""
+        """Returns the view of the result class of an operation with several results."""
         struct = result_struct(self._layout, operation)
         name = self._layout.python_names.results[operation.scoped_name].name
         fields = self._layout.call(operation.scoped_name).reply
@@ -60,7 +61,8 @@ class Structs(ValueNames):
         return self._view(printed, "result", [], self._missing(printed))
 
     def _missing(self, printed: _Class) -> list[str]:
-        """The argument that says how many of the last members an older writer may leave out."""
+        """Returns the argument that says how many of the last members an older writer may leave
+        out."""
         members, count = printed.members, 0
         while printed.struct.is_appendable and count < len(members):
             if not may_be_missing(members[-1 - count]):
@@ -77,11 +79,8 @@ class Structs(ValueNames):
         steps = self._lowering.steps(zip(nodes, (m.secret for m in printed.members), strict=True))
         label = [f"label={quoted(printed.label)}"] if printed.label != printed.name else []
         declared = zip(attributes, (m.name for m in printed.members), strict=True)
-        units = [
-            (member.name, unit_of(member.unit, member.type))
-            for member, node in zip(printed.members, nodes, strict=True)
-            if not member.secret and (kind == "exception" or has_range(node))
-        ]
+        shown = printed.members if kind == "exception" else ()
+        units = [(member.name, unit_of(member)) for member in shown if not member.secret]
         described = [*first, *steps, *terms, *label, *renamed(declared), *units_of(units)]
         return StructView(
             "struct",
@@ -105,3 +104,9 @@ class Structs(ValueNames):
         return FieldView(
             attribute, self._lowering.hint(node), default, type_doc(member.facts, note)
         )
+
+
+def unit_of(member: Member) -> str | None:
+    """The unit of a member, or of its elements."""
+    used = member.type
+    return member.unit or (used.unit if isinstance(used, SequenceType) else None)

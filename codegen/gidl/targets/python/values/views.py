@@ -42,7 +42,7 @@ class StructView:
 @dataclass(frozen=True, slots=True)
 class ArmView:
     name: str
-    maker: str  # name of the factory method: "make_circle"
+    maker: str  # name of the factory method, for example "make_circle"
     hint: str
     tag: str
     several: bool

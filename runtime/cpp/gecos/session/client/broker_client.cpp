@@ -13,11 +13,11 @@ namespace {
 std::string listed(const std::vector<std::string>& names) {
   std::string text;
   for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? "nothing is registered" : "known are " + text;
+  return text.empty() ? "the broker knows no object" : "the broker knows " + text;
 }
 
-/// Converts a duration that a broker sent. Longer durations than a minute are not plausible and
-/// count as a minute.
+/// Converts a duration that a broker sent. Returns at most one minute, because a longer duration is
+/// not plausible.
 Duration longest_provisional(double seconds) {
   return std::chrono::duration_cast<Duration>(
       std::chrono::duration<double>(seconds > 0 ? std::min(seconds, 60.0) : 0.0));
@@ -58,7 +58,7 @@ tl::expected<Duration, NotRegistered> await_registered(CommandCore& asked, TimeP
   if (asked.progress().detail == Detail::Done) {
     const auto reply = layout::from_bytes<Broker_enlist_result>(asked.result());
     if (!reply || !reply->settles_in)
-      return Duration::zero();  // an older broker: every registration is final
+      return Duration::zero();  // an older broker does not send this: its registrations are final
     return longest_provisional(*reply->settles_in);
   }
   const Failure& failure = asked.failure();

@@ -12,8 +12,8 @@ namespace gecos::session {
 
 inline constexpr std::string_view broker_name = "BROKER";
 
-/// Looks up the object `name`. Fails with a text: "no object is called RX91; known are LASER,
-/// RX90".
+/// Looks up the object `name`. On failure returns a text such as "no object is called RX91; the
+/// broker knows LASER, RX90".
 tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name, TimePoint deadline);
 
 /// Registers the object `entry` with the broker until the session with the broker ends.
@@ -24,12 +24,12 @@ std::shared_ptr<CommandCore> register_object(ClientConnection& broker, const Ent
 struct NotRegistered {
   bool taken = false;    ///< another object has the name; retry only after that object is gone
   std::string by;        ///< describes the object that has the name
-  bool unheard = false;  ///< the broker is gone or is shutting down; retry with the next broker
+  bool unheard = false;  ///< the broker is gone or shuts down; retry with the next broker
   std::string text;
 };
 /// Waits for the result of `register_object`. Returns how long the registration is provisional: a
-/// broker that has just started may still assign the name to another object, if that object was
-/// served for longer. 0: the registration is final.
+/// broker that has just started may still assign the name to another object that was served for
+/// longer. 0: the registration is final.
 tl::expected<Duration, NotRegistered> await_registered(CommandCore& asked, TimePoint deadline);
 void unregister_object(ClientConnection& broker, const std::string& name);
 

@@ -14,7 +14,8 @@ namespace {
 using session::own_call;
 using session::read_result;
 
-/// Waits until `asked` has a reply, and reports its place in line meanwhile.
+/// Waits for the reply to the request `asked`. Until then, calls `on_position` with the number of
+/// requests that wait before this request.
 void await_reply(session::CommandCore& asked,
                  const std::function<void(std::uint32_t)>& on_position) {
   if (!on_position) {
@@ -44,7 +45,8 @@ tl::expected<Lease, LeaseRefusal> acquire(const Object& object, Status wanted,
   return session::lease_from(session, *asked);
 }
 
-/// Calls of the session, and calls that were refused before a session was asked to send them.
+/// Returns the number of calls of the session, plus the number of calls that this process refused
+/// before they were sent.
 std::uint64_t issued_calls(session::ClientSession& session) {
   return session.issued() + session::Refused::count();
 }

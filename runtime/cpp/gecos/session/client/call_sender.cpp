@@ -9,8 +9,8 @@
 namespace gecos::session {
 namespace {
 
-/// Maximum time between two polls while calls are open over a medium that loses nothing. A packet
-/// that was sent without a wake-up is read after at most this time.
+/// Maximum time between two polls while calls are open over a medium that loses no packets. A
+/// packet that the server sends without waking the client is read after at most this time.
 constexpr Duration longest_sleep = std::chrono::milliseconds(50);
 
 }  // namespace
@@ -70,7 +70,7 @@ tl::expected<void, media::SendProblem> CallSender::send(
 }
 
 /// Sends a packet with a call. Over a medium that loses packets, sends nothing while the server is
-/// unreachable: the server would read the call only after the client has given it up.
+/// unreachable, because the server would read the call only after the client has given it up.
 tl::expected<std::uint64_t, media::SendProblem> CallSender::send_first(ByteView packet) {
   if (repeats_ && server_.unreachable()) return tl::unexpected(media::SendProblem::Full);
   return connection_.send(packet, {});
@@ -91,7 +91,7 @@ Failure CallSender::not_sent(std::string_view name, std::size_t size, media::Sen
       }
       return {Detail::QueueFull,
               what + " was not sent: " + std::to_string(welcome_.credits) +
-                  " calls are unanswered; wait for one of them",
+                  " calls are unanswered; wait until one of them has ended",
               {},
               {}};
     }
@@ -99,7 +99,7 @@ Failure CallSender::not_sent(std::string_view name, std::size_t size, media::Sen
       return {Detail::BadParameter,
               what + " was not sent: its arguments take " + std::to_string(size) + " bytes and " +
                   std::string(connection_.capabilities().name) + " carries " +
-                  std::to_string(connection_.capabilities().largest_packet),
+                  std::to_string(connection_.capabilities().largest_packet) + "; send less at once",
               {},
               {}};
     case media::SendProblem::Lost:
@@ -181,7 +181,7 @@ std::shared_ptr<PendingCommand> CallSender::arrived(std::uint64_t counter) {
   return *found;
 }
 
-// What the maintenance thread sends
+// Packets that the maintenance thread sends
 
 void CallSender::query_old_calls() {
   if (repeats_) return;
@@ -196,11 +196,13 @@ void CallSender::query_old_calls() {
   open_when_asked_ = calls_.issued();
 }
 
-/// Over a medium that loses packets, sends each open call again with the same counter: the whole
-/// call until its arrival is confirmed, after that only a Query for its outcome.
+/// Over a medium that loses packets, sends each open call again with the same counter. Until the
+/// server has confirmed the arrival of the call, sends the whole call; after that, only a Query for
+/// its outcome.
 TimePoint CallSender::repeat(TimePoint now, TimePoint next_beat) {
   const MutexLock lock(mutex_);
-  // Without open calls only the next heartbeat is due: many idle clients must cost nothing.
+  // Without open calls only the next heartbeat is due, so that idle clients cause no other
+  // wake-ups.
   if (!repeats_ && calls_.size() == 0) return next_beat;
   if (!repeats_ && !cancels_waiting_) return std::min(next_beat, now + longest_sleep);
   const TimePoint soon = now + Maintenance::tick;
@@ -231,7 +233,7 @@ TimePoint CallSender::repeat(TimePoint now, TimePoint next_beat) {
   return soon;
 }
 
-// How a session ends
+// The end of a session
 
 bool CallSender::say_goodbye() {
   const MutexLock lock(mutex_);
@@ -248,15 +250,15 @@ std::optional<CallSender::Remains> CallSender::end(Ending how, const std::string
   lost_.store(true, std::memory_order_release);
   if (queued == Queued::Withdrawn && !withdrawal_.write(calls_.issued())) withdraw_by_packet();
   Remains remains;
-  // When the loss was reported, failover has `grace` to find another server. When the server fell
-  // silent, `grace` has already passed.
+  // When the medium or the server reported the loss, failover now has the time `grace` to find
+  // another server. When the server fell silent, `grace` has already passed.
   if (how == Ending::Died || how == Ending::Closed) remains.repeatable = detach(how, text);
   remains.others = calls_.take_all();
   return remains;
 }
 
-/// Withdraws the calls by a packet. Sends several copies over a medium that loses packets, because
-/// no thread repeats the packet later. A suspended server reads the packet when it continues.
+/// Withdraws the calls by a packet. Over a medium that loses packets, sends several copies, because
+/// no thread sends the packet again later. A suspended server reads the packet when it runs again.
 void CallSender::withdraw_by_packet() {
   constexpr int copies = 3;
   wire::PacketHeader header;

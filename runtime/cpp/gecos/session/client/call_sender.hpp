@@ -23,40 +23,40 @@
 
 namespace gecos::session {
 
-/// Sends the calls of one session and everything else that the session sends, and keeps each call
-/// until its reply arrives. Over a medium that loses packets, sends calls again until then.
+/// Sends all packets of one session, and keeps each call until its reply arrives. Over a medium
+/// that loses packets, sends a call again until its reply arrives.
 ///
-/// Thread-safe. Its mutex is held during every send on the connection. Once the session is `lost`,
+/// Thread-safe. `mutex_` is held during every send on the connection. Once the session is `lost`,
 /// no call is sent any more.
 class CallSender {
  public:
-  /// `welcome`: the answer of the server that opened the session `id`.
+  /// `welcome`: the packet with which the server opened the session `id`.
   CallSender(Runtime& runtime, media::Connection& connection, SessionId id, const Welcome& welcome,
              const ServerWatch& server);
 
-  /// Maximum number of open calls. It is a quarter higher for urgent calls, so that a client
-  /// without credits can still stop what it started and release its status.
+  /// Returns the maximum number of open calls. The maximum is a quarter higher for urgent calls, so
+  /// that a client that has used up its credits can still stop the object and release its status.
   std::size_t most_open(bool urgent) const {
     return welcome_.credits + (urgent ? welcome_.credits / 4 : 0);
   }
-  /// Sends `command` as a call with `header`, whose session, counter and acknowledgement this
-  /// function sets, and with the arguments of `size` bytes that `encode` writes. Fails with Full
-  /// when `most` calls are open. `attach_to`: the session, for a command that may be sent in
-  /// several sessions; null for other commands.
+  /// Sends `command` as a call with `header` and with the arguments of `size` bytes that `encode`
+  /// writes. Sets session, counter and acknowledgement in `header`. Fails with Full when `most`
+  /// calls are open. `attach_to`: the session, for a command that may be sent in several sessions;
+  /// null for other commands.
   tl::expected<void, media::SendProblem> send(wire::PacketHeader& header, std::size_t most,
                                               std::size_t size,
                                               FunctionRef<void(wire::Encoder&)> encode,
                                               const std::shared_ptr<PendingCommand>& command,
                                               const std::shared_ptr<ClientConnection>& attach_to);
-  /// The failure of a command of operation `name` that `send` refused with `problem`.
+  /// Returns the failure of a command of the operation `name` that `send` did not send because of
+  /// `problem`. `size`: size of its arguments in bytes.
   Failure not_sent(std::string_view name, std::size_t size, media::SendProblem problem);
-  /// Cancels `command`. Returns false when this session has no open command `command` with this
-  /// counter.
+  /// Cancels `command`. Returns false when `command` is not open in this session under `counter`.
   bool cancel(PendingCommand& command, std::uint64_t counter);
 
-  /// Number of calls sent so far.
+  /// Returns the number of calls sent so far.
   std::uint64_t issued();
-  /// Number of open calls.
+  /// Returns the number of open calls.
   std::size_t open();
   bool everything_arrived();
   bool has_repeatable();
@@ -64,36 +64,41 @@ class CallSender {
   /// the result is at most one round trip too early, never too late.
   TimePoint by_our_clock(TimePoint theirs);
 
-  // Called by the thread that reads the connection.
-  /// Removes and returns the call whose reply arrived; null when it has arrived before.
+  // Functions for the thread that reads the connection.
+  /// Must be called when a reply to the call `counter` arrives. Removes and returns the call; null
+  /// when a reply to it has arrived before.
   std::shared_ptr<PendingCommand> take_replied(std::uint64_t counter);
-  /// The call whose progress arrived; null when its reply has arrived before.
+  /// Must be called when progress of the call `counter` arrives, which proves that the server has
+  /// the call. Returns the call; null when its reply has arrived before.
   std::shared_ptr<PendingCommand> arrived(std::uint64_t counter);
 
-  // Called by the maintenance thread.
-  /// Sends again the calls that are due, over a medium that loses packets, and over any medium each
-  /// Cancel that found no room. Returns when the next tick is due, `next_beat` at the latest.
+  // Functions for the maintenance thread.
+  /// Over a medium that loses packets, sends again the calls that are due. Over any medium, sends
+  /// again each Cancel packet for which there was no room before. Returns when the next tick is
+  /// due. `next_beat`: when the next heartbeat is due.
   TimePoint repeat(TimePoint now, TimePoint next_beat);
-  /// Queries calls that are open for long, because a reply may have been damaged in shared memory.
-  /// Does nothing over a medium that loses packets: there the calls are sent again anyway.
+  /// Queries the calls that were already open at the previous `query_old_calls`, because their
+  /// replies may have been damaged in shared memory. Does nothing over a medium that loses packets,
+  /// because calls are sent again there anyway.
   void query_old_calls();
 
-  // How a session ends.
+  // Functions for the end of a session.
   bool lost() const { return lost_.load(std::memory_order_acquire); }
-  /// Tells the server that this program closes the session. Returns false when there is no room.
+  /// Tells the server that this program closes the session. Returns false when the connection has
+  /// no room for the packet.
   bool say_goodbye();
 
-  /// What becomes of the calls that the server has received but not started.
+  /// What happens to the calls that the server has received but not started.
   enum class Queued : std::uint8_t { Run, Withdrawn };
-  /// The calls that a lost session had.
+  /// The calls that were open when their session was lost.
   struct Remains {
     std::vector<PendingFailover> repeatable;  ///< may be sent again in another session
     OpenCalls::List others;
   };
-  /// Makes the session lost because of `text`, withdraws its calls unless they may still run, and
-  /// takes them. Returns nullopt when the session was lost before.
+  /// Marks the session as lost because of `text`. Withdraws its calls if `queued` is Withdrawn.
+  /// Removes and returns the open calls; nullopt when the session was lost before.
   std::optional<Remains> end(Ending how, const std::string& text, Queued queued);
-  /// The failure of `command`, which `end` returned.
+  /// Returns the failure of `command`, one of the commands that `end` returned.
   Failure failure_of(const PendingCommand& command, Ending how, const std::string& text);
   /// Detaches all commands that may be sent again in another session because this session is lost
   /// or may be lost.
@@ -121,9 +126,10 @@ class CallSender {
   std::string loss_text_ GECOS_GUARDED_BY(mutex_);
   Withdrawal withdrawal_ GECOS_GUARDED_BY(mutex_);
   bool cancels_waiting_ GECOS_GUARDED_BY(mutex_) = false;  ///< a Cancel packet found no room
-  /// The shortest time to a reply so far, over a medium that loses packets.
+  /// The shortest time so far between a call and its reply. Measured only over a medium that loses
+  /// packets.
   Duration quickest_answer_ GECOS_GUARDED_BY(mutex_) = std::chrono::seconds(1);
-  /// the highest call counter when calls were last queried
+  /// The counter of the newest call at the last `query_old_calls`.
   std::uint64_t open_when_asked_ GECOS_GUARDED_BY(mutex_) = 0;
 };
 

@@ -49,7 +49,7 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
   if (options.deadline && *options.deadline <= Duration{}) {
     return ended({Detail::Expired,
                   "the deadline of '" + std::string(operation.name) +
-                      "' passed before it was sent; it was not carried out",
+                      "' passed before it was sent; it was not carried out: allow it more time",
                   {},
                   {}});
   }
@@ -65,7 +65,7 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
   const std::size_t most = calls_.most_open(operation.safety || is_builtin(operation.code));
   auto sent = calls_.send(header, most, size, encode, command, nullptr);
   if (!sent && sent.error() == media::SendProblem::Full) {
-    reader_.poll_once();  // reading waiting replies may make room
+    reader_.poll_once();  // to read the replies that wait may make room
     sent = calls_.send(header, most, size, encode, command, nullptr);
   }
   if (!sent) command->fail(calls_.not_sent(operation.name, size, sent.error()));

@@ -21,7 +21,7 @@
 
 namespace gecos::session {
 
-/// Client side of a session over one connection of a medium: owns the parts of the session and
+/// Client side of a session over one connection of a medium. Owns the parts of the session and
 /// connects them to each other.
 ///
 /// A lost session stays lost: every later call ends as CONNECTION_FAILED, and the program must
@@ -31,10 +31,10 @@ class ClientConnection final : public ClientSession,
                                public Closable,
                                public std::enable_shared_from_this<ClientConnection> {
  public:
-  /// `differing`: operations that server and client define differently, sorted.
+  /// `differing`: the codes of the operations that server and client define differently, sorted.
   ClientConnection(std::shared_ptr<Runtime> runtime, std::unique_ptr<media::Connection> connection,
                    SessionId id, Welcome welcome, std::vector<FunctionCode> differing);
-  ~ClientConnection() override;  ///< says goodbye: issued commands still run
+  ~ClientConnection() override;  ///< closes the session; issued commands still run
 
   std::shared_ptr<CommandCore> call(const OperationDescription& operation, std::size_t size,
                                     FunctionRef<void(wire::Encoder&)> encode,
@@ -49,7 +49,7 @@ class ClientConnection final : public ClientSession,
   void lease_released(std::uint64_t held) override { leases_.released(held); }
   std::uint64_t issued() override { return calls_.issued(); }
 
-  /// As SessionEnd::close.
+  /// See SessionEnd::close.
   void close(Duration patience) override { end_.close(patience); }
   bool lost() const { return calls_.lost(); }
   /// True when this program has closed the session or is closing it.
@@ -59,11 +59,12 @@ class ClientConnection final : public ClientSession,
   Runtime& runtime() { return *runtime_; }
   media::Connection& connection() { return *connection_; }
   const Welcome& welcome() const { return welcome_; }
-  /// Sets the address at which the session was opened; must be called before the session is shared.
+  /// Sets the address at which the session was opened. Must be called before other threads know the
+  /// session.
   void found_at(std::string address) { place_ = std::move(address); }
   const std::string& place() const { return place_; }
-  /// Returns a failure when client and server define the operation or stream `name` differently. No
-  /// call of it may be sent then: the server would decode wrong arguments.
+  /// Returns a failure when client and server define the operation or stream `name` differently.
+  /// Then no call of `name` may be sent, because the server would decode wrong arguments.
   std::optional<Failure> differs(FunctionCode code, std::string_view name) const;
 
   CallSender& calls() { return calls_; }
@@ -83,8 +84,8 @@ class ClientConnection final : public ClientSession,
   LeaseState leases_;
   CallSender calls_;
   SessionFailover failover_;
-  /// Declared before receiver_ and reader_, which call it. Its constructor must not use them: they
-  /// do not exist yet.
+  /// Declared before receiver_ and reader_, which call `end_`. The constructor of `end_` must not
+  /// use receiver_ and reader_, because they do not exist yet.
   SessionEnd end_;
   PacketReceiver receiver_;
   ConnectionReader reader_;

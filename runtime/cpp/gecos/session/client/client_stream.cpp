@@ -19,7 +19,17 @@ std::string_view to_string(StreamEnd end) {
   return "?";
 }
 
-std::ostream& operator<<(std::ostream& out, StreamEnd end) { return out << to_string(end); }
+std::ostream& operator<<(std::ostream& out, StreamEnd end) {
+  out << to_string(end);
+  switch (end) {
+    case StreamEnd::Nothing:
+      return out << ": no sample arrived in time; call next() again";
+    case StreamEnd::Lost:
+      return out << ": the stream's server is gone or its Lab is closed; create a new proxy and "
+                    "subscribe again";
+  }
+  return out;
+}
 
 }  // namespace gecos
 
@@ -31,8 +41,8 @@ ClientStream::ClientStream(std::shared_ptr<ClientConnection> session, FunctionCo
 
 ClientStream::~ClientStream() { session_->subscriptions().unsubscribe(code_); }
 
-/// Only a malicious or broken server sends a sample without its measurement time. Such a sample is
-/// emptied, so that it does not decode.
+/// Only a malicious or broken server sends a sample without its measurement time. The bytes of such
+/// a sample are removed, so that the sample does not decode.
 void ClientStream::finish(RawSample& sample) const {
   constexpr std::int64_t farthest = std::int64_t{1} << 62;
   sample.stamp_ns = std::clamp(sample.stamp_ns, -farthest, farthest);

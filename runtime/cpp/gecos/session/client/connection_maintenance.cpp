@@ -4,8 +4,8 @@
 
 namespace gecos::session {
 
-// Each tick costs a wake-up. So a heartbeat that is due soon is sent in this tick already, unless
-// the medium sends heartbeats as packets.
+// Each tick costs a wake-up. To save one, a heartbeat that is due soon is already sent in this
+// tick, unless the medium sends heartbeats as packets.
 ConnectionMaintenance::ConnectionMaintenance(const Runtime& runtime, Parts session)
     : heartbeat_(runtime.options().heartbeat),
       early_(session.connection.capabilities().reliable ? Maintenance::calm_tick : Duration{}),
@@ -47,7 +47,7 @@ void ConnectionMaintenance::judge_answers() {
     return session_.end.lose(Ending::Broken,
                              "an answer of the server of " + who() + " was lost on its way, over " +
                                  std::string(session_.connection.capabilities().name) +
-                                 ", which loses nothing unless its memory is damaged");
+                                 ", which loses no packets unless its shared memory is damaged");
   }
   switch (session_.server.judge_answers(session_.calls.open() != 0, session_.receiver.heard())) {
     case AnswerWatch::Verdict::Fine:
@@ -61,7 +61,7 @@ void ConnectionMaintenance::judge_answers() {
       return session_.end.lose(Ending::Silent,
                                "the server of " + who() +
                                    " gives signs of life but has answered nothing for " + seconds +
-                                   "; start it anew if it hangs");
+                                   "; restart the server if it hangs");
   }
 }
 

@@ -13,8 +13,9 @@
 
 namespace gecos::session {
 
-/// The work of the maintenance thread for one session of a client: sends heartbeats, judges the
-/// server, sends calls again, and reads packets while no thread waits for them.
+/// The work of the maintenance thread for one session of a client: sends heartbeats, judges whether
+/// the server lives and answers, sends calls again, and reads packets while no other thread waits
+/// for them.
 class ConnectionMaintenance final : public TickTarget {
  public:
   /// The parts of the session that a tick uses.
@@ -40,7 +41,7 @@ class ConnectionMaintenance final : public TickTarget {
   std::string who() const;
 
   const Duration heartbeat_;  ///< time between two heartbeats
-  const Duration early_;      ///< a heartbeat may be sent this long before it is due
+  const Duration early_;      ///< how long before it is due a heartbeat may be sent
   const Parts session_;
   TimePoint next_beat_{};
 };

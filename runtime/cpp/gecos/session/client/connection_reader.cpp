@@ -9,10 +9,10 @@
 namespace gecos::session {
 namespace {
 
-/// A client with at least this many open calls may rest (ConnectionReader::rest).
+/// A client may rest (ConnectionReader::rest) only when it has at least this many open calls.
 constexpr std::size_t calls_of_a_flood = 32;
-/// Duration of a rest (ConnectionReader::rest): about as long as the client polled in vain before
-/// the rest.
+/// Duration of a rest (ConnectionReader::rest). It is about the time for which the client has
+/// polled without success before the rest.
 constexpr Duration rest_of_a_flood = std::chrono::microseconds(400);
 
 }  // namespace
@@ -26,7 +26,7 @@ ConnectionReader::ConnectionReader(Runtime& runtime, media::Connection& connecti
       end_(end),
       reliable_(connection.capabilities().reliable),
       spin_(system_clock()) {
-  descriptors_.reserve(connection.descriptors().size() + 1);  // so that no sleep allocates
+  descriptors_.reserve(connection.descriptors().size() + 1);  // so that `sleep` allocates no memory
 }
 
 void ConnectionReader::poll_once() {
@@ -39,8 +39,8 @@ void ConnectionReader::poll_once() {
     }
     leader_lock_.drop();
   } else if (reliable_ && leader_lock_.borrow()) {
-    // The server wakes the leader for each packet that can end the leader's wait. So this thread
-    // need not wake it.
+    // The server wakes the leader for each packet that can end the leader's wait, so this thread
+    // does not have to wake the leader.
     taken = read_all();
     leader_lock_.release();
   }
@@ -53,7 +53,7 @@ bool ConnectionReader::wait(const void* subject, FunctionRef<bool()> done, TimeP
     if (leader_lock_.try_take()) {
       const bool finished = lead(done, deadline);
       leader_lock_.drop();
-      // the maintenance thread continues to read packets for the watchers
+      // From now on the maintenance thread reads packets for the watchers.
       if (has_watchers()) runtime_.maintenance().wake();
       return finished;
     }
@@ -84,8 +84,8 @@ bool ConnectionReader::lead(FunctionRef<bool()> done, TimePoint deadline) {
     if (finished) return true;
     if (taken != 0) {
       leader_lock_.notify(nullptr);
-      // The deadline is checked here too: replies to the calls of other threads may arrive without
-      // end.
+      // The deadline is checked here too, because replies to calls of other threads may arrive
+      // without a pause.
       if (deadline != TimePoint::max() && std::chrono::steady_clock::now() >= deadline)
         return false;
       rested = false;
@@ -104,9 +104,9 @@ bool ConnectionReader::lead(FunctionRef<bool()> done, TimePoint deadline) {
   }
 }
 
-/// A client with many open calls that shares a core with its server leaves the core to the server
-/// for a while. If each single reply woke this client, it would take the core from the server every
-/// time, and all other clients would wait.
+/// If this client has many open calls and shares a core with its server, it leaves the core to the
+/// server for a while. Otherwise each single reply would wake this client, the client would take
+/// the core from the server each time, and all other clients would have to wait.
 bool ConnectionReader::rest(FunctionRef<bool()> done, TimePoint deadline) {
   if (!spin_.gave_way()) return false;
   if (calls_.open() < calls_of_a_flood) return false;
@@ -132,7 +132,7 @@ void ConnectionReader::sleep(FunctionRef<bool()> done, TimePoint deadline) {
 void ConnectionReader::wake_all() {
   leader_lock_.notify_all();
   leader_event_.notify();
-  leader_called_.store(true);  // after notify(), or the event might never be drained
+  leader_called_.store(true);  // must follow notify(), otherwise the event might never be drained
 }
 
 void ConnectionReader::quiet_leader() {

@@ -18,9 +18,9 @@
 
 namespace gecos::session {
 
-/// Reads the connection of one session. A session has no thread that reads: of the threads that
-/// wait in it, the leader (LeaderLock) reads for all. While there are watchers and no thread waits,
-/// the maintenance thread reads. Thread-safe.
+/// Reads the connection of one session. A session has no thread of its own for this: one of the
+/// threads that wait in the session, the leader (LeaderLock), reads for all of them. When no thread
+/// waits but a watcher is registered (`add_watcher`), the maintenance thread reads. Thread-safe.
 class ConnectionReader {
  public:
   /// `end` is notified when the connection is lost.
@@ -35,17 +35,19 @@ class ConnectionReader {
   /// Makes all threads in `wait` check `done()`.
   void wake_all();
 
-  /// Must be called when the end of a command is awaited on its descriptor or by a callback. Until
-  /// `remove_watcher`, the maintenance thread reads packets even when no thread waits in this
-  /// session.
+  /// Registers a watcher. Must be called when the program awaits the end of a command by a
+  /// descriptor or a callback. Until `remove_watcher` is called, the maintenance thread reads
+  /// packets even when no thread waits in this session.
   void add_watcher();
   void remove_watcher() { watchers_.fetch_sub(1, std::memory_order_relaxed); }
 
   // Called by the maintenance thread.
-  /// Makes the next `poll_once` that takes the lead ask the medium whether the connection is lost.
+  /// Requests that the next `poll_once` that becomes the leader also asks the medium whether the
+  /// connection is lost.
   void look_for_loss_soon() { loss_look_due_.store(true, std::memory_order_relaxed); }
-  /// Takes the lead if there are watchers, and adds the descriptors on which packets arrive to
-  /// `into`. `unwatch` must be called after the sleep, or `abandon_watch`.
+  /// If a watcher is registered and there is no leader, becomes the leader and adds to `into` the
+  /// descriptors on which packets arrive. After the sleep, `unwatch` or `abandon_watch` must be
+  /// called.
   void watch(std::vector<pollfd>& into);
   /// Reads the packets that have arrived and gives up the lead, if `watch` took it.
   void unwatch();
@@ -75,7 +77,7 @@ class ConnectionReader {
   media::SpinPolicy spin_;        ///< used by the leader only
   std::vector<int> descriptors_;  ///< used by the leader only, reused
   EventFd leader_event_;
-  std::atomic<bool> leader_called_{false};  // leader_event_ may be notified; orders no other memory
+  std::atomic<bool> leader_called_{false};  // leader_event_ may be set; orders no other memory
   std::atomic<int> watchers_{0};            // orders no other memory
   std::atomic<bool> loss_look_due_{false};  // orders no other memory
   bool watching_ = false;                   ///< used by the maintenance thread only

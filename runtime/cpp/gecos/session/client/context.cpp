@@ -73,7 +73,7 @@ std::vector<std::string> Context::broker_addresses(std::string& tried) {
       append(tried, opened.error().text);
     }
   };
-  if (const auto kind = media::kind_from(named)) {  // "lcm": the well-known address of that medium
+  if (const auto kind = media::kind_from(named)) {  // only a medium's name, for example "lcm"
     add_well_known(*kind);
   } else if (!named.empty()) {
     addresses.push_back(named);

@@ -13,7 +13,7 @@ class ClientConnection;
 class Failover;
 
 /// The part of a lab that its servers and clients share: the runtime, and the session with the
-/// broker, which ends with the lab. Thread-safe.
+/// broker. That session ends when this object is destroyed. Thread-safe.
 class Context : public std::enable_shared_from_this<Context> {
  public:
   explicit Context(std::shared_ptr<Runtime> runtime);
@@ -21,26 +21,26 @@ class Context : public std::enable_shared_from_this<Context> {
 
   const std::shared_ptr<Runtime>& runtime() const { return runtime_; }
   const std::shared_ptr<Failover>& failover() const { return failover_; }
-  /// The session with this lab's broker; opens it when there is none. Fails with the addresses that
-  /// were tried and why they failed.
+  /// Returns the session with this lab's broker, and opens it when there is none. On failure
+  /// returns a text with the addresses that were tried and why each failed.
   tl::expected<std::shared_ptr<ClientConnection>, std::string> broker(TimePoint deadline);
 
-  /// Notes `session`, which belongs to a proxy, so that `close` ends it. Returns false after
-  /// `close` was called.
+  /// Records `session`, the session of a proxy, so that `close` can end it. Returns false when
+  /// `close` was called before.
   bool keep(const std::shared_ptr<ClientConnection>& session);
   bool closed() const;
   /// Waits until the lab is closed, or until `deadline`. Returns whether it is closed.
   bool closed_by(TimePoint deadline);
-  /// Says goodbye in every kept session, within about `patience`; commands that wait in these
-  /// sessions end. After it, no session is kept. Servers and the session with the broker continue.
+  /// Closes every session that `keep` recorded, within about `patience`, and ends the commands in
+  /// them. Later calls of `keep` record nothing. Servers and the session with the broker continue.
   void close(Duration patience);
 
  private:
-  /// The addresses at which a broker may be. Adds to `tried` why a medium that leads to a broker is
-  /// not available here.
+  /// Returns the addresses at which a broker may answer. If a medium is not available to this
+  /// program, adds the reason to `tried`.
   std::vector<std::string> broker_addresses(std::string& tried);
   tl::expected<std::shared_ptr<ClientConnection>, std::string> look_for_broker(TimePoint deadline);
-  /// True when there is a session with a broker and the session is not lost.
+  /// Returns true when there is a session with a broker that is not lost.
   bool knows_broker() const GECOS_REQUIRES(mutex_);
   void note_broker(std::shared_ptr<ClientConnection> found, std::string missing);
 
@@ -48,7 +48,7 @@ class Context : public std::enable_shared_from_this<Context> {
   const std::shared_ptr<Failover> failover_;
   Mutex mutex_;
   ConditionVariable looked_;
-  /// A thread is looking for the broker; only one thread at a time may do so.
+  /// True while a thread searches for the broker. Only one thread at a time may search.
   bool looking_ GECOS_GUARDED_BY(mutex_) = false;
   std::shared_ptr<ClientConnection> broker_ GECOS_GUARDED_BY(mutex_);
   /// Why the last search found no broker.

@@ -7,8 +7,8 @@
 
 namespace gecos::session {
 
-/// How the client side of a session ends. The failure of a call that has no reply depends on it:
-/// see Withdrawal.
+/// How a session ends, as its client sees it. The failure of a call that has no reply depends on
+/// this: see Withdrawal.
 enum class Ending : std::uint8_t {
   Died,    ///< the medium reported that the server's process ended
   Closed,  ///< the server closed the session or its connection
@@ -20,9 +20,11 @@ enum class Ending : std::uint8_t {
 /// Notified by the reading thread when the server or the medium ends the session.
 class EndListener {
  public:
-  /// The server said goodbye. `body`: its reason (text_of).
+  /// The server said goodbye. `body`: the body of its Goodbye packet, which contains a reason
+  /// (text_of).
   virtual void on_goodbye(ByteView body) = 0;
-  /// The connection is lost, and all packets that were sent before are read. `loss` is not None.
+  /// The connection is lost, and all packets that were sent before the loss were read. `loss` is
+  /// not None.
   virtual void on_loss(media::Loss loss) = 0;
 
  protected:

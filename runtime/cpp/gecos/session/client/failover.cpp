@@ -16,7 +16,8 @@ namespace gecos::session {
 namespace {
 
 constexpr Duration between_searches = std::chrono::milliseconds(30);
-/// Maximum time of one search: a server that does not answer delays the search for other servers.
+/// Maximum time of one search. It is short because a server that does not answer delays the
+/// searches for other servers.
 constexpr Duration longest_look = std::chrono::milliseconds(250);
 
 void end_as(PendingFailover& pending, const std::string& more) {
@@ -28,10 +29,11 @@ void end_late(PendingFailover& pending) {
   const bool started = pending.failure.state() != State::ConnectionFailed;
   const std::string what =
       "the deadline of '" + std::string(pending.command->again->name) + "' passed ";
-  pending.command->fail({started ? Detail::TimedOut : Detail::Expired,
-                         what + "while it could not be sent again: " + pending.failure.text,
-                         {},
-                         {}});
+  pending.command->fail(
+      {started ? Detail::TimedOut : Detail::Expired,
+       what + "while the command could not be sent again: " + pending.failure.text,
+       {},
+       {}});
 }
 
 bool late(const PendingFailover& pending, const Clock& clock) {
@@ -68,7 +70,7 @@ void Failover::take(const std::shared_ptr<ClientConnection>& from,
       refused = std::move(commands);
     } else if (!started()) {
       refused = std::move(commands);
-      why = "the command is not sent again: no thread could be created for that, see `ulimit -u`";
+      why = "the command is not sent again: no thread could be created to send it, see `ulimit -u`";
     } else {
       Search& search = search_of(from);
       for (PendingFailover& pending : commands) {
@@ -135,7 +137,7 @@ TimePoint Failover::on_tick(TimePoint now) {
 void Failover::run() {
   MutexLock lock(mutex_);
   while (!ended_) {
-    // destroyed while the mutex is not held: ending sessions takes a while
+    // Destroyed while the mutex is not held, because the end of a session takes a while.
     std::vector<Search> done;
     const auto is_done = [](const Search& search) {
       return search.commands.empty() && (search.from->lost() || !search.from->unreachable());
@@ -174,7 +176,7 @@ void Failover::look(std::shared_ptr<ClientConnection> from) {
     append(commands, std::exchange(search_of(from).commands, {}));
     const MutexUnlock unlocked(mutex_);
     commands = send_to(**found, std::move(commands));
-    found->reset();  // while the mutex is not held: the destruction takes a while
+    found->reset();  // done while the mutex is not held, because the destruction takes a while
   }
   Search& search = search_of(from);
   append(search.commands, std::move(commands));

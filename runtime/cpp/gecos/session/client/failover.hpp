@@ -20,7 +20,8 @@ class Context;
 class ClientConnection;
 class PendingCommand;
 
-/// The object that a session connects to, kept so that another session can be opened in its place.
+/// The object that a session connects to. Kept so that another session with the object can replace
+/// the session.
 struct ConnectTarget {
   std::string name;
   const InterfaceDescription& wanted;
@@ -35,9 +36,10 @@ struct PendingFailover {
 };
 
 /// Sends `@idempotent` readings again when their session was lost before they ended: looks up their
-/// object, opens a new session with it, and sends the readings there. If no server is found within
-/// `grace` or before the deadline of a reading, the reading ends as it would have without failover.
-/// Each lab has one Failover; its thread starts with the first loss. Thread-safe.
+/// object, opens a new session with the object, and sends the readings in that session. If no
+/// server is found within `grace` or before the deadline of a reading, the reading fails as it
+/// would without failover. Each lab has one Failover. The thread of the Failover starts with the
+/// first loss. Thread-safe.
 class Failover final : public TickTarget, public std::enable_shared_from_this<Failover> {
  public:
   /// Maximum number of sessions in which one command is sent. Without a limit, a command that
@@ -49,11 +51,11 @@ class Failover final : public TickTarget, public std::enable_shared_from_this<Fa
   explicit Failover(Context& lab);
   ~Failover() override;
 
-  /// Takes over `commands` of the lost session `from`, to send them again. @pre no other thread or
-  /// session has these commands
+  /// Takes over `commands` of the lost session `from` and sends them again in another session. @pre
+  /// no other thread or session has these commands
   void take(const std::shared_ptr<ClientConnection>& from, std::vector<PendingFailover> commands);
-  /// Must be called when `from` is UNREACHABLE. If another server now serves the object of `from`,
-  /// the idempotent calls of `from` are sent to that server.
+  /// Must be called when the server of the session `from` is UNREACHABLE. If another server now
+  /// serves the object of `from`, the idempotent calls of `from` are sent to that server.
   void look_for_another(const std::shared_ptr<ClientConnection>& from);
   /// Ends the commands whose `grace` or deadline has passed.
   TimePoint on_tick(TimePoint now) override;
@@ -67,23 +69,24 @@ class Failover final : public TickTarget, public std::enable_shared_from_this<Fa
     TimePoint next{};
     std::string why;  ///< why no server was found so far
   };
-  /// Starts the thread unless it runs. Returns false when no thread can be created. @pre `end` was
-  /// not called
+  /// Starts the failover thread if it does not run yet. Returns false when the thread cannot be
+  /// created. @pre `end` was not called
   bool started() GECOS_REQUIRES(mutex_);
   Search& search_of(const std::shared_ptr<ClientConnection>& from) GECOS_REQUIRES(mutex_);
   void run();
-  /// Looks for a server for the commands of `from`. Releases the mutex during the search; the entry
-  /// in `searches_` may be removed meanwhile, so `from` is a copy.
+  /// Looks for a server for the commands of `from`. Releases the mutex during the search. `from` is
+  /// a copy of the pointer in `searches_`, because that entry may be removed during the search.
   void look(std::shared_ptr<ClientConnection> from) GECOS_REQUIRES(mutex_);
   tl::expected<std::shared_ptr<ClientConnection>, std::string> find(ClientConnection& from);
   std::vector<PendingFailover> send_to(ClientConnection& found,
                                        std::vector<PendingFailover> commands);
 
-  /// Valid until `end` returns. A tick may come later, because the maintenance thread shares this
-  /// object: it uses `clock_` alone.
+  /// Valid until `end` returns. The maintenance thread shares this object and may call `on_tick`
+  /// later, so `on_tick` uses `clock_` and not `lab_`.
   Context& lab_;
   const Clock& clock_;
-  /// id of the creating process: a forked child has no thread to end waiting commands
+  /// Id of the process that created this object. In a forked child the failover thread does not
+  /// exist.
   const pid_t owner_;
   Mutex mutex_;
   ConditionVariable changed_;

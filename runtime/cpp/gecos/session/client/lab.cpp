@@ -78,9 +78,10 @@ tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_objec
   const auto entry = look_up(lab, name, deadline);
   if (!entry) return tl::unexpected(Attempt{name, Detail::NoServer, entry.error()});
   if (!entry_is_a(*entry, wanted.name)) {
-    return tl::unexpected(
-        Attempt{name, Detail::Refused,
-                name + " is a " + entry->interface_name + ", not a " + std::string(wanted.name)});
+    return tl::unexpected(Attempt{name, Detail::Refused,
+                                  name + " is a " + entry->interface_name + ", not a " +
+                                      std::string(wanted.name) + "; create a " +
+                                      entry->interface_name + ", or name another object"});
   }
   if (options.incarnation != 0 && options.incarnation != entry->boot) {
     return tl::unexpected(Attempt{name, Detail::Refused,

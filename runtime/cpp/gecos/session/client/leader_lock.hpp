@@ -59,7 +59,7 @@ class LeaderLock {
   bool free() const { return state_.load(std::memory_order_seq_cst) == State::Free; }
   void notify_one();
 
-  // passes the receiving side of the connection to the next reader
+  // Publishes the state of the connection's receiving side to the next thread that reads.
   std::atomic<State> state_{State::Free};
   std::atomic<int> follower_count_{0};  // 0: mutex_ need not be locked
   Mutex mutex_;

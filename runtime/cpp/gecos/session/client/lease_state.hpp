@@ -12,13 +12,15 @@ namespace gecos::session {
 /// that status the program holds. Thread-safe.
 class LeaseState {
  public:
-  /// The epoch of the next command; Epoch{} without a status.
+  /// Returns the epoch for the next command; Epoch{} when the session has no status.
   Epoch epoch() const { return Epoch{epoch_.load(std::memory_order_relaxed)}; }
-  /// Counts one more lease, of the status with `epoch`. Returns the argument for `released`.
+  /// Counts a new lease of the status with the epoch `epoch`. Returns the argument for `released`.
   std::uint64_t acquired(std::uint64_t epoch);
-  /// Counts one lease less. After the last lease of the newest status the session has no status.
+  /// Removes one lease from the count. When the last lease of the newest status is removed, the
+  /// session has no status any more.
   void released(std::uint64_t held);
-  /// The server renewed the status: commands need the new `epoch`. Does nothing without a lease.
+  /// Must be called when the server has given the status a new epoch: later commands are issued
+  /// under `epoch`. Does nothing without a lease.
   void renewed(Epoch epoch);
 
  private:
@@ -26,7 +28,7 @@ class LeaseState {
   FutexMutex mutex_;
   /// The number of statuses acquired so far; `leases_` counts the leases of the newest status.
   std::uint64_t statuses_ GECOS_GUARDED_BY(mutex_) = 0;
-  /// leases of the newest status that are not released
+  /// Number of leases of the newest status that are not released yet.
   std::uint64_t leases_ GECOS_GUARDED_BY(mutex_) = 0;
 };
 

@@ -5,7 +5,7 @@
 namespace gecos::session {
 namespace {
 
-/// A session without a server: every call and subscription fails at once with the reason.
+/// A session without a server. Every call and subscription fails at once with the same reason.
 class NilSession final : public ClientSession {
  public:
   explicit NilSession(std::string reason) : reason_(std::move(reason)) {}
@@ -65,13 +65,14 @@ std::uint64_t Refused::count() { return refused_calls.load(std::memory_order_rel
 
 const std::shared_ptr<ClientSession>& nil_session() {
   static const std::shared_ptr<ClientSession> nil =
-      std::make_shared<NilSession>("that names no object; get one from Lab::create");
+      std::make_shared<NilSession>("that refers to no object; get a proxy from Lab::create");
   return nil;
 }
 
 std::shared_ptr<ClientSession> closed_session(const ClientSession& was) {
   return std::make_shared<NilSession>(
-      "whose Lab is closed; keep the Lab open as long as its proxies, or create it from a new one",
+      "whose Lab is closed; keep the Lab open while its proxies are used, or create a new Lab and "
+      "a new proxy",
       was);
 }
 

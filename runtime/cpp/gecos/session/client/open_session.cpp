@@ -10,8 +10,8 @@
 namespace gecos::session {
 namespace {
 
-/// Why no Welcome arrived: the loss that the peer or the medium reported, or else that the server
-/// did not answer.
+/// Returns why no Welcome arrived: because the connection was lost, or because the server did not
+/// answer.
 NotOpened unanswered(media::Connection& connection) {
   const std::string& who = connection.peer().description;
   const bool lost = connection.loss() != media::Loss::None;
@@ -20,7 +20,8 @@ NotOpened unanswered(media::Connection& connection) {
   return {Detail::NoServer, who + " did not answer" + (why.empty() ? "" : ": " + why)};
 }
 
-/// The operations that client and server both have but define differently. Logs their names once.
+/// Returns the operations that client and server both have but define differently. Logs a warning
+/// with their names.
 std::vector<FunctionCode> differing_operations(const InterfaceDescription& wanted,
                                                const Welcome& welcome) {
   std::vector<FunctionCode> differing;
@@ -34,13 +35,15 @@ std::vector<FunctionCode> differing_operations(const InterfaceDescription& wante
   std::ranges::sort(differing);
   if (!differing.empty()) {
     log_warning("session", welcome.object + ": the server's " + welcome.interface_name +
-                               " differs from this program's " + std::string(wanted.name) + " in " +
-                               names + "; these calls are refused");
+                               " differs from this program's " + std::string(wanted.name) +
+                               " in the operations " + names +
+                               "; this program refuses calls of them");
   }
   return differing;
 }
 
-/// The next packet before `deadline`; nullopt when no packet arrived or the connection is lost.
+/// Returns the next packet that arrives before `deadline`; nullopt when none arrived or the
+/// connection is lost.
 std::optional<wire::PacketView> next_packet(media::Connection& connection, TimePoint deadline) {
   for (;;) {
     while (const auto bytes = connection.receive()) {

@@ -1,5 +1,5 @@
-// Calls operations of the runtime's own interfaces, with the structs of their arguments and
-// results.
+// Calls operations of interfaces that belong to the runtime itself, by the generated structs of
+// their arguments and results.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,8 @@
 
 namespace gecos::session {
 
-/// Calls `operation`. Invalid arguments are not sent: the command ends as BAD_PARAMETER.
+/// Calls `operation`. When the arguments are invalid, nothing is sent and the command ends as
+/// BAD_PARAMETER.
 template <layout::Listed Arguments>
 std::shared_ptr<CommandCore> own_call(ClientSession& session, const OperationDescription& operation,
                                       const Arguments& arguments) {
@@ -26,7 +27,8 @@ inline std::shared_ptr<CommandCore> own_call(ClientSession& session,
   return session.call(operation, 0, [](wire::Encoder&) {}, {});
 }
 
-/// Decodes a `Reply` and stores its result in `value`.
+/// Decodes a `Reply` and stores its member `result` in `value`. Returns false when the reply does
+/// not decode.
 template <layout::Listed Reply, class T>
 bool read_result(wire::Decoder& from, T& value) {
   Reply reply;

@@ -12,7 +12,7 @@ std::shared_ptr<PendingCommand> PacketReceiver::take(ByteView bytes) {
   switch (packet->header.kind) {
     case wire::PacketKind::Reply:
     case wire::PacketKind::Progress:
-      // damaged or malicious: no call has counter 0
+      // no call has counter 0: the packet is damaged or malicious
       if (packet->header.counter == 0) return nullptr;
       if (packet->header.kind == wire::PacketKind::Reply) return take_reply(*packet);
       take_progress(*packet);
@@ -22,18 +22,18 @@ std::shared_ptr<PendingCommand> PacketReceiver::take(ByteView bytes) {
       end_.on_goodbye(packet->body);
       return nullptr;
     default:
-      return nullptr;  // packet kinds of a newer server, and late answers to a Hello
+      return nullptr;  // ignores packet kinds of a newer server, and late replies to a Hello
   }
 }
 
 std::shared_ptr<PendingCommand> PacketReceiver::take_reply(const wire::PacketView& packet) {
   auto command = calls_.take_replied(packet.header.counter);
   if (!command) return nullptr;  // the reply arrived before; this is a copy
-  // the call was a `stop`, which renewed the status of this client
+  // only the reply to a `stop` has an epoch: the new epoch of the status of this client
   if (packet.header.epoch != Epoch{}) leases_.renewed(packet.header.epoch);
   const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
-  // Over a medium that loses nothing, OUTCOME_UNKNOWN means that the server has answered this call
-  // and the reply was lost: the medium is broken.
+  // Over a medium that loses no packets, OUTCOME_UNKNOWN means that the server has answered this
+  // call before and that its reply was lost. So the medium is broken.
   if (reliable_ && detail == Detail::OutcomeUnknown) answer_lost_.store(true);
   if (detail == Detail::Done) {
     command->finish(packet.body);

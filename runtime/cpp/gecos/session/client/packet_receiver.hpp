@@ -20,15 +20,17 @@ class PacketReceiver {
                  LeaseState& leases, EndListener& end)
       : id_(id), reliable_(medium.reliable), calls_(calls), leases_(leases), end_(end) {}
 
-  /// Handles one packet. Returns the command that the packet ended, if there is one: its followers
-  /// must be notified.
+  /// Handles one packet. Returns the command that the packet ended, or null. The caller must notify
+  /// the threads that wait for that command.
   std::shared_ptr<PendingCommand> take(ByteView bytes);
 
-  /// Number of packets of the session received so far.
+  /// Returns the number of packets of the session received so far.
   std::uint64_t heard() const { return heard_.load(std::memory_order_relaxed); }
-  /// True when the server answered a call whose reply a medium lost that loses nothing.
+  /// Returns true when a reply was lost although the medium is reliable. The connection is then
+  /// broken.
   bool answer_lost() const { return answer_lost_.load(); }
-  /// True when the server has said goodbye, or has acknowledged the goodbye of this program.
+  /// Returns true when the server has said goodbye, or has acknowledged the goodbye of this
+  /// program.
   bool goodbye_heard() const { return goodbye_heard_.load(); }
 
  private:

@@ -15,7 +15,8 @@
 namespace gecos::session {
 namespace {
 
-/// True once per object, operation and detail, so that a failure in a loop does not fill the disk.
+/// Returns true only at the first failure of an operation with this detail, so that a failure in a
+/// loop does not fill the disk with log lines.
 bool first_of_its_kind(const std::string& about, Detail detail) {
   static Mutex& mutex = *new Mutex;  // commands may be destroyed after the last static object
   static auto& reported = *new std::set<std::pair<std::string, Detail>>;
@@ -28,8 +29,8 @@ void tell_unasked(const std::string& about, const Failure& failure) {
   std::ostringstream line;
   line << (about.empty() ? "a command" : about)
        << " failed, and nobody observed the failure: " << failure
-       << ". Keep the command and ask it (get(), then()), or detach() it; more of the same are not "
-          "reported";
+       << ". Keep the command and call get() or then(), or call detach(); later failures of this "
+          "kind are not logged";
   log_warning("command", std::move(line).str());
 }
 
@@ -151,8 +152,8 @@ void PendingCommand::log_end(const ClientConnection& in, Detail detail) const {
   log(actor_ ? LogLevel::Info : LogLevel::Debug, "client", std::move(line).str());
 }
 
-/// Publishes the terminal state last, because a waiting thread may drop the command at once. The
-/// caller's reference keeps the command alive during this function.
+/// Publishes the terminal state last, because a waiting thread may then destroy its reference to
+/// the command at once. The caller's reference keeps the command alive during this function.
 template <class Publish>
 void PendingCommand::end(Detail detail, Publish publish) {
   std::shared_ptr<ClientConnection> released;
@@ -178,8 +179,8 @@ void PendingCommand::finish(ByteView result) {
 }
 
 void PendingCommand::fail(Failure failure) {
-  // A later session may prove that the command did not start there. The command may still have
-  // started in an earlier session.
+  // Even if the last session proves that the command did not start in that session, the command may
+  // have started in an earlier session.
   if (again && again->may_have_started && failure.state() == State::ConnectionFailed) {
     failure.detail = Detail::OutcomeUnknown;
   }
@@ -193,7 +194,7 @@ void PendingCommand::fail(Failure failure) {
   });
 }
 
-// How a command moves to another session
+// Moving a command to another session
 
 void PendingCommand::attach(const std::shared_ptr<ClientConnection>& session, const CommandId& id,
                             std::uint64_t as) {

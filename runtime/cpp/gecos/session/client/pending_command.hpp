@@ -17,9 +17,9 @@ namespace gecos::session {
 class ClientConnection;
 
 /// A call that was issued. Session and command keep each other alive until the command is terminal,
-/// so a command that its user drops still runs. After that neither keeps the other alive. Has more
-/// methods and members than other classes: it implements the whole of CommandCore, and its session
-/// keeps here what sending the call again takes.
+/// so a call still runs after the program has destroyed its Command. This class has more methods
+/// and members than other classes, because it implements all of CommandCore and also holds the data
+/// that its session needs to send the call again.
 class PendingCommand final : public CommandCore {
  public:
   PendingCommand(std::shared_ptr<ClientConnection> session, const OperationDescription& operation)
@@ -27,9 +27,9 @@ class PendingCommand final : public CommandCore {
         actor_(operation.status != access::Status::Sensor),
         home_(session.get()),
         session_(std::move(session)) {}
-  /// A command that ended before it was sent.
+  /// Makes a command that ended before it was sent.
   explicit PendingCommand(Failure failure);
-  /// Logs a failure of the command that the program has not observed.
+  /// Logs the failure of the command if the program has not observed it.
   ~PendingCommand() override;
   PendingCommand(const PendingCommand&) = delete;
   PendingCommand& operator=(const PendingCommand&) = delete;
@@ -45,8 +45,8 @@ class PendingCommand final : public CommandCore {
   void when_ended(std::function<void()> then) override;
   std::string about() const override;
 
-  /// Sequentially consistent, because a follower checks it right after registering with the
-  /// LeaderLock (LeaderLock::notify).
+  /// The load is sequentially consistent, because a follower calls this function right after it has
+  /// registered with the LeaderLock (LeaderLock::notify).
   bool terminal() const {
     return project(detail_.load(std::memory_order_seq_cst)) != State::Running;
   }
@@ -55,19 +55,21 @@ class PendingCommand final : public CommandCore {
   void report(Detail detail, const ProgressBody& body);
   void finish(ByteView result);
   void fail(Failure failure);
-  std::uint64_t counter =
-      0;  ///< this and the next two are written before the command is shared, or by attach()
+  std::uint64_t counter = 0;  ///< `counter`, `session_id` and `incarnation` are written before the
+                              ///< command is shared, or by attach()
   std::uint64_t session_id = 0;
   std::uint64_t incarnation = 0;
-  std::uint64_t sent_as = 0;  ///< packet number on the medium's connection; written before sharing
-  /// shared words that may contain the mark of this call; written before sharing
+  std::uint64_t sent_as = 0;  ///< number of the call's packet on the connection; written before the
+                              ///< command is shared
+  /// The shared words that may contain the mark of this call (start_words.hpp). Written before the
+  /// command is shared.
   std::uint8_t marked_words = 0;
-  /// Notes that the command was sent in `session`, its first or another one. The caller must hold
-  /// the mutex of the session's CallSender.
+  /// Notes that the command was sent in `session`, which is its first session or a later one. The
+  /// caller must hold the mutex of the session's CallSender. `as`: the value for `sent_as`.
   void attach(const std::shared_ptr<ClientConnection>& session, const CommandId& id,
               std::uint64_t as);
-  /// Notes that the session no longer has this command. Requires the mutex of its CallSender,
-  /// unless no session has the command.
+  /// Notes that the session no longer has this command. The caller must hold the mutex of the
+  /// session's CallSender, unless no session has the command.
   void detach() { home_.store(nullptr, std::memory_order_release); }
 
   /// State for sending the call again over a medium that loses packets. Guarded by the mutex of the
@@ -79,7 +81,7 @@ class PendingCommand final : public CommandCore {
     TimePoint deadline = TimePoint::max();
     int sent = 1;
     bool on_its_way = false;  ///< the packet was sent at least once
-    bool arrived = false;     ///< the server has the call: only its outcome is queried
+    bool arrived = false;     ///< the server has the call; only the outcome is queried
     bool cancel = false;
   } retry;
 
@@ -90,10 +92,11 @@ class PendingCommand final : public CommandCore {
     std::string_view name;
     Bytes arguments;
     TimePoint deadline = TimePoint::max();
-    /// number of sessions in which the command was sent; used by the sending thread only
+    /// Number of sessions in which the command was sent. Used only by the thread that sends the
+    /// command.
     int sessions = 0;
     bool may_have_started = false;         ///< the command may have started in an earlier session
-    std::condition_variable_any attached;  ///< notified when attached or terminal
+    std::condition_variable_any attached;  ///< notified when the command is attached or terminal
   };
   std::unique_ptr<Again> again;  ///< null: the command may not be sent again
 
@@ -117,16 +120,19 @@ class PendingCommand final : public CommandCore {
   std::uint32_t position_ GECOS_GUARDED_BY(mutex_) = 0;
   double fraction_ = 0;  ///< written with mutex_ held; constant once terminal
   Bytes feedback_ GECOS_GUARDED_BY(mutex_);
-  ShortBytes result_;  ///< this and failure_ are written once, before detail_ is terminal
+  ShortBytes result_;  ///< `result_` and `failure_` are written once, before detail_ is terminal
   Failure failure_;
-  /// "RX90.move", for the log; set before the command fails, unless the program observes it
+  /// Name of the operation for the log, for example "RX90.move". Set when the command fails while
+  /// the program has not observed it.
   std::string about_;
-  /// The maintenance thread reads packets for this command, because no thread may wait in session_.
+  /// True when the command is a watcher of its session: the program awaits its end by a descriptor
+  /// or a callback.
   bool watched_ GECOS_GUARDED_BY(mutex_) = false;
   std::unique_ptr<EventFd> exported_ GECOS_GUARDED_BY(mutex_);
   std::vector<std::function<void()>> callbacks_ GECOS_GUARDED_BY(mutex_);
   /// The session that has the command; null while the command waits for failover. Orders no other
-  /// memory. When it changes, a thread that waits in the old session must continue in the new one.
+  /// memory. When the session changes, a thread that waits in the old session must continue its
+  /// wait in the new session.
   std::atomic<const ClientConnection*> home_{nullptr};
   std::shared_ptr<ClientConnection> session_ GECOS_GUARDED_BY(mutex_);  ///< null once terminal
 };

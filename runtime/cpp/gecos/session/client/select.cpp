@@ -26,10 +26,11 @@ std::string out_of_shared_memory(const std::string& here, const Entry& entry,
     return "it is on another host (" + entry.hostname + ")";
   }
   return "it is on this host, in another runtime directory (" + address +
-         "): programs that are to meet over shm need one user and the same GECOS_RUNTIME_DIR";
+         "): for shm, both programs must run as one user with the same GECOS_RUNTIME_DIR";
 }
 
-/// Why this program cannot reach the object at `address` over the medium `kind`; empty when it can.
+/// Returns why this program cannot reach the object at `address` over the medium `kind`; an empty
+/// text when it can.
 std::string out_of_reach(Runtime& runtime, const Entry& entry, media::Kind kind,
                          const std::string& address) {
   switch (media::reach_of(kind)) {
@@ -41,6 +42,15 @@ std::string out_of_reach(Runtime& runtime, const Entry& entry, media::Kind kind,
       return "";
   }
   return "this program does not know this medium";
+}
+
+/// The media that the server of an object offers: "inproc, shm".
+std::string offered(const Entry& entry) {
+  std::string media;
+  for (const auto& address : entry.addresses) {
+    media += (media.empty() ? "" : ", ") + address.substr(0, address.find(':'));
+  }
+  return media.empty() ? "none" : media;
 }
 
 }  // namespace
@@ -75,7 +85,8 @@ tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, con
     const std::string asked_for = only ? " over " + std::string(media::to_string(*only)) : "";
     return tl::unexpected(
         "cannot be reached" + asked_for +
-        (reasons.empty() ? ": its server does not offer this medium" : " (" + reasons + ")"));
+        (reasons.empty() ? ": its server does not offer this medium, it offers " + offered(entry)
+                         : " (" + reasons + ")"));
   }
   // A late packet does no harm in a simulated device, so soft real time is enough.
   qos::Quality held_to = asked;

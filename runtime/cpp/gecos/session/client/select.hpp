@@ -8,9 +8,9 @@
 
 namespace gecos::session {
 
-/// Returns the addresses of the object `entry` that meet `asked`, best first; or a text with every
-/// medium and each term that it violates. Only this function decides which medium suits which
-/// client.
+/// Returns the addresses of the object `entry` whose media meet the quality `asked`, best first. If
+/// there is none, returns a text that says of each medium why it is not suitable. `only`: the only
+/// medium to consider. No other function decides which medium a client uses.
 tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, const Entry& entry,
                                                            const qos::Quality& asked,
                                                            std::optional<media::Kind> only);

@@ -5,9 +5,9 @@
 namespace gecos::session {
 namespace {
 
-/// A silent server becomes UNREACHABLE a little before it would itself end this client's status for
-/// silence. So commands end at most `grace` + `lease_ttl` after the server died, including the time
-/// until its death is detected.
+/// Returns the silences after which the server counts as UNREACHABLE and as dead. UNREACHABLE comes
+/// two heartbeats before `lease_ttl`, so that commands end at most `grace` + `lease_ttl` after the
+/// death of the server, including the time until the death is detected.
 PeerLiveness::Bounds bounds_of_server(const LabOptions& options) {
   const Duration suspect =
       std::max(options.lease_ttl - 2 * options.heartbeat, 2 * options.heartbeat);
@@ -19,8 +19,8 @@ PeerLiveness::Bounds bounds_of_server(const LabOptions& options) {
 ServerWatch::ServerWatch(const LabOptions& options, const Clock& clock)
     : clock_(clock),
       // This clock may advance by `lease_ttl` in one step, because all packets that have arrived
-      // are read before the server is judged. Smaller steps would delay the verdict on a busy
-      // machine.
+      // are read before the server is judged. With a smaller limit, the verdict would come too late
+      // on a busy machine.
       liveness_clock_(clock.now(), options.lease_ttl),
       liveness_(bounds_of_server(options)),
       answers_(options.lease_ttl, 2 * (options.lease_ttl + options.grace), liveness_clock_.now()) {

@@ -12,28 +12,29 @@
 namespace gecos::session {
 
 /// Judges the server of one session by its heartbeats and by its answers. Does no I/O: the caller
-/// passes what has arrived. Any thread may call `unreachable` and `silent_since`; only the
-/// maintenance thread may call the other functions.
+/// passes the numbers of heartbeats and packets that have arrived. Any thread may call
+/// `unreachable` and `silent_since`; only the maintenance thread may call the other functions.
 class ServerWatch {
  public:
   ServerWatch(const LabOptions& options, const Clock& clock);
 
-  /// True while the server is silent for so long that it may be dead.
+  /// Returns true while the server has been silent for so long that it may be dead.
   bool unreachable() const { return unreachable_.load(std::memory_order_relaxed); }
-  /// When the server was found unreachable, by the clock of the runtime. @pre `unreachable()`
+  /// Returns when the server was found unreachable, by the clock of the runtime. @pre
+  /// `unreachable()`
   TimePoint silent_since() const { return silent_since_.load(std::memory_order_relaxed); }
 
-  /// Judges whether the server lives. `heartbeats`: number of heartbeats received so far.
+  /// Judges whether the server is alive. `heartbeats`: number of heartbeats received so far.
   PeerLiveness::Verdict judge_heartbeats(std::uint64_t heartbeats, TimePoint now);
-  /// Time since the last heartbeat.
+  /// Returns the time since the last heartbeat.
   Duration silent_for() const { return liveness_.silent_for(liveness_clock_.now()); }
 
-  /// Judges whether the server answers, at the time of the last `judge_heartbeats`. `packets`:
-  /// number of packets received so far.
+  /// Judges whether the server still answers, at the time of the last call of `judge_heartbeats`.
+  /// `packets`: number of packets received so far.
   AnswerWatch::Verdict judge_answers(bool calls_are_open, std::uint64_t packets) {
     return answers_.judge(calls_are_open, packets, liveness_clock_.now());
   }
-  /// Time since the last packet while calls are open.
+  /// Returns the time since the last packet, not counting times without open calls.
   Duration mute_for() const { return answers_.silent_for(liveness_clock_.now()); }
 
  private:

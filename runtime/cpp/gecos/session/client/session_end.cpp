@@ -47,9 +47,9 @@ void SessionEnd::close(Duration patience) {
 }
 
 void SessionEnd::lose(Ending how, const std::string& text) {
-  // After a goodbye that the server acknowledged, the calls queued at the server still run. They
-  // also still run when this program does not wait for the acknowledgement: then a proxy was
-  // dropped, and its commands are meant to continue.
+  // The calls queued at the server still run if the server has acknowledged the goodbye. They also
+  // still run if this program does not wait for the acknowledgement: then a proxy was destroyed,
+  // and its commands are meant to continue.
   const bool drains = how == Ending::ByUs && (receiver_.goodbye_heard() ||
                                               !awaits_goodbye_.load(std::memory_order_relaxed));
   auto remains =
@@ -57,7 +57,7 @@ void SessionEnd::lose(Ending how, const std::string& text) {
   if (!remains) return;
   log_info("client", "the session with " + welcome_.object + " ended: " + text);
   for (const auto& [counter, command] : remains->others) {
-    // no failure is logged: the program closed the session on purpose
+    // The failure of the command is not logged, because the program closed the session on purpose.
     if (drains) command->observe();
     command->fail(calls_.failure_of(*command, how, text));
   }

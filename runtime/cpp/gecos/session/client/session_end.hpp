@@ -12,8 +12,8 @@
 
 namespace gecos::session {
 
-/// Ends one session: in order, because its server or its connection is lost, or because its server
-/// no longer answers. Thread-safe.
+/// Ends one session. A session ends because the program closes it, because its server or connection
+/// is lost, or because its server no longer answers. Thread-safe.
 class SessionEnd final : public EndListener {
  public:
   SessionEnd(media::Connection& connection, const Welcome& welcome, CallSender& calls,
@@ -21,12 +21,13 @@ class SessionEnd final : public EndListener {
 
   /// True when this program has closed the session or is closing it.
   bool closed() const { return closed_.load(std::memory_order_relaxed); }
-  /// Ends the session in order. Waits at most `patience` for the server's acknowledgement. If it
-  /// arrives, the commands that were sent still run. If not, commands that have not started never
-  /// start, as far as the medium can tell the server.
+  /// Ends the session in order. Waits at most `patience` for the server's acknowledgement. If the
+  /// acknowledgement arrives, the commands that were sent still run. Otherwise the calls are
+  /// withdrawn: commands that have not started never start, unless the withdrawal does not reach
+  /// the server.
   void close(Duration patience);
-  /// Ends the session because of `text`: each command that has no reply ends, or is sent again in
-  /// another session. Does nothing when the session is lost already.
+  /// Ends the session for the reason `text`. Each command that has no reply ends, or is sent again
+  /// in another session. Does nothing when the session is lost already.
   void lose(Ending how, const std::string& text);
 
   void on_goodbye(ByteView body) override;
@@ -41,7 +42,7 @@ class SessionEnd final : public EndListener {
   SessionFailover& failover_;
   const bool reliable_;              ///< the medium loses no packets
   std::atomic<bool> closed_{false};  // orders no other memory
-  /// This program is closing the session and waits for the server's goodbye. Orders no other
+  /// True while this program closes the session and waits for the server's goodbye. Orders no other
   /// memory.
   std::atomic<bool> awaits_goodbye_{false};
 };

@@ -35,7 +35,7 @@ std::shared_ptr<CommandCore> SessionFailover::call(const OperationDescription& o
   const Clock& clock = session_.runtime().clock();
   const Duration within = options.deadline.value_or(operation.quality.deadline);
   if (within.count() > 0) {
-    // a deadline that is centuries away counts as none
+    // a deadline that is centuries away counts as no deadline
     const TimePoint now = clock.since_boot();
     if (within < TimePoint::max() - now) again.deadline = now + within;
   }
@@ -67,8 +67,8 @@ tl::expected<void, media::SendProblem> SessionFailover::send(
     header.deadline =
         std::max(again.deadline - session_.runtime().clock().since_boot(), Duration{1});
   }
-  // For another server process this is a new call; the same server process may know the outcome of
-  // the call.
+  // Another server process treats this as a new call. The same server process may already know the
+  // outcome of the call, so the packet names the session and the counter of the first attempt.
   const bool known = again.sessions != 0 && command->incarnation == session_.welcome().incarnation;
   if (known) header.flags = sent_again;
   CallSender& calls = session_.calls();
@@ -95,7 +95,8 @@ tl::expected<bool, Failure> SessionFailover::send_again(
       session_.calls().not_sent(again.name, again.arguments.size(), sent.error()));
 }
 
-/// Returns the last session of the chain of successors. Drops the lost sessions before it.
+/// Returns the first session in the chain of successors that is not lost; null when there is none.
+/// Removes the lost sessions before it from the chain.
 std::shared_ptr<ClientConnection> SessionFailover::successor() {
   const auto first = next();
   auto last = first;

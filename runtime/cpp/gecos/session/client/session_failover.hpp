@@ -10,15 +10,15 @@
 
 namespace gecos::session {
 
-/// The part of one session in failover: sends `@idempotent` readings such that they can be sent
-/// again in another session when this one is lost, and knows the session that was opened in its
-/// place. Thread-safe, except `set`.
+/// The part of one session that takes part in failover. Sends `@idempotent` readings in such a way
+/// that another session can send them again when this session is lost. Knows the session that has
+/// replaced this session. Thread-safe, except `set`.
 class SessionFailover {
  public:
   explicit SessionFailover(ClientConnection& session) : session_(session) {}
 
-  /// Sets how another session with the object can be opened. Must be called before the session is
-  /// shared. Without it, no call is sent again.
+  /// Sets how another session with the object can be opened. Must be called before other threads
+  /// know the session. If it is not called, no call is sent again.
   void set(std::shared_ptr<Failover> failover, ConnectTarget target);
   /// @pre `set` was called
   const ConnectTarget& connect_target() const { return *connect_target_; }
@@ -28,19 +28,19 @@ class SessionFailover {
     return failover_ != nullptr && operation.idempotent &&
            operation.status == access::Status::Sensor;
   }
-  /// As ClientSession::call. @pre `covers(operation)`
+  /// Like ClientSession::call. @pre `covers(operation)`
   std::shared_ptr<CommandCore> call(const OperationDescription& operation, std::size_t size,
                                     FunctionRef<void(wire::Encoder&)> encode,
                                     const CallOptions& options);
 
-  /// The session that was opened in place of this one, if that session still lives.
+  /// Returns the session that has replaced this session and is not lost; null when there is none.
   std::shared_ptr<ClientConnection> successor();
   void set_successor(std::shared_ptr<ClientConnection> successor);
-  /// Sends `command` in this session; returns false when the session has no room or is lost. @pre
-  /// no other thread or session has `command`
+  /// Sends `command` in this session. Returns false when the session has no room for another call
+  /// or is lost. @pre no other thread or session has `command`
   tl::expected<bool, Failure> send_again(const std::shared_ptr<PendingCommand>& command);
 
-  /// Must be called when the server is UNREACHABLE: looks for another server for the open calls.
+  /// Looks for another server for the open calls. Must be called when the server is UNREACHABLE.
   void look_for_another();
   /// Detaches all commands that may be sent again in another session.
   std::vector<PendingFailover> detach_repeatable();

@@ -50,11 +50,11 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> Subscriptions::open(
         Detail::Refused, what + " cannot be opened in this process: " + impossible, {}, {}});
   }
   if (!reader) {
-    return tl::unexpected(
-        Failure{Detail::OutcomeUnknown,
-                what + " did not arrive over " + std::string(connection.capabilities().name),
-                {},
-                {}});
+    return tl::unexpected(Failure{
+        Detail::OutcomeUnknown,
+        what + " could not be opened in time over " + std::string(connection.capabilities().name),
+        {},
+        {}});
   }
   return std::make_shared<ClientStream>(session_.shared_from_this(), stream.code,
                                         std::move(reader));

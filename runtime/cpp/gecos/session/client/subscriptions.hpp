@@ -17,7 +17,7 @@ class Subscriptions {
  public:
   explicit Subscriptions(ClientConnection& session) : session_(session) {}
 
-  /// Subscribes to `stream` and waits until its samples can be read.
+  /// Subscribes to `stream` and waits until the samples of the stream can be read.
   tl::expected<std::shared_ptr<StreamCore>, Failure> subscribe(const StreamDescription& stream);
   /// Ends one subscription to `stream`. Never blocks.
   void unsubscribe(FunctionCode stream);

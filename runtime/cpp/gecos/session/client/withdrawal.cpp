@@ -20,8 +20,12 @@ Failure Withdrawal::failure_of(const PendingCommand& command, Ending how,
     return {Detail::NotStarted, text + " before it started this command", {}, {}};
   }
   if (how == Ending::Died) {
-    return {
-        Detail::ServerCrashed, text + "; the command may have been carried out in part", {}, {}};
+    return {Detail::ServerCrashed,
+            text +
+                "; the command may have been carried out in part: check the "
+                "object before you send it again",
+            {},
+            {}};
   }
   return {
       Detail::OutcomeUnknown, text + "; whether the command was carried out is not known", {}, {}};

@@ -10,26 +10,27 @@
 
 namespace gecos::session {
 
-/// Withdraws the calls of a lost session in shared memory (start_words.hpp), and finds the failure
-/// of each call: NOT_STARTED where the medium proves that the call did not start. Not thread-safe.
+/// Withdraws the calls of a lost session in shared memory (start_words.hpp), and determines the
+/// failure of each call: NOT_STARTED if the medium proves that the call did not start. Not
+/// thread-safe.
 class Withdrawal {
  public:
   explicit Withdrawal(media::Connection& connection) : connection_(connection) {}
 
-  /// Writes that the server must start no call up to counter `last` any more. Returns false when
-  /// the medium has no shared words: then the withdrawal needs a packet. Must be called before any
-  /// call is reported as lost.
+  /// Tells the server in shared memory not to start any call up to the counter `last`. Returns
+  /// false when the medium has no shared words; then a packet must withdraw the calls. Must be
+  /// called before the program is told of the failure of any call.
   bool write(std::uint64_t last);
 
-  /// How `command` ends when its session ended as `how` because of `text`. Must be called after the
-  /// withdrawal is written or sent, unless the session ended in order.
+  /// Returns the failure of `command` when its session ended as `how` because of `text`. Must be
+  /// called after the withdrawal was written or sent, unless the session ended in order.
   Failure failure_of(const PendingCommand& command, Ending how, const std::string& text) const;
 
  private:
   bool may_have_started(const PendingCommand& command, Ending how) const;
 
   media::Connection& connection_;
-  bool written_ = false;  ///< the server starts no more calls of this session
+  bool written_ = false;  ///< the withdrawal was written to shared memory
 };
 
 }  // namespace gecos::session

@@ -19,9 +19,12 @@ void run_callback(const std::function<void()>& callback) {
   try {
     callback();
   } catch (const std::exception& error) {
-    log_error("session", std::string("a callback of a command threw: ") + error.what());
+    log_error("session", std::string("a callback of a command threw: ") + error.what() +
+                             "; catch the exception in the callback");
   } catch (...) {
-    log_error("session", "a callback of a command threw something that is no std::exception");
+    log_error("session",
+              "a callback of a command threw something that is no std::exception; catch it in "
+              "the callback");
   }
 }
 

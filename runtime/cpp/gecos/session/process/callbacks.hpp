@@ -8,8 +8,8 @@ namespace gecos::session {
 /// Runs `callback` and logs any exception that it throws, because no caller can catch it.
 void run_callback(const std::function<void()>& callback);
 
-/// Runs the completion callbacks of commands one after another, on its own thread, which starts
-/// with the first callback. A callback may block: only other callbacks then wait.
+/// Runs the completion callbacks of commands one after another on its own thread. The thread starts
+/// with the first callback. A callback may block; then only other callbacks wait for it.
 class Callbacks {
  public:
   Callbacks();

@@ -4,8 +4,8 @@
 
 #include "gecos/binding.hpp"
 
-/// Records which handler runs on which thread of this process, so that the object of a handler
-/// learns for which call the handler waits without a time-out.
+/// Records which handler runs on which thread of this process. When a handler waits for another
+/// call without a time-out, its object is then told which call that is.
 namespace gecos::session {
 
 /// A call whose handler runs in this process.
@@ -13,12 +13,13 @@ class HandlerHere {
  public:
   virtual ~HandlerHere() = default;
   virtual std::shared_ptr<HandlerHere> shared() = 0;
-  /// Notes that the thread of the handler waits for `command` without a time-out, until `goes_on`.
+  /// Notes that the thread of the handler waits for `command` without a time-out, until `goes_on`
+  /// is called.
   virtual void waits(const CommandCore& command) = 0;
   virtual void goes_on() = 0;
 };
 
-/// Records, as long as it lives, that the handler of `call` runs on this thread.
+/// While this object lives, records that the handler of `call` runs on the current thread.
 class RunsHere {
  public:
   explicit RunsHere(HandlerHere& call);
@@ -30,7 +31,7 @@ class RunsHere {
   HandlerHere* const before_;
 };
 
-/// Records that the handler of `call` runs on this thread until it has answered.
+/// Records that the current thread runs the handler of `call`, until the call is answered.
 void runs_here(std::weak_ptr<HandlerHere> call);
 
 }  // namespace gecos::session

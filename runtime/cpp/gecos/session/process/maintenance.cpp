@@ -17,7 +17,7 @@
 namespace gecos::session {
 
 /// The state shared with the maintenance thread. It outlives the Maintenance object when that
-/// object is destroyed on this thread.
+/// object is destroyed on the maintenance thread.
 struct Maintenance::Shared {
   explicit Shared(const Clock& its_clock) : clock(its_clock) {}
 
@@ -31,7 +31,7 @@ struct Maintenance::Shared {
   const pid_t owner = getpid();
   EventFd event;
   std::thread thread;
-  std::atomic<bool> ended{false};  // orders no other memory
+  std::atomic<bool> ended{false};  // asks the thread to end; orders no other memory
   Mutex mutex;
   std::vector<std::weak_ptr<TickTarget>> targets GECOS_GUARDED_BY(mutex);
   std::vector<std::function<void()>> jobs GECOS_GUARDED_BY(mutex);
@@ -64,7 +64,8 @@ void Maintenance::Shared::judge_pause(const std::vector<std::shared_ptr<TickTarg
 void Maintenance::Shared::run() {
   std::vector<pollfd> descriptors;
   for (;;) {
-    // Drain the event before the checks, so that a notification between the two is not lost.
+    // Drain the event before the checks, so that a notification that comes during the checks is not
+    // lost.
     event.drain();
     if (ended.load()) return;
     for (const auto& job : take_jobs()) job();

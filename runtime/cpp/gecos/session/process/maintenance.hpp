@@ -16,20 +16,20 @@ class TickTarget {
  public:
   virtual ~TickTarget() = default;
   /// Called on the maintenance thread. Must not block and must not run a user's handler. Returns
-  /// when the next tick is due. The next tick comes at the earliest after `Maintenance::tick`, or
-  /// sooner when the thread is woken.
+  /// when the next tick is due. The next tick comes no sooner than `Maintenance::tick` later,
+  /// unless the thread is woken.
   virtual TimePoint on_tick(TimePoint now) = 0;
-  /// Called before `on_tick` after this process was suspended for `stood_still`. No call starts
-  /// before this function has returned.
+  /// Called before `on_tick` when this process was suspended for the time `stood_still`. No call
+  /// starts before this function has returned.
   virtual void after_pause(Duration stood_still) { static_cast<void>(stood_still); }
-  /// Adds to `into` the descriptors that end the sleep before the next tick; `unwatch` is called
-  /// after the sleep.
+  /// Adds descriptors to `into`. An event on one of them wakes the maintenance thread before the
+  /// next tick. `unwatch` is called when the thread is awake again.
   virtual void watch(std::vector<pollfd>& into) { static_cast<void>(into); }
   virtual void unwatch() {}
 };
 
-/// The maintenance thread. No handler runs on it, so no handler can starve it. It costs nothing
-/// without targets.
+/// The maintenance thread. No handler runs on this thread, so no handler can delay it. Without
+/// targets the thread sleeps.
 class Maintenance {
  public:
   static constexpr Duration tick = std::chrono::milliseconds(10);
@@ -49,7 +49,8 @@ class Maintenance {
   /// Makes the next tick of all targets due now.
   void wake();
   bool on_this_thread() const;
-  /// Detects from the ticks of the maintenance thread whether this process was suspended.
+  /// Returns the object that detects from the ticks of this thread whether this process was
+  /// suspended.
   PauseWatch& pauses();
 
  private:

@@ -10,22 +10,22 @@
 
 namespace gecos::session {
 
-/// Describes a pause: "stood still for 3.1 s".
+/// Returns a text such as "stood still for 3.1 s".
 std::string stood_still_for(Duration pause);
 
-/// Detects that this process was suspended: by SIGSTOP, because the machine was suspended, or
-/// because it got no core.
+/// Detects a pause: a time in which this process did not run, because of SIGSTOP, because the
+/// machine was suspended, or because the process got no core.
 ///
 /// At each tick the maintenance thread records when the next tick is due. When that tick is, or
 /// would be, late by more than `longest_gap`, there was a pause. After a pause no call may start
-/// until the maintenance thread has judged the pause: packets in the rings are as old as the pause,
-/// and peers that died meanwhile are not known yet. Times are of CLOCK_BOOTTIME.
+/// until the maintenance thread has judged the pause: packets that wait to be read may be as old as
+/// the pause, and peers may have died during the pause. All times are times of CLOCK_BOOTTIME.
 class PauseWatch {
  public:
   static constexpr Duration longest_gap = std::chrono::milliseconds(500);
 
-  /// Called by the maintenance thread at each tick. If a pause ends with this tick, returns its
-  /// length; no call then starts before judged().
+  /// Called by the maintenance thread at each tick. If a pause ends with this tick, returns the
+  /// length of the pause; then no call starts before judged() is called.
   std::optional<Duration> tick(TimePoint now) {
     const TimePoint due = due_.load(std::memory_order_relaxed);
     if (due == TimePoint::max() || now - due <= longest_gap) {
@@ -44,28 +44,28 @@ class PauseWatch {
     }
     judged_.notify_all();
   }
-  /// Called by the maintenance thread before it sleeps until `next`; TimePoint::max() when it
-  /// sleeps until it is woken. Returns false when there was a pause since the last tick: the thread
-  /// must then tick at once.
+  /// Called by the maintenance thread before it sleeps until `next` (TimePoint::max(): until it is
+  /// woken). Returns false when there was a pause since the last tick; the thread must then tick at
+  /// once.
   [[nodiscard]] bool due(TimePoint next, TimePoint now) {
     if (suspected(now)) return false;
     due_.store(next, std::memory_order_relaxed);
     return true;
   }
 
-  /// Every thread must call suspected() before it starts a handler. Returns true when a pause has
-  /// ended and is not judged yet.
+  /// Returns true when a pause has ended and is not judged yet. Every thread must call this
+  /// function before it starts a handler.
   bool suspected(TimePoint now) const {
     const TimePoint due = due_.load(std::memory_order_relaxed);
     return judging_.load(std::memory_order_acquire) ||
            (due != TimePoint::max() && now - due > longest_gap);
   }
-  /// The result of the last check, if it found no pause; kept by a thread that checks often.
+  /// The last check of a thread, if it found no pause. A thread that checks often keeps it.
   struct Checked {
     Moment moment;
     TimePoint at{};  ///< time of the check, at most one kernel tick ago
   };
-  /// As suspected(now), but reads the precise clock at most once per kernel tick. `checked`: the
+  /// Like suspected(now), but reads the precise clock at most once per kernel tick. `checked`: the
   /// last check of the calling thread.
   bool suspected(const Clock& clock, Checked& checked, Moment now = Moment::now()) const {
     if (judging_.load(std::memory_order_acquire)) return true;

@@ -33,11 +33,12 @@ std::string host_name() {
   return gethostname(name, sizeof name - 1) == 0 ? name : "?";
 }
 
-/// Every runtime of this process, so that its sessions close in order when the process exits.
+/// The runtimes of this process. Their sessions are closed in order when the process exits.
 class OpenRuntimes {
  public:
-  /// A forked child gets one of its own: the runtimes of its parent have no threads in the child,
-  /// and the parent's mutex may be locked for ever.
+  /// Returns the instance of this process. A forked child gets a new instance, because the threads
+  /// of the parent's runtimes do not exist in the child, and because the parent's mutex may be
+  /// locked for ever.
   static OpenRuntimes& instance() {
     static const CloseAtExit at_exit;
     OpenRuntimes* known = of_this_process_.load();
@@ -73,7 +74,7 @@ class OpenRuntimes {
     return found;
   }
 
-  /// Never destroyed: runtimes are added until the process ends.
+  /// The instance is never destroyed, because runtimes are added until the process ends.
   static inline std::atomic<OpenRuntimes*> of_this_process_{nullptr};
 
   const pid_t owner_ = getpid();
@@ -119,7 +120,7 @@ Runtime::~Runtime() = default;
 
 tl::expected<std::shared_ptr<Runtime>, NoLab> Runtime::make(LabOptions options, const Clock& clock,
                                                             media::WrapMedium wrap) {
-  // obtained first, so that sessions are closed after the destruction of a static Lab
+  // Called before a Lab exists, so that the sessions are closed after a static Lab is destroyed.
   OpenRuntimes& open = OpenRuntimes::instance();
   try {
     auto runtime = std::make_shared<Runtime>(std::move(options), clock, std::move(wrap));

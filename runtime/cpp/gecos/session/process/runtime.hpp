@@ -18,7 +18,7 @@
 
 namespace gecos::session {
 
-/// A session that is closed in order when the program exits.
+/// A session that can be closed in order, for example when the program exits.
 class Closable {
  public:
   virtual ~Closable() = default;
@@ -46,18 +46,20 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
   /// made in the session.
   Duration registration_ttl() const { return options_.lease_ttl + options_.grace; }
 
-  /// The medium `kind`, opened at first use; or why it is not available here now.
+  /// Returns the medium `kind`, which is opened at its first use. On failure returns why the medium
+  /// is not available to this program now.
   tl::expected<media::Medium*, media::MediumError> medium(media::Kind kind);
-  /// Identifies the host and the runtime directory: equal in two programs exactly when they can
-  /// reach each other over shared memory.
+  /// Returns a text that identifies the host and the runtime directory. Two programs have equal
+  /// texts exactly when they can reach each other over shared memory.
   const std::string& host_identity();
-  /// The Hello with which this program opens a session with an object of the interface `wanted`.
+  /// Returns the Hello with which this program opens a session with an object of the interface
+  /// `wanted`.
   Hello introduce(const InterfaceDescription& wanted) const;
 
-  /// Closes `session` when this program exits, if the session still lives.
+  /// Registers `session` to be closed when this program exits, if the session still exists then.
   void close_at_exit(const std::shared_ptr<Closable>& session);
   /// Closes the sessions one after the other within `patience`. Each session gets at least two
-  /// heartbeat periods, so that a server that does not answer takes no time from the other
+  /// heartbeat periods, so that a server that does not answer takes no time away from the other
   /// sessions.
   void close_all(const std::vector<std::shared_ptr<Closable>>& sessions, Duration patience) const;
   /// Says goodbye in every open session.
@@ -66,7 +68,7 @@ class Runtime : public std::enable_shared_from_this<Runtime> {
  private:
   const LabOptions options_;
   const Clock& clock_;
-  const media::WrapMedium wrap_;  ///< of a test; null: media are used unwrapped
+  const media::WrapMedium wrap_;  ///< set by tests only; null: media are used unwrapped
   Mutex mutex_;
   std::map<media::Kind, std::unique_ptr<media::Medium>> media_ GECOS_GUARDED_BY(mutex_);
   std::optional<std::string> host_identity_ GECOS_GUARDED_BY(mutex_);

@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::array<int, 2> signals{SIGINT, SIGTERM};
 
-/// The only data that the signal handler may touch: set before the handler is installed, and never
-/// freed.
+/// `came` and `owner` are the only data that the signal handler uses. They are set before the
+/// handler is installed. The object in `came` is never freed.
 std::atomic<EventFd*> came{nullptr};
 std::atomic<pid_t> owner{0};
 static_assert(std::atomic<EventFd*>::is_always_lock_free &&

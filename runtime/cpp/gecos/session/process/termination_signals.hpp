@@ -2,21 +2,21 @@
 
 namespace gecos::session {
 
-/// While an instance lives, SIGINT and SIGTERM make a descriptor readable instead of ending the
-/// process, whichever thread receives them. The end of the last instance restores the previous
-/// signal handlers. A signal that the process ignores (SIGINT under `nohup … &`) stays ignored. In
-/// a forked child both signals have their default action.
+/// While an instance exists, SIGINT and SIGTERM do not end the process but make a descriptor
+/// readable, whichever thread receives the signal. The destructor of the last instance restores the
+/// previous signal handlers. A signal that the process already ignores (for example SIGINT under
+/// `nohup … &`) stays ignored. In a forked child both signals have their default action.
 class TerminationSignals {
  public:
   /// Opens the descriptor that all instances share, or throws std::system_error. After this call no
   /// constructor fails.
   static void prepare();
-  TerminationSignals();  ///< throws as `prepare` does
+  TerminationSignals();  ///< throws std::system_error, like `prepare`
   ~TerminationSignals();
   TerminationSignals(const TerminationSignals&) = delete;
   TerminationSignals& operator=(const TerminationSignals&) = delete;
 
-  int descriptor() const;  ///< readable once a signal has come; shared by all instances
+  int descriptor() const;  ///< readable once a signal has arrived; shared by all instances
 };
 
 }  // namespace gecos::session

@@ -9,8 +9,8 @@
 
 namespace gecos::session {
 
-/// The unfinished calls of one session, by counter. Allocates only when more calls are open at once
-/// than ever before. Not thread-safe.
+/// The unfinished calls of one session, by counter. Allocates memory only when more calls are open
+/// at the same time than ever before. Not thread-safe.
 template <class Call>
 class CallTable {
  public:
@@ -25,7 +25,8 @@ class CallTable {
     ++size_;
   }
 
-  /// Null when there is no call with this counter. The pointer is valid until the table changes.
+  /// Returns the call with this counter; null when there is none. The pointer is valid until the
+  /// table changes.
   const std::shared_ptr<Call>* find(std::uint64_t counter) const {
     for (std::size_t at = home(counter);; at = next(at)) {
       if (slots_[at].counter == 0) return nullptr;  // checked first: no call has counter 0
@@ -47,7 +48,7 @@ class CallTable {
     return taken;
   }
 
-  /// The lowest counter in the table; 0 when the table is empty.
+  /// Returns the lowest counter in the table; 0 when the table is empty.
   std::uint64_t lowest() const {
     std::uint64_t least = 0;
     for (const auto& slot : slots_) {

@@ -1,5 +1,4 @@
-// Bodies of the packets that are not calls: opening a session, and progress and failure of
-// commands.
+// The bodies of the packets that open a session or report the progress or failure of a command.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +11,9 @@
 
 namespace gecos::session {
 
-/// Body of Hello: the client that opens a session, and the interface that it expects. What the
-/// medium proves about the peer overrides what the client claims here.
+/// Body of a Hello packet: describes the client that opens a session, and the interface that this
+/// client expects. If the medium proves who the peer is, the server uses that instead of what the
+/// client claims here.
 struct Hello {
   std::string user;
   std::string host;
@@ -23,7 +23,7 @@ struct Hello {
   std::string interface_name;
   std::uint64_t interface_hash = 0;
   /// Maximum age of a call when the server reads it. The server does not accept older calls,
-  /// because the client has given them up or sends them again. 0: no limit.
+  /// because the client has given these calls up or sends them again. 0: no limit.
   Duration accept_within{0};
 
   std::size_t encoded_size() const;
@@ -38,8 +38,8 @@ struct OperationHash {
   std::uint64_t hash = 0;
 };
 
-/// Body of Welcome: describes the session that was opened. The id of the session is in the packet
-/// header.
+/// Body of a Welcome packet: describes the session that was opened. The id of the session is in the
+/// packet header.
 struct Welcome {
   std::string object;
   std::string interface_name;
@@ -56,8 +56,8 @@ struct Welcome {
   static std::int64_t fingerprint() { return 0; }
 };
 
-/// Body of Refused and of a Reply that is not DONE; the detail is in the flags of the packet
-/// header.
+/// Body of a Refused packet, and of a Reply packet that reports a failure. The flags of the packet
+/// header contain the detail.
 struct FailureBody {
   std::string text;
   std::string exception;
@@ -69,8 +69,8 @@ struct FailureBody {
   static std::int64_t fingerprint() { return 0; }
 };
 
-/// Body of Progress; the detail (Queued, Executing, Canceling) is in the flags of the packet
-/// header.
+/// Body of a Progress packet. The flags of the packet header contain the detail (Queued, Executing
+/// or Canceling).
 struct ProgressBody {
   std::uint32_t position = 0;
   double fraction = 0;

@@ -1,4 +1,4 @@
-// Writes packets: header and body, one after the other, into one reused buffer.
+// Functions that write packets, each with header and body, into a reused buffer.
 #pragma once
 
 #include <optional>
@@ -11,8 +11,8 @@
 
 namespace gecos::session {
 
-/// Flags of a Call that was sent before in another session: its body begins with the id of that
-/// session and the counter of the call in it (SentBefore).
+/// Flags of a Call packet whose call was sent before in another session. Its body begins with a
+/// SentBefore: the id of that session, and the counter of the call in that session.
 inline constexpr std::int8_t sent_again = 1;
 inline constexpr std::size_t sent_before_size = 8 + 8;
 struct SentBefore {
@@ -24,12 +24,12 @@ struct SentBefore {
     return from.get(session, "session") && from.get(counter, "counter");
   }
 };
-/// Flags of a Goodbye after which no call of the session may start. A client sends it when it has
-/// lost the session, or when a Goodbye without this flag was not acknowledged.
+/// Flags of a Goodbye packet after which no call of the session may start. A client sends this
+/// packet when it has lost the session, or when a Goodbye without this flag was not acknowledged.
 inline constexpr std::int8_t withdraws = 1;
 
 void write_packet(Bytes& into, const wire::PacketHeader& header, ByteView body);
-/// Writes a packet whose body of `size` bytes is written by `encode`.
+/// Writes a packet. `encode` writes its body of `size` bytes.
 void write_packet(Bytes& into, const wire::PacketHeader& header, std::size_t size,
                   FunctionRef<void(wire::Encoder&)> encode);
 
@@ -38,13 +38,14 @@ void write_failure(Bytes& into, wire::PacketHeader header, const Failure& failur
 /// Decodes the packet body that `write_failure` wrote. An unknown detail, or a detail with which a
 /// server must not end a call, counts as FAULT.
 Failure failure_from(std::optional<Detail> detail, ByteView body);
-/// Encodes the reason `why` as the body of a Goodbye.
+/// Encodes the reason `why` as the body of a Goodbye packet.
 Bytes goodbye_body(const std::string& why);
-/// Decodes the reason in the body of a Goodbye, as ": why"; empty when the body has no reason.
+/// Returns ": " and the reason in the body of a Goodbye packet; an empty text when the body
+/// contains no reason.
 std::string text_of(ByteView goodbye);
 
-/// The clock of the system. Time-outs of sessions use the clock of the Runtime instead, which tests
-/// replace.
+/// Returns the clock of the system. Time-outs of sessions use the clock of the Runtime instead,
+/// which tests replace by a fake clock.
 const Clock& system_clock();
 
 }  // namespace gecos::session

@@ -7,9 +7,10 @@
 
 namespace gecos::session {
 
-/// Judges by heartbeats whether the peer of a session lives. Servers judge their clients with it,
-/// and clients their server. Reads no clock: the caller passes the time of a SuspendAwareClock, so
-/// that a peer does not count as silent while this process does not run. Not thread-safe.
+/// Judges by heartbeats whether the peer of a session is alive. Servers use it to judge their
+/// clients, and clients use it to judge their server. Reads no clock: the caller passes the time of
+/// a SuspendAwareClock, so that a peer does not count as silent while this process does not run.
+/// Not thread-safe.
 class PeerLiveness {
  public:
   struct Bounds {
@@ -17,20 +18,21 @@ class PeerLiveness {
     Duration dead_after{};     ///< silence after which the peer counts as dead
   };
   enum class Verdict : std::uint8_t {
-    Alive,    ///< a heartbeat came since the last check
-    Quiet,    ///< no heartbeat came, but it is too early to judge
-    Suspect,  ///< no heartbeat came for `suspect_after`
-    Dead,     ///< no heartbeat came for `dead_after`
+    Alive,    ///< a heartbeat arrived since the last check
+    Quiet,    ///< no heartbeat arrived, but it is too early to judge
+    Suspect,  ///< no heartbeat arrived for `suspect_after`
+    Dead,     ///< no heartbeat arrived for `dead_after`
   };
 
-  /// Silence counts from the first check, unless `heard` is called before it.
+  /// The silence of the peer is measured from the first `check`, or from an earlier call of
+  /// `heard`.
   explicit PeerLiveness(Bounds bounds) : bounds_(bounds) {}
 
   /// Notes that the peer gave a sign of life other than a heartbeat.
   void heard(TimePoint now) { last_heard_ = now; }
   /// Ignores the first `heartbeats` heartbeats of the peer: only later ones count as signs of life.
   void await_heartbeat_after(std::uint64_t heartbeats) { heartbeats_ = heartbeats; }
-  /// Judges the peer. `heartbeats`: number of heartbeats received so far.
+  /// Judges the peer at the time `now`. `heartbeats`: number of heartbeats received so far.
   Verdict check(std::uint64_t heartbeats, TimePoint now);
   Duration silent_for(TimePoint now) const;
 

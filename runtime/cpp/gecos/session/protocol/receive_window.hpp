@@ -28,7 +28,7 @@ class ReceiveWindow {
   /// packets now count as arrived.
   void abandoned(std::uint64_t counter);
   bool seen(std::uint64_t counter) const;
-  /// The highest counter up to which all counters have arrived.
+  /// Returns the highest counter up to which all counters have arrived.
   std::uint64_t cumulative_ack() const { return cumulative_ack_; }
 
  private:
@@ -36,28 +36,32 @@ class ReceiveWindow {
 
   static constexpr std::size_t width = 1024;
   std::uint64_t cumulative_ack_ = 0;
-  std::bitset<width> later_;  ///< [c % width]: whether c arrived, for cumulative_ack_ < c <=
+  std::bitset<width> later_;  ///< bit c % width: counter c has arrived; for cumulative_ack_ < c <=
                               ///< cumulative_ack_ + width
 };
 
-/// Keeps the replies that the client may request again, because the medium loses packets or the
-/// session was lost.
+/// Keeps replies, because the client may request them again when the medium has lost a packet or
+/// the session was lost.
 class ReplyCache {
  public:
   void keep(std::uint64_t counter, Bytes packet);
   /// Notes that the client has received all replies up to `counter`.
   void acknowledged(std::uint64_t counter);
-  /// True when the reply to `counter` is not acknowledged: the client may still request it.
+  /// Returns true when the reply to `counter` is not acknowledged yet, so that the client may still
+  /// request it.
   bool awaited(std::uint64_t counter) const { return counter > acknowledged_; }
-  /// The reply to `counter`; null when it was acknowledged or dropped to make room.
+  /// Returns the reply to `counter`; null when the reply was acknowledged, or was dropped to make
+  /// room.
   const Bytes* find(std::uint64_t counter) const;
-  /// Drops the oldest replies when the session was lost, down to a smaller limit. The client may
-  /// still request the others in another session.
+  /// Lowers the size limit and drops the oldest replies beyond it. Must be called when the session
+  /// was lost: the client may still request the remaining replies in another session.
   void shrink();
 
  private:
-  static constexpr std::size_t most_replies = 512;  ///< more calls than a client may have in flight
-  static constexpr std::size_t most_bytes = 16 * 1024 * 1024;  ///< size of two largest packets
+  static constexpr std::size_t most_replies = 512;  ///< greater than the number of calls that a
+                                                    ///< client may have in flight
+  /// Room for two packets of maximum size.
+  static constexpr std::size_t most_bytes = 16 * 1024 * 1024;
   static constexpr std::size_t most_bytes_of_lost = 64 * 1024;
   struct Kept {
     std::uint64_t counter;

@@ -1,5 +1,5 @@
-// The time at which a sample was measured. Its age is computed by CLOCK_BOOTTIME, which nobody
-// sets; the wall-clock time is for display.
+// The time at which a sample was measured. The age of a sample is computed with CLOCK_BOOTTIME,
+// because nobody can set that clock. The wall-clock time of the measurement is only for display.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,8 @@
 
 namespace gecos::session {
 
-/// The assumed maximum difference between two clocks, 36 years. Times sent by a peer are clamped to
-/// it.
+/// The assumed maximum difference between two clocks: 36 years. Times that a peer sends are clamped
+/// to this range.
 inline constexpr Duration longest_age{std::int64_t{1} << 60};
 
 /// When a sample was measured: as wall-clock time in ns, and by CLOCK_BOOTTIME.
@@ -24,8 +24,8 @@ struct SampleTime {
   TimePoint measured{};
 };
 
-/// Returns `stamp_ns`, a wall-clock time that the servant sets, together with the same moment by
-/// CLOCK_BOOTTIME. Compares the two clocks once, when the sample is published.
+/// Converts `stamp_ns`, a wall-clock time that the servant sets, to the same moment by
+/// CLOCK_BOOTTIME, and returns both. Compares the two clocks when it is called.
 inline SampleTime sample_time(std::int64_t stamp_ns, const Clock& clock) {
   const auto wall = Duration(static_cast<std::int64_t>(clock.unix_seconds() * 1e9));
   const TimePoint now = clock.since_boot();
@@ -34,8 +34,8 @@ inline SampleTime sample_time(std::int64_t stamp_ns, const Clock& clock) {
   return {stamp_ns, now - std::clamp(wall - stamp, Duration::zero(), longest_age)};
 }
 
-/// Size of the measurement time that is appended to each sent sample, in bytes. The time is in ns
-/// of the server's CLOCK_BOOTTIME.
+/// Size in bytes of the measurement time that is appended to each sample before it is sent. That
+/// time is in ns of the server's CLOCK_BOOTTIME.
 inline constexpr std::size_t measured_bytes = 8;
 
 inline void append_measured(Bytes& sample, TimePoint measured) {

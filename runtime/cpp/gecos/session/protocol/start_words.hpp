@@ -8,22 +8,25 @@
 
 namespace gecos::session {
 
-/// The lane in which a call waits for its start at the server.
+/// The lane in which a call waits at the server until it starts.
 enum class CallLane : std::uint8_t { None, Safety, Sensor, Actor };
 
 }  // namespace gecos::session
 
 /// Client and server exchange starts and withdrawals of calls through words in shared memory
-/// (media::Connection::write_word), without packets. So neither process needs the other one to run.
+/// (media::Connection::write_word), without packets. So each process can do this while the other
+/// process is stopped.
 ///
 /// Before the server starts a call, it writes the counter of the call: the *mark*. Before the
 /// client reports how its calls ended, it writes the counter of its last call: the *withdrawal*.
 /// After its own write, each side reads the other side's word. All four accesses are sequentially
-/// consistent. A call whose mark the client does not see was marked after the withdrawal or never.
-/// A server that marks a call after the withdrawal sees the withdrawal and does not start the call.
+/// consistent. If the client does not see the mark of a call, the server marked that call after the
+/// withdrawal or never. A server that marks a call after the withdrawal sees the withdrawal and
+/// does not start the call.
 namespace gecos::session {
 
-/// Index of the word that the client writes. No call up to the counter in this word may start.
+/// Index of the word that the client writes. No call whose counter is at most the value of this
+/// word may start.
 inline constexpr std::size_t withdrawn_word = 0;
 
 /// Index of the word that the server writes for `lane`: the highest counter that was started in
@@ -31,8 +34,8 @@ inline constexpr std::size_t withdrawn_word = 0;
 /// handlers run in parallel.
 constexpr std::size_t marked_word(CallLane lane) { return static_cast<std::size_t>(lane); }
 
-/// The words that may contain the mark of a call of `operation`, as a bit mask. 0 for a built-in
-/// operation, which has no handler.
+/// Returns a bit mask of the words that may contain the mark of a call of `operation`. Returns 0
+/// for a built-in operation, which has no handler.
 inline std::uint8_t marked_words(const OperationDescription& operation) {
   const auto bit = [](CallLane lane) { return static_cast<std::uint8_t>(1U << marked_word(lane)); };
   if (is_builtin(operation.code)) return 0;

@@ -7,8 +7,8 @@
 namespace gecos::session {
 
 /// A clock for peer time-outs and leases. It does not advance while this process does not run,
-/// because the process does not read messages of its peers then. Each `advance` adds the time since
-/// the previous `advance`, at most `longest_step`.
+/// because the process then reads no messages of its peers. Each `advance` adds the time since the
+/// previous `advance`, but at most `longest_step`.
 class SuspendAwareClock {
  public:
   SuspendAwareClock(TimePoint begin, Duration longest_step)

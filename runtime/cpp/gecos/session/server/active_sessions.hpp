@@ -10,9 +10,9 @@
 
 namespace gecos::session {
 
-/// The sessions of a server whose connections are polled. The connections of all others sleep: a
-/// packet wakes the server through their descriptors. Not thread-safe: used by the thread that
-/// polls.
+/// The sessions of a server whose connections are polled. The connections of all other sessions
+/// sleep: a packet on such a connection wakes the server through a descriptor. Not thread-safe:
+/// used only by the thread that polls.
 class ActiveSessions {
  public:
   using Session = std::shared_ptr<ServerSession>;
@@ -21,15 +21,15 @@ class ActiveSessions {
   std::size_t size() const { return sessions_.size(); }
   const Session& operator[](std::size_t at) const { return sessions_[at]; }
 
-  /// Polls the connection of a new session.
+  /// Adds a new session, whose connection is polled from now on.
   void add(Session session) { sessions_.push_back(std::move(session)); }
-  /// Polls the connection of `session` again, because its descriptor reported a packet. Returns
-  /// false when it is polled already.
+  /// Adds `session` again, because the descriptor of its connection reported a packet. Returns
+  /// false when its connection is polled already.
   bool wake(const Session& session);
   /// Puts connections to sleep that were silent for a while.
   void retire_idle(TimePoint now);
-  /// Puts all connections to sleep. Calls `part_if_lost` for a connection that must stay active,
-  /// because a packet has arrived or the connection is lost. Returns true when all sleep.
+  /// Puts all connections to sleep, except those on which a packet has arrived or that are lost:
+  /// for the sessions of these it calls `part_if_lost`. Returns true when all connections sleep.
   bool put_to_sleep(FunctionRef<void(const Session&)> part_if_lost);
   void clear() { sessions_.clear(); }
 

@@ -48,7 +48,7 @@ std::optional<Failure> refusal_to_queue(const CallRequest& call, const Admitting
   if (operation.on_new == OnNew::Reject && !queue.running().empty()) {
     return refused(Detail::Rejected, call, object,
                    "was not started: '" + std::string(queue.running().front()->operation.name) +
-                       "' runs; wait until it has ended, or cancel it");
+                       "' is running; wait until it has ended, or cancel it");
   }
   return std::nullopt;
 }
@@ -72,7 +72,7 @@ std::optional<Failure> refusal_to_start(const CallRequest& call, const Admitting
   if (expired) {
     return Failure{Detail::Expired,
                    "the deadline of '" + std::string(call.operation.name) +
-                       "' passed before it started; it was not carried out",
+                       "' passed before the call started; the call was not carried out",
                    {},
                    {}};
   }

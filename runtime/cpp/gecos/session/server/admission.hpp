@@ -9,22 +9,22 @@
 #include "gecos/session/server/name_claim.hpp"
 #include "gecos/session/server/object_queue.hpp"
 
-/// Admission control: whether a call may be queued, and later whether it may start. Pure functions:
-/// the caller passes the current time.
+/// Admission control: decides whether a call may be queued, and later whether the call may start.
+/// Pure functions; the caller passes the current time.
 namespace gecos::session {
 
-/// True when `operation` needs actor or master status and is not a safety operation. Its calls may
-/// start only while the name of the object is confirmed (NameClaim).
+/// True when `operation` needs actor or master status and is not a safety operation. Calls of such
+/// an operation may start only while the broker confirms the name of the object (NameClaim).
 bool commands_the_object(const OperationDescription& operation);
 
-/// A call that asks for admission.
+/// A call for which admission is requested.
 struct CallRequest {
   const OperationDescription& operation;
   SessionId session{};
   Epoch epoch{};  ///< epoch of the status under which the call was issued
 };
 
-/// The called object. `now`: the current time by the object's lease clock.
+/// The object that is called. `now`: the current time by the clock of the object's leases.
 struct AdmittingObject {
   std::string_view name;
   const access::LeaseTable& leases;
@@ -32,28 +32,29 @@ struct AdmittingObject {
 };
 
 /// Returns why `call` must not be queued; nullopt when it may be queued. Does not check the limits
-/// of the queue: ObjectQueue::push does. `closing`: the server is shutting down.
+/// of the queue, which ObjectQueue::push checks. `closing`: the server is shutting down.
 std::optional<Failure> refusal_to_queue(const CallRequest& call, const AdmittingObject& object,
                                         const NameClaim& claim, const ObjectQueue& queue,
                                         bool closing);
 
-/// The state of the session of a queued call.
+/// The state of the session from which a queued call came.
 struct CallerState {
   bool gone = false;       ///< the connection of the session was lost
   bool withdrawn = false;  ///< the client withdrew all calls that have not started
-  /// no heartbeat came since this process was suspended, or the client is silent for too long
+  /// No heartbeat of the client arrived since this process was suspended, or the client has been
+  /// silent for too long.
   bool unheard = false;
 };
 
-/// Returns why a queued call must not start; nullopt when it may start. Checked again because the
-/// conditions may have changed since the call was queued. `expired`: the deadline of the call has
-/// passed.
+/// Returns why a queued call must not start; nullopt when it may start. Checks the call again,
+/// because leases and deadlines may have ended since the call was queued. `expired`: the deadline
+/// of the call has passed.
 std::optional<Failure> refusal_to_start(const CallRequest& call, const AdmittingObject& object,
                                         const CallerState& caller, bool expired);
 
-/// Converts `left`, the time until the deadline of a call, to the moment of the deadline.
-/// TimePoint::max(), which means no deadline, when `left` is zero or centuries. `since_boot`: the
-/// current time of Clock::since_boot.
+/// Converts `left`, the time until the deadline of a call, to the moment of the deadline. Returns
+/// TimePoint::max(), which means no deadline, when `left` is not positive or is centuries long.
+/// `since_boot`: the current time of Clock::since_boot.
 TimePoint expiry(Duration left, TimePoint since_boot);
 
 }  // namespace gecos::session

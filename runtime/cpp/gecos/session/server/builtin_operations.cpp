@@ -91,8 +91,8 @@ void BuiltinOperations::release(ServerSession& session, std::uint64_t counter, B
   session.reply(counter, ByteView{});
 }
 
-/// Takes effect at once, even if handlers hang, because it needs only the leases, the queue and the
-/// interrupt flags.
+/// A stop takes effect at once even if handlers hang, because it changes only the leases, the queue
+/// and the interrupt flags.
 void BuiltinOperations::stop(ServerSession& by, std::uint64_t counter) {
   const std::string why = "stopped by " + who(by.caller());
   log_info("server", setup_.name + ": " + why);

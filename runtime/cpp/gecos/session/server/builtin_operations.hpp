@@ -13,8 +13,8 @@
 
 namespace gecos::session {
 
-/// The built-in operations of one object, which it has whatever its interface: gecos::GecosObject.
-/// Not thread-safe: the object's mutex guards it.
+/// Serves the built-in operations of one object (gecos::GecosObject). Every object has these
+/// operations in addition to those of its interface. Not thread-safe: the object's mutex guards it.
 class BuiltinOperations {
  public:
   BuiltinOperations(const ObjectSetup& setup, const NameClaim& claim, ObjectCalls& calls,
@@ -25,8 +25,8 @@ class BuiltinOperations {
         statuses_(statuses),
         user_callbacks_(user_callbacks) {}
 
-  /// Carries out the call in `packet` and replies to it. Does not serve GecosObject::outcome, which
-  /// changes what the sessions accept: SessionPackets does.
+  /// Carries out the call in `packet` and replies to it. SessionPackets serves GecosObject::outcome
+  /// instead, because that operation changes which calls the sessions accept.
   void answer(const std::shared_ptr<ServerSession>& session, const wire::PacketView& packet);
 
  private:

@@ -42,7 +42,7 @@ void log_refused(std::string_view object, const OperationDescription& operation,
 }
 
 void log_arrival(std::string_view object, ServerSession& session) {
-  log_info("server", std::string(object) + ": " + who(session.caller()) + " comes over " +
+  log_info("server", std::string(object) + ": " + who(session.caller()) + " connects over " +
                          std::string(session.connection().capabilities().name));
 }
 

@@ -7,14 +7,15 @@
 #include "gecos/session/server/server_call.hpp"
 #include "gecos/session/server/server_session.hpp"
 
-/// Writes the log lines of a server about its calls, which GECOS_LOG enables: the caller, the
-/// operation, the object and the outcome. Check log_enabled() before calling these functions.
+/// Writes the log lines of a server about its calls: caller, operation, object and outcome.
+/// GECOS_LOG enables these lines, so check log_enabled() before you call these functions.
 namespace gecos::session {
 
-/// Describes a caller: "alice on lab1 (lift.py, pid 12)".
+/// Returns a text such as "alice on lab1 (lift.py, pid 12)".
 std::string who(const Caller& caller);
 
-/// Operations that need a status are logged at info level, all others at debug level.
+/// Returns the log level for calls of `operation`: info if the operation needs a status, otherwise
+/// debug.
 inline LogLevel level_of(const OperationDescription& operation) {
   return operation.status == access::Status::Sensor ? LogLevel::Debug : LogLevel::Info;
 }

@@ -37,18 +37,19 @@ std::shared_ptr<ServerCall> CallRunner::execute(const std::shared_ptr<ServerCall
   try {
     const RunsHere here(*call);
     object_.setup.servant.gecos_dispatch(IncomingCall(call));
-  } catch (...) {  // the servant dropped the call unanswered, so the call ended as FAULT
-    log_error("session", object_.setup.name + ": the servant threw while it dispatched '" +
-                             std::string(call->operation().name) +
-                             "'; catch the exception there and fail the call with its text");
+  } catch (...) {  // the call was destroyed without an answer, so it ended as FAULT
+    log_error("session",
+              object_.setup.name + ": gecos_dispatch of the servant threw an exception for '" +
+                  std::string(call->operation().name) +
+                  "'; catch the exception in gecos_dispatch and fail the call with its text");
   }
   const MutexLock lock(object_.mutex);
   object_.calls.returned(call);
   return object_.starts.next(starter);
 }
 
-/// Returns false for a call that ended before a thread took it, or that may no longer start: its
-/// caller was notified, so its handler must not begin.
+/// Returns false when the call ended before a thread took it, or when the call may no longer start.
+/// Its caller was notified, so its handler must not begin.
 bool CallRunner::begins(ServerCall& call) {
   const MutexLock lock(object_.mutex);
   const TimePoint now = await_judgement();
@@ -71,8 +72,8 @@ bool CallRunner::begin(ServerCall& call) {
   return object_.starts.may_start(call) && object_.calls.mark(call, now);
 }
 
-/// Drops a call that the executor refused, because the object has ended or no thread can be
-/// created.
+/// Ends and drops a call that the executor refused, because the object has ended or no thread can
+/// be created.
 void CallRunner::not_begun(ServerCall& call) {
   const MutexLock lock(object_.mutex);
   if (!call.state.ended()) {
@@ -87,8 +88,9 @@ void CallRunner::not_begun(ServerCall& call) {
 
 // Pauses of this process
 
-/// Waits until every pause is judged. Returns the CLOCK_BOOTTIME at which no unjudged pause was
-/// found. The mutex is held from that moment on, so the caller may mark a call with this time.
+/// Waits until every pause is judged. Returns the moment (CLOCK_BOOTTIME) at which no unjudged
+/// pause was found. The mutex is held from that moment on, so the caller may mark a call as started
+/// at that moment.
 TimePoint CallRunner::await_judgement() {
   const ObjectSetup& setup = object_.setup;
   for (;;) {
@@ -99,15 +101,15 @@ TimePoint CallRunner::await_judgement() {
   }
 }
 
-/// Waits until a pause is judged, so that a command that ran during the pause ends as
-/// ObjectHost::after_pause() decides, even when its handler answers at once.
+/// Waits until the current pause, if any, is judged. So ObjectHost::after_pause() decides how a
+/// command ends that ran during the pause, even when its handler answers right after the pause.
 void CallRunner::let_pause_be_judged(const ServerCall& call) {
   const ObjectSetup& setup = object_.setup;
   if (!setup.runs_long(call.operation()) || call.lane != CallLane::Actor) return;
   if (!setup.runtime->maintenance().on_this_thread()) setup.pauses().await_judgement(setup.clock());
 }
 
-// What handlers answer
+// The answers of handlers
 
 void CallRunner::answered(ServerCall& call, ByteView result) {
   let_pause_be_judged(call);

@@ -9,23 +9,23 @@
 
 namespace gecos::session {
 
-/// Runs the handlers of one object, on the thread that polls or on a thread of the object, and
-/// processes their answers. Thread-safe.
+/// Runs the handlers of one object and processes their answers. A handler runs on the thread that
+/// polls or on a worker thread of the object. Thread-safe.
 class CallRunner {
  public:
   explicit CallRunner(HostState& object);
 
-  /// Runs the handler of `started`, unless it is null, and the handlers of all calls that may
-  /// start.
+  /// Runs the handler of `started`, unless `started` is null, and the handlers of all calls that
+  /// may start.
   void run_ready(Starter starter, std::shared_ptr<ServerCall> started = nullptr);
   /// Waits until the handlers have returned. After that no thread of the object calls the servant.
-  /// @pre the object is closed, and not called from a handler
+  /// @pre the object is closed; the caller is not a handler
   void join() { executor_.join(); }
 
-  // For handlers.
+  // Functions for handlers.
   /// Marks `call` as started. A servant that runs its handlers outside gecos_dispatch must call
   /// begin() directly before a handler begins. Returns false when the call has ended or may not
-  /// start: then the handler must not begin.
+  /// start. Then the handler must not begin.
   bool begin(ServerCall& call);
   void answered(ServerCall& call, ByteView result);
   void answered(ServerCall& call, Failure failure);

@@ -11,9 +11,9 @@
 namespace gecos::session {
 
 /// The state of one call at its server, from the queue until its handler has answered and returned.
-/// `phase` follows the handler; `reported` is what was sent to the caller. A call can end for its
-/// caller (stopped, lease lost, deadline passed) while its handler continues. Reads no clock: the
-/// caller passes the current time.
+/// `phase` says how far the handler is; `reported` says what was sent to the caller. The caller may
+/// already have the outcome (stopped, lease lost, deadline passed) while the handler still runs.
+/// Reads no clock: the caller passes the current time.
 class CallState {
  public:
   enum class Phase : std::uint8_t {
@@ -21,17 +21,17 @@ class CallState {
     Taken,     ///< the call has left the queue; its handler has not begun
     Running,   ///< the handler has begun and has not answered
     Answered,  ///< the handler has answered; its thread has not returned
-    Finished,  ///< the handler does not run, and the caller was sent the outcome
+    Finished,  ///< the handler no longer runs, and the outcome was sent to the caller
   };
   enum class Reported : std::uint8_t { Nothing, Canceling, Outcome };
   enum class Event : std::uint8_t {
     Take,    ///< the queue hands the call to a thread
     Begin,   ///< the call is marked as started, directly before its handler begins
     Cancel,  ///< the caller requests cancellation
-    End,     ///< the caller is sent an outcome that does not come from the handler
-    Answer,  ///< the handler answers; reported only if no outcome was reported before
+    End,     ///< an outcome that does not come from the handler is sent to the caller
+    Answer,  ///< the handler answers; its answer is sent if no outcome was sent before
     Return,  ///< the thread of the handler returns
-    Drop,    ///< the handler will not begin; the caller was sent the reason
+    Drop,    ///< the handler will not begin; the reason was sent to the caller
   };
   struct State {
     Phase phase = Phase::Queued;
@@ -39,19 +39,19 @@ class CallState {
     bool returned = false;  ///< the handler's thread returned before the call was answered
     bool operator==(const State&) const = default;
   };
-  /// The effect of an event.
+  /// What the server must do after an event.
   struct Change {
     bool report = false;    ///< the outcome must be sent to the caller now
     bool finished = false;  ///< the next call may start
   };
 
-  /// The state after `event`; nullopt when `event` cannot happen in `state`.
+  /// Returns the state after `event`; nullopt when `event` cannot happen in `state`.
   static constexpr std::optional<State> after(State state, Event event);
 
   /// `deadline`: a moment of Clock::since_boot; TimePoint::max() for no deadline.
   void set_deadline(TimePoint deadline) { deadline_ = deadline; }
-  /// Applies `event`. @pre `event` can happen in the current state. `now`: the current time of
-  /// Clock::since_boot, needed only for Begin.
+  /// Applies `event`. `now`: the current time of Clock::since_boot, needed only for Begin. @pre
+  /// `event` can happen in the current state
   Change on(Event event, TimePoint now = {}) {
     const auto next = after(state_, event);
     assert(next);
@@ -68,13 +68,14 @@ class CallState {
   /// True when the outcome was reported to the caller.
   bool ended() const { return state_.reported == Reported::Outcome; }
   bool canceling() const { return state_.reported == Reported::Canceling; }
-  /// True when no thread runs the handler any more: the call occupies no thread of its lane.
+  /// Returns true when no thread runs the handler any more, so that the call occupies no thread of
+  /// its lane.
   bool returned() const { return state_.returned || state_.phase == Phase::Finished; }
-  /// When the handler began; nullopt before that.
+  /// Returns when the handler began; nullopt before that.
   std::optional<TimePoint> begun_at() const { return begun_at_; }
   bool has_deadline() const { return deadline_ != TimePoint::max(); }
   bool overdue(TimePoint since_boot) const { return has_deadline() && since_boot >= deadline_; }
-  /// The detail shown to the caller. @pre !ended()
+  /// Returns the detail that the caller sees. @pre !ended()
   Detail detail() const {
     return canceling() ? Detail::Canceling : queued() ? Detail::Queued : Detail::Executing;
   }
@@ -121,7 +122,8 @@ constexpr std::optional<CallState::State> CallState::after(State state, Event ev
 /// current time.
 class CallProgress {
  public:
-  /// Minimum time between two reports. When progress is more frequent, only the newest is sent.
+  /// Minimum time between two reports. When the handler reports more often, only its newest report
+  /// is sent.
   static constexpr Duration between = std::chrono::milliseconds(2);
 
   void note(double fraction, ByteView feedback) {

@@ -14,10 +14,11 @@ class Epoll {
  public:
   /// Throws std::system_error when the process has no descriptor left.
   Epoll();
-  /// Reports packets on `descriptor` with `key`. Does nothing when the descriptor is added already.
-  /// Throws std::system_error when the kernel refuses.
+  /// Makes `wait` return an event with `key` when a packet arrives on `descriptor`. Does nothing
+  /// when the descriptor is added already. Throws std::system_error when the kernel refuses.
   void add(int descriptor, std::uint64_t key);
-  /// Waits for events; -1 milliseconds: without a limit. Returns the events, in `room`.
+  /// Waits for events for at most `milliseconds`; -1 means without limit. Stores the events in
+  /// `room` and returns the part of `room` that contains them.
   std::span<const epoll_event> wait(std::span<epoll_event> room, int milliseconds);
 
  private:

@@ -21,7 +21,7 @@ bool Executor::post(std::function<void()> job) {
       if (!std::exchange(without_thread_, true)) {
         log_warning("session", name_ + ": no thread could be created for a handler (" +
                                    failed.what() +
-                                   "); the handler waits until another one returns");
+                                   "); the handler waits until another handler returns");
       }
       if (threads_.empty()) {
         jobs_.pop_back();

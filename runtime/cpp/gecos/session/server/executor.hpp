@@ -15,7 +15,7 @@ namespace gecos::session {
 /// job.
 class Executor {
  public:
-  /// When all these threads are busy, a further handler waits until another one returns.
+  /// When all these threads are busy, further handlers wait until another handler returns.
   static constexpr std::size_t most_threads = 256;
 
   explicit Executor(std::string name) : name_(std::move(name)) {}
@@ -38,7 +38,7 @@ class Executor {
   std::deque<std::function<void()>> jobs_ GECOS_GUARDED_BY(mutex_);
   std::vector<std::thread> threads_ GECOS_GUARDED_BY(mutex_);
   std::size_t idle_ GECOS_GUARDED_BY(mutex_) = 0;
-  /// The last attempt to create a thread failed.
+  /// True when the last attempt to create a thread failed.
   bool without_thread_ GECOS_GUARDED_BY(mutex_) = false;
   bool ended_ GECOS_GUARDED_BY(mutex_) = false;
 };

@@ -20,7 +20,8 @@ SessionId new_session_id() {
   return SessionId{id};
 }
 
-/// The user according to the kernel if it is known, else the user that the client claims.
+/// Returns the user that the kernel reports for the peer, or the user that the client claims when
+/// the kernel reports none.
 std::string user_of(const media::Peer& peer, const std::string& claimed) {
   if (!peer.uid) return claimed;
   passwd entry{};
@@ -51,7 +52,8 @@ void open(const std::shared_ptr<ServerSession>& session, const Hello& hello,
   if (log_enabled(LogLevel::Info)) log_arrival(setup.name, *session);
 }
 
-/// `operations`: the hashes of all operations are included.
+/// Makes the reply to a Hello. `operations`: whether the reply includes the hashes of all
+/// operations.
 Welcome welcome_to(const ObjectSetup& setup, bool operations) {
   const InterfaceDescription& interface = setup.interface;
   Welcome welcome{setup.name,

@@ -10,9 +10,9 @@
 
 namespace gecos::session {
 
-/// When a Hello arrives.
+/// The state of the server at the moment at which a Hello arrives.
 struct GreetedAt {
-  TimePoint now{};       ///< by the clock that measures the silence of the client
+  TimePoint now{};       ///< the current time by the clock that measures the silence of clients
   bool closing = false;  ///< the server is about to end
 };
 

@@ -19,13 +19,13 @@ struct Sessions {
 };
 
 Sessions& sessions() {
-  static Sessions& known = *new Sessions;  // never destroyed: outlives every server of the process
+  static Sessions& known = *new Sessions;  // never destroyed: used until the process ends
   return known;
 }
 
 using Calls = std::vector<std::shared_ptr<ServerCall>>;
 
-/// The calls that must end before `call` can end.
+/// Returns the calls that must end before `call` can end.
 Calls awaited_by(ServerCall& call) {
   const auto awaited = call.object().waits().awaited_by(call);
   if (!awaited) return call.object().waits().held_up_by(call);
@@ -34,8 +34,8 @@ Calls awaited_by(ServerCall& call) {
   return found == nullptr ? Calls{} : Calls{std::move(found)};
 }
 
-/// Whether the last call of `way` waits, directly or through other calls, for the first one. If so,
-/// `way` is extended to the whole cycle.
+/// Returns whether the last call of `way` waits, directly or through other calls, for the first
+/// call of `way`. If so, extends `way` to the whole cycle.
 bool leads_back(Calls& way) {
   for (auto& next : awaited_by(*way.back())) {
     if (next == way.front()) return true;
@@ -107,8 +107,8 @@ std::vector<std::shared_ptr<ServerCall>> HandlerWaits::held_up_by(const ServerCa
   return object_.calls.held_up_by(call);
 }
 
-/// Handlers that wait for each other in a cycle without a time-out never return. Waits younger than
-/// `certain_after` are not checked: the awaited call may be ending at this moment.
+/// Handlers that wait for each other in a cycle without a time-out never return. Waits that began
+/// less than `certain_after` ago are not checked, because the awaited call may be about to end.
 void HandlerWaits::end_endless(TimePoint now) {
   constexpr Duration certain_after = std::chrono::milliseconds(200);
   Calls waiting;
@@ -132,9 +132,9 @@ void HandlerWaits::refuse(const CommandId& id, const std::string& why) {
   const MutexLock lock(object_.mutex);
   if (call->state.ended() || call->state.begun_at()) return;
   const std::string text = call->title() + " was not started: " + why +
-                           "; call the method itself, or let another thread wait";
+                           "; call the method of the servant directly, or wait in another thread";
   log_warning("server", text);
-  // a servant that queued the call drops it
+  // if the servant has queued the call, IncomingCall::begin() makes it drop the call
   object_.calls.end(*call, Failure{Detail::Rejected, text, {}, {}});
   object_.calls.note_ready();
 }

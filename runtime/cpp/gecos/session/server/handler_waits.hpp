@@ -9,15 +9,15 @@
 #include "gecos/base/ids.hpp"
 #include "gecos/command.hpp"
 
-/// Deadlock detection between handlers of this process: handlers that wait for each other in a
-/// cycle never return, so one of the awaited calls fails with the reason instead.
+/// Detects deadlocks between handlers of this process. Handlers that wait for each other in a cycle
+/// never return, so one of the awaited calls is made to fail with the reason.
 namespace gecos::session {
 
 struct HostState;
 class ObjectHost;
 class ServerCall;
 
-/// What the handlers of one object wait for. Thread-safe.
+/// Records which calls the handlers of one object wait for. Thread-safe.
 class HandlerWaits {
  public:
   explicit HandlerWaits(HostState& object) : object_(object) {}
@@ -27,13 +27,14 @@ class HandlerWaits {
   void waits(ServerCall& call, const CommandId& awaited, std::string name);
   void goes_on(ServerCall& call);
   std::optional<CommandId> awaited_by(const ServerCall& call);
-  /// The call with the id `call`; null when that call has not arrived or has ended.
+  /// Returns the call with the id `call`; null when that call has not arrived or has ended.
   std::shared_ptr<ServerCall> find(const CommandId& call);
-  /// The calls whose handlers must return before `call` can start; empty when `call` has started,
-  /// has ended or has a deadline.
+  /// Returns the calls whose handlers must return before `call` can start; empty when `call` has
+  /// started, has ended or has a deadline.
   std::vector<std::shared_ptr<ServerCall>> held_up_by(const ServerCall& call);
 
-  /// Ends an awaited call of each cycle of waits in which a handler of this object takes part.
+  /// Finds the cycles of waits in which a handler of this object takes part, and ends one awaited
+  /// call of each cycle.
   void end_endless(TimePoint now);
 
  private:
@@ -42,17 +43,18 @@ class HandlerWaits {
   HostState& object_;
 };
 
-/// note_session registers a client's session with an object of this process; forget_session removes
-/// it. The client may be in any process.
+/// `note_session` records a client's session with an object of this process; `forget_session`
+/// removes the record. The client may be in any process.
 void note_session(SessionId id, std::weak_ptr<ObjectHost> object);
 void forget_session(SessionId id);
-/// The object to which `call` was issued; null when this process does not know the session of
-/// `call`.
+/// Returns the object to which `call` was issued; null when this process does not know the session
+/// of `call`.
 std::shared_ptr<ObjectHost> object_in(const CommandId& call);
 
-/// Returns a text that describes how `handler` waits, through other calls, for its own end: "the
-/// handler of 'dim' of LAMP waits for it …". Returns an empty string when that is not certain. The
-/// caller must not hold the mutex of any object.
+/// Returns a text that describes how `handler` waits, directly or through other calls, for its own
+/// end, for example "the handler of 'dim' of LAMP waits for it …". In the text, "it" is the call
+/// for which `handler` waits. Returns an empty text when this is not certain. The caller must not
+/// hold the mutex of any object.
 std::string waits_for_itself(const std::shared_ptr<ServerCall>& handler);
 
 }  // namespace gecos::session

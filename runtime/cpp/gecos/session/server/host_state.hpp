@@ -13,15 +13,16 @@
 
 namespace gecos::session {
 
-/// The parts of one object of a server, and the mutex that guards them. The classes that are
-/// called from several threads (ObjectHost, CallRunner, HandlerWaits, NameConfirmation) lock the
-/// mutex; the parts do not.
+/// The parts of one object of a server, and the mutex that guards these parts. ObjectHost,
+/// CallRunner, HandlerWaits and NameConfirmation are called from several threads and lock the
+/// mutex. The parts do not lock it.
 struct HostState final : private ObjectCalls::Observer {
   explicit HostState(ObjectSetup its_setup);
 
   const ObjectSetup setup;
   UserCallbacks user_callbacks;
-  /// A hint: a call was queued or ended since the last check whether a call may start.
+  /// A hint that a call may be able to start: true when a call was queued or ended since the last
+  /// check.
   std::atomic<bool> ready{false};
 
   FutexMutex mutex;

@@ -7,9 +7,9 @@
 
 namespace gecos::session {
 
-/// Checks the age of a call. Over a medium that loses nothing, a call also waits unread while
-/// handlers take long; that is no reason to refuse the call. Only a pause of this process is a
-/// reason.
+/// Checks the age of a call. Over a medium that loses no packets, a call may also be old because a
+/// handler took long, and such a call is accepted. It is refused for its age only after a pause of
+/// this process.
 Intake::Verdict Intake::arrived(const Arrival& packet) {
   if (judges_age(packet.unheard) && packet.age > accept_within_) {
     if (repeats_) return Verdict::Ignore;
@@ -27,7 +27,7 @@ Intake::Verdict Intake::arrived(const Arrival& packet) {
     case ReceiveWindow::Verdict::Seen:
       return Verdict::Seen;
     case ReceiveWindow::Verdict::Beyond:
-      break;  // if the call were answered now, a copy of the call could still start later
+      break;  // not answered now, because a copy of the call could still start later
   }
   return Verdict::Ignore;
 }

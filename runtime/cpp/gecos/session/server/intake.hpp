@@ -12,12 +12,12 @@
 
 namespace gecos::session {
 
-/// Decides which calls of one session are accepted, and in which order. Accepts each call once, and
-/// no call that its client has withdrawn or that was unread for too long.
+/// Decides which calls of one session are accepted, and in which order. Accepts each call only
+/// once. Does not accept a call that its client has withdrawn, or that was unread for too long.
 ///
-/// A medium that loses packets may reorder calls. An ordered call that arrives early is deferred
-/// until all calls before it have arrived; otherwise an arm would move to its second goal first.
-/// Reads no clock: the caller passes the current time.
+/// A medium that loses packets may reorder calls. If a call that must keep its order arrives too
+/// early, the call is deferred until all earlier calls have arrived; otherwise an arm could move to
+/// its second goal first. Reads no clock: the caller passes the current time.
 class Intake {
  public:
   /// `repeats`: the medium may lose packets, so the client resends its calls.
@@ -34,39 +34,39 @@ class Intake {
     std::uint64_t counter = 0;
     Duration age{};          ///< time since the client sent the packet
     bool unheard = false;    ///< the client sent no heartbeat since this process was suspended
-    bool needs_all = false;  ///< the call counts as arrived only after all earlier calls
+    bool needs_all = false;  ///< the call may be accepted only after all earlier calls have arrived
   };
   enum class Verdict : std::uint8_t {
     Take,     ///< the call has arrived for the first time
-    Seen,     ///< the call has arrived before; its reply was lost or is still pending
-    Ignore,   ///< the call counts as not arrived: its client sends it again or gave it up
-    TooLate,  ///< the call was unread for too long: do not start it, notify the client
+    Seen,     ///< the call has arrived before: its reply was lost or is not sent yet
+    Ignore,   ///< the call counts as not arrived: its client sends it again or has given it up
+    TooLate,  ///< the call was unread for too long: do not start it, and notify the client
   };
   Verdict arrived(const Arrival& packet);
-  /// Whether `arrived` checks the age of a packet; if not, `Arrival::age` is not used.
+  /// Returns whether `arrived` checks the age of a packet; if not, it does not use `Arrival::age`.
   bool judges_age(bool unheard) const {
     return (repeats_ || unheard) && accept_within_ > Duration{};
   }
-  /// Notes that the client has given up the calls up to `counter` that have not arrived; later
+  /// Notes that the client has given up those calls up to `counter` that have not arrived. Later
   /// calls no longer wait for these calls. Returns true when `next` may return calls.
   bool abandon_up_to(std::uint64_t counter);
   /// Counts the call `counter` as arrived, so that it never starts if it arrives later.
   ReceiveWindow::Verdict reject_late(std::uint64_t counter) { return window_.arrived(counter); }
 
-  /// True when a call up to `counter` has not arrived.
+  /// Returns true when a call before `counter` has not arrived.
   bool too_early(std::uint64_t counter) const {
     return repeats_ && counter > window_.cumulative_ack();
   }
-  /// Defers `call` until the calls before it have arrived. Returns false, without deferring it,
-  /// when the arguments of all deferred calls take too many bytes. `now`: by the same clock as in
-  /// `next`.
+  /// Defers `call` until the calls before it have arrived. Returns false and does not defer the
+  /// call when the arguments of all deferred calls would take too many bytes. `now`: the current
+  /// time by the same clock as in `next`.
   bool put_aside(const wire::PacketView& call, TimePoint now);
   /// Removes and returns the first deferred call, if no earlier call is missing. Subtracts the time
   /// for which the call was deferred from its remaining time until the deadline.
   std::optional<EarlyCall> next(TimePoint now);
   bool is_aside(std::uint64_t counter) const { return early_.contains(counter); }
   std::size_t aside() const { return early_.size(); }
-  /// The lowest counter above `after` among the deferred calls.
+  /// Returns the lowest counter above `after` among the deferred calls.
   std::optional<std::uint64_t> first_aside(std::uint64_t after = 0) const;
   /// Forgets the deferred call `counter`; the caller of `drop` answers the call without starting
   /// it.

@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::uint64_t event_key = 0;
 constexpr std::uint64_t endpoint_bit = std::uint64_t{1} << 63;
-/// Number of turns between two checks for epoll events. A turn that found a packet takes longer and
-/// counts as `busy_turn` turns, so that a client that was silent never waits long.
+/// Number of turns between two checks for epoll events. A turn that finds a packet takes longer and
+/// counts as `busy_turn` turns, so that a client whose connection sleeps does not wait long.
 constexpr unsigned turns_between_events = 8192;
 constexpr unsigned busy_turn = 128;
 
@@ -68,14 +68,14 @@ void IoLoop::run() {
   main_id_ = std::this_thread::get_id();
   spin_.begin();
   while (!ended_.load()) turn();
-  event_.notify();  // wakes a standby that sleeps on the same events
+  event_.notify();  // wakes the standby thread, which may sleep on the same events
 }
 
 void IoLoop::run_standby() {
   while (standby_call_.wait()) {
     const MutexLock polling(polling_);
     while (!ended_.load() && main_is_inside()) turn();
-    event_.notify();  // the standby may have drained events for which the main thread waits
+    event_.notify();  // the standby thread may have drained events for which the main thread waits
   }
 }
 
@@ -88,7 +88,7 @@ void IoLoop::run_handlers(ObjectHost& object, std::shared_ptr<ServerCall> starte
   object.run_ready(starter, std::move(started));
   if (main) handler_turn_.store(turn + 2, std::memory_order_release);
   if (polling_.try_lock()) return;
-  event_.notify();  // a standby polls and may sleep: wake it so that it releases polling_
+  event_.notify();  // the standby thread polls and may sleep: wake it, so that it releases polling_
   polling_.lock();
 }
 
@@ -123,7 +123,7 @@ void IoLoop::turn() {
 
 bool IoLoop::poll_active() {
   bool something = false;
-  // No thread would poll while a standby ran a handler, so a standby leaves handlers to workers.
+  // If the standby thread ran a handler, no thread would poll, so it leaves handlers to workers.
   const auto starter = std::this_thread::get_id() == main_id_ ? Starter::Poller : Starter::Other;
   for (std::size_t at = 0; at < active_.size(); ++at) {
     ServerSession& session = *active_[at];
@@ -133,8 +133,8 @@ bool IoLoop::poll_active() {
       session.polled.quiet_looks = 0;
       started = session.object()->take_and_start(active_[at], *packet, starter);
     }
-    // A standby may disconnect the session while the handlers run: then `started` keeps the session
-    // alive, or the copied pointer keeps the object alive.
+    // The standby thread may disconnect the session while the handlers run. Then `started` keeps
+    // the session alive, or `object` keeps the object alive.
     if (started) {
       run_handlers(*session.object(), std::move(started), starter);
     } else if (session.object()->ready()) {
@@ -149,7 +149,7 @@ bool IoLoop::poll_active() {
 void IoLoop::activate(const std::shared_ptr<ServerSession>& session) {
   if (session->gone.load()) return;
   if (!active_.wake(session)) {
-    // epoll reports a loss only once, so loss() must ask the kernel now
+    // epoll reports a loss only once, so loss() must check for one now
     session->connection().loss();
     return;
   }
@@ -189,7 +189,7 @@ void IoLoop::accept(Endpoint& endpoint) {
   }
   if (endpoint.acceptor->short_of_descriptors()) somebody_waits_.store(true);
   // Over a medium that loses packets, the packets of all clients arrive through this endpoint. So
-  // each of their sessions may have one.
+  // each session of this endpoint may have a packet.
   sessions_.for_each([&](const auto& session) {
     polling_.assert_held();
     if (session->repeats() && session->object() == endpoint.object) activate(session);
@@ -224,15 +224,15 @@ void IoLoop::part_if_lost(const std::shared_ptr<ServerSession>& session) {
   session->gone = true;
   log_debug("media", session->object()->name() +
                          ": a connection is lost: " + session->connection().loss_text());
-  // `depart` treats a client that said goodbye as departed in order. A client that closes its
-  // connection without a goodbye has given up its calls.
+  // If the client said goodbye before, `depart` treats the end as in order. A client that closes
+  // its connection without a goodbye has given up its calls.
   session->object()->depart(session, ObjectHost::Departure::Lost);
   if (session->object()->ready())
-    session->object()->run_ready(Starter::Other);  // starts the calls that the last packets queued
+    session->object()->run_ready(Starter::Other);  // starts calls that the last packets queued
 }
 
-/// Disconnects the sessions whose connections the maintenance thread found lost, after reading
-/// their last packets.
+/// Reads the last packets of the sessions whose connections are lost, and disconnects these
+/// sessions.
 void IoLoop::part_from_suspects() {
   if (!suspects_.exchange(false)) return;
   drop_closed_endpoints();
@@ -257,7 +257,7 @@ TimePoint IoLoop::on_tick(TimePoint now) {
   const std::uint64_t handler = handler_turn_.load();
   if (handler % 2 == 1 && handler == handler_seen_) {
     standby_call_.call();
-    event_.notify();  // the standby may still sleep in epoll_wait since its last turn
+    event_.notify();  // the standby thread may still sleep in epoll_wait since its last turn
   }
   handler_seen_ = handler;
 
@@ -303,8 +303,8 @@ void IoLoop::end() {
     new_endpoints_.clear();
   }
   for (const auto& session : sessions_.remove_if([](const auto&) { return true; })) {
-    // Over a medium that cannot tell which packets were read, only an answer tells the client that
-    // a call did not start.
+    // Over a medium that cannot tell the client which packets were read, the client learns only
+    // from a reply that a call did not start.
     while (session->repeats() && !session->gone.load()) {
       const auto packet = session->connection().receive();
       if (!packet) break;

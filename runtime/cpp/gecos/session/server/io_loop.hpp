@@ -23,9 +23,9 @@ namespace gecos::session {
 /// Only active connections are polled. A connection that was silent for 10 ms is put to sleep and
 /// costs nothing until its descriptor reports a packet. One thread polls at a time. It releases
 /// `polling_` while it runs a handler. When the handler takes longer than a maintenance tick, a
-/// standby thread polls instead, so only the callers of a slow handler wait for it. Has more
-/// members than other classes: they belong to three threads, and comments say which of them uses a
-/// member.
+/// standby thread polls instead, so only the callers of a slow handler wait for that handler. This
+/// class has more members than other classes, because they belong to three threads; comments say
+/// which thread uses a member.
 class IoLoop {
  public:
   explicit IoLoop(std::shared_ptr<Runtime> runtime);
@@ -33,15 +33,15 @@ class IoLoop {
 
   /// Accepts clients of `object` from now on.
   void serve(std::shared_ptr<ObjectHost> object, std::shared_ptr<media::Acceptor> acceptor);
-  /// Disconnects the clients of `object` and accepts no more. @pre `object` is closed
+  /// Disconnects the clients of `object` and accepts no further clients. @pre `object` is closed
   void withdraw(const ObjectHost& object);
-  /// Must be called on the maintenance thread after a pause of this process. No call of a session
-  /// then starts before the next heartbeat of its client.
+  /// Must be called on the maintenance thread after a pause of this process. After that, no call of
+  /// a session starts before the next heartbeat of the session's client.
   void await_signs_of_life();
   /// Sends heartbeats, detects silent clients and lost connections, and wakes the standby thread.
   /// Runs on the maintenance thread. Returns when the next tick is due.
   TimePoint on_tick(TimePoint now);
-  /// Ends both threads, after waiting for a running handler; then disconnects the clients.
+  /// Waits for running handlers, ends both threads, then disconnects the clients.
   void end();
 
  private:
@@ -49,7 +49,7 @@ class IoLoop {
     std::shared_ptr<ObjectHost> object;
     std::shared_ptr<media::Acceptor> acceptor;
   };
-  /// What ended the last sleep, and when the client that ended it sent the wake-up.
+  /// What ended the last sleep. `rang_at`: when the client sent the wake-up that ended the sleep.
   struct Wake {
     media::Woken by = media::Woken::Early;
     TimePoint rang_at{};
@@ -57,11 +57,12 @@ class IoLoop {
 
   void run();
   void run_standby();
-  /// Runs `started` and the calls that may start. Releases `polling_` while their handlers run.
+  /// Runs the handlers of `started` and of the calls that may start. Releases `polling_` while the
+  /// handlers run.
   void run_handlers(ObjectHost& object, std::shared_ptr<ServerCall> started, Starter starter)
       GECOS_REQUIRES(polling_);
   bool main_is_inside() const { return handler_turn_.load() % 2 == 1; }
-  /// Polls every active session once; sleeps when no session is active any more.
+  /// Polls every active session once. Sleeps when no session is active any more.
   void turn() GECOS_REQUIRES(polling_);
   bool poll_active() GECOS_REQUIRES(polling_);
   void activate(const std::shared_ptr<ServerSession>& session) GECOS_REQUIRES(polling_);
@@ -92,7 +93,7 @@ class IoLoop {
   SessionList sessions_;
   Mutex new_endpoints_mutex_;
   std::vector<std::unique_ptr<Endpoint>> new_endpoints_ GECOS_GUARDED_BY(new_endpoints_mutex_);
-  std::atomic<bool> somebody_waits_{false};  // a client could not be accepted: no descriptor left
+  std::atomic<bool> somebody_waits_{false};  // a client waits for a free descriptor
   std::atomic<bool> suspects_{false};  // tells the polling thread that some connections may be lost
 
   StandbyCall standby_call_;

@@ -7,7 +7,7 @@ std::string NameClaim::text() const {
     case Standing::Unregistered:
       return "not needed";
     case Standing::Asked:
-      return "the broker is asked whether the name is still this object's";
+      return "the broker has not yet confirmed that the name is still this object's";
     case Standing::Unanswered:
       return "no broker confirms that the name is still this object's (" + why_ +
              "); the server goes on asking";
@@ -15,7 +15,7 @@ std::string NameClaim::text() const {
       return "confirmed";
     case Standing::Taken:
       return "another server has the name: " + why_ +
-             "; create the proxy anew to reach that server, or end that server";
+             "; create a new proxy to reach that server, or end that server";
   }
   return {};
 }

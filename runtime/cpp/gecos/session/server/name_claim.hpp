@@ -5,25 +5,27 @@
 
 namespace gecos::session {
 
-/// Tracks whether an object of this server still holds its name, as far as the server knows.
+/// Records whether an object of this server still has its name, as far as the server knows.
 ///
 /// Actor commands may start only while the broker confirms the name, or when no other process can
-/// have the name: after a long pause another server may have it, and two servers must not move one
-/// robot. Each question to the broker has a number. A pause begins a new question, because an
-/// answer to an older question says nothing about the time after the pause. A time-out never
-/// permits commands. This class itself asks nobody and reads no clock.
+/// have the name. The reason: after a long pause another server may have the name, and two servers
+/// must not move one robot. Each question to the broker has a number. A pause begins a new
+/// question, because an answer to an older question says nothing about the time after the pause. A
+/// time-out never permits commands. This class only records questions and answers; it does no I/O
+/// and reads no clock.
 class NameClaim {
  public:
   enum class Standing : std::uint8_t {
     Unregistered,  ///< no other process can have the name
-    Asked,         ///< the broker was asked: actor commands wait
+    Asked,         ///< the broker was asked and has not answered yet: actor commands wait
     Unanswered,    ///< no broker answers: actor commands are refused
     Held,
     Taken,  ///< another server has the name
   };
 
   Standing standing() const { return standing_; }
-  /// The number of the current question to the broker; only its answer counts.
+  /// Returns the number of the current question to the broker. Only an answer to this question
+  /// counts.
   std::uint64_t question() const { return question_; }
   /// Begins a new question; answers to earlier questions are ignored.
   void ask() {
@@ -54,7 +56,7 @@ class NameClaim {
   bool waits() const { return standing_ == Standing::Asked; }
   /// True when actor commands must end as NOT_STARTED.
   bool refuses() const { return standing_ == Standing::Unanswered || standing_ == Standing::Taken; }
-  /// A text for people that says why actor commands do not start, or that they may start.
+  /// Returns a text for people. It says why actor commands do not start, or that they may start.
   std::string text() const;
 
  private:

@@ -13,17 +13,20 @@ class NameConfirmation {
  public:
   explicit NameConfirmation(HostState& object) : object_(object) {}
 
-  /// Must be called before the object is registered where other processes find it: from now on
-  /// actor commands need the broker's confirmation of the name.
+  /// Begins a new question to the broker: from now on actor commands need the broker's confirmation
+  /// of the name. Must be called before the object is registered with a broker through which other
+  /// processes can find it.
   void ask();
-  /// The number of the current question to the broker; only its answer counts.
+  /// Returns the number of the current question to the broker. Only an answer to this question
+  /// counts.
   std::uint64_t question();
 
-  // The broker's answers.
+  // The functions below record an answer of the broker.
   void held(std::uint64_t question);
   void provisional();
   void unanswered(std::uint64_t question, const std::string& why);
-  /// Another server, `by`, has the name: ends the leases and stops the object.
+  /// Records that another server has the name; `by` describes that server. Ends the leases and
+  /// stops the object.
   void taken(const std::string& by);
 
  private:

@@ -11,8 +11,8 @@
 namespace gecos::session {
 namespace {
 
-/// Whether the client has withdrawn `call`. When client and server share memory, the mark must be
-/// written before the withdrawal is read.
+/// Returns whether the client has withdrawn `call`. If client and server share memory, writes the
+/// mark of the call first: the mark must be written before the withdrawal is read.
 bool withdrawn(const ServerCall& call) {
   ServerSession& session = call.listener();
   if (!session.connection().capabilities().shared_words) return false;
@@ -23,7 +23,7 @@ bool withdrawn(const ServerCall& call) {
   return session.connection().peer_word(withdrawn_word) >= counter;
 }
 
-/// The running and queued actor commands, in the order in which they start.
+/// Returns the running and queued actor commands, in the order in which they start.
 std::vector<std::shared_ptr<ServerCall>> commands_of(const ObjectQueue& queue) {
   std::vector<std::shared_ptr<ServerCall>> commands;
   for (QueueEntry* entry : queue.running()) {
@@ -113,7 +113,8 @@ void ObjectCalls::returned(const std::shared_ptr<ServerCall>& call) {
   }
 }
 
-/// Must be called when the handler of `call` has answered and returned: frees the lane of the call.
+/// Releases the lane of `call`. Must be called when the handler of `call` has answered and
+/// returned.
 void ObjectCalls::finished(ServerCall& call) {
   queue_.ended(call);
   handlers_.remove(call);
@@ -136,9 +137,9 @@ void ObjectCalls::tell_outcome(ServerCall& call, const Failure& failure) {
   call.listener().reply(call.counter_in(call.listener()), failure);
 }
 
-/// Records the end of `call`. Must be called before the reply is sent, so that the status can be
-/// acquired as soon as a client sees its last command end. Commands of the next holder still wait
-/// for the handler to return.
+/// Records the end of `call`. Must be called before the reply is sent, so that a client that sees
+/// the end of its last command can acquire the status at once. Commands of the next holder still
+/// wait until the handler has returned.
 void ObjectCalls::settle(ServerCall& call, Detail detail, const std::string& text) {
   if (log_enabled(level_of(call.operation()))) log_end(call, detail, text, setup_.clock().now());
   call.session->calls.take(call.counter);
@@ -209,11 +210,15 @@ void ObjectCalls::end_overdue(ServerCall& call) {
   const std::string passed = "the deadline of '" + std::string(call.operation().name) + "' passed ";
   if (call.state.begun_at()) {
     interrupt(call);
-    end(call,
-        Failure{Detail::TimedOut, passed + "while it was executing; it was told to stop", {}, {}});
+    end(call, Failure{Detail::TimedOut,
+                      passed + "while it was executing; it was told to stop: allow it more time",
+                      {},
+                      {}});
   } else {  // queued, or taken by a thread that will not begin its handler any more
-    end(call,
-        Failure{Detail::Expired, passed + "before it started; it was not carried out", {}, {}});
+    end(call, Failure{Detail::Expired,
+                      passed + "before the call started; the call was not carried out",
+                      {},
+                      {}});
   }
   note_ready();
 }

@@ -21,14 +21,14 @@ namespace gecos::session {
 /// thread-safe: the object's mutex guards it.
 class ObjectCalls {
  public:
-  /// Is notified of ends. The object's mutex is held. A notification may come from inside a call of
-  /// this class that the observer made, for example from end_commands().
+  /// Is notified when calls end. The object's mutex is then held. A notification may come while the
+  /// observer itself is calling a function of this class, for example end_commands().
   class Observer {
    public:
     virtual ~Observer() = default;
-    /// No actor command of the session `client` is open any more.
+    /// Called when no actor command of the session `client` is open any more.
     virtual void commands_ended(SessionId client) = 0;
-    /// `call` has ended and its handler has returned.
+    /// Called when `call` has ended and its handler has returned.
     virtual void finished(ServerCall& call) = 0;
   };
 
@@ -47,20 +47,22 @@ class ObjectCalls {
   void note_ready() { ready_.store(true, std::memory_order_release); }
 
   // From the queue to the end of the handler.
-  /// Queues `call`; fails with the limit of the queue that is reached.
+  /// Queues `call`. When a limit of the queue is reached, fails and returns which limit.
   tl::expected<void, ObjectQueue::Full> add(const std::shared_ptr<ServerCall>& call);
-  /// Removes the next call that may start from the queue; null when no call may start.
+  /// Removes the next call that may start from the queue and returns it; null when no call may
+  /// start.
   std::shared_ptr<ServerCall> take();
-  /// As take(), but only among the calls that `wanted` selects.
+  /// Like take(), but only among the calls that `wanted` selects.
   std::shared_ptr<ServerCall> take(FunctionRef<bool(const ServerCall&)> wanted);
-  /// Marks `call` as started; must be called directly before its handler begins. Returns false when
-  /// the client has withdrawn the call and therefore reports it as not started: then the call ends.
+  /// Marks `call` as started. Must be called directly before the handler of the call begins. If the
+  /// client has withdrawn the call, and so reports it as not started, ends the call and returns
+  /// false.
   bool mark(ServerCall& call, TimePoint since_boot);
   /// Must be called when the handler of a call that was taken will not begin. @pre the call has
   /// ended
   void drop(ServerCall& call);
-  /// The handler of `call` answers with `outcome`, a result or a failure. Returns true when the
-  /// handler has returned, so that the next call may start.
+  /// Records `outcome`, a result or a failure, as the answer of the handler of `call`. Returns true
+  /// when the handler has also returned, so that the next call may start.
   template <class Outcome>
   bool answer(ServerCall& call, const Outcome& outcome) {
     const auto change = call.state.on(CallState::Event::Answer);
@@ -75,7 +77,8 @@ class ObjectCalls {
   /// Ends `call` with `failure`, notifies its caller, and removes it from the queue if it has not
   /// started. @pre the call has not ended
   void end(ServerCall& call, const Failure& failure);
-  /// Ends the actor commands that `which` selects: drops waiting ones, interrupts running ones.
+  /// Ends the actor commands that `which` selects: removes queued commands and interrupts running
+  /// ones.
   void end_commands(FunctionRef<bool(const ServerCall&)> which, const Failure& failure);
   /// Ends all calls.
   void end_all(const Failure& failure);
@@ -84,15 +87,15 @@ class ObjectCalls {
   /// Sleeps until `call` is interrupted or until `deadline`. `lock` holds the object's mutex.
   void wait_interrupted(MutexLock<FutexMutex>& lock, const ServerCall& call, TimePoint deadline);
 
-  /// Notes a call that has a deadline or may take long: on_tick() looks after it.
+  /// Adds `call` to the calls that on_tick() checks, because it has a deadline or may take long.
   void list(ServerCall& call);
-  /// Ends calls whose deadline has passed, and sends progress and positions in the queue that could
-  /// not be sent before.
+  /// Ends calls whose deadline has passed. Sends progress and queue positions that were not sent
+  /// before.
   void on_tick(TimePoint now);
   void progressed(ServerCall& call, double fraction, ByteView feedback);
 
-  /// The calls whose handlers must return before `call` can start; empty when `call` has started,
-  /// has ended or has a deadline.
+  /// Returns the calls whose handlers must return before `call` can start; empty when `call` has
+  /// started, has ended or has a deadline.
   std::vector<std::shared_ptr<ServerCall>> held_up_by(const ServerCall& call) const;
 
  private:
@@ -108,7 +111,7 @@ class ObjectCalls {
   ObjectQueue queue_;
   OutcomeLog outcomes_;
   RunningHandlers handlers_;
-  std::vector<std::shared_ptr<ServerCall>> open_;  ///< see list()
+  std::vector<std::shared_ptr<ServerCall>> open_;  ///< the calls that on_tick() checks, see list()
   std::condition_variable_any interrupted_;
 };
 

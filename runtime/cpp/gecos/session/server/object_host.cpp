@@ -48,8 +48,8 @@ bool ObjectHost::check_liveness(const std::shared_ptr<ServerSession>& session) {
   if (session->sender().overrun()) return true;
   const TimePoint now = state_.statuses.now();
   const auto verdict = session->heartbeats.liveness.check(session->connection().beats_seen(), now);
-  // The connection may hold an unread Goodbye that was sent before the heartbeat and withdraws
-  // calls. It must be read first.
+  // The connection may contain an unread Goodbye that the client sent before the heartbeat and that
+  // withdraws calls. That Goodbye must be read first.
   const bool heard = session->connection().beats_read() > session->heartbeats.before;
   if (heard && verdict <= PeerLiveness::Verdict::Quiet) state_.starts.await_no_more(*session);
   if (verdict == PeerLiveness::Verdict::Quiet) return false;
@@ -57,8 +57,8 @@ bool ObjectHost::check_liveness(const std::shared_ptr<ServerSession>& session) {
     state_.statuses.renew(*session, now);
     return false;
   }
-  // A silent client may have withdrawn its calls. The server cannot know that before the next
-  // heartbeat, so no call starts until then.
+  // A silent client may have withdrawn its calls. The server cannot know this before the next
+  // heartbeat, so no call of the client starts before that heartbeat.
   if (session->repeats()) state_.starts.await_heartbeat(*session);
   return verdict == PeerLiveness::Verdict::Dead;
 }
@@ -114,13 +114,18 @@ TimePoint ObjectHost::on_tick(TimePoint now) {
   return now + (state_.calls.idle() ? Maintenance::calm_tick : Maintenance::tick);
 }
 
-// How an object ends
+// The end of an object
 
 void ObjectHost::close() {
+  served_.store(false, std::memory_order_relaxed);
   const MutexLock lock(state_.mutex);
   state_.packets.close();
   state_.calls.end_all(Failure{Detail::Stopped, "the server no longer serves " + name(), {}, {}});
   state_.statuses.close();
+}
+
+std::string ObjectHost::served_as() {
+  return served_.load(std::memory_order_relaxed) && getpid() == owner_ ? name() : std::string();
 }
 
 bool ObjectHost::closed() {

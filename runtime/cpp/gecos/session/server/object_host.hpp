@@ -1,5 +1,8 @@
 #pragma once
 
+#include <unistd.h>
+
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -22,7 +25,8 @@ class ObjectHost final : public Publisher {
  public:
   ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
              ObjectOptions options);
-  ~ObjectHost() override { state_.user_callbacks.end(); }  ///< no callback sees parts that are gone
+  /// Ends the user callbacks first, so that no callback uses destroyed members.
+  ~ObjectHost() override { state_.user_callbacks.end(); }
   ObjectHost(const ObjectHost&) = delete;
   ObjectHost& operator=(const ObjectHost&) = delete;
 
@@ -36,33 +40,34 @@ class ObjectHost final : public Publisher {
   ObjectStreams& streams() { return streams_; }
 
   // Functions for the I/O loop (IoLoop).
-  /// Processes one packet of `session`. Starts no call: call `run_ready` after it.
+  /// Processes one packet of `session`. Starts no call: `run_ready` must be called afterwards.
   void take(const std::shared_ptr<ServerSession>& session, ByteView packet);
-  /// As `take`, but returns a call that may start now, or null. The caller must pass the call to
-  /// `run_ready` soon.
+  /// Like `take`, but returns a call that may start now, or null. The caller must then pass the
+  /// call to `run_ready`.
   std::shared_ptr<ServerCall> take_and_start(const std::shared_ptr<ServerSession>& session,
                                              ByteView packet, Starter starter);
-  /// Runs the handler of `started`, unless it is null, and the handlers of all calls that may
-  /// start.
+  /// Runs the handler of `started`, unless `started` is null, and the handlers of all calls that
+  /// may start.
   void run_ready(Starter starter, std::shared_ptr<ServerCall> started = nullptr) {
     runner_.run_ready(starter, std::move(started));
   }
-  /// A hint without locking the mutex: false when `run_ready` has nothing to do.
+  /// Returns false when `run_ready` has nothing to do. Only a hint, because the mutex is not
+  /// locked.
   bool ready() const { return state_.ready.load(std::memory_order_acquire); }
   /// How the connection of a session ended. After InOrder the commands of the session continue, and
-  /// its status ends with the last of them.
+  /// its status ends with its last command.
   enum class Departure : std::uint8_t { InOrder, Lost };
   void depart(const std::shared_ptr<ServerSession>& session, Departure how);
-  /// Must be called after this process was suspended: no call of `session` then starts before the
-  /// next heartbeat of its client.
+  /// Must be called after this process was suspended. After that, no call of `session` starts
+  /// before the next heartbeat of its client.
   void await_sign_of_life(ServerSession& session);
-  /// Checks the heartbeats of `session`; called at every tick. Returns true when the session must
-  /// end, because the client was silent for too long or does not read its replies.
+  /// Checks the heartbeats of `session`. Must be called at every tick. Returns true when the
+  /// session must end, because the client was silent for too long or does not read its replies.
   bool check_liveness(const std::shared_ptr<ServerSession>& session);
 
   // Functions for the maintenance thread.
-  /// Ends the actor commands that ran during a pause of length `stood_still`. After a long pause
-  /// the broker must confirm the name again.
+  /// Ends the actor commands that ran during a pause of this process of the length `stood_still`.
+  /// After a long pause the broker must confirm the object's name again.
   void after_pause(Duration stood_still);
   /// Handles deadlines, leases and pending progress reports, and starts calls that no other thread
   /// starts. Returns when the next tick is due.
@@ -73,11 +78,14 @@ class ObjectHost final : public Publisher {
   /// Ends all calls as STOPPED and accepts no more.
   void close();
   bool closed();
+  std::string served_as() override;  ///< takes no lock: a forked child may ask
   /// Waits until the handlers have returned. After that no other thread calls the servant or the
-  /// user's callbacks. @pre closed, and not called from a handler
+  /// user's callbacks. @pre the object is closed; the caller is not a handler
   void join();
 
  private:
+  const pid_t owner_ = getpid();
+  std::atomic<bool> served_{true};  // protects no other data, so relaxed is enough
   HostState state_;
   HandlerWaits waits_;
   NameConfirmation name_confirmation_;

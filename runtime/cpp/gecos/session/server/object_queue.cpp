@@ -5,8 +5,8 @@
 namespace gecos::session {
 namespace {
 
-/// A preempting command ends the commands before it as soon as it is queued, so it may use their
-/// room.
+/// Returns true for a preempting command. It ends the commands before it as soon as it is queued,
+/// so it may use their room.
 bool replaces(const QueueEntry& entry) { return entry.operation.on_new == OnNew::Preempt; }
 
 bool beside_each_other(const QueueEntry& one, const QueueEntry& other) {
@@ -83,8 +83,8 @@ std::optional<ObjectQueue::Full> ObjectQueue::too_large(const QueueEntry& entry)
   return std::nullopt;
 }
 
-/// True for an @ordered reading that must wait in the actor lane, because its caller has commands
-/// there.
+/// Returns true for an @ordered reading that must wait in the actor lane because its caller has
+/// commands in that lane.
 bool ObjectQueue::keeps_place(const QueueEntry& entry) const {
   if (!entry.operation.ordered) return false;
   const auto same_client = [&](const auto& other) { return other->client == entry.client; };

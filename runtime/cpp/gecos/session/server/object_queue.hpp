@@ -15,7 +15,7 @@
 
 namespace gecos::session {
 
-/// The part of a call that the queue of its object uses.
+/// The data of a call that the queue of the called object uses.
 struct QueueEntry {
   QueueEntry(SessionId its_client, const OperationDescription& its_operation,
              std::size_t its_bytes = 0)
@@ -30,20 +30,21 @@ struct QueueEntry {
 };
 
 enum class LaneThreads : std::uint8_t {
-  One,   ///< one handler of the object runs at a time, whatever its lane
-  Many,  ///< the servant is thread-safe: handlers may run on several threads
+  One,   ///< only one handler of the object runs at a time, in whichever lane
+  Many,  ///< handlers may run on several threads, because the servant is thread-safe
 };
 
 /// Decides in which order the calls of one object start. The queue has three lanes: safety
-/// operations start first, then sensor operations, then actor commands, whose lane is bounded and
-/// FIFO. Actor commands run one at a time, unless the interface says otherwise. Not thread-safe.
+/// operations start first, then sensor operations, then actor commands. The lane of the actor
+/// commands is bounded and first in, first out. Actor commands run one at a time, unless the
+/// interface says otherwise. Not thread-safe.
 class ObjectQueue {
  public:
   static constexpr std::size_t most_of_object = 256;
   static constexpr std::size_t most_of_client = 64;
   /// Limits in bytes for the arguments of all calls that have not ended, per client and per object.
-  /// A call is accepted at any size when no other large call is open. Calls below `small` bytes do
-  /// not count: only their number is limited.
+  /// When no other large call is open, a call of any size is accepted. Calls with fewer than
+  /// `small` bytes do not count; only their number is limited.
   static constexpr std::size_t most_bytes_of_client = 16 * 1024 * 1024;
   static constexpr std::size_t most_bytes_of_object = 64 * 1024 * 1024;
   static constexpr std::size_t small = 4096;
@@ -51,32 +52,34 @@ class ObjectQueue {
   explicit ObjectQueue(LaneThreads threads) : threads_(threads) {}
 
   enum class Full : std::uint8_t { Object, Client, BytesOfObject, BytesOfClient };
-  /// Queues `entry`; fails with the limit that is reached. A preempting command may use the room of
-  /// the commands that it replaces: after `push`, the caller must end these commands.
+  /// Queues `entry`. When a limit is reached, fails and returns which limit. A preempting command
+  /// may use the room of the commands that it replaces. The caller must end these commands after
+  /// `push`.
   tl::expected<void, Full> push(std::shared_ptr<QueueEntry> entry);
 
   /// Removes and returns the next call that may start now; null when no call may start.
   std::shared_ptr<QueueEntry> next();
-  /// As next(), but only among the calls that `wanted` selects. Actor commands keep their order: a
-  /// command that is not selected blocks the commands after it.
+  /// Like next(), but only among the calls that `wanted` selects. Actor commands keep their order:
+  /// a command that is not selected blocks the commands after it.
   std::shared_ptr<QueueEntry> next(FunctionRef<bool(const QueueEntry&)> wanted);
   /// Must be called when the thread of the handler has returned. The call may be answered later.
   void returned(const QueueEntry& entry);
-  /// Must be called when the call is answered and its handler has returned: the next call may then
-  /// start.
+  /// Must be called when the call is answered and its handler has returned. After that the next
+  /// call may start.
   void ended(const QueueEntry& entry);
   /// Removes a call that has not started; returns false when it is not queued.
   bool remove(const QueueEntry& entry);
   /// Removes and returns all calls that have not started.
   std::vector<std::shared_ptr<QueueEntry>> drop();
 
-  /// The queued actor commands, in the order in which they start.
+  /// Returns the queued actor commands, in the order in which they start.
   const std::deque<std::shared_ptr<QueueEntry>>& waiting() const { return actor_; }
-  /// Actor commands that started and have not ended.
+  /// Returns the actor commands that have started and have not ended.
   const std::vector<QueueEntry*>& running() const { return running_; }
   /// True when no call is queued and no call runs.
   bool idle() const;
-  /// The running actor commands that must end before the first queued actor command may start.
+  /// Returns the running actor commands that must end before the first queued actor command may
+  /// start.
   std::vector<QueueEntry*> holding_up() const;
   std::optional<std::size_t> position(const QueueEntry& entry) const;
 
@@ -97,8 +100,8 @@ class ObjectQueue {
   std::vector<const QueueEntry*> large_;  ///< calls of at least `small` bytes that have not ended
 };
 
-/// A text for the caller: which limit is reached, and when to try again. `bytes`: size of the
-/// arguments of the call that was not queued.
+/// Returns a text for the caller that says which limit is reached and when to try again. `bytes`:
+/// size of the arguments of the call that was not queued.
 std::string text_of(ObjectQueue::Full full, std::size_t bytes);
 
 }  // namespace gecos::session

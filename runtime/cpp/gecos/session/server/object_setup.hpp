@@ -19,7 +19,7 @@ struct ObjectSetup {
 
   const Clock& clock() const { return runtime->clock(); }
   PauseWatch& pauses() const { return runtime->maintenance().pauses(); }
-  /// True when handlers of `operation` may take long: they run on a thread of their own.
+  /// Returns true when handlers of `operation` may take long and must run on a worker thread.
   bool runs_long(const OperationDescription& operation) const {
     return operation.cancelable || options.blocking;
   }

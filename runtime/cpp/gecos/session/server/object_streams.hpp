@@ -16,11 +16,11 @@ class ObjectStreams {
  public:
   ObjectStreams(std::string object, const InterfaceDescription& interface);
 
-  /// Lets clients that connect through `acceptor` subscribe.
+  /// Allows clients that connect through `acceptor` to subscribe.
   void offer(std::shared_ptr<media::Acceptor> acceptor);
-  /// Samples published from now on reach no client.
+  /// After this call, published samples reach no client.
   void close();
-  /// Shares the stream with the client of `connection`. Returns the id of the stream on that
+  /// Lets the client of `connection` read the stream. Returns the id of the stream on that
   /// connection.
   tl::expected<std::uint32_t, std::string> share(const StreamDescription& stream,
                                                  media::Connection& connection);
@@ -28,7 +28,8 @@ class ObjectStreams {
   void publish(const StreamDescription& stream, ByteView sample, const SampleTime& time);
 
  private:
-  /// The index of the port of `stream`; the number of ports when the interface has no such stream.
+  /// Returns the index of the port of `stream`; the number of ports when the interface has no such
+  /// stream.
   std::size_t index_of(const StreamDescription& stream) const;
 
   const std::string object_;

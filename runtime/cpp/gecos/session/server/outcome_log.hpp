@@ -17,7 +17,7 @@ namespace gecos::session {
 class ServerSession;
 
 /// Keeps the outcomes of an object's actor commands, for callers that lost their connection before
-/// they were notified. Bounded: only the newest outcomes and the newest closed sessions are kept.
+/// they received an outcome. Only the newest outcomes and the newest closed sessions are kept.
 class OutcomeLog {
  public:
   struct Entry {
@@ -32,19 +32,19 @@ class OutcomeLog {
 
   void opened(SessionId id, std::weak_ptr<ServerSession> session);
   std::shared_ptr<ServerSession> open(SessionId id) const;
-  /// Must be called when session `id` receives no more packets; its calls that have not arrived
-  /// never start. `arrived`: the calls that have arrived. `lost`: the session itself if its client
-  /// may still request replies in another session, else null.
+  /// Must be called when the session `id` receives no more packets, so that calls that have not
+  /// arrived will never start. `arrived`: the calls that have arrived. `lost`: the session itself
+  /// if its client may still request replies in another session, else null.
   void closed(SessionId id, const ReceiveWindow& arrived,
               const std::shared_ptr<ServerSession>& lost);
-  /// The session `id` if it is open, or if it was lost and has calls that have not ended; else
-  /// null.
+  /// Returns the session `id` if it is open, or if it was lost and has calls that have not ended;
+  /// otherwise null.
   std::shared_ptr<ServerSession> session(SessionId id) const;
-  /// The reply that was sent to the call `counter` of session `id`, even if that session was lost
-  /// since; null when the session is unknown or the reply is no longer kept.
+  /// Returns the reply that was sent to the call `counter` of session `id`, even if that session
+  /// was lost since; null when the session is unknown or the reply is no longer kept.
   const Bytes* reply(SessionId id, std::uint64_t counter) const;
-  /// Whether the call `counter` arrived in the closed session `id`; nullopt when the session is
-  /// unknown or no longer kept.
+  /// Returns whether the call `counter` arrived in the closed session `id`; nullopt when the
+  /// session is unknown or no longer kept.
   std::optional<bool> had_arrived(SessionId id, std::uint64_t counter) const;
 
  private:
@@ -61,7 +61,7 @@ class OutcomeLog {
   };
   const Closed* find_closed(SessionId id) const;
 
-  std::vector<Entry> entries_;  ///< when full, a ring: next_ is the index of the oldest entry
+  std::vector<Entry> entries_;  ///< a ring when full; next_ is then the index of the oldest entry
   std::size_t next_ = 0;
   std::map<SessionId, std::weak_ptr<ServerSession>> open_;
   std::deque<Closed> closed_;

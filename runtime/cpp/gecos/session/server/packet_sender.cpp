@@ -17,8 +17,8 @@ constexpr std::size_t most_backlog = 4 * ObjectQueue::most_of_object;
 /// call fails.
 constexpr std::size_t most_backlog_bytes = 128 * 1024 * 1024;
 
-/// Shortens a failure so that it fits into a packet: keeps its detail and the beginning of its
-/// text.
+/// Returns a shorter failure that fits into a packet: it has the same detail and the beginning of
+/// the text.
 Failure shortened(const Failure& failure, std::size_t takes, std::size_t carried) {
   constexpr std::size_t longest_text = 1024;
   std::size_t cut = std::min(failure.text.size(), longest_text);
@@ -30,7 +30,7 @@ Failure shortened(const Failure& failure, std::size_t takes, std::size_t carried
   return {failure.detail,
           failure.text.substr(0, cut) + (cut < failure.text.size() ? "…" : "") +
               " (cut: the whole failure takes " + std::to_string(takes) +
-              " bytes and the medium carries " + std::to_string(carried) + ")",
+              " bytes, the medium carries at most " + std::to_string(carried) + ")",
           {},
           {}};
 }
@@ -75,7 +75,7 @@ void PacketSender::write_reply(const wire::PacketHeader& header, ByteView body) 
   write_failure(packet_, header,
                 {Detail::Fault,
                  "the result takes " + std::to_string(body.size()) +
-                     " bytes and the medium carries " + std::to_string(carried()),
+                     " bytes and the medium carries at most " + std::to_string(carried()),
                  {},
                  {}});
 }

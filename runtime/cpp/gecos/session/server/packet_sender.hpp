@@ -13,32 +13,32 @@
 
 namespace gecos::session {
 
-/// Sends the packets of one session to its client, in order. Packets for which the connection has
-/// no room wait here. Thread-safe.
+/// Sends the packets of one session to its client, in order. When the connection has no room for a
+/// packet, the packet waits in this object. Thread-safe.
 class PacketSender {
  public:
   explicit PacketSender(media::Connection& connection) : connection_(connection) {}
 
   /// Sends a packet now, or as soon as the connection has room.
   void send(const wire::PacketHeader& header, ByteView body);
-  /// Sends `packet` unless it still waits here since it was sent first.
+  /// Sends `packet` again, unless its first copy still waits in this object.
   void send_again(const Bytes& packet);
-  /// As `send`, for the reply `header` to a call. A result that the connection cannot carry, or for
-  /// which there is no room, is replaced by a failure. `kept`: where the reply is kept; may be
-  /// null.
+  /// Like `send`, for a reply to a call. A result that is too large for the connection, or for
+  /// which there is no room, is replaced by a failure. `kept`: the cache in which the reply is also
+  /// kept; may be null.
   void reply(const wire::PacketHeader& header, ByteView result, ReplyCache* kept);
   void reply(const wire::PacketHeader& header, const Failure& failure, ReplyCache* kept);
-  /// Sends a reply that was sent in another session, whatever waits here; one that the connection
-  /// cannot carry is replaced by a failure.
+  /// Sends a reply that was sent in another session before, even when many packets wait in this
+  /// object. A reply that is too large for the connection is replaced by a failure.
   void reply_again(const wire::PacketHeader& header, ByteView body, ReplyCache* kept);
-  /// Sends a packet at once, without waking a client that sleeps. Returns false, without sending
-  /// it, when the connection has no room.
+  /// Sends a packet at once, without waking a client that sleeps. Does not send it and returns
+  /// false when the connection has no room.
   bool send_quietly(const wire::PacketHeader& header, std::size_t size,
                     FunctionRef<void(wire::Encoder&)> encode);
-  /// Sends packets that wait, as far as the connection has room.
+  /// Sends the packets that wait, as many as the connection has room for.
   void flush();
-  /// True when the client does not read its replies: more replies wait than a correct client can
-  /// have requested.
+  /// Returns true when more replies wait than a correct client can have requested. The client then
+  /// does not read its replies.
   bool overrun() const { return overrun_.load(std::memory_order_relaxed); }
   /// Runs `use` while no other thread sends over the connection.
   void with_connection(FunctionRef<void(media::Connection&)> use);

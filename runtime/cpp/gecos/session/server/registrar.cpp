@@ -18,8 +18,8 @@ namespace gecos::session {
 namespace {
 
 constexpr Duration patience = std::chrono::seconds(2);
-/// How long the registrar's thread waits for a broker. Actor commands wait as long; then they are
-/// refused because no broker answers.
+/// How long the registrar's thread waits for a broker. Actor commands wait for the same time; after
+/// that they are refused because no broker answers.
 constexpr Duration answer_patience = std::chrono::seconds(1);
 constexpr Duration between_tries = std::chrono::milliseconds(200);
 constexpr Duration look_again_after = std::chrono::milliseconds(20);
@@ -27,8 +27,8 @@ constexpr Duration look_again_after = std::chrono::milliseconds(20);
 /// often started together.
 constexpr Duration report_after = std::chrono::seconds(1);
 
-/// Whether other processes can find `entry`, so that the broker may assign the name to another
-/// server.
+/// Returns whether other processes can find `entry`. If so, the broker may assign the name to
+/// another server.
 bool others_find(const Entry& entry, const ClientConnection& broker) {
   const auto elsewhere = [](const std::string& address) {
     const auto kind = media::kind_of(address);
@@ -106,9 +106,9 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
   return {};
 }
 
-/// Tries again when the broker is lost during the registration: a restarted broker accepts the same
-/// entry again. Also tries again while the broker has not noticed that the last holder of the name
-/// has ended: a killed server may be restarted before the broker notices.
+/// Tries again when the broker is lost during the registration, because a restarted broker accepts
+/// the same entry again. Also tries again while the broker has not noticed that the previous holder
+/// of the name has ended: a killed server may be restarted before the broker notices the end.
 tl::expected<Duration, std::string> Registrar::register_first(Registration& registration,
                                                               TimePoint deadline) {
   for (;;) {
@@ -180,7 +180,7 @@ void Registrar::run() {
 }
 
 Duration Registrar::ask(const std::vector<Registration>& registrations) {
-  std::vector<std::uint64_t> questions;  // read before the broker is asked
+  std::vector<std::uint64_t> questions;  // must be read before the broker is asked
   for (const auto& one : registrations)
     questions.push_back(one.object->name_confirmation().question());
   const TimePoint deadline = deadline_after(answer_patience);

@@ -16,24 +16,24 @@ namespace gecos::session {
 class ObjectHost;
 
 /// Keeps the objects of a server registered with the broker, so that clients find them. When the
-/// broker was lost, registers them again with each broker that starts at the same address. Reports
-/// to each object whether the broker confirms its name, and asks the broker again after a pause of
-/// this process.
+/// broker was lost, registers the objects again with each broker that starts at the same address.
+/// Reports to each object whether the broker confirms its name, and asks the broker again after a
+/// pause of this process.
 class Registrar {
  public:
   explicit Registrar(std::shared_ptr<Context> lab);
   ~Registrar() { end(); }
 
-  /// Waits until a broker answers, because it may still be starting. Fails with the addresses that
-  /// were tried and why they failed.
+  /// Waits until a broker answers, because the broker may still be starting. On failure returns a
+  /// text with the addresses that were tried and why each failed.
   tl::expected<void, std::string> await_broker(TimePoint deadline);
-  /// Registers `object`; clients can find it when this function has returned. Fails when no broker
-  /// answers or the name is taken.
+  /// Registers `object`. Clients can find the object when this function has returned. Fails when no
+  /// broker answers or the name is taken.
   tl::expected<void, std::string> add(const std::shared_ptr<ObjectHost>& object,
                                       std::vector<std::string> addresses);
   /// Starts the search for a new broker if the broker was lost. Never blocks.
   void look();
-  /// Asks the broker again, on the registrar's thread, whether it confirms the names of all
+  /// Makes the thread of the registrar ask the broker again whether it confirms the names of all
   /// objects.
   void ask_again();
   /// Unregisters all objects.
@@ -53,8 +53,9 @@ class Registrar {
     std::string missing;  ///< why no broker was found
     bool lost = false;    ///< the session with the broker was lost during the query
   };
-  /// Asks the broker about all names and passes its answers to the objects. Returns how long to
-  /// wait before asking again; Duration::max() when every name is settled.
+  /// Asks the broker about all names and passes the answers to the objects. Returns how long to
+  /// wait before the broker is asked again; Duration::max() when the answers for all names are
+  /// final.
   Duration ask(const std::vector<Registration>& registrations);
   Answers ask_broker(const std::vector<Registration>& registrations, TimePoint deadline);
   tl::expected<Broker, std::string> find_broker(TimePoint deadline);
@@ -62,27 +63,30 @@ class Registrar {
   Duration served_for(const Registration& registration) const;
   tl::expected<Duration, std::string> register_first(Registration& registration,
                                                      TimePoint deadline);
-  /// Logs once why no broker answers, when that lasts for a while. `missing`: the reason; empty
-  /// when a broker answers.
+  /// Logs a warning, once, when no broker has answered for a while. `missing`: why no broker
+  /// answers; empty when a broker answers.
   void note_broker(const std::string& missing);
-  /// True when the process that holds `name` has ended. A holder on another host counts as running,
-  /// because its process cannot be checked; a pid that does not exist here counts as ended.
+  /// Returns true when the process that holds `name` has ended. A holder on another host counts as
+  /// running, because its process cannot be checked; a pid that does not exist here counts as
+  /// ended.
   bool holder_has_ended(const std::string& name, TimePoint deadline) const;
   /// Sleeps for `length`. Returns false when the deadline has passed or `end` was called.
   bool rest(Duration length, TimePoint deadline);
 
   const std::shared_ptr<Context> lab_;
   Mutex mutex_;
-  ConditionVariable changed_;  ///< thread_ and `rest` wait on it: use notify_all only
+  ConditionVariable changed_;  ///< `thread_` and `rest` wait on it, so notify it with notify_all
+                               ///< only
   std::vector<Registration> registrations_ GECOS_GUARDED_BY(mutex_);
-  Broker broker_ GECOS_GUARDED_BY(mutex_);  ///< the broker that has registered the objects
+  Broker broker_ GECOS_GUARDED_BY(mutex_);  ///< the broker with which the objects are registered
   /// The address of the first broker; later brokers are expected at the same address.
   std::string place_ GECOS_GUARDED_BY(mutex_);
   std::optional<TimePoint> missing_since_ GECOS_GUARDED_BY(mutex_);
   bool reported_missing_ GECOS_GUARDED_BY(mutex_) = false;
-  std::string reported_;  ///< why clients cannot find some objects; used by thread_ only
+  std::string reported_;  ///< the last warning that clients cannot find some objects; used by
+                          ///< thread_ only
   bool wanted_ GECOS_GUARDED_BY(mutex_) = false;
-  /// the moment at which the broker is asked again
+  /// When `thread_` asks the broker again; TimePoint::max(): only when `wanted_` is set.
   TimePoint next_ GECOS_GUARDED_BY(mutex_) = TimePoint::max();
   bool ended_ GECOS_GUARDED_BY(mutex_) = false;
   std::thread thread_;  ///< own thread, because the search for a broker blocks

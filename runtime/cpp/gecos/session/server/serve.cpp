@@ -34,7 +34,7 @@ bool came(const TerminationSignals& signals) {
   return media::sleep_on(descriptors, std::chrono::steady_clock::now()) == media::Wake::Ready;
 }
 
-/// Waits for the broker. Returns false when a termination signal comes first.
+/// Waits for the broker. Returns false when a termination signal arrives first.
 tl::expected<bool, ServeError> broker_found(Server& server, const std::vector<Serving>& objects,
                                             const TerminationSignals& signals) {
   Duration patience{};
@@ -56,7 +56,7 @@ int serve_until_signal(Lab& lab, const std::vector<Serving>& objects, const Serv
   Server server(lab);
   std::shared_ptr<void> started;
   const TerminationSignals
-      signals;  // destroyed first: while the server is destroyed, a signal ends the program
+      signals;  // destroyed before the server, so that a signal ends the program meanwhile
   const auto found = broker_found(server, objects, signals);
   if (!found) return fail(options, objects.front().name + " is not served: " + found.error().text);
   if (!*found) return 0;

@@ -24,8 +24,8 @@ using session::ObjectHost;
 
 namespace {
 
-/// Maximum number of descriptors that are opened while a client is accepted: LCM needs this many to
-/// send to one client.
+/// Number of descriptors that must be left to accept a client. LCM opens this many to send to one
+/// client.
 constexpr std::size_t descriptors_of_a_client = 16;
 
 bool within_process(const std::shared_ptr<media::Acceptor>& acceptor) {
@@ -57,8 +57,8 @@ class Server::Core {
   bool inherited() const { return getpid() != owner_; }
 
  private:
-  /// The target that the maintenance thread ticks. Its pointer to the server is cleared before the
-  /// parts of the server are destroyed.
+  /// The object whose `on_tick` the maintenance thread calls. Its pointer to the server is cleared
+  /// before the parts of the server are destroyed.
   struct Upkeep final : session::TickTarget {
     explicit Upkeep(Core& its_core) : core(&its_core) {}
     TimePoint on_tick(TimePoint now) override;
@@ -137,8 +137,9 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
     auto acceptor = [&]() -> tl::expected<std::unique_ptr<media::Acceptor>, media::MediumError> {
       const auto medium = lab_->runtime()->medium(kind);
       if (!medium) return tl::unexpected(medium.error());
-      // The well-known address of a medium exists only once. Within a host it must be served. Over
-      // a network it may fail: another host may have the address, or there is no network.
+      // The well-known address of a medium exists only once. Within a host the object must be
+      // served at that address. Over a network this may fail, because another host has the address
+      // or there is no network.
       needed = needed ||
                (options.well_known && (*medium)->capabilities().reach != media::Reach::Network);
       try {
@@ -162,8 +163,9 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
   if (std::ranges::all_of(opened.acceptors, within_process))
     return tl::unexpected(ServeError{failed});
   if (!descriptors_left(descriptors_of_a_client)) {
-    return tl::unexpected(
-        ServeError{name + " is not served: no client could be accepted: " + system_text(errno)});
+    return tl::unexpected(ServeError{
+        name + " is not served: this process has no descriptors left to accept a client: " +
+        system_text(errno)});
   }
   return opened;
 }
@@ -178,7 +180,13 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
                                                  ObjectOptions options) {
   if (name.empty() || name.find('\0') != std::string::npos) {
     return tl::unexpected(
-        ServeError{"an object's name must have at least one character and must not contain NUL"});
+        ServeError{"no object can be served under the name '" + name.substr(0, name.find('\0')) +
+                   "': a name must have at least one character and must not contain NUL"});
+  }
+  if (const auto served = servant.gecos_served_as(); !served.empty()) {
+    return tl::unexpected(ServeError{name + ": this servant is served already, as " + served +
+                                     ", and can publish under one name only; create a servant for "
+                                     "each name"});
   }
   const bool well_known = options.well_known;
   if (!well_known) {

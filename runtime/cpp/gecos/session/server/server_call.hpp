@@ -16,14 +16,15 @@ namespace gecos::session {
 class ObjectHost;
 class ServerSession;
 
-/// The wait of a handler's thread for another call, without a time-out.
+/// Describes for which call the thread of a handler waits without a time-out, and since when.
 struct HandlerWait {
   CommandId command;
   std::string name;
   TimePoint since{};
 };
 
-/// One call at the server, from its arrival until it is answered and its handler has returned.
+/// One call at the server, from its arrival until the call is answered and its handler has
+/// returned.
 class ServerCall final : public CallCore,
                          public QueueEntry,
                          public HandlerHere,
@@ -51,14 +52,14 @@ class ServerCall final : public CallCore,
   /// the call is written, with the object's mutex held.
   void note_mark(TimePoint now) { marked_at_.store(now, std::memory_order_relaxed); }
 
-  /// The next two functions require the object's mutex. They return the session in which progress
-  /// and outcome of this call are reported, and the counter of the call in that session.
+  /// `listener` returns the session in which progress and outcome of this call are reported.
+  /// `counter_in` returns the counter of the call in that session. Both require the object's mutex.
   ServerSession& listener() const { return resumed_in ? *resumed_in : *session; }
   std::uint64_t counter_in(const ServerSession& teller) const {
     return resumed_in.get() == &teller ? resumed_counter : counter;
   }
   ObjectHost& object() const;
-  /// Names the operation and the object: "'move' of RX90".
+  /// Returns a text such as "'move' of RX90".
   std::string title() const;
   /// Sets the interrupt flag only; ObjectCalls::interrupt also wakes the waiting threads.
   void interrupt() { interrupted_.store(true, std::memory_order_release); }
@@ -74,7 +75,7 @@ class ServerCall final : public CallCore,
   CallState state;
   CallProgress reported;
   std::size_t position_sent = 0;
-  TimePoint arrived{};  ///< set only when the call is logged
+  TimePoint arrived{};  ///< set only when the end of the call will be logged
   std::optional<HandlerWait> waits_for;
   bool listed = false;  ///< the call is in ObjectCalls::open_
 

@@ -56,7 +56,8 @@ void ServerSession::reply(std::uint64_t counter, const Failure& failure) {
   sender_.reply(header, failure, kept());
 }
 
-/// Where replies are kept that the client may request again; null when it cannot request them.
+/// Returns the cache in which replies are kept because the client may request them again; null when
+/// the client cannot request them again.
 ReplyCache* ServerSession::kept() const { return repeats_ || closed ? replies.get() : nullptr; }
 
 bool ServerSession::report(const ServerCall& call, Detail detail, std::size_t position) {
@@ -75,7 +76,8 @@ bool ServerSession::send_progress(std::uint64_t counter, Detail detail, const Pr
   header.flags = static_cast<std::int8_t>(detail);
   header.counter = counter;
   header.session = id_;
-  // Sent without a wake-up: a caller that sleeps until its call ends must not be woken by progress.
+  // The packet is sent without a wake-up, because progress must not wake a caller that sleeps until
+  // its call ends.
   return sender_.send_quietly(header, body.encoded_size(),
                               [&](wire::Encoder& to) { body.encode(to); });
 }

@@ -22,8 +22,9 @@ namespace gecos::session {
 /// Server side of one client's session with one object.
 ///
 /// Only the thread that polls the server's connections may receive packets. Any thread may send.
-/// Has more members than other classes: the classes of the server keep here what they know about
-/// one session, so that they need no tables of their own. Comments say what guards each member.
+/// This class has more members than other classes, because the other classes of the server store
+/// their data about one session here and so need no tables of their own. Comments say what guards
+/// each member.
 class ServerSession {
  public:
   ServerSession(std::unique_ptr<media::Connection> connection, std::shared_ptr<ObjectHost> object);
@@ -49,11 +50,11 @@ class ServerSession {
   void reply(std::uint64_t counter, ByteView result, Epoch epoch = {});
   /// Replies to the call `counter` with `before`, the reply that this call got in another session.
   void reply_as(std::uint64_t counter, const wire::PacketView& before);
-  /// Sends the latest progress of `call`, or drops it when the connection has no room. Returns true
-  /// when the progress was sent.
+  /// Sends the latest progress of `call`. Returns true when it was sent, false when the connection
+  /// has no room.
   bool report(const ServerCall& call, Detail detail, std::size_t position);
-  /// Tells the client that its call `counter` waits, with `position` others before it. Returns as
-  /// `report`.
+  /// Tells the client that its call `counter` waits, with `position` calls before it. Returns true
+  /// when this was sent.
   bool report_queued(std::uint64_t counter, std::size_t position);
 
   // Any thread may call the functions below.
@@ -72,7 +73,7 @@ class ServerSession {
   };
   Polled polled;
 
-  // true: the polling thread drops the session; orders no other memory
+  // when true, the polling thread removes the session; orders no other memory
   std::atomic<bool> gone{false};
 
   // Guarded by the object's mutex.
@@ -81,18 +82,19 @@ class ServerSession {
   /// Replies that the client may request again: all replies over a medium that loses packets, and
   /// replies made after the connection was lost, which the client requests in another session.
   const std::shared_ptr<ReplyCache> replies = std::make_shared<ReplyCache>();
-  std::map<FunctionCode, std::uint32_t> subscriptions;  ///< by stream code: id of the shared stream
+  std::map<FunctionCode, std::uint32_t> subscriptions;  ///< key: stream code; value: id of the
+                                                        ///< stream on the connection
   /// The epoch in which this session acquired its status; its own `stop` calls renew the status
   /// under higher epochs.
   std::uint64_t held_from = std::numeric_limits<std::uint64_t>::max();
-  /// The highest counter marked as started, by lane (start_words.hpp).
+  /// For each lane, the highest counter that was marked as started (start_words.hpp).
   std::array<std::uint64_t, media::shared_word_count> marked{};
-  std::size_t commands = 0;      ///< actor commands that have not ended
-  std::size_t unreturned = 0;    ///< calls that are not Finished (CallState::Phase)
+  std::size_t commands = 0;      ///< number of actor commands that have not ended
+  std::size_t unreturned = 0;    ///< number of calls whose phase is not Finished (CallState)
   bool left = false;             ///< the client said goodbye
   bool closed = false;           ///< the connection is lost or closed
-  bool parted_in_order = false;  ///< the connection ended in order, and the calls still run
-  /// Result of checking the client's heartbeats.
+  bool parted_in_order = false;  ///< the connection ended in order, so its calls still run
+  /// What the server knows from the client's heartbeats.
   struct Heartbeats {
     PeerLiveness liveness;
     /// True after this process was suspended or while the client is silent: no call of the session

@@ -11,16 +11,16 @@
 
 namespace gecos::session {
 
-/// The sessions of a server, by the key of their epoll events. Thread-safe. The mutex is held
-/// while a passed function runs; such a function must not call this object.
+/// The sessions of a server, by the key of their epoll events. Thread-safe. Functions that are
+/// passed to this object run while its mutex is held, so they must not call this object.
 class SessionList {
  public:
   using Session = std::shared_ptr<ServerSession>;
 
-  /// A key that no session had before; never 0.
+  /// Returns a key that no session had before; never 0.
   std::uint64_t new_key();
   void add(std::uint64_t key, Session session);
-  /// Null when no session has this key.
+  /// Returns the session with this key; null when there is none.
   Session find(std::uint64_t key);
   std::vector<Session> all();
   void for_each(FunctionRef<void(const Session&)> use);

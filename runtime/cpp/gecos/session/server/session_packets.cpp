@@ -31,7 +31,7 @@ void SessionPackets::take(const Session& session, ByteView bytes) {
   if (header.kind == wire::PacketKind::Hello) {
     return greet(session, *packet, setup_, calls_.outcomes(), {statuses_.now(), closed_});
   }
-  // this server has only sessions of its own protocol version
+  // ignored: this server has only sessions of its own protocol version
   if (header.version != wire::packet_version) return;
   const bool theirs = session->greeted() && header.session == session->id();
   if (header.kind == wire::PacketKind::Goodbye) {
@@ -41,7 +41,7 @@ void SessionPackets::take(const Session& session, ByteView bytes) {
       if (header.flags == withdraws || unheard_since_a_pause(*session)) withdraw(*session);
       statuses_.release_all(*session);
     }
-    return say_goodbye(*session, header.session, "the client asked for it");
+    return say_goodbye(*session, header.session, "the client ended the session");
   }
   if (!theirs || session->closed)
     return say_goodbye(*session, header.session, "the server does not know the session");
@@ -61,7 +61,7 @@ void SessionPackets::take(const Session& session, ByteView bytes) {
 }
 
 void SessionPackets::depart(ServerSession& session) {
-  // Calls that were issued before these deferred calls are missing and will not arrive any more.
+  // The calls for which these deferred calls wait will not arrive any more.
   while (const auto counter = session.intake.first_aside()) {
     end_early(
         session, *counter, Detail::Rejected,
@@ -81,14 +81,15 @@ void SessionPackets::say_goodbye(ServerSession& session, SessionId to, const std
   session.send(header, goodbye_body(why));
 }
 
-/// True when packets read from the session may be older than a pause of this process.
+/// Returns true when packets that are read in the session may be older than a pause of this
+/// process.
 bool SessionPackets::unheard_since_a_pause(const ServerSession& session) const {
   return session.heartbeats.awaited || setup_.pauses().suspected(setup_.clock().since_boot());
 }
 
 /// Ends the calls of `session` that have not started, because its client has given them up.
 void SessionPackets::withdraw(ServerSession& session) {
-  session.intake.withdraw();  // also stops calls that wait for a thread
+  session.intake.withdraw();  // so that calls that wait for a thread do not start either
   while (const auto counter = session.intake.first_aside()) {
     end_early(session, *counter, Detail::NotStarted, not_started);
   }
@@ -139,9 +140,9 @@ void SessionPackets::answer_again(ServerSession& session, std::uint64_t counter)
   }
   const auto* found = session.calls.find(counter);
   if (found == nullptr) {
-    // Some queries are not answered. The call never arrived: the client sends it again. Its reply
-    // was acknowledged: the query is late. The call is deferred: to its caller it must appear as
-    // not arrived.
+    // A query is not answered in three cases. A call that never arrived is sent again by its
+    // client. A call whose reply was acknowledged was queried too late. A deferred call must look
+    // to its client as if it had not arrived.
     if (session.intake.is_aside(counter)) return;
     if (!session.intake.seen(counter) || !session.replies->awaited(counter)) return;
     return session.reply(counter,
@@ -159,8 +160,8 @@ void SessionPackets::answer_again(ServerSession& session, std::uint64_t counter)
 
 void SessionPackets::arrive(const Session& session, const wire::PacketView& packet) {
   const std::uint64_t counter = packet.header.counter;
-  // Commands issued before a `release` still run, so the `release` counts as arrived only after all
-  // of them.
+  // Commands that were issued before a `release` still run, so a `release` is accepted only after
+  // all earlier calls have arrived.
   const bool release = packet.header.code == GecosObjectInterface::release.code;
   const bool unheard = session->heartbeats.awaited;
   const bool judged = session->intake.judges_age(unheard);
@@ -185,8 +186,8 @@ void SessionPackets::arrive(const Session& session, const wire::PacketView& pack
   take_early(session);
 }
 
-/// Refuses a call that was unread for too long, for example while this process was suspended. Its
-/// client has reported OUTCOME_UNKNOWN, or queries the outcome again.
+/// Refuses a call that was unread for too long, for example while this process was suspended. By
+/// then its client has reported OUTCOME_UNKNOWN, or it still queries the outcome.
 void SessionPackets::refuse_late(ServerSession& session, std::uint64_t counter) {
   const std::string why =
       "the call was not started: it was unread for more than " +
@@ -223,7 +224,7 @@ void SessionPackets::take_call(const Session& session, const wire::PacketView& p
   }
   const std::size_t most =
       ObjectQueue::most_of_object + (operation->safety ? ObjectQueue::most_of_object / 4 : 0);
-  // no correct client has so many calls in flight
+  // A correct client never has so many calls in flight.
   if (session->calls.size() + session->intake.aside() >= most) {
     return session->reply(counter,
                           Failure{Detail::QueueFull,
@@ -283,8 +284,8 @@ void SessionPackets::preempt(const ServerCall& by) {
 // Calls that arrive before calls that were issued earlier
 
 /// A medium that loses packets may reorder commands. Defers a command that arrives before an
-/// earlier command; otherwise an arm would move to its second goal first. Returns true when the
-/// command was deferred, or refused for lack of room.
+/// earlier command; otherwise an arm could move to its second goal first. Returns true when the
+/// command was deferred, or was refused for lack of room.
 bool SessionPackets::too_early(ServerSession& session, const wire::PacketView& packet,
                                const OperationDescription& operation) {
   const bool keeps_place = operation.status != access::Status::Sensor || operation.ordered;
@@ -317,9 +318,10 @@ void SessionPackets::end_early(ServerSession& session, std::uint64_t counter, De
 
 // Calls of a session that the client has lost
 
-/// Processes a call that was first sent in a lost session. While the lost session is known, a
-/// running call is reported in `session` and an ended call is answered again. A call that has not
-/// arrived is barred in the lost session and starts as a new call in `session`.
+/// Processes a call that was first sent in a lost session. If the server still knows the lost
+/// session, a call that runs is reported in `session`, and a call that has ended is answered again.
+/// A call that has not arrived may no longer start in the lost session; it becomes a new call in
+/// `session`.
 void SessionPackets::take_again(const Session& session, const wire::PacketView& packet) {
   wire::Decoder from(packet.body);
   SentBefore sent;
@@ -363,7 +365,7 @@ void SessionPackets::resume(const Session& session, const wire::PacketView& pack
   session->report(*call, call->state.detail(), calls_.queue().position(*call).value_or(0));
 }
 
-/// Keeps the call `counter` from starting if it still arrives in `before`, its first session.
+/// Prevents the call `counter` from starting if it still arrives in `before`, its first session.
 void SessionPackets::reject_late(const Session& before, std::uint64_t counter) {
   if (before->closed || !before->repeats()) return;
   if (before->intake.is_aside(counter)) {
@@ -395,7 +397,7 @@ OutcomeRecord SessionPackets::outcome_of(SessionId asked, std::uint64_t counter)
     return {number_of(entry->detail), entry->text};
   }
   const OutcomeRecord never{number_of(Detail::NotStarted),
-                            "the call has not arrived, and does not start if it still arrives"};
+                            "the call has not arrived, and will not start if it arrives later"};
   if (const auto session = calls_.outcomes().open(asked)) {
     if (const auto* call = session->calls.find(counter)) {
       return {number_of((*call)->state.detail()), {}};

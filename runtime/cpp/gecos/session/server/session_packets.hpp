@@ -30,9 +30,9 @@ class SessionPackets {
         builtin_(setup, claim, calls, statuses, user_callbacks) {}
 
   void take(const std::shared_ptr<ServerSession>& session, ByteView bytes);
-  /// Must be called when the connection of `session` has ended: ends its deferred calls.
+  /// Ends the deferred calls of `session`. Must be called when its connection has ended.
   void depart(ServerSession& session);
-  /// From now on new sessions and calls are refused.
+  /// Refuses new sessions and calls from now on.
   void close() { closed_ = true; }
   bool closed() const { return closed_; }
 

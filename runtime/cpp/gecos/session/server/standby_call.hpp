@@ -13,7 +13,7 @@ class StandbyCall {
     called_ = true;
     changed_.notify_one();
   }
-  /// From now on wait() returns false.
+  /// Ends the wait: from now on wait() returns false.
   void end() {
     const MutexLock lock(mutex_);
     ended_ = true;

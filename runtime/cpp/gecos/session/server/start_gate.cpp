@@ -10,7 +10,7 @@ namespace gecos::session {
 std::shared_ptr<ServerCall> StartGate::next(Starter starter) {
   ready_.store(false, std::memory_order_relaxed);
   if (setup_.pauses().suspected(setup_.clock(), pause_)) {
-    calls_.note_ready();  // the maintenance thread starts these calls once it has judged the pause
+    calls_.note_ready();  // the maintenance thread starts the calls once it has judged the pause
     return nullptr;
   }
   while (auto call = take()) {

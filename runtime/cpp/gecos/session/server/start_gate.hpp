@@ -12,16 +12,16 @@
 
 namespace gecos::session {
 
-/// The kind of thread that starts calls.
+/// The kind of thread on which calls are started.
 enum class Starter : std::uint8_t {
-  Poller,  ///< runs short handlers itself
-  Worker,  ///< a thread of the executor; runs short handlers itself
-  Other,   ///< runs no handler: a user's thread, the maintenance thread, or a polling standby
+  Poller,  ///< the thread that polls; runs short handlers itself
+  Worker,  ///< a worker thread of the object; runs short handlers itself
+  Other,   ///< a thread that runs no handler: a user's, the maintenance or the standby thread
 };
 
-/// Decides which queued call of one object starts next. Holds calls back until a pause of this
-/// process is judged, until their clients send a heartbeat, and until the broker confirms the name
-/// of the object. Not thread-safe: the object's mutex guards it.
+/// Decides which queued call of one object starts next. Does not let a call start while a pause of
+/// this process is not judged, while a heartbeat of its client is awaited, or while the broker has
+/// not confirmed the name of the object. Not thread-safe: the object's mutex guards it.
 class StartGate {
  public:
   StartGate(const ObjectSetup& setup, std::atomic<bool>& ready, const NameClaim& claim,
@@ -29,15 +29,16 @@ class StartGate {
       : setup_(setup), ready_(ready), claim_(claim), statuses_(statuses), calls_(calls) {}
 
   /// Removes the next call that may start from the queue and returns it; null when there is none.
-  /// Marks the call as started if `starter` runs its handler itself. Ends calls that may no longer
-  /// start.
+  /// Marks the call as started if the thread of kind `starter` runs the handler itself. Ends calls
+  /// that may no longer start.
   std::shared_ptr<ServerCall> next(Starter starter);
-  /// Whether `call` may still start; ends the call when it may not.
+  /// Returns whether `call` may still start. Ends the call when it may not.
   bool may_start(ServerCall& call);
 
-  /// Holds the calls of `session` back until the next heartbeat of its client.
+  /// Prevents the calls of `session` from starting before the next heartbeat of its client.
   void await_heartbeat(ServerSession& session);
-  /// Must be called when a heartbeat came, or when none can come any more.
+  /// Lets the calls of `session` start again. Must be called when a heartbeat arrived, or when none
+  /// can arrive any more.
   void await_no_more(ServerSession& session);
 
  private:
@@ -49,7 +50,7 @@ class StartGate {
   const StatusGrants& statuses_;
   ObjectCalls& calls_;
   PauseWatch::Checked pause_;  ///< the last check for a pause
-  std::size_t awaited_ = 0;    ///< sessions whose calls wait for a heartbeat
+  std::size_t awaited_ = 0;    ///< number of sessions whose calls wait for a heartbeat
 };
 
 }  // namespace gecos::session

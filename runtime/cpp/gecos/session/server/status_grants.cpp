@@ -22,7 +22,7 @@ access::Status status_of(Status status) { return static_cast<access::Status>(sta
 Status status_of(access::Status status) { return static_cast<Status>(status); }
 
 double seconds(Duration duration) { return std::chrono::duration<double>(duration).count(); }
-/// Longer durations than 30 years, infinity included, count as 30 years.
+/// Converts seconds to a Duration. Returns about 30 years for longer times, including infinity.
 Duration duration(double seconds) {
   return std::chrono::duration_cast<Duration>(
       std::chrono::duration<double>(std::min(seconds, 1e9)));
@@ -53,13 +53,12 @@ std::vector<Holder> shown(const std::vector<access::Holder>& roster, TimePoint n
   return lines;
 }
 
-/// What a refusal adds for a request that waited in line.
+/// Returns the text that a refusal contains in addition when the request waited.
 std::string waited_in_vain(double patience, std::size_t before) {
   if (patience <= 0) return {};
   char text[96];
-  std::snprintf(text, sizeof text,
-                "; it was not free within %g s, with %zu request%s before this one", patience,
-                before, before == 1 ? "" : "s");
+  std::snprintf(text, sizeof text, "; the request waited %g s, with %zu request%s before it",
+                patience, before, before == 1 ? "" : "s");
   return text;
 }
 
@@ -99,20 +98,19 @@ void StatusGrants::request(const std::shared_ptr<ServerSession>& session, std::u
   Request request{session, counter, std::move(asked), setup_.clock().now() + patience};
   if (!handler_runs && answer(request, line_.size())) return;
   if (line_.size() >= longest_line) {
-    return session->reply(
-        counter,
-        Failure{Detail::QueueFull,
-                setup_.name + ": " + std::to_string(line_.size()) +
-                    " requests for a status already wait in line; try again when it is shorter",
-                {},
-                {}});
+    return session->reply(counter,
+                          Failure{Detail::QueueFull,
+                                  setup_.name + ": " + std::to_string(line_.size()) +
+                                      " requests for a status already wait; try again later",
+                                  {},
+                                  {}});
   }
   line_.push_back(std::move(request));
   tell_places();
 }
 
-/// Replies to `request` unless it has to wait on. `before`: the number of requests before it, which
-/// could not be granted.
+/// Grants or refuses `request` and returns true, or returns false when the request must continue to
+/// wait. `before`: the number of requests that wait before this request and could not be granted.
 bool StatusGrants::answer(const Request& request, std::size_t before) {
   const auto& [session, counter, asked, give_up, reported] = request;
   if (claim_.standing() == NameClaim::Standing::Taken) {
@@ -122,7 +120,8 @@ bool StatusGrants::answer(const Request& request, std::size_t before) {
   const TimePoint now = clock_.now();
   const access::Status wanted = status_of(asked.wanted);
   const bool held_before = leases_.status_of(session->id()) != access::Status::Sensor;
-  // Who has released the status must not have it again before those who wait for it.
+  // A client that has released the status must not get it again before the clients that wait for
+  // it.
   const bool returns = before > 0 && leases_.releasing(session->id());
   auto granted = returns ? tl::unexpected(leases_.refusal_to_return(wanted, now))
                          : leases_.acquire(session->id(), session->client(), wanted,
@@ -146,9 +145,10 @@ bool StatusGrants::answer(const Request& request, std::size_t before) {
   return true;
 }
 
-/// Returns a command that runs although the status under which it was issued has ended, and that
-/// does not have to finish (`@on_loss("finish")`); null when there is no such command or a client
-/// holds a status. While it exists, no client may be granted a status.
+/// Returns a command that still runs although the status under which it was issued has ended,
+/// unless its interface lets it finish (`@on_loss("finish")`). Returns null when there is no such
+/// command or when a client holds a status. While such a command runs, no client may be granted a
+/// status.
 const ServerCall* StatusGrants::outlives_its_status() const {
   if (!leases_.roster().empty()) return nullptr;
   for (const QueueEntry* const entry : calls_.queue().running()) {
@@ -176,7 +176,7 @@ std::optional<std::size_t> StatusGrants::place_in_line(const ServerSession& sess
 bool StatusGrants::cancel(ServerSession& session, std::uint64_t counter) {
   const auto found = find(session, counter);
   if (found == line_.end()) return false;
-  session.reply(counter, Failure{Detail::Canceled, "canceled while it waited in line", {}, {}});
+  session.reply(counter, Failure{Detail::Canceled, "canceled while the request waited", {}, {}});
   line_.erase(found);
   tell_places();
   return true;
@@ -234,18 +234,20 @@ void StatusGrants::close() {
   end_line(Failure{Detail::Rejected, "the server is about to end", {}, {}});
 }
 
-// How a status ends
+// The end of a status
 
 void StatusGrants::release(ServerSession& session, const GecosObject_release_arguments& asked) {
   using Commands = access::LeaseTable::Commands;
   std::uint64_t epoch = asked.epoch;
   const std::uint64_t held_now = number(leases_.epoch());
   if (session.held_from <= epoch && epoch < held_now)
-    epoch = held_now;  // `stop` calls of this session renewed its status
+    epoch = held_now;  // `stop` calls of this session gave its status newer epochs
   if (asked.now && Epoch{epoch} == leases_.epoch() &&
       leases_.status_of(session.id()) != access::Status::Sensor) {
-    calls_.end_commands([&](const ServerCall& call) { return call.client == session.id(); },
-                        Failure{Detail::Stopped, "its caller released the status at once", {}, {}});
+    calls_.end_commands(
+        [&](const ServerCall& call) { return call.client == session.id(); },
+        Failure{
+            Detail::Stopped, "its caller released the status and stopped its commands", {}, {}});
   }
   leases_.release(session.id(), Epoch{epoch},
                   session.commands != 0 && !asked.now ? Commands::Pending : Commands::None);
@@ -272,7 +274,8 @@ void StatusGrants::commands_ended(SessionId session) {
 }
 
 void StatusGrants::stop(SessionId by, const std::string& why) {
-  end_line(Failure{Detail::Stopped, "the line for the status was ended: " + why, {}, {}});
+  end_line(
+      Failure{Detail::Stopped, "the request for the status ended while it waited: " + why, {}, {}});
   leases_.stop(by, why);
 }
 

@@ -16,50 +16,55 @@
 
 namespace gecos::session {
 
-/// The actor and master status of one object: grants it on request, and ends it when its holder
-/// releases it, falls silent or is lost. The commands issued under a status that is lost end with
-/// it. Not thread-safe: the object's mutex guards it.
+/// Grants the actor and master status of one object on request, and ends a status when its holder
+/// releases it, falls silent or is lost. When a status is lost, the commands issued under it end
+/// too. Not thread-safe: the object's mutex guards it.
 class StatusGrants {
  public:
   StatusGrants(const ObjectSetup& setup, const NameClaim& claim, ObjectCalls& calls);
 
   const access::LeaseTable& leases() const { return leases_; }
-  /// The current time by the clock of the leases, which does not advance while this process is
-  /// suspended.
+  /// Returns the current time by the clock of the leases. This clock does not advance while this
+  /// process is suspended.
   TimePoint now() const { return clock_.now(); }
-  /// The state of this object by which a call is admitted now.
+  /// Returns the state of this object that decides whether a call is admitted now.
   AdmittingObject admitting() const { return {setup_.name, leases_, clock_.now()}; }
-  /// The holders as clients see them.
+  /// Returns the holders in the form in which clients see them.
   std::vector<Holder> holders() const;
 
-  /// Replies to a request for a status. A request with `patience` waits in line while others hold
-  /// the status. Any request waits briefly while the handler of a command still runs whose status
-  /// has ended: two clients must not command the object at once.
+  /// Replies to a request for a status. A request with `patience` waits while other clients hold
+  /// the status. Any request also waits briefly while a handler still runs whose command was issued
+  /// under a status that has ended, because two clients must not command the object at the same
+  /// time.
   void request(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
                GecosObject_acquire_arguments asked);
-  /// The number of requests before the request `counter` of `session`; nullopt when that request
-  /// does not wait.
+  /// Returns the number of waiting requests before the request `counter` of `session`; nullopt when
+  /// that request does not wait.
   std::optional<std::size_t> place_in_line(const ServerSession& session,
                                            std::uint64_t counter) const;
-  /// Takes the request `counter` of `session` out of the line. Returns false when it does not wait.
+  /// Cancels the waiting request `counter` of `session`. Returns false when that request does not
+  /// wait.
   bool cancel(ServerSession& session, std::uint64_t counter);
-  /// Grants the status to the requests that can have it now, in the order of their arrival. Must be
-  /// called when a handler has returned; the functions below that end a status call it.
+  /// Grants the waiting requests that can be granted now, in the order of their arrival. Must be
+  /// called when a handler has returned. The functions below that end a status call it themselves.
   void serve_line();
-  /// Refuses the requests that wait: the server is about to end.
+  /// Refuses all waiting requests, because the server is about to end.
   void close();
 
   void renew(const ServerSession& session, TimePoint now) { leases_.renew(session.id(), now); }
   void release(ServerSession& session, const GecosObject_release_arguments& asked);
-  /// Must be called when no command of `session` is open any more: a status that it has released
-  /// ends.
+  /// Must be called when no command of `session` is open any more. Ends a status that the session
+  /// has released.
   void commands_ended(SessionId session);
-  /// Releases the status of `session` however often it was acquired; it ends with the last command.
+  /// Releases the status of `session`, however often the session acquired it. The status ends when
+  /// the last command of the session has ended.
   void release_all(ServerSession& session);
-  /// The connection of `session` has ended. After `in_order` its status ends with its last command.
+  /// Must be called when the connection of `session` has ended. If the connection ended `in_order`,
+  /// the status of the session ends with its last command, otherwise at once.
   void depart(ServerSession& session, bool in_order);
-  /// Ends every status except that of `by`, which gets a new epoch, and the line: after a stop no
-  /// program may command the object because it had asked before.
+  /// Ends every status except the status of `by`, which gets a new epoch. Refuses all waiting
+  /// requests, so that after a stop no program may command the object because of an earlier
+  /// request.
   void stop(SessionId by, const std::string& why);
   /// Ends the status of holders that were silent for too long, and refuses requests that have
   /// waited for too long.
@@ -71,7 +76,8 @@ class StatusGrants {
     std::uint64_t counter = 0;
     GecosObject_acquire_arguments asked;
     TimePoint give_up{};
-    std::optional<std::size_t> reported{};  ///< the place in line that its client knows
+    std::optional<std::size_t> reported{};  ///< the number of earlier requests that was last sent
+                                            ///< to the client
   };
   using Line = std::vector<Request>;
 
@@ -88,7 +94,7 @@ class StatusGrants {
   ObjectCalls& calls_;
   access::LeaseTable leases_;
   SuspendAwareClock clock_;  ///< for leases and peer time-outs
-  Line line_;                ///< in order of arrival
+  Line line_;                ///< the waiting requests, in order of arrival
 };
 
 }  // namespace gecos::session

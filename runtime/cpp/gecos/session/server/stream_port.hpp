@@ -13,10 +13,10 @@
 
 namespace gecos::session {
 
-/// Publishes one stream of an object. Creates one writer per medium, at the first subscription over
-/// this medium. Without subscribers, only the latest sample is kept.
+/// Publishes one stream of an object. At the first subscription over a medium, creates the writer
+/// for that medium. Before the first subscription, only the latest sample is kept.
 ///
-/// Publishing takes no lock of the object and uses no session. It does not allocate when a sample
+/// `publish` locks no mutex of the object and uses no session. It allocates no memory when a sample
 /// of the same size was published before. Thread-safe.
 class StreamPort {
  public:
@@ -27,10 +27,10 @@ class StreamPort {
   const StreamDescription& stream() const { return stream_; }
   void publish(ByteView sample, const SampleTime& time);
   /// Lets the client of `connection` read the stream under `id`. `acceptor`: the acceptor of
-  /// `connection`. Fails with the reason.
+  /// `connection`. On failure returns the reason.
   tl::expected<void, std::string> share(std::uint32_t id, media::Connection& connection,
                                         media::Acceptor& acceptor);
-  /// Samples published from now on reach no client.
+  /// After this call, published samples reach no client.
   void close();
 
  private:
@@ -43,7 +43,8 @@ class StreamPort {
   Mutex mutex_;
   std::map<std::string_view, std::unique_ptr<media::StreamWriter>> writers_
       GECOS_GUARDED_BY(mutex_);
-  Bytes latest_ GECOS_GUARDED_BY(mutex_);  ///< as sent, with the measurement time appended
+  Bytes latest_ GECOS_GUARDED_BY(mutex_);  ///< the latest sample, with the measurement time
+                                           ///< appended
   std::int64_t latest_stamp_ns_ GECOS_GUARDED_BY(mutex_) = 0;
   bool published_ GECOS_GUARDED_BY(mutex_) = false;
   bool complained_ GECOS_GUARDED_BY(mutex_) = false;

@@ -10,8 +10,8 @@ namespace gecos::session {
 
 class Maintenance;
 
-/// Runs the callbacks of the user of one object, `on_stop` and `gecos_session_ended`. Logs what a
-/// callback throws, because no caller can catch it. Thread-safe.
+/// Runs the user's callbacks of one object: `on_stop` and `gecos_session_ended`. Logs an exception
+/// that a callback throws, because no caller can catch it. Thread-safe.
 class UserCallbacks {
  public:
   UserCallbacks(Maintenance& maintenance, std::string object);
@@ -19,16 +19,16 @@ class UserCallbacks {
   UserCallbacks(const UserCallbacks&) = delete;
   UserCallbacks& operator=(const UserCallbacks&) = delete;
 
-  /// Runs `what` on this thread.
+  /// Runs `what` on the calling thread.
   void run(const std::function<void()>& what) const;
-  /// Runs `what` on the maintenance thread, unless `end` is called before.
+  /// Runs `what` on the maintenance thread, unless `end` is called first.
   void post(std::function<void()> what);
-  /// Waits for the posted callback that runs. No posted callback starts after that. @pre not called
-  /// from a posted callback
+  /// Waits until a posted callback that runs has returned. After that, no posted callback starts.
+  /// @pre the caller is not a posted callback
   void end();
 
  private:
-  /// Outlives this object while callbacks are posted.
+  /// Shared with posted callbacks, so it outlives this object while such callbacks wait.
   struct Gate {
     Mutex mutex;
     bool ended GECOS_GUARDED_BY(mutex) = false;

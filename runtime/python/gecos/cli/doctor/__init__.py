@@ -1,5 +1,6 @@
-"""`gecos doctor`: finds what keeps programs from meeting, and says what mends it.
+"""`gecos doctor`: finds the reasons why programs cannot reach each other, and says how to correct
+them.
 
-Each module has checks of one kind, as functions of values that are read elsewhere: `readings` reads
-them, and `examination` puts both together.
+Each module has checks of one kind. A check is a function of values that it does not read itself:
+`readings` reads the values, and `examination` calls the checks with them.
 """

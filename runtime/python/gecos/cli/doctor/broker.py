@@ -1,4 +1,5 @@
-"""Does a broker answer, is it the only one, and is it of this version?"""
+"""Checks whether a broker answers, whether it is the only one, and whether it has the version of
+this program."""
 
 from __future__ import annotations
 
@@ -10,8 +11,9 @@ from gecos.cli.doctor.finding import Finding, fine, warning, wrong
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """`reason`: why no broker answers; None if one does. `boot`: tells one run of a broker from
-    another. `ours`: it has the interface that this program knows."""
+    """The answer of a broker. `reason` says why no broker answers; it is None if one does. `boot`
+    is different in each run of a broker. `ours` tells whether the broker has the interface that
+    this program knows."""
 
     reason: str | None
     boot: int = 0
@@ -20,23 +22,28 @@ class Answer:
 
 
 def broker(answer: Answer, place: str) -> Finding:
-    """`place`: where programs look for a broker, GECOS_BROKER or this host."""
+    """Checks the answer of the broker at `place`, where programs look for a broker: the value of
+    GECOS_BROKER, or this host."""
     if answer.reason is not None:
         what = f"no broker answers: {_tried(answer.reason)}"
         return wrong("broker", what, place, _mend(answer.reason, place))
     if not answer.ours:
-        what = f"the broker, {answer.process}, is of another version of robcl"
+        what = f"the broker, {answer.process}, belongs to another version of robcl"
         mend = "end it, and start `gecos broker` of this installation"
         return warning("broker", what, place, mend)
     return fine("broker", f"{answer.process} answers", place)
 
 
 def one_broker(answers: Sequence[Answer]) -> Finding | None:
-    """`answers`: of the brokers at several places. None if at most one broker answers."""
+    """Checks that at most one broker answers. `answers` come from brokers at several places.
+    Returns None if at most one broker answers."""
     found = {each.boot: each.process for each in answers if each.reason is None}
     if len(found) < 2:
         return None
-    what = f"several answer: {', '.join(found.values())}; names are unique within each one only"
+    what = (
+        f"several brokers answer: {', '.join(found.values())}; names are unique only "
+        "within one broker"
+    )
     mend = "end one of them, or set GECOS_BROKER for all programs"
     return warning("brokers", what, "this host and lcm", mend)
 
@@ -45,14 +52,15 @@ def _mend(reason: str, place: str) -> str:
     if "is not admitted here" in reason:
         return "gecos keys add FILE, with the .public file of the broker's user"
     if place == "this host":
-        return "gecos broker (or gecos up, which starts devices too)"
-    mend = f"gecos broker, on the host and for the user that {place} names"
+        return "gecos broker (or gecos up, which also starts devices)"
+    mend = f"run gecos broker on the host, and as the user, that {place} names"
     if "does not admit our key" in reason:
-        mend += "; if one runs, gecos keys add FILE there, with our .public file"
+        mend += "; if a broker runs there, run gecos keys add FILE there, with our .public file"
     return mend
 
 
 def _tried(reason: str) -> str:
-    """The places that were tried, without the advice, which `mend` gives."""
+    """Returns the places that were tried. The advice in `reason` is left out, because `mend` has
+    it."""
     _, _, tried = reason.partition("(tried ")
     return tried.removesuffix(")") or reason

@@ -1,4 +1,4 @@
-"""All checks of `gecos doctor`, one after the other."""
+"""Runs all checks of `gecos doctor`, one after the other."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ from gecos.cli.doctor.broker import Answer, broker, one_broker
 from gecos.cli.doctor.extension import NEEDED, extension
 from gecos.cli.doctor.finding import Finding, Level, fine, wrong
 
-_REFUSED_TTL = re.compile(r"GECOS_LCM_TTL is '.*")  # "GECOS_LCM_TTL is 0, so …" is advice
+# This matches only the error, not the advice "GECOS_LCM_TTL is 0, so …"
+_REFUSED_TTL = re.compile(r"GECOS_LCM_TTL is '.*")
 
 
 def examine() -> list[Finding]:
-    """What is right and wrong for programs of this user in this environment. Asks the brokers of
-    this host; takes some seconds at most."""
+    """Returns the findings about the environment in which programs of this user run. Asks the
+    brokers of this host, which takes some seconds at most."""
     return list(_findings())
 
 

@@ -1,4 +1,4 @@
-"""Is gecos._core there, complete, and of this version?"""
+"""Checks whether gecos._core is there, complete, and of this version."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ NEEDED = [
     *("key_directory", "own_key", "key_problem", "public_key_in"),
     *("warn_of_other_brokers", "detail_name", "log_error"),
 ]
-"""What this version of gecos uses of gecos._core."""
+"""The names in gecos._core that this version of gecos uses."""
 
 _PACKAGES = {
-    "libglib-2.0.so.0": "libglib2.0-0",  # LCM needs it; liblcm itself is part of the extension
+    "libglib-2.0.so.0": "libglib2.0-0",  # LCM needs it; liblcm is part of the extension
     "libsodium.so.23": "libsodium23",
     "libstdc++.so.6": "libstdc++6",
 }
@@ -26,8 +26,8 @@ _AGAIN = "pip install --force-reinstall robcl (in a source tree: make)"
 
 
 def extension(problem: str | None, lacking: Sequence[str], where: str) -> Finding:
-    """`problem`: why gecos._core cannot be imported. `lacking`: those of NEEDED that it does not
-    have."""
+    """Checks the extension. `problem` says why gecos._core cannot be imported; it is None if it
+    can. `lacking` are the names of NEEDED that the extension does not have."""
     missing = _MISSING.search(problem or "")
     if missing:
         package = _PACKAGES.get(missing[1])
@@ -36,6 +36,6 @@ def extension(problem: str | None, lacking: Sequence[str], where: str) -> Findin
     if problem is not None:
         return wrong("extension", f"gecos._core cannot be imported: {problem}", where, _AGAIN)
     if lacking:
-        what = f"gecos._core is of another version of robcl: it lacks {', '.join(lacking)}"
+        what = f"gecos._core belongs to another version of robcl: it lacks {', '.join(lacking)}"
         return wrong("extension", what, where, _AGAIN)
     return fine("extension", "gecos._core is complete", where)

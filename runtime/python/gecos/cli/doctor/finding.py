@@ -1,4 +1,4 @@
-"""What the doctor says about one thing."""
+"""The result of one check of `gecos doctor`."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from enum import StrEnum
 
 class Level(StrEnum):
     OK = "ok"
-    WARNING = "warning"  # matters for some uses only, as real time or a second host
+    WARNING = "warning"  # matters only for some uses, for example real time or a second host
     ERROR = "error"  # must be corrected
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """`where`: file, folder, variable or address. `mend`: the command or the setting that mends it;
-    empty when nothing is wrong."""
+    """The result of one check. `where` is a file, folder, variable or address. `mend` is the
+    command or the setting that corrects the problem; it is empty if nothing is wrong."""
 
     check: str
     level: Level

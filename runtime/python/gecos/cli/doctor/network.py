@@ -1,4 +1,5 @@
-"""Can packets of lcm be sent, how far do they go, and is there room for them?"""
+"""Checks whether packets of lcm can be sent, how far they go, and whether sockets have enough
+memory for them."""
 
 from __future__ import annotations
 
@@ -12,8 +13,8 @@ _ADVICE = re.compile(r"no multicast route\? run as root: +([^)]*)\)")
 
 
 def multicast_route(reason: str | None, needed: bool) -> Finding:
-    """`reason`: why no broker answers over lcm; None if one does. `needed`: the settings of this
-    program ask for lcm."""
+    """Checks the route of multicast packets. `reason` says why no broker answers over lcm; it is
+    None if one does. `needed` is True if the settings of this program ask for lcm."""
     advice = _ADVICE.search(reason or "")
     if advice is None:
         return fine("multicast route", "packets of lcm can be sent")
@@ -21,26 +22,28 @@ def multicast_route(reason: str | None, needed: bool) -> Finding:
     cause = (reason or "")[: advice.start()].rpartition("lcm: ")[2].rstrip(" (")
     what = f"lcm is not usable: {cause}"
     if not needed:
-        what += "; programs of one user on one host do without it"
+        what += "; programs of one user on one host do not need it"
     return level("multicast route", what, "network interfaces", f"sudo sh -c '{advice[1]}'")
 
 
 def reach_of_packets(ttl: int, broker: str) -> Finding:
-    """`ttl`: GECOS_LCM_TTL. `broker`: GECOS_BROKER; an address of lcm may mean another host."""
+    """Checks how far packets of lcm go. `ttl` is the value of GECOS_LCM_TTL. `broker` is the value
+    of GECOS_BROKER; an address of lcm may mean a broker on another host."""
     if ttl > 0:
         return fine("lcm reach", f"packets pass up to {ttl} routers", "GECOS_LCM_TTL")
     if not broker.startswith("lcm"):
         return fine("lcm reach", "packets stay on this host", "GECOS_LCM_TTL")
-    what = "packets stay on this host, and GECOS_BROKER names lcm: other hosts are not reached"
+    what = "packets stay on this host, but GECOS_BROKER names lcm: other hosts cannot be reached"
     mend = "export GECOS_LCM_TTL=1 for each program, on each host"
     return warning("lcm reach", what, "GECOS_LCM_TTL", mend)
 
 
 def socket_buffers(granted: int) -> Finding:
-    """`granted`: the bytes that a socket gets that asks for WANTED_BYTES."""
+    """Checks the buffers of sockets. `granted` is the number of bytes that a socket gets when it
+    asks for WANTED_BYTES."""
     if granted >= WANTED_BYTES:
         return fine("socket buffers", f"a socket gets {granted} bytes", _RMEM_MAX)
-    what = f"a socket gets {granted} bytes of the {WANTED_BYTES} that lcm asks for: "
-    what += "many or large packets are lost and sent again"
+    what = f"a socket gets only {granted} of the {WANTED_BYTES} bytes that lcm asks for: "
+    what += "if packets are many or large, some are lost and sent again"
     mend = f"sudo sysctl -w net.core.rmem_max={WANTED_BYTES}"
     return warning("socket buffers", what, _RMEM_MAX, mend)

@@ -1,4 +1,5 @@
-"""Is the runtime directory ours, are its sockets alive, and can memory be shared?"""
+"""Checks whether the runtime directory belongs to this user, whether its sockets are in use, and
+whether memory can be shared."""
 
 from __future__ import annotations
 
@@ -10,7 +11,8 @@ _ANOTHER = 'mkdir -m 700 "$HOME/.gecos-run" && export GECOS_RUNTIME_DIR="$HOME/.
 
 
 def runtime_directory(problem: str | None, where: str) -> Finding:
-    """`problem`: why the runtime refuses the directory."""
+    """Checks the runtime directory. `problem` says why the runtime refuses it; None if the runtime
+    accepts it."""
     if problem is None:
         return fine("runtime directory", "only this user can write to it", where)
     text = problem.removeprefix("shm: ")
@@ -20,24 +22,27 @@ def runtime_directory(problem: str | None, where: str) -> Finding:
 
 
 def stale_sockets(left: Sequence[str]) -> Finding:
-    """`left`: sockets in the runtime directory whose programs have ended."""
+    """Checks for sockets that are not in use. `left` are the sockets in the runtime directory whose
+    programs have ended."""
     if not left:
-        return fine("sockets", "none is left over")
-    what = "left over by programs that were killed; the next server or broker removes them"
+        return fine("sockets", "no socket is left over")
+    what = "programs that were killed left these sockets; the next server or broker removes them"
     return warning("sockets", what, ", ".join(left), f"rm {' '.join(left)}")
 
 
 def occupied(others: Sequence[str]) -> Finding | None:
-    """`others`: files in the way of the broker's socket that are no sockets."""
+    """Checks the place of the broker's socket. `others` are files in this place that are not
+    sockets."""
     if not others:
         return None
-    what = "is in the way of the broker's socket and is no socket"
+    what = "this file is in the place of the broker's socket, but is not a socket"
     return wrong("sockets", what, ", ".join(others), f"rm -r {' '.join(others)}")
 
 
 def shared_memory(problem: str | None) -> Finding:
-    """`problem`: why a sealed memfd cannot be made. The runtime does not use /dev/shm."""
+    """Checks whether memory can be shared. `problem` says why the kernel refuses a sealed memfd;
+    None if it does not. The runtime does not use /dev/shm."""
     if problem is None:
-        return fine("shared memory", "sealed memory can be made; /dev/shm is not needed")
-    mend = "use Linux 5.1 or newer, and in a container a profile that allows memfd_create"
+        return fine("shared memory", "the kernel provides sealed memory; /dev/shm is not needed")
+    mend = "use Linux 5.1 or newer; in a container, use a profile that allows memfd_create"
     return wrong("shared memory", f"shm is not usable: {problem}", "memfd_create", mend)

@@ -1,4 +1,4 @@
-"""Reads what the checks judge: the runtime's own verdicts, /proc, limits and files."""
+"""Reads the values that the checks judge: answers of the runtime, /proc, limits and files."""
 
 from __future__ import annotations
 
@@ -15,14 +15,15 @@ from pathlib import Path
 
 from gecos.cli.doctor.broker import Answer
 
-_ASKED_FOR = 1.0  # s that a broker has to answer
+_ASKED_FOR = 1.0  # s for which a broker is asked
 _SEALS = ["F_SEAL_SHRINK", "F_SEAL_GROW", "F_SEAL_SEAL"]
-_F_SEAL_FUTURE_WRITE = 0x10  # no name in fcntl before Python 3.13
+_F_SEAL_FUTURE_WRITE = 0x10  # fcntl has no name for it before Python 3.13
 _OF_A_PROCESS = re.compile(r"[^.]*\.(\d+)\.\d+\.sock")
 
 
 def extension(needed: list[str]) -> tuple[str | None, list[str], str]:
-    """Why gecos._core cannot be imported, what of `needed` it lacks, and where it is."""
+    """Returns the reason why gecos._core cannot be imported (or None), the names of `needed` that
+    it lacks, and where it is."""
     folder = Path(__file__).resolve().parents[2]
     try:
         found = import_module("gecos._core")
@@ -33,7 +34,8 @@ def extension(needed: list[str]) -> tuple[str | None, list[str], str]:
 
 
 def lab_problem() -> str | None:
-    """Why this process cannot have a Lab, as for a setting that is not valid."""
+    """Returns the reason why this process cannot have a Lab, for example a setting that is not
+    valid, or None."""
     import gecos
 
     try:
@@ -44,7 +46,7 @@ def lab_problem() -> str | None:
 
 
 def ask_broker(place: str | None) -> Answer:
-    """Asks the broker at `place`, None: where programs look for it."""
+    """Asks the broker at `place`, or for None the broker that programs of this user find."""
     from gecos_idl.broker import Broker
 
     import gecos
@@ -76,7 +78,7 @@ def _text_of(tried: Callable[[], object]) -> str | None:
 
 
 def stale_sockets(directory: Path) -> list[str]:
-    """The sockets in `directory` at which no program listens any more."""
+    """Returns the sockets in `directory` on which no program listens any more."""
     return [str(path) for path in _sockets(directory) if _process_has_ended(path) and _dead(path)]
 
 
@@ -84,14 +86,15 @@ def _sockets(directory: Path) -> list[Path]:
     try:
         return sorted(p for p in directory.glob("*.sock") if stat.S_ISSOCK(p.lstat().st_mode))
     except OSError:
-        return []  # what is wrong with the directory has a finding of its own
+        return []  # another check reports what is wrong with the directory
 
 
 def _process_has_ended(path: Path) -> bool:
-    """A server in a living process is not called: it would get a client that says nothing."""
+    """Returns whether the process of a socket has ended. The check does not connect to a living
+    server, because the server would get a client that sends nothing."""
     of = _OF_A_PROCESS.fullmatch(path.name)
     if of is None:
-        return True  # the place of a broker
+        return True  # the name is that of a broker's socket
     try:
         os.kill(int(of[1]), 0)
     except ProcessLookupError:
@@ -108,7 +111,7 @@ def _dead(path: Path) -> bool:
 
 
 def in_the_way(directory: Path) -> list[str]:
-    """Files at the broker's place that are no sockets."""
+    """Returns the files in the place of the broker's socket that are not sockets."""
     place = directory / "BROKER.sock"
     try:
         return [] if stat.S_ISSOCK(place.lstat().st_mode) else [str(place)]
@@ -117,7 +120,7 @@ def in_the_way(directory: Path) -> list[str]:
 
 
 def sealed_memory_problem() -> str | None:
-    """Why memory cannot be shared as the runtime shares it."""
+    """Returns the reason why memory cannot be shared in the way that the runtime does, or None."""
     seals = _F_SEAL_FUTURE_WRITE | sum(getattr(fcntl, name) for name in _SEALS)
     try:
         memory = os.memfd_create("gecos-doctor", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
@@ -132,19 +135,20 @@ def sealed_memory_problem() -> str | None:
 
 
 def receive_buffer(wanted: int) -> int:
-    """The bytes that a socket gets that asks for `wanted`."""
+    """Returns the number of bytes that a socket gets when it asks for `wanted` bytes."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
         udp.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, wanted)
-        return udp.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF) // 2  # the kernel doubles it
+        # The kernel returns twice the size that it grants.
+        return udp.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF) // 2
 
 
 def capabilities() -> int:
-    """The capabilities of this process, as bits."""
+    """Returns the capabilities of this process, as bits."""
     lines = Path("/proc/self/status").read_text().splitlines()
     return int(next(line.split()[1] for line in lines if line.startswith("CapEff:")), 16)
 
 
 def limit(name: int) -> int:
-    """The soft limit `name` of module resource; -1 for none."""
+    """Returns the soft limit `name` of the module `resource`, or -1 if there is no limit."""
     soft, _ = resource.getrlimit(name)
     return -1 if soft == resource.RLIM_INFINITY else soft

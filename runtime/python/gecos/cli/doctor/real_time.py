@@ -1,4 +1,4 @@
-"""May programs of this user run in real time?"""
+"""Checks whether programs of this user may run in real time."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from gecos.cli.doctor.finding import Finding, fine, warning
 
 _CAP_IPC_LOCK = 14
 _CAP_SYS_NICE = 23
-_LEAST_LOCKED = 64 * 1024 * 1024  # bytes: an arm's server and its libraries
+_LEAST_LOCKED = 64 * 1024 * 1024  # bytes that the server of an arm and its libraries need
 _LIMITS = "/etc/security/limits.d/gecos.conf"
 
 
@@ -15,7 +15,8 @@ def _mend(limit: str) -> str:
 
 
 def priority(limit: int, capabilities: int) -> Finding:
-    """`limit`: RLIMIT_RTPRIO, -1 for unlimited. `capabilities`: CapEff, as bits."""
+    """Checks the real-time priority. `limit` is RLIMIT_RTPRIO, or -1 for unlimited. `capabilities`
+    is CapEff, as bits."""
     if limit != 0 or capabilities >> _CAP_SYS_NICE & 1:
         return fine("real-time priority", "SCHED_FIFO is permitted")
     what = "SCHED_FIFO is not permitted: only a program that moves hardware in real time needs it"
@@ -23,7 +24,8 @@ def priority(limit: int, capabilities: int) -> Finding:
 
 
 def locked_memory(limit: int, capabilities: int) -> Finding:
-    """`limit`: RLIMIT_MEMLOCK in bytes, -1 for unlimited. `capabilities`: CapEff, as bits."""
+    """Checks how much memory may be locked. `limit` is RLIMIT_MEMLOCK in bytes, or -1 for
+    unlimited. `capabilities` is CapEff, as bits."""
     if limit < 0 or limit >= _LEAST_LOCKED or capabilities >> _CAP_IPC_LOCK & 1:
         return fine("locked memory", "mlockall is permitted")
     what = f"only {limit} bytes may be locked: only a program that runs in real time needs more"

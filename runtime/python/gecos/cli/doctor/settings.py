@@ -1,4 +1,4 @@
-"""Are the GECOS_* variables known and valid?"""
+"""Checks whether the GECOS_* variables are known and valid."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ _FOR_THE_TREE = ("GECOS_PYTHON", "GECOS_BUILD", "GECOS_WERROR", "GECOS_HOSTILE_P
 
 
 def refused(variable: str, reason: str) -> Finding:
-    """`reason`: what the runtime says of the value."""
+    """Returns the finding for a variable whose value the runtime refuses for `reason`."""
     return wrong("settings", reason, variable, f"unset {variable}")
 
 
 def unknown(environment: Mapping[str, str]) -> list[Finding]:
-    """Variables that look like settings of gecos, and that nothing reads."""
+    """Returns findings for variables that look like settings of gecos, but that no program
+    reads."""
     found = []
     for name in sorted(environment):
         if not name.startswith("GECOS_") or name in _FOR_PROGRAMS + _FOR_THE_TREE:
@@ -31,4 +32,8 @@ def unknown(environment: Mapping[str, str]) -> list[Finding]:
 
 def accepted(environment: Mapping[str, str]) -> Finding:
     given = [name for name in _FOR_PROGRAMS if environment.get(name)]
-    return fine("settings", "valid" if given else "all have their defaults", ", ".join(given))
+    return fine(
+        "settings",
+        "valid" if given else "no variable is set; all settings have their defaults",
+        ", ".join(given),
+    )

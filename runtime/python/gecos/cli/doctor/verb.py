@@ -14,9 +14,9 @@ from gecos.cli.options import json_option, print_json
 @click.command()
 @json_option
 def doctor(as_json: bool) -> None:
-    """Finds what keeps programs from meeting, and says what mends it.
+    """Finds the reasons why programs cannot reach each other, and says how to correct them.
 
-    Ends with 0 if nothing must be corrected, else with 1; a warning matters for some uses only.
+    Ends with 0 if nothing must be corrected, else with 1. A warning matters only for some uses.
     """
     from gecos.cli.doctor.examination import examine
     from gecos.cli.doctor.finding import Finding, Level
