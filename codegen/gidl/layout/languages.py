@@ -88,6 +88,7 @@ CPP_TYPES = Language(
     file_is_scope=False,
     root_words=_GLOBALS,
     own_module="gecos",
+    calls_are_structs=True,
     members=_cpp_members,
 )
 
