@@ -94,7 +94,7 @@ bench-peers:  ## ours beside omniORB, Ice, Cap'n Proto, iceoryx, iceoryx2 and LC
 
 # Each run says what it found; all of them run, whatever the others said. FUZZ_SECONDS=60 FUZZ_SETS=20 for shorter ones.
 FUZZ_SECONDS ?= 600
-FUZZ ?= parser decoders packets datagrams rings verdicts lcm-gen evolution gate
+FUZZ ?= parser decoders packets datagrams rings samples verdicts lcm-gen evolution gate
 .PHONY: fuzz
 fuzz:  ## input that nobody would write: to parser, decoders, sessions, lcm and rings; ours against lcm-gen's
 	@tools/setup.sh fuzz

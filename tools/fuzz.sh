@@ -1,5 +1,5 @@
 #!/bin/bash
-# fuzz.sh <parser|decoders|packets|datagrams|rings|verdicts|lcm-gen|evolution|gate>: one of the runs of `make fuzz`.
+# fuzz.sh <parser|decoders|packets|datagrams|rings|samples|verdicts|lcm-gen|evolution|gate>: one of the runs of `make fuzz`.
 # FUZZ_SECONDS says how long the first five run, FUZZ_SEED what verdicts, lcm-gen and gate begin with, FUZZ_SETS how many
 # random sets of files gate makes.
 set -euo pipefail
@@ -12,7 +12,7 @@ case "${1-}" in
   parser)
     exec "$python" tests/fuzz/parser_fuzz.py --seconds "$seconds"
     ;;
-  decoders | packets | datagrams | rings)
+  decoders | packets | datagrams | rings | samples)
     fuzzer=$1_fuzzer
     compiler=$(tools/clang.sh)
     entry='extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }'
@@ -50,7 +50,7 @@ case "${1-}" in
     exec "$python" tests/generated/gate/__main__.py --random "${FUZZ_SETS:-500}" --seed "$seed" --jobs "$jobs"
     ;;
   *)
-    echo "fuzz: name one of parser, decoders, packets, datagrams, rings, verdicts, lcm-gen, evolution, gate" >&2
+    echo "fuzz: name one of parser, decoders, packets, datagrams, rings, samples, verdicts, lcm-gen, evolution, gate" >&2
     exit 2
     ;;
 esac

@@ -36,11 +36,12 @@ DEVICE_FOLDERS = {
     if folder.is_dir()
 }
 SHARED_BY_DEVICES = ("drivers", "support", "arm")
-GENERATED = re.compile(r"^(?:[\w]+/)*\w+_(types|json|interface|client|server)\.[hc]pp$")
+GENERATED = re.compile(r"^(?:[\w]+/)*\w+_(types|json|calls|interface|client|server)\.[hc]pp$")
 
 GENERATED_MODULES = {
     "types": "generated-types",
     "json": "generated-types",
+    "calls": "generated-interfaces",
     "interface": "generated-interfaces",
     "client": "generated-stubs",
     "server": "generated-stubs",

@@ -20,7 +20,7 @@ from gidl.standard_modules import OURS, STANDARD
 SUFFIXES = (".gidl", ".idl")
 _PACKAGES = {"gecos": "gecos_idl"}  # the Python package gecos is the runtime
 _SHARED = frozenset(("robcl", "gecos_idl"))  # packages that may contain generated modules
-_CPP_PARTS = ("types", "json", "interface", "client", "server")
+_CPP_PARTS = ("types", "json", "calls", "interface", "client", "server")
 _SPECIAL = frozenset(("__init__", "__main__", "__pycache__"))
 
 

@@ -85,11 +85,12 @@ def _uses(names: TypeNames, file: File) -> Iterator[tuple[TypeName, _Use]]:
             continue
         for table, what in ((names.servants, "servant"), (names.descriptions, "description")):
             yield table[name], _Use(f"the {what} of '{name}'", name, at)
-        for operation in declaration.operations:
-            called, at = operation.scoped_name, operation.facts.location
+        for member in declaration.members:
+            called, at = member.scoped_name, member.facts.location
             for table, what in ((names.arguments, "arguments"), (names.results, "results")):
-                if called in table:
-                    yield table[called], _Use(f"the {what} of '{called}'", called, at)
+                for key in (called, f"{called}="):
+                    if key in table:
+                        yield table[key], _Use(f"the {what} of '{called}'", called, at)
 
 
 def _is_hand_written(declaration: AnyDeclaration) -> bool:

@@ -5,9 +5,10 @@
 
 #include "gecos/gecos.hpp"
 #include "gecos/media/parts/stream_ring.hpp"
+#include "gecos/object_calls.hpp"
 #include "gecos/session/client/open_session.hpp"
 #include "gecos/session/protocol/packets.hpp"
-#include "gecos/wire/encodable.hpp"
+#include "gecos/wire/layout.hpp"
 #include "packet_target.hpp"
 #include "probe.hpp"
 #include "scripted_connection.hpp"
@@ -87,11 +88,11 @@ class Server {
   Bytes body() {
     switch (script_.below(6)) {
       case 0:
-        return wire::encoded(GecosObject_acquire_result{{Status::ACTOR, script_.number()}});
+        return layout::to_bytes(GecosObject_acquire_result{{Status::ACTOR, script_.number()}});
       case 1:
         return wire::to_bytes(FailureBody{"why", "probe::Jammed", script_.bytes(8)});
       case 2:
-        return wire::encoded(GecosObject_outcome_result{{script_.byte(), "then"}});
+        return layout::to_bytes(GecosObject_outcome_result{{script_.byte(), "then"}});
       case 3: {
         ProgressBody progress{script_.byte(), 0, script_.bytes(8)};
         const std::uint64_t fraction = script_.number();

@@ -53,6 +53,7 @@ TEST_P(FixedInputs, OfThisFolderFindNothing) {
 INSTANTIATE_TEST_SUITE_P(Of, FixedInputs,
                          testing::Values(Target{"rings", try_rings, 8000},
                                          Target{"packets", try_packets, 6000},
+                                         Target{"samples", try_samples, 8000},
                                          Target{"datagrams", try_datagrams, 4000}),
                          [](const auto& of) { return std::string(of.param.name); });
 

@@ -27,7 +27,7 @@ from paired_values import PairedValues
 from random_idl import Author
 
 TREE = Path(__file__).resolve().parents[2]
-WIRE_SOURCES = ("check", "decode_error", "swap_copy", "text")
+WIRE_SOURCES = ("check", "decode_error", "decoder", "swap_copy", "text")
 PREFIX = "lcmgen"  # package of lcm-gen's code, so that it does not meet ours of the same name
 
 

@@ -12,6 +12,8 @@ namespace gecos::fuzz {
 void try_rings(ByteView input);
 /// A session, the client's side or the server's, whose peer sends what it likes.
 void try_packets(ByteView input);
+/// Samples of an inward stream, whose client sends what it likes.
+void try_samples(ByteView input);
 /// What arrives on a port of the lcm medium, from strangers and from a peer that has a key.
 void try_datagrams(ByteView input);
 

@@ -37,6 +37,23 @@ def test_arguments_that_are_missing_or_unknown_are_named(paint: Any) -> None:
         paint.arguments.made_values({"what": "RED", "often": 1})
 
 
+def test_results_are_values_with_json_both_ways(everything: Path) -> None:
+    module, types = import_module("everything"), import_module("everything_types")
+    level = module._STAGE_LEVEL
+    assert level.plain_result(2.5) == {"result": 2.5}
+    assert level.made_result({"result": 2.5}) == 2.5
+    with pytest.raises(wire.JsonError, match="result: it is missing"):
+        level.made_result({})
+    several = types.Stage_measure_result(1.0, "x", types.Grows(7))
+    plain = module._STAGE_MEASURE.plain_result(several)
+    assert list(plain) == ["result", "note", "state"]
+    assert module._STAGE_MEASURE.made_result(plain) == several
+    assert module._DEEP_REGISTER.plain_result(None) == {}
+    assert module._DEEP_REGISTER.made_result({}) is None
+    with pytest.raises(wire.JsonError, match="result: unknown member"):
+        module._DEEP_REGISTER.made_result({"result": 1})
+
+
 def test_no_refusal_shows_a_secret_number_or_what_a_secret_list_holds() -> None:
     for step, value in (
         ("B", 4711),

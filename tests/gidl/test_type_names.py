@@ -55,16 +55,34 @@ def test_what_an_interface_brings_along_gives_way_to_what_is_declared(
     assert names.types["Arm_State"].name == "Arm_State"
 
 
-def test_operations_of_the_runtime_have_structs_in_cpp(tmp_path: Path) -> None:
-    (tmp_path / "gecos").mkdir()
-    text = "module gecos { interface Keeper { long put(in long a); void drop(); }; };"
-    names = named(tmp_path, CPP_TYPES, **{"gecos/keeper": text})
-    assert names.arguments["gecos::Keeper::put"].name == "Keeper_put_arguments"
-    assert names.results["gecos::Keeper::put"].name == "Keeper_put_result"
-    assert "gecos::Keeper::drop" not in names.arguments | names.results
-    others = named(tmp_path, CPP_TYPES, one=text.replace("module gecos", "module lab"))
-    assert not others.arguments
-    assert not others.results
+CALLS = """
+struct Arm_put_result { long x; };
+interface Arm {
+  long put(in long a);
+  void drop();
+  attribute long speed;
+  readonly attribute long load;
+};
+"""
+
+
+def test_every_call_has_structs_in_cpp(tmp_path: Path) -> None:
+    names = named(tmp_path, CPP_TYPES, one=CALLS)
+    assert {key: place.name for key, place in names.arguments.items()} == {
+        "Arm::put": "Arm_put_arguments",
+        "Arm::speed=": "Arm_set_speed_arguments",
+    }
+    assert {key: place.name for key, place in names.results.items()} == {
+        "Arm::put": "Arm_put_result_",
+        "Arm::speed": "Arm_speed_result",
+        "Arm::load": "Arm_load_result",
+    }
+
+
+def test_single_results_have_no_structs_in_python(tmp_path: Path) -> None:
+    names = named(tmp_path, PYTHON_TYPES, one=CALLS)
+    assert not names.arguments
+    assert not names.results
 
 
 def test_cpp_gives_way_to_what_is_included(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from speaker import frames, lcm, packets
 from speaker.frames import Frame, Header, Inner, Kind
 from speaker.noise import Initiation, Keys, accept, public_of
 from speaker.packets import Detail, Failure, Hello, Packet, Progress, Welcome
+from speaker.streams import InwardSample
 
 TREE = Path(__file__).resolve().parents[2]
 
@@ -130,6 +132,20 @@ def test_a_packet_that_is_cut_or_longer_is_none(name: str) -> None:
             Packet.of(raw[:size])
     with pytest.raises(packets.Malformed):
         Packet.of(raw + b"\0")
+
+
+def test_an_inward_sample() -> None:
+    sample = InwardSample(9, 11, 4, packets.f64(0.25))
+    assert sample.pack() == EXAMPLES["inward sample"]
+    vectors = json.loads((TREE / "tests" / "vectors" / "inward_sample.json").read_text())
+    assert vectors["accepted"] and vectors["refused"]
+    for case in vectors["accepted"]:
+        numbers = case["session"], case["epoch"], case["command"]
+        sample = InwardSample(*numbers, bytes.fromhex(case["value"]))
+        assert sample.pack().hex() == case["bytes"]
+        assert InwardSample.of(sample.pack()) == sample
+    for case in vectors["refused"]:
+        assert InwardSample.of(bytes.fromhex(case["bytes"])) is None
 
 
 def test_bodies_are_read_as_they_were_written() -> None:

@@ -328,7 +328,7 @@ def test_a_deadline_that_has_passed_sends_nothing(
     late = gecos.with_deadline(held, seconds)
     with pytest.raises(
         gecos.CommandFailed,
-        match="the deadline of 'burn_in' passed before it was sent; it was not carried out",
+        match="the deadline of 'burn_in' passed before the call was sent; the call was not carried",
     ) as caught:
         late.burn_in().result()
     assert caught.value.detail is Detail.EXPIRED

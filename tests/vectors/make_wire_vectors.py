@@ -1,4 +1,5 @@
-"""Writes decoder.json, packet.json and frames.json beside itself: what C++ and Python agree on.
+"""Writes decoder.json, packet.json, inward_sample.json and frames.json beside itself: what C++ and
+Python agree on.
 
 Expected bytes and numbers are computed here with `struct` and plain 3x3 matrices, by neither codec.
 Only the verdicts on mutated bytes (`mutations` in decoder.json) are Python's own; the C++ tests
@@ -414,6 +415,22 @@ def packets() -> dict[str, Any]:
     return {"accepted": cases}
 
 
+def inward_samples() -> dict[str, Any]:
+    """Samples of a client: header and value, as docs/protocol.md has them."""
+    cases, fields = [], ("session", "epoch", "command")
+    for numbers, value in [
+        ((9, 3, 4), struct.pack(">d", 0.25)),
+        ((1, 0, 0), b""),
+        ((2**64 - 1, 2**63, 2**40), b"\xff"),
+    ]:
+        data = struct.pack(">3Q", *numbers) + value
+        named = dict(zip(fields, numbers, strict=True))
+        cases.append({**named, "value": value.hex(), "bytes": data.hex()})
+    whole = bytes.fromhex(cases[0]["bytes"])
+    cut = [{"bytes": whole[:size].hex(), "field": fields[size // 8]} for size in (0, 7, 8, 15, 23)]
+    return {"accepted": cases, "refused": cut}
+
+
 def listing(content: dict[str, Any]) -> str:
     """JSON with one case on a line, so that a difference shows the case."""
     parts = []
@@ -434,7 +451,12 @@ def main(folder: Path = HERE) -> None:
         "mutation_reads": reads,
         "mutations": mutated,
     }
-    for name, content in (("decoder", decoder), ("frames", frames()), ("packet", packets())):
+    for name, content in (
+        ("decoder", decoder),
+        ("frames", frames()),
+        ("packet", packets()),
+        ("inward_sample", inward_samples()),
+    ):
         (folder / f"{name}.json").write_text(listing(content), encoding="utf-8")
 
 

@@ -41,8 +41,8 @@ _CPP_BASE_MEMBERS = words(
     """
     gecos_answer gecos_attach gecos_begins_calls gecos_call gecos_description gecos_dispatch
     gecos_interface gecos_may_publish gecos_not_published gecos_options_ gecos_publish
-    gecos_publish_block gecos_publisher_ gecos_session_ gecos_session_ended gecos_share_thread
-    gecos_subscribe
+    gecos_publish_block gecos_publisher_ gecos_served_as gecos_session_ gecos_session_ended
+    gecos_share_thread gecos_subscribe
     """
 )
 CPP_METHOD_WORDS = CPP_WORDS | _CPP_BASE_MEMBERS
@@ -88,6 +88,7 @@ CPP_TYPES = Language(
     file_is_scope=False,
     root_words=_GLOBALS,
     own_module="gecos",
+    calls_are_structs=True,
     members=_cpp_members,
 )
 

@@ -6,9 +6,8 @@ to a class later. A reserved word of the language gets an underscore at its end 
 Servants, and structs of arguments and results, are named here too, so that the names in a scope are
 unique.
 
-An operation with several results has a struct of results. An operation of the runtime's own
-interfaces has both a struct of arguments and a struct of results. The session calls and answers
-such operations itself, and it is in a layer below proxies and servants.
+An operation with several results has a struct of results. Where `calls_are_structs`, every call,
+also of an attribute, has a struct of arguments if it takes any, and a struct of its result.
 
 The names in a file depend on the file and its includes, but not on other files of the run, so a
 declaration has the same name in every run.
@@ -22,10 +21,12 @@ from dataclasses import dataclass, field
 from gidl.model import (
     AnnotationDeclaration,
     AnyDeclaration,
+    Attribute,
     Constant,
     File,
     Interface,
     Model,
+    Operation,
     Typedef,
 )
 
@@ -52,6 +53,7 @@ class Language:
     file_is_scope: bool  # True: module names are dropped, and each file is one scope
     root_words: frozenset[str] = frozenset()  # not allowed for any name at the top level
     own_module: str = ""  # the runtime's own module and folder of interface files
+    calls_are_structs: bool = False
     # Returns the names of the members of a declaration, which the type of the declaration must not
     # have.
     members: Callable[[Model, AnyDeclaration], set[str]] = lambda _model, _declaration: set()
@@ -73,8 +75,9 @@ class TypeNames:
     types: dict[str, TypeName] = field(default_factory=dict)
     servants: dict[str, TypeName] = field(default_factory=dict)  # key: name of the interface
     descriptions: dict[str, TypeName] = field(default_factory=dict)  # key: interface; C++ only
-    arguments: dict[str, TypeName] = field(default_factory=dict)  # key: name of the operation
-    results: dict[str, TypeName] = field(default_factory=dict)  # key: name of the operation
+    # Key: name of the operation or attribute; "tool=" for the argument of a setter.
+    arguments: dict[str, TypeName] = field(default_factory=dict)
+    results: dict[str, TypeName] = field(default_factory=dict)
     # Constants and aliases in the scopes around an interface. A parameter with such a name would
     # hide them.
     hidden: dict[str, frozenset[str]] = field(default_factory=dict)  # key: name of the interface
@@ -129,12 +132,14 @@ class _Naming:
             if isinstance(d, Constant | Typedef)
             for place in (self.names.types[d.name],)
         }
-        for declaration in declared:
-            if isinstance(declaration, Interface):
-                self._name_companions(declaration, taken)
-                around = self.names.types[declaration.name].scope
-                hidden = (name for scope, name in values if scope == around[: len(scope)])
-                self.names.hidden[declaration.name] = frozenset(hidden)
+        interfaces = [d for d in declared if isinstance(d, Interface)]
+        for interface in interfaces:
+            self._name_companions(interface, taken)
+            around = self.names.types[interface.name].scope
+            hidden = (name for scope, name in values if scope == around[: len(scope)])
+            self.names.hidden[interface.name] = frozenset(hidden)
+        for interface in interfaces:
+            self._name_structs_of_calls(interface, taken)
         self._taken[file.path] = taken
         self._values[file.path] = values
 
@@ -146,15 +151,19 @@ class _Naming:
         if not self._language.file_is_scope:
             described = _fresh(own.scope, f"{own.name}Interface", taken, inside)
             self.names.descriptions[interface.name] = described
-        in_structs = self._is_own(interface)
-        for operation in interface.operations:
-            wanted = f"{own.name}_{operation.name}"
-            name = operation.scoped_name
-            if in_structs and operation.inputs:
+
+    def _name_structs_of_calls(self, interface: Interface, taken: set[_Place]) -> None:
+        own, all_calls = self.names.types[interface.name], self._language.calls_are_structs
+        # Structs of several results first: proxies and servants need them.
+        for member in sorted(interface.members, key=lambda m: _given(m) <= 1):
+            wanted, name = f"{own.name}_{member.name}", member.scoped_name
+            if all_calls and isinstance(member, Operation) and member.inputs:
                 self.names.arguments[name] = _fresh(own.scope, f"{wanted}_arguments", taken)
-            given = len(operation.outputs) + (operation.result is not None)
-            if given > 1 or (in_structs and given == 1):
+            if _given(member) > 1 or (all_calls and _given(member)):
                 self.names.results[name] = _fresh(own.scope, f"{wanted}_result", taken)
+            if all_calls and isinstance(member, Attribute) and not member.readonly:
+                setter = f"{own.name}_set_{member.name}_arguments"
+                self.names.arguments[f"{name}="] = _fresh(own.scope, setter, taken)
 
     def _scope(self, declaration: AnyDeclaration) -> tuple[str, ...]:
         if self._language.file_is_scope:
@@ -196,6 +205,13 @@ class _Naming:
         return escaped(
             name, words if self._scope(declaration) else words | self._language.root_words
         )
+
+
+def _given(member: Operation | Attribute) -> int:
+    """The number of values in the reply to a call."""
+    if isinstance(member, Attribute):
+        return 1
+    return len(member.outputs) + (member.result is not None)
 
 
 def _fresh(

@@ -14,6 +14,7 @@ from gidl.model import (
     Facts,
     File,
     Interface,
+    Location,
     Member,
     Model,
     Operation,
@@ -72,31 +73,23 @@ def first_missing(values: Sequence[CallValue]) -> int:
     return index
 
 
-def arguments_struct(operation: Operation) -> Struct:
-    """Returns the arguments of an operation as a struct, for example `Gripper_open_arguments`. The
-    struct is appendable, like every request."""
-    values = [parameter_value(p) for p in operation.inputs]
-    return _struct_of(operation, "arguments", f"The arguments of `{operation.name}`.", values)
-
-
 def result_struct(layout: Layout, operation: Operation) -> Struct:
     """Returns the results of an operation as a struct, for example `Gripper_measure_result`. The
     struct is appendable, like every reply."""
-    values = reply_values(operation, layout.call(operation.scoped_name))
-    return _struct_of(operation, "result", f"The results of `{operation.name}`.", values)
-
-
-def _struct_of(operation: Operation, part: str, doc: str, values: Sequence[CallValue]) -> Struct:
-    bare = Facts(operation.facts.location)
-    members = tuple(
-        Member(v.name, v.type, bare, v.unit, v.range, v.default, v.optional, secret=v.secret)
-        for v in values
-    )
     return Struct(
-        f"{operation.interface}_{operation.name}_{part}",
-        Facts(operation.facts.location, doc),
-        members,
+        f"{operation.interface}_{operation.name}_result",
+        Facts(operation.facts.location, f"The results of `{operation.name}`."),
+        members_of(reply_values(operation, layout.call(operation.scoped_name))),
         extensibility=Extensibility.APPENDABLE,
+    )
+
+
+def members_of(values: Sequence[CallValue]) -> tuple[Member, ...]:
+    """The values of a call as members of a struct."""
+    nowhere = Facts(Location("", 0, 0))
+    return tuple(
+        Member(v.name, v.type, nowhere, v.unit, v.range, v.default, v.optional, secret=v.secret)
+        for v in values
     )
 
 

@@ -33,6 +33,7 @@ _BROKER_ENLIST: _Method[float | None, None] = _method(
     _Operation(0x17D413CE, "enlist", _Access.SENSOR, presence=False, hash=0xFF7A6020C83EDD81),
     takes=_values("what served_for", Entry, "d", defaults=(0.0,)),
     gives=_layout.optional("d"),
+    named="settles_in",
     raises=(NameTaken,),
 )
 _BROKER_WITHDRAW: _Method[None, None] = _method(

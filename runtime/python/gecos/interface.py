@@ -19,7 +19,8 @@ from gecos.wire import Decoder, Parts
 from gecos.wire.kinds import Kind as Carried
 from gecos.wire.kinds import Nested, kind_of
 from gecos.wire.layout import Step
-from gecos.wire.members import Arguments
+from gecos.wire.members import Arguments, StructLayout
+from gecos.wire.several import Optional
 
 T = TypeVar("T")
 F = TypeVar("F")
@@ -152,7 +153,7 @@ def no_result(value: None) -> Parts:
     return []
 
 
-_NO_ARGUMENTS = Arguments("", (), (), ())
+_NO_VALUES = Arguments("", (), (), ())
 
 
 class Method(Record, Generic[T, F]):
@@ -165,11 +166,43 @@ class Method(Record, Generic[T, F]):
     feedback: Callable[[Decoder], F] | None = None
     raises: tuple[type[DeclaredError], ...] = ()
     request: Callable[..., Parts] = no_parts  # encodes the arguments
-    arguments: Arguments = _NO_ARGUMENTS
+    arguments: Arguments = _NO_VALUES
     body: Callable[[Any], Parts] = no_result  # encodes the value that `result` decodes
     stream: OutwardStream | None = None
     handler: str = ""  # name of the servant's method
     reports: type | None = None  # type of the feedback; None: not known, or no feedback
+    gives: Carried | None = None  # layout of the result; None: not known, or no result
+    named: str = "result"  # name of the result in JSON
+
+    def plain_result(self, value: T) -> dict[str, Any]:
+        """Converts a result to types that the module `json` can dump: {"result": 0.25}, or all
+        members if there are several results. C++ writes the same JSON."""
+        if self.gives is None:
+            return {}
+        if _are_several(self.gives):
+            members: dict[str, Any] = self.gives.plain(value)
+            return members
+        return {self.named: self.gives.plain(value)}
+
+    def made_result(self, data: Any) -> T:
+        """The inverse of `plain_result`. Raises JsonError, which names the member. Ranges and
+        bounds are checked when the result is encoded."""
+        value: Any
+        if self.gives is not None and _are_several(self.gives):
+            value = self.gives.made(data, "")
+        else:
+            single = _NO_VALUES
+            if self.gives is not None:
+                missing = (None,) if isinstance(self.gives, Optional) else ()
+                single = Arguments(self.operation.name, (self.named,), (self.gives,), missing)
+            value = next(iter(single.made_values(data)), None)
+        return value  # type: ignore[no-any-return]
+
+
+def _are_several(kind: Carried) -> bool:
+    """Whether a reply of `kind` consists of the members of several results, without a size."""
+    layout = kind.layout if isinstance(kind, Nested) else None
+    return isinstance(layout, StructLayout) and layout.open and not layout.in_block
 
 
 class Handler(Record):
@@ -197,14 +230,16 @@ def method(
     *,
     takes: tuple[Any, ...] | None = None,
     gives: Step | None = None,
+    named: str = "result",
     feedback: type | None = None,
     raises: tuple[type[DeclaredError], ...] = (),
     stream: tuple[float, int] | None = None,
     handler: str = "",
 ) -> Method[Any, Any]:
-    """Builds the `Method` of an operation. If the result is also published as a stream, `stream`
-    has its rate in Hz and the size of its largest sample in bytes (0: unbounded). `handler` is the
-    name of the servant's method, if it differs from the name of the operation."""
+    """Builds the `Method` of an operation. `named` is the name of an `out` parameter that is the
+    only result. If the result is also published as a stream, `stream` has its rate in Hz and the
+    size of its largest sample in bytes (0: unbounded). `handler` is the name of the servant's
+    method, if it differs from the name of the operation."""
     name, sender = operation.name, operation.name.removesuffix("=")
     result, body = (nothing, no_result) if gives is None else _answer(kind_of(gives), name)
     outward = None
@@ -218,7 +253,7 @@ def method(
             largest=largest,
             quality=operation.quality,
         )
-    arguments = _NO_ARGUMENTS if takes is None else Arguments(sender, *takes)
+    arguments = _NO_VALUES if takes is None else Arguments(sender, *takes)
     return Method(
         operation,
         result,
@@ -230,6 +265,8 @@ def method(
         outward,
         handler or (name if name == sender else f"set_{sender}"),
         feedback,
+        None if gives is None else kind_of(gives),
+        named,
     )
 
 

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "everything_calls.hpp"
 #include "everything_json.hpp"
 
 using gecos::wire::from_json;
@@ -74,4 +75,38 @@ TEST(GeneratedJson, DeepNestingIsRefusedBeforeItIsFollowed) {
   const auto value = from_json_text<everything::Tree>(text);
   ASSERT_FALSE(value);
   EXPECT_EQ(value.error().message(), "nested deeper than 100");
+}
+
+TEST(GeneratedJson, ArgumentsAndResultsAreStructs) {
+  const everything::Stage_paint_arguments arguments{everything::Colour::RED, {"a"}, 4};
+  EXPECT_EQ(to_json_text(arguments), R"({"what":"RED","words":["a"],"times":4})");
+  const auto again =
+      from_json_text<everything::Stage_paint_arguments>(R"({"what": "RED", "words": ["a"]})");
+  ASSERT_TRUE(again) << again.error().message();
+  EXPECT_EQ(again->times, 3) << "its default";
+  EXPECT_EQ(to_json_text(everything::Stage_level_result{2.5}), R"({"result":2.5})");
+}
+
+TEST(GeneratedJson, ArgumentsThatAreMissingOrUnknownOrOutsideTheirRangeAreNamed) {
+  const auto why = [](std::string_view text) {
+    return from_json_text<everything::Stage_paint_arguments>(text).error().message();
+  };
+  EXPECT_EQ(why(R"({"what": "RED"})"), "words: it is missing");
+  EXPECT_EQ(why(R"({"often": 1})"),
+            "often: unknown member; the known members are what, words, times");
+  EXPECT_EQ(why(R"({"what": "RED", "words": [], "times": 10})"),
+            "paint.times: 10 is outside [0, 9]");
+  EXPECT_EQ(why(R"({"what": "RED", "words": ["12345"]})"), "paint.words: 5 bytes, at most 4 fit");
+}
+
+TEST(GeneratedJson, ArgumentsAreReadFromTheBytesOfACall) {
+  const everything::Stage_paint_arguments arguments{everything::Colour::BLUE, {"ab", ""}, 9};
+  const auto bytes = gecos::layout::to_bytes(arguments);
+  const auto read = gecos::layout::from_bytes<everything::Stage_paint_arguments>(bytes);
+  ASSERT_TRUE(read) << read.error().message();
+  EXPECT_EQ(to_json_text(*read), to_json_text(arguments));
+  const auto short_by_one = gecos::ByteView(bytes).first(bytes.size() - 1);
+  const auto refused = gecos::layout::from_bytes<everything::Stage_paint_arguments>(short_by_one);
+  ASSERT_FALSE(refused);
+  EXPECT_STREQ(refused.error().field, "paint.times");
 }

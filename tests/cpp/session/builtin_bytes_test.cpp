@@ -5,10 +5,12 @@
 #include <string>
 #include <string_view>
 
+#include "gecos/broker_calls.hpp"
 #include "gecos/broker_interface.hpp"
+#include "gecos/object_calls.hpp"
 #include "gecos/object_interface.hpp"
 #include "gecos/session/protocol/builtin.hpp"
-#include "gecos/wire/encodable.hpp"
+#include "gecos/wire/layout.hpp"
 
 namespace gecos::session {
 namespace {
@@ -26,11 +28,11 @@ std::string hex(ByteView bytes) {
 /// Written as these bytes, and read from them.
 template <class T>
 void expect_bytes(const T& value, std::string_view bytes) {
-  const Bytes written = wire::encoded(value);
-  EXPECT_EQ(hex(written), bytes) << T::type_name();
-  const auto read = wire::decoded<T>(written);
-  ASSERT_TRUE(read) << T::type_name() << ": " << read.error().message();
-  EXPECT_EQ(hex(wire::encoded(*read)), bytes) << T::type_name();
+  const Bytes written = layout::to_bytes(value);
+  EXPECT_EQ(hex(written), bytes);
+  const auto read = layout::from_bytes<T>(written);
+  ASSERT_TRUE(read) << bytes << ": " << read.error().message();
+  EXPECT_EQ(hex(layout::to_bytes(*read)), bytes);
 }
 
 Holder holder() { return {Status::MASTER, "eva", "lab", "demo", 42, 1.5, 0.25, true}; }
@@ -96,7 +98,7 @@ TEST(BrokerCalls, KeepTheirBytes) {
 }
 
 TEST(BrokerCalls, ReadTheAnswerOfABrokerThatSaysLess) {
-  const auto read = wire::decoded<Broker_enlist_result>({});
+  const auto read = layout::from_bytes<Broker_enlist_result>({});
   ASSERT_TRUE(read) << read.error().message();
   EXPECT_EQ(read->settles_in, std::nullopt);
 }

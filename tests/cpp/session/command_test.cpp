@@ -85,10 +85,11 @@ TEST_P(Commands, AreNotSentWhenTheirDeadlineHasPassedAlready) {
       const auto ended = command.get();
       ASSERT_FALSE(ended);
       EXPECT_EQ(ended.error().detail, Detail::Expired);
-      EXPECT_EQ(ended.error().text,
-                "the deadline of '" + std::string(name) +
-                    "' passed before it was sent; it was not carried out: allow it more "
-                    "time");
+      EXPECT_EQ(
+          ended.error().text,
+          "the deadline of '" + std::string(name) +
+              "' passed before the call was sent; the call was not carried out: allow it more "
+              "time");
       EXPECT_EQ(command.id(), gecos::CommandId{});
     }
   }

@@ -1,5 +1,6 @@
 // Calls that a client sends again because it lost the session in which it had sent them.
-#include "gecos/wire/encodable.hpp"
+#include "gecos/object_calls.hpp"
+#include "gecos/wire/layout.hpp"
 #include "object_host_bench.hpp"
 
 namespace gecos::session {
@@ -92,7 +93,7 @@ TEST_P(SentAgain, WhatEveryObjectAnswersIsAnsweredToItsArguments) {
   const SessionId lost = lose();
   again(1, lost, 1, GecosObjectInterface::describe.code);
   EXPECT_EQ(reply_to(1), Detail::Done);
-  const auto about = wire::decoded<GecosObject_describe_result>(last_body());
+  const auto about = layout::from_bytes<GecosObject_describe_result>(last_body());
   ASSERT_TRUE(about) << about.error().message();
   EXPECT_EQ(about->result.name, "PROBE");
 
@@ -101,11 +102,11 @@ TEST_P(SentAgain, WhatEveryObjectAnswersIsAnsweredToItsArguments) {
   to.put(number(lost));
   to.put(std::uint64_t{2});
   const GecosObject_outcome_arguments asked{number(process_incarnation()) + 1, number(lost), 1};
-  const Bytes arguments = wire::encoded(asked);
+  const Bytes arguments = layout::to_bytes(asked);
   body.insert(body.end(), arguments.begin(), arguments.end());
   packet(wire::PacketKind::Call, 2, GecosObjectInterface::outcome.code, body, {}, sent_again);
   EXPECT_EQ(reply_to(2), Detail::Done);
-  const auto record = wire::decoded<GecosObject_outcome_result>(last_body());
+  const auto record = layout::from_bytes<GecosObject_outcome_result>(last_body());
   ASSERT_TRUE(record) << record.error().message();
   EXPECT_NE(record->result.text.find("was restarted"), std::string::npos) << record->result.text;
 }

@@ -6,14 +6,17 @@
 #include <map>
 #include <sstream>
 
+#include "gecos/broker_calls.hpp"
 #include "gecos/broker_interface.hpp"
 #include "gecos/crypto/ik.hpp"
 #include "gecos/crypto/transport.hpp"
 #include "gecos/media/sealed/datagram.hpp"
+#include "gecos/object_calls.hpp"
 #include "gecos/object_interface.hpp"
 #include "gecos/session/protocol/handshake.hpp"
+#include "gecos/session/protocol/inward_sample.hpp"
 #include "gecos/session/protocol/packets.hpp"
-#include "gecos/wire/encodable.hpp"
+#include "gecos/wire/layout.hpp"
 
 namespace gecos::session {
 namespace {
@@ -145,7 +148,7 @@ TEST_F(ProtocolDocument, ShowsPacketsAsTheyAreWritten) {
                  .counter = 3,
                  .acknowledged = 2,
                  .deadline = std::chrono::seconds(2)},
-                wire::encoded(Broker_lookup_arguments{"RX90"}));
+                layout::to_bytes(Broker_lookup_arguments{"RX90"}));
 
   UnknownName unknown;
   unknown.name = "RX90";
@@ -174,13 +177,20 @@ TEST_F(ProtocolDocument, ShowsHowAStatusIsAcquired) {
                  .session = SessionId{9},
                  .counter = 4,
                  .acknowledged = 3},
-                wire::encoded(wanted));
+                layout::to_bytes(wanted));
   expect_packet("granted",
                 {.kind = wire::PacketKind::Reply,
                  .flags = static_cast<std::int8_t>(Detail::Done),
                  .session = SessionId{9},
                  .counter = 4},
-                wire::encoded(GecosObject_acquire_result{{gecos::Status::ACTOR, 11}}));
+                layout::to_bytes(GecosObject_acquire_result{{gecos::Status::ACTOR, 11}}));
+}
+
+TEST_F(ProtocolDocument, ShowsASampleOfAClient) {
+  Bytes sample(inward_header_size + sizeof(double));
+  write_inward_header(std::span(sample).first<inward_header_size>(), {SessionId{9}, Epoch{11}, 4});
+  wire::Encoder(std::span(sample).subspan(inward_header_size)).put(0.25);
+  expect("inward sample", sample);
 }
 
 }  // namespace

@@ -29,8 +29,8 @@ GENERATED = TREE / "generated" / "cpp"
 SUPPORT = (
     HERE / "driver.cpp",
     *(RUNTIME / "gecos" / f"{name}.cpp" for name in (
-        "wire/check", "wire/decode_error", "wire/swap_copy", "wire/text", "wire/json",
-        "servant", "command", "description", "base/log", "base/clock",
+        "wire/check", "wire/decoder", "wire/decode_error", "wire/swap_copy", "wire/text",
+        "wire/json", "servant", "command", "description", "base/log", "base/clock",
     )),
     RUNTIME / "robcl" / "frames" / "frame.cpp",
     *(GENERATED / f"{name}.cpp" for name in (

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from random import Random
 from typing import Any
 
+from compare_json import changed
 from compare_verdicts import mutated
 from cpp_side import Asked, Program
 from gidl.layout.wire_layout import Layout
@@ -14,7 +15,7 @@ from gidl.model import Interface, Model, NamedType, Operation
 from making import TOKEN, Making
 from neutral import Slot, has_nan, raw
 from opinion import WRONG_ARM, WRONG_BITS, Opinion
-from python_side import Calls, Types, Verdict
+from python_side import Calls, Types, Values, Verdict
 
 
 @dataclass(frozen=True)
@@ -267,6 +268,11 @@ class Comparison:
             )
 
         self._ask("serve", key, request, raw_out, serve)
+        if not wrong_in and call.code not in calls.methods:
+            calls.find_method(call.code, call.inputs, inputs)
+        if method := calls.methods.get(call.code):
+            self._values(calls, key, Values(method, request, True), wrong_in)
+            self._values(calls, key, Values(method, reply, False), wrong_out)
         if ("results", key) in self._program.numbers:
 
             def results(theirs: Verdict, printed: Verdict) -> None:
@@ -284,6 +290,53 @@ class Comparison:
 
             self._ask("publish", key, raw_out, b"", publish)
 
+    def _values(self, calls: Calls, key: str, of: Values, wrong: str) -> None:
+        """Arguments or results as a struct: bytes and JSON both ways, also of JSON that is
+        changed at random."""
+        what = "arguments" if of.are_arguments else "result"
+        if (what, key) not in self._program.numbers:
+            return
+        ours, our_json = calls.values(of)
+
+        def again(theirs: Verdict, their_json: Verdict) -> None:
+            self._same(
+                f"{what} of {key}", of.bytes, wrong, {"Python": ours, "C++": theirs}, of.bytes
+            )
+            if theirs.fine and not (our_json.fine and _same_json(our_json, their_json)):
+                self._differ(
+                    f"JSON of the {what} of {key}", shown(our_json), f"C++: {shown(their_json)}"
+                )
+            texts = {"Python's JSON": our_json, "C++'s JSON": their_json}
+            self._no_secret(key, {name: each.bytes.decode() for name, each in texts.items()})
+
+        self._ask(what, key, of.bytes, b"", again)
+        if not our_json.fine:
+            return
+        self._values_from_json(calls, key, of, our_json.bytes)
+        data = changed(json.loads(our_json.bytes), self._dice)
+        self._values_from_json(calls, key, of, json.dumps(data).encode())
+
+    def _values_from_json(self, calls: Calls, key: str, of: Values, text: bytes) -> None:
+        what = "arguments" if of.are_arguments else "result"
+        ours = calls.values_from_json(of, text)
+
+        def read(theirs: Verdict, _: Verdict) -> None:
+            name, named = of.method.operation.name, of.method.named
+            same_place = ours.why == theirs.why or (
+                # a result that cannot be sent: Python names the operation alone
+                not of.are_arguments
+                and ours.why.startswith(name)
+                and theirs.why.removeprefix(f"{name}.") == named + ours.why.removeprefix(name)
+            )
+            if (ours.fine, ours.bytes) != (theirs.fine, theirs.bytes) or not same_place:
+                self._differ(
+                    f"{what} of {key} from JSON: {text.decode()}",
+                    f"Python: {shown(ours)}",
+                    f"C++: {shown(theirs)}",
+                )
+
+        self._ask(f"{what} from json", key, text, b"", read)
+
 
 def shown(verdict: Verdict) -> str:
     if verdict.fine:
@@ -291,3 +344,7 @@ def shown(verdict: Verdict) -> str:
     if verdict.why.startswith("FAULT"):
         return verdict.why[-1500:]
     return f"refused {verdict.why.splitlines()[-1] if verdict.why else ''}"
+
+
+def _same_json(one: Verdict, other: Verdict) -> bool:
+    return bool(json.loads(one.bytes) == json.loads(other.bytes))

@@ -18,7 +18,7 @@ import spelled
 from gidl.file_names import source_stem
 from gidl.layout.wire_layout import CallKind, Layout
 from gidl.model import Bitset, Interface, Model, Struct, Union
-from gidl.targets.cpp.names import member_name
+from gidl.targets.cpp.names import absolute, member_name
 from neutral import is_hand_written, named_fields
 from python_side import Verdict
 
@@ -67,7 +67,7 @@ class Program:
 
     def source(self) -> str:
         types = [d for d in self._model.declarations() if self._is_ours(d.name)]
-        lines = [f'#include "{name}"' for name in self._sources()]
+        lines = [f'#include "{name}"' for name in (*self._sources(), *self._call_headers())]
         lines += [
             '#include "gecos/wire/json_text.hpp"',
             '#include "driver.hpp"',
@@ -115,6 +115,11 @@ class Program:
                 if (self._cpp / f"{stem}_{part}.cpp").exists():
                     yield f"{stem}_{part}.cpp"
 
+    def _call_headers(self) -> Iterator[str]:
+        for stem in self._stems:
+            if (self._cpp / f"{stem}_calls.hpp").exists():
+                yield f"{stem}_calls.hpp"
+
     def _question(self, what: str, name: str, function: str) -> None:
         self.numbers[what, name] = len(self.questions)
         self.questions.append(function)
@@ -138,6 +143,40 @@ class Program:
             "  const auto value = gecos::wire::from_json_text<T>(text);",
             "  if (!value) return {no(value.error().message()), {}};",
             "  return {yes(gecos::wire::to_bytes(*value)), {}};",
+            "}",
+            "template <class T>",
+            "gecos::Bytes values_to_bytes(const T& value) {",
+            "  if constexpr (gecos::layout::Listed<T>) {",
+            "    return gecos::layout::to_bytes(value);",
+            "  } else {",
+            "    gecos::Bytes bytes(value.encoded_size());",
+            "    gecos::wire::Encoder to(bytes);",
+            "    value.encode(to);",
+            "    return bytes;",
+            "  }",
+            "}",
+            "template <class T>",
+            "Answers call_values(gecos::ByteView bytes, gecos::ByteView) {",
+            "  const auto made = std::make_unique<T>();",
+            "  T& value = *made;",
+            "  gecos::wire::Decoder from(bytes);",
+            "  bool fine = false;",
+            "  if constexpr (gecos::layout::Listed<T>) {",
+            "    fine = gecos::layout::decode(from, value);",
+            "  } else {",
+            "    fine = value.decode(from);",
+            "  }",
+            "  if (!fine) return {no(from.error().message()), {}};",
+            "  const std::string text = gecos::wire::to_json_text(value);",
+            "  const auto written = std::as_bytes(std::span(text));",
+            "  return {yes(values_to_bytes(value)), yes({written.begin(), written.end()})};",
+            "}",
+            "template <class T>",
+            "Answers call_values_from_json(gecos::ByteView bytes, gecos::ByteView) {",
+            "  const auto* begin = reinterpret_cast<const char*>(bytes.data());",
+            "  const auto value = gecos::wire::from_json_text<T>({begin, bytes.size()});",
+            "  if (!value) return {no(value.error().path), {}};",
+            "  return {yes(values_to_bytes(*value)), {}};",
             "}",
         ]
 
@@ -188,6 +227,7 @@ class Program:
         proxy = spelled.cpp(self._model, self._layout, interface.name)
         servant = spelled.cpp_servant(self._layout, interface.name)
         yield from self._results(interface)
+        self._values(interface)
         probe = f"Probe_{interface.name.replace('::', '_')}"
         yield f"class {probe} final : public {servant} {{"
         yield " public:"
@@ -221,6 +261,19 @@ class Program:
                 self._question(
                     "publish", key, f"{lambda_}publish<{probe}>(&{owner}::{name}, a, b); }}"
                 )
+
+    def _values(self, interface: Interface) -> None:
+        """Questions about the structs of arguments and results."""
+        for call in self._layout.interfaces[interface.name].calls:
+            names = self._layout.cpp_names
+            for what, fields, table in (
+                ("arguments", call.request, names.arguments),
+                ("result", call.reply, names.results),
+            ):
+                if fields:
+                    name, key = absolute(table[call.name]), f"{interface.name} {call.code}"
+                    self._question(what, key, f"call_values<{name}>")
+                    self._question(f"{what} from json", key, f"call_values_from_json<{name}>")
 
     def _results(self, interface: Interface) -> Iterator[str]:
         """`Form` of the structs that an operation with several outputs gives."""

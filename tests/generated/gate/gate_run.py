@@ -116,9 +116,10 @@ def corpus() -> list[Set]:
         *(gidl / "good").glob("*.gidl"),
         *(gidl / "preprocessor").glob("*.gidl"),
         *idl.rglob("*.gidl"),
+        *(TREE / "idl" / "robcl").glob("*.gidl"),
     ]
     return [
-        Set("_".join(f.relative_to(TREE / "tests").with_suffix("").parts), (f,), (idl, f.parent))
+        Set("_".join(f.relative_to(TREE).with_suffix("").parts), (f,), (idl, f.parent))
         for f in sorted(found)
         if not any(
             word in f.read_text(errors="replace") for word in ("@event", 'dir="in"', "own::Point")

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import dataclasses
 import enum
+import json
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -244,6 +245,15 @@ def _shape(used: Any, value: Any) -> tuple[int, ...]:
     return (len(value),)
 
 
+@dataclass(frozen=True)
+class Values:
+    """The arguments or the result of a call, in bytes."""
+
+    method: Method[Any, Any]
+    bytes: bytes
+    are_arguments: bool
+
+
 class Calls:
     """Calls of one interface: what a proxy sends and hears, what a servant hears and sends."""
 
@@ -258,6 +268,7 @@ class Calls:
         ]
         self._proxy = next(k for k in kinds if not hasattr(k, "_gecos_handlers"))
         self._servant = next(k for k in kinds if hasattr(k, "_gecos_handlers"))
+        self.methods: dict[int, Method[Any, Any]] = {}
 
     def asked(self, code: int, slots: list[Slot], values: list[Any]) -> Verdict:
         """Arguments given to the proxy: the request."""
@@ -315,6 +326,46 @@ class Calls:
         """A request given to the servant: the arguments of the handler."""
         handler = self._servant._gecos_handlers[code]
         return judged(lambda: self._raw(slots, list(handler.arguments(wire.Decoder(request)))))
+
+    def values(self, of: Values) -> tuple[Verdict, Verdict]:
+        """What Python makes of the bytes of arguments or of a result: the bytes again, and JSON."""
+
+        def value() -> Any:
+            if of.are_arguments:
+                return of.method.arguments.decode(wire.Decoder(of.bytes))
+            return of.method.result(wire.Decoder(of.bytes))
+
+        def written() -> bytes:
+            if of.are_arguments:
+                return b"".join(of.method.arguments.encode(*value()))
+            return b"".join(of.method.body(value()))
+
+        def text() -> bytes:
+            known = of.method
+            plain = known.arguments.plain if of.are_arguments else known.plain_result
+            return json.dumps(plain(value()), ensure_ascii=False).encode()
+
+        return judged(written), judged(text)
+
+    def values_from_json(self, of: Values, text: bytes) -> Verdict:
+        """The bytes of the arguments or result in `text`; else the path of what is wrong."""
+
+        def made() -> bytes:
+            data = gecos.wire.json.plain(text)
+            if of.are_arguments:
+                return b"".join(of.method.arguments.encode(*of.method.arguments.made_values(data)))
+            return b"".join(of.method.body(of.method.made_result(data)))
+
+        try:
+            return Verdict(True, made())
+        except wire.JsonError as error:
+            return Verdict(False, b"", error.path)
+        except wire.EncodeError as error:
+            return Verdict(False, b"", error.field)
+
+    def find_method(self, code: int, slots: list[Slot], values: list[Any]) -> None:
+        """Keeps in `methods` how the proxy describes a call. The values must be valid arguments."""
+        self.methods[code] = self._asked(code, slots, values)[0]
 
     def answered(
         self,

@@ -56,6 +56,30 @@ class Sample:
     value: bytes
 
 
+_INWARD = struct.Struct(">3Q")
+
+
+@dataclass(frozen=True, slots=True)
+class InwardSample:
+    """What a client sends inward: whose the value is, and the value."""
+
+    session: int
+    epoch: int
+    command: int
+    value: bytes
+
+    def pack(self) -> bytes:
+        return _INWARD.pack(self.session, self.epoch, self.command) + self.value
+
+    @staticmethod
+    def of(sample: bytes) -> InwardSample | None:
+        """None where the header is cut short."""
+        if len(sample) < _INWARD.size:
+            return None
+        session, epoch, command = _INWARD.unpack_from(sample)
+        return InwardSample(session, epoch, command, sample[_INWARD.size :])
+
+
 def _signed(counter: bytes, header: bytes, text: bytes) -> bytes:
     text = b"gecos stream 1" + counter + struct.pack(">Q", len(header)) + header + text
     return hashlib.blake2b(text).digest()

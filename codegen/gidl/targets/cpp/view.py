@@ -8,6 +8,7 @@ from gidl.file_names import source_stem
 from gidl.layout.wire_layout import Layout
 from gidl.model import Model
 from gidl.targets.cpp.calls.file import has_stubs, interfaces_view
+from gidl.targets.cpp.calls.structs import calls_view
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.values.file import types_view
 from gidl.targets.cpp.values.json import json_view
@@ -29,6 +30,9 @@ def files(model: Model, layout: Layout) -> Iterator[OutputFile]:
             yield OutputFile(f"cpp/{stem}_json.cpp", "cpp", "json.cpp.j2", json)
         if not file.has_interface:
             continue
+        calls = calls_view(lowering, file)
+        if calls.namespaces:
+            yield OutputFile(f"cpp/{stem}_calls.hpp", "cpp", "calls.hpp.j2", calls)
         interfaces = interfaces_view(lowering, file)
         for part in ("interface", "client", "server") if has_stubs(file) else ("interface",):
             for suffix in ("hpp", "cpp"):

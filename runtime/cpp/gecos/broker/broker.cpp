@@ -44,7 +44,7 @@ bool is_gone(const Entry& entry) {
 
 }  // namespace
 
-tl::expected<void, ServeError> Broker::serve(Server& server, std::vector<media::Kind> media) {
+Serving Broker::serving(std::vector<media::Kind> media) {
   ObjectOptions options;
   options.simulated = true;  // a broker moves nothing, so it cannot cause harm
   options.well_known = true;
@@ -56,7 +56,12 @@ tl::expected<void, ServeError> Broker::serve(Server& server, std::vector<media::
         Directory(SystemClock().since_boot(), alone ? Duration::zero() : Directory::first_second);
   }
   options.media = std::move(media);
-  return server.add("BROKER", *this, std::move(options));
+  return {"BROKER", *this, std::move(options)};
+}
+
+tl::expected<void, ServeError> Broker::serve(Server& server, std::vector<media::Kind> media) {
+  Serving broker = serving(std::move(media));
+  return server.add(std::move(broker.name), *this, std::move(broker.options));
 }
 
 void Broker::gecos_dispatch(IncomingCall call) {

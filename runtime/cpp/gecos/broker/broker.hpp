@@ -8,15 +8,19 @@
 #include "gecos/base/mutex.hpp"
 #include "gecos/broker/directory.hpp"
 #include "gecos/broker_server.hpp"
+#include "gecos/serve.hpp"
 #include "gecos/server.hpp"
 
 namespace gecos::broker {
 
-/// The broker as an object: `broker.serve(server)` serves it at this host's well-known address. The
-/// broker removes an entry when the session that enlisted the entry ends. In its first second the
-/// broker prefers objects that were served before the broker started (directory.hpp).
+/// The broker as an object: `gecos::serve(lab, {broker.serving()})` serves it at this host's
+/// well-known address; `broker.serve(server)` does so in a program that has a server of its own.
+/// The broker removes an entry when the session that enlisted the entry ends. In its first second
+/// the broker prefers objects that were served before the broker started (directory.hpp).
 class Broker final : public BrokerServant {
  public:
+  /// The broker as an object of `gecos::serve`. Its first second begins now.
+  Serving serving(std::vector<media::Kind> media = {});
   /// Serves this broker. Fails when this host has a broker already.
   tl::expected<void, ServeError> serve(Server& server, std::vector<media::Kind> media = {});
 

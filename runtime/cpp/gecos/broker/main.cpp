@@ -2,6 +2,10 @@
 // server.
 #include <cstdio>
 #include <cstring>
+#include <memory>
+#include <thread>
+#include <utility>
+#include <vector>
 
 #include "gecos/base/thread.hpp"
 #include "gecos/broker/broker.hpp"
@@ -15,6 +19,15 @@ constexpr const char* usage =
     "Runs the broker of this host: the directory in which programs find objects by name.\n"
     "The arguments are the media over which programs can reach the broker; without arguments,\n"
     "all available media. Prints one line when it is ready. Ends on SIGINT or SIGTERM.\n";
+
+/// The search for other brokers, on a thread of its own, until its end.
+class Search {
+ public:
+  ~Search() { thread_.join(); }
+
+ private:
+  std::thread thread_ = gecos::start_thread("gecos-others", gecos::broker::warn_of_other_brokers);
+};
 
 }  // namespace
 
@@ -34,15 +47,9 @@ int main(int count, char** arguments) {
   }
   gecos::Lab lab;
   gecos::broker::Broker broker;
-  gecos::Server server(lab);
-  if (const auto served = broker.serve(server, std::move(media)); !served) {
-    std::fprintf(stderr, "gecos-broker: %s\n", served.error().text.c_str());
-    return 1;
-  }
-  std::puts("gecos-broker: ready");
-  std::fflush(stdout);
-  std::thread others = gecos::start_thread("gecos-others", gecos::broker::warn_of_other_brokers);
-  server.run();
-  others.join();
-  return 0;
+  gecos::ServeOptions options;
+  options.program = "gecos-broker";
+  options.ready = "gecos-broker: ready";
+  options.started = [] { return std::make_shared<Search>(); };
+  return gecos::serve(lab, {broker.serving(std::move(media))}, options);
 }

@@ -281,6 +281,11 @@ bool JsonReader::expect_object(MemberNames known) const {
   return true;
 }
 
+bool JsonReader::expect_member(std::string_view name) const {
+  return data_->contains(std::string(name)) ||
+         JsonReader(*data_, *this, name, no_item).fail("it is missing");
+}
+
 bool JsonReader::expect_tag() const {
   if (!expect(data_->is_object(), "an object")) return false;
   return data_->contains("tag") || fail("the union's discriminator is missing: tag");

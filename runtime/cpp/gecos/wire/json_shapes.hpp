@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "gecos/wire/contents.hpp"
+#include "gecos/wire/layout.hpp"
 
 namespace gecos::wire {
 
@@ -125,6 +126,7 @@ class JsonReader {
 
   /// Requires a JSON object that has no members other than `known`.
   bool expect_object(MemberNames known) const;
+  bool expect_member(std::string_view name) const;
   bool expect_tag() const;
   /// Checks the members of a union's object. The member `value` must exist exactly when `selected`
   /// is true. No member other than `value` and `tag` may exist.
@@ -213,6 +215,59 @@ struct JsonStruct {
   /// Visits the members of T in order; members of its bases come first. Stops at the first member
   /// that is refused.
   static bool visit(JsonMembers& each, T& value);
+};
+
+/// Visits the members that a struct lists. A label is "open.width", of which the part after the
+/// point is the name of the member.
+class JsonListed {
+ public:
+  explicit JsonListed(JsonMembers& each) : each_(each) {}
+
+  template <class T, class Step = layout::DefaultStep<T>>
+  bool operator()(std::string_view label, T& value, const Step& = {}) {
+    if constexpr (layout::is_secret<Step>) return each_.hidden_member(name(label), value);
+    return each_.member(name(label), value);
+  }
+  static bool may_end() { return true; }
+  static std::string_view name(std::string_view label) { return label.substr(label.find('.') + 1); }
+
+ private:
+  JsonMembers& each_;
+};
+
+/// Requires the members that an older writer cannot omit.
+class JsonRequired {
+ public:
+  explicit JsonRequired(const JsonReader& from) : from_(from) {}
+
+  template <class T, class Step = layout::DefaultStep<T>>
+  bool operator()(std::string_view label, const T&, const Step& = {}) {
+    return may_end_ || from_.expect_member(JsonListed::name(label));
+  }
+  bool may_end() { return may_end_ = true; }
+
+ private:
+  const JsonReader& from_;
+  bool may_end_ = false;
+};
+
+/// The shape of the arguments or the result of a call. Members are required, except those with
+/// defaults at the end.
+template <layout::Listed T>
+struct JsonShape<T> {
+  static void write(JsonWriter to, const T& value) {
+    write_json_members(to, &visit_any, const_cast<T*>(&value));  // only reads `value`
+  }
+  static bool read(const JsonReader& from, T& value) {
+    JsonRequired required(from);
+    return read_json_members(from, &visit_any, &value) && T::gecos_members(required, value);
+  }
+
+ private:
+  static bool visit_any(JsonMembers& each, void* value) {
+    JsonListed listed(each);
+    return T::gecos_members(listed, *static_cast<T*>(value));
+  }
 };
 
 /// The JSON representation of an enum: the name of the enumerator. A generated file

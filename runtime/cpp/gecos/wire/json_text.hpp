@@ -35,10 +35,11 @@ template <class T>
 bool read_checked(const JsonReader& from, void* target) {
   T& value = *static_cast<T*>(target);
   if (!JsonShape<T>::read(from, value)) return false;
-  if constexpr (requires { gecos_violation(value); }) {
-    return allowed(gecos_violation(value), from.error());
+  if constexpr (layout::Listed<T>) {
+    return allowed(layout::violation(value), from.error());
+  } else {
+    return allowed(violation_of(value), from.error());
   }
-  return true;
 }
 
 }  // namespace json_detail

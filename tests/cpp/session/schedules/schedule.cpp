@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "gecos/object_calls.hpp"
 #include "gecos/object_interface.hpp"
 #include "gecos/object_types.hpp"
 #include "gecos/session/client/own_call.hpp"

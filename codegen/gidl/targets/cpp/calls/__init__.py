@@ -1,1 +1,1 @@
-"""Views for the templates of `<file>_client.{hpp,cpp}` and `<file>_server.{hpp,cpp}`."""
+"""Views for the templates of `<file>_client`, `_server`, `_interface` and `_calls`."""

@@ -33,7 +33,6 @@ from gidl.targets.cpp.calls.views import (
 from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.includes import system_headers
 from gidl.targets.cpp.lower import Lowering
-from gidl.targets.cpp.values.structs import Structs
 from gidl.targets.served_model import served_model
 
 
@@ -53,7 +52,6 @@ def interfaces_view(lowering: Lowering, file: File) -> InterfacesView:
         else:
             spaces.append(InterfacesNamespace(scope, (view,)))
     views = [view for space in spaces for view in space.interfaces]
-    structs = any(view.structs for view in views)
     return InterfacesView(
         file.path,
         f"{stem}_types.hpp",
@@ -63,7 +61,6 @@ def interfaces_view(lowering: Lowering, file: File) -> InterfacesView:
         tuple(sorted(set().union(*(_interface_headers(view) for view in views)))),
         tuple(sorted({"memory"} | system_headers(t for v in views for t in _client_text(v)))),
         tuple(sorted({"cstdint"} | system_headers(t for v in views for t in _server_text(v)))),
-        structs,
         tuple(sorted(f"{source_stem(path)}_interface.hpp" for path in others)),
         tuple(sorted(f"{source_stem(path)}_client.hpp" for path in stubs)),
         tuple(sorted(f"{source_stem(path)}_server.hpp" for path in stubs)),
@@ -83,9 +80,7 @@ def _has(model: Model, path: str, what: Callable[[File], bool]) -> bool:
 
 
 def _interface_headers(view: InterfaceView) -> set[str]:
-    members = [f"{m.type} {m.initial}" for struct in view.structs for m in struct.fields]
-    always = {"cstddef", "string", "string_view"} if view.structs else set()
-    return always | system_headers(members) | ({"string_view"} if view.description.bases else set())
+    return {"string_view"} if view.description.bases else set()
 
 
 def _client_text(view: InterfaceView) -> Iterator[str]:
@@ -127,7 +122,6 @@ class _Interface(Tables, Client, ServerSide):
             interface.facts.version or "",
             hex64(self._layout.interfaces[interface.name].hash),
             self._description(),
-            tuple(Structs(self._lowering).of_calls(interface)),
             ", ".join(f"public virtual {base}" for base in bases or ["gecos::Object"]),
             ", ".join(f"public virtual {base}" for base in servants or ["gecos::Servant"]),
             servants,

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from gidl.targets.cpp.values.views import StructView
-
 Written = Literal["plain", "block", "here"]
 """How a value is encoded: by the library, by the library as a block, or by generated statements."""
 
@@ -137,7 +135,6 @@ class InterfaceView:
     version: str
     hash: str
     description: DescriptionView
-    structs: tuple[StructView, ...]  # argument and result structs of built-in operations
     client_bases: str
     server_bases: str
     servant_bases: tuple[str, ...]  # absolute names of the base servants
@@ -170,7 +167,6 @@ class InterfacesView:
     interface_system: tuple[str, ...]
     client_system: tuple[str, ...]
     server_system: tuple[str, ...]
-    has_structs: bool
     interface_includes: tuple[str, ...]
     client_includes: tuple[str, ...]
     server_includes: tuple[str, ...]

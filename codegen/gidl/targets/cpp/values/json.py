@@ -14,10 +14,11 @@ from gidl.model import (
     Bitset,
     EnumDeclaration,
     File,
+    Interface,
     Member,
     Struct,
 )
-from gidl.targets.calls import passes_objects
+from gidl.targets.calls import passes_objects, result_struct
 from gidl.targets.cpp import names
 from gidl.targets.cpp.lower import Lowering
 from gidl.targets.cpp.values.structs import Structs
@@ -106,6 +107,12 @@ class _Shapes(Structs):
                 case Struct():
                     type_name = self._lowering.named(declaration.name)
                     yield self._members(type_name, self._model.all_members(declaration))
+                case Interface():
+                    for operation in declaration.operations:
+                        if len(self._layout.call(operation.scoped_name).reply) > 1:
+                            place = self._layout.cpp_names.results[operation.scoped_name]
+                            members = result_struct(self._layout, operation).members
+                            yield self._members(names.absolute(place), members)
                 case _:
                     pass
 

@@ -15,7 +15,7 @@ from gidl.model import (
     Operation,
     Struct,
 )
-from gidl.targets.calls import arguments_struct, result_struct
+from gidl.targets.calls import result_struct
 from gidl.targets.cpp import names
 from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.lower import Lowering, Slot
@@ -82,37 +82,13 @@ class Structs(ValueNames):
         """The structs that callers get as the result of operations with several results."""
         for operation in interface.operations:
             if len(self._layout.call(operation.scoped_name).reply) > 1:
-                yield self._result(operation, shown=True)
+                yield self._result(operation)
 
-    def of_calls(self, interface: Interface) -> Iterator[StructView]:
-        """The argument and result structs of operations that the session calls or answers."""
-        for operation in interface.operations:
-            call = self._layout.call(operation.scoped_name)
-            takes = self._layout.cpp_names.arguments.get(operation.scoped_name)
-            if takes is not None:
-                struct = arguments_struct(operation)
-                yield self._of_call(takes, struct, operation, call.request, shown=False)
-            gives = operation.scoped_name in self._layout.cpp_names.results
-            if gives and len(call.reply) == 1:
-                yield self._result(operation, shown=False)[1]
-
-    def _result(self, operation: Operation, shown: bool) -> tuple[TypeName, StructView]:
+    def _result(self, operation: Operation) -> tuple[TypeName, StructView]:
         place = self._layout.cpp_names.results[operation.scoped_name]
         struct = result_struct(self._layout, operation)
-        reply = self._layout.call(operation.scoped_name).reply
-        return place, self._of_call(place, struct, operation, reply, shown)
-
-    def _of_call(
-        self,
-        place: TypeName,
-        struct: Struct,
-        operation: Operation,
-        fields: tuple[FieldLayout, ...],
-        shown: bool,
-    ) -> StructView:
-        """The view of an argument or result struct. With `shown`, the struct can be printed and
-        compared, because callers see it."""
-        return StructView(
+        fields = self._layout.call(operation.scoped_name).reply
+        return place, StructView(
             "struct",
             place.name,
             struct.name,
@@ -121,7 +97,7 @@ class Structs(ValueNames):
             tuple(self._field(m) for m in struct.members),
             "",
             self._struct_codec(Content(operation.name, struct.members, fields, True, False)),
-            printed(place.name, [self._print(m) for m in struct.members]) if shown else (),
+            printed(place.name, [self._print(m) for m in struct.members]),
         )
 
     def _field(self, member: Member, incomplete: frozenset[str] = frozenset()) -> FieldView:

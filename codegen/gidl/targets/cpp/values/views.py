@@ -91,11 +91,9 @@ class StructView:
     doc: tuple[str, ...]
     base: str  # " : Base", or "" for a struct without base
     fields: tuple[FieldView, ...]
-    fingerprint: str  # "" for argument and result structs
+    fingerprint: str  # "" for structs of several results
     codec: CodecView
-    # Lines of arguments for gecos::wire::print_all. Empty: the struct is neither printed nor
-    # compared.
-    printed: tuple[str, ...]
+    printed: tuple[str, ...]  # lines of arguments for gecos::wire::print_all
 
 
 @dataclass(frozen=True, slots=True)

@@ -39,6 +39,8 @@ class Tables(CallFacts):
             one = outputs[0]
             gives = self._result_hint(layout) if several else self._step(one)
             terms.append(f"gives={gives}")
+            if isinstance(member, Operation) and not several and layout.reply[0].name != "result":
+                terms.append(f"named={quoted(layout.reply[0].name)}")
         if feedback != "None":
             terms.append(f"feedback={feedback}")
         raises = [self._module.value(name) for name, _ in layout.exceptions]

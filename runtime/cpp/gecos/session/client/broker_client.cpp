@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "gecos/broker_calls.hpp"      // generated from idl/gecos/broker.gidl
 #include "gecos/broker_interface.hpp"  // generated from idl/gecos/broker.gidl
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/client/own_call.hpp"
@@ -55,7 +56,7 @@ tl::expected<Duration, NotRegistered> await_registered(CommandCore& asked, TimeP
     return tl::unexpected(NotRegistered{false, {}, false, "the broker did not answer in time"});
   }
   if (asked.progress().detail == Detail::Done) {
-    const auto reply = wire::decoded<Broker_enlist_result>(asked.result());
+    const auto reply = layout::from_bytes<Broker_enlist_result>(asked.result());
     if (!reply || !reply->settles_in)
       return Duration::zero();  // an older broker does not send this: its registrations are final
     return longest_provisional(*reply->settles_in);

@@ -47,11 +47,12 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
                                                     const CallOptions& options) {
   if (auto refused = differs(operation.code, operation.name)) return ended(std::move(*refused));
   if (options.deadline && *options.deadline <= Duration{}) {
-    return ended({Detail::Expired,
-                  "the deadline of '" + std::string(operation.name) +
-                      "' passed before it was sent; it was not carried out: allow it more time",
-                  {},
-                  {}});
+    return ended(
+        {Detail::Expired,
+         "the deadline of '" + std::string(operation.name) +
+             "' passed before the call was sent; the call was not carried out: allow it more time",
+         {},
+         {}});
   }
   if (failover_.covers(operation)) return failover_.call(operation, size, encode, options);
   auto command = make_recycled<PendingCommand>(shared_from_this(), operation);

@@ -6,20 +6,20 @@
 #include <utility>
 
 #include "gecos/object.hpp"
-#include "gecos/wire/encodable.hpp"
+#include "gecos/wire/layout.hpp"
 
 namespace gecos::session {
 
 /// Calls `operation`. When the arguments are invalid, nothing is sent and the command ends as
 /// BAD_PARAMETER.
-template <wire::Encodable Arguments>
+template <layout::Listed Arguments>
 std::shared_ptr<CommandCore> own_call(ClientSession& session, const OperationDescription& operation,
                                       const Arguments& arguments) {
-  if (auto wrong = wire::violation_of(arguments); !wrong.empty()) {
+  if (auto wrong = layout::violation(arguments); !wrong.empty()) {
     return ended({Detail::BadParameter, std::move(wrong), {}, {}});
   }
-  return session.call(operation, arguments.encoded_size(),
-                      [&](wire::Encoder& to) { arguments.encode(to); }, {});
+  return session.call(operation, layout::encoded_size(arguments),
+                      [&](wire::Encoder& to) { layout::encode(to, arguments); }, {});
 }
 
 inline std::shared_ptr<CommandCore> own_call(ClientSession& session,
@@ -29,10 +29,10 @@ inline std::shared_ptr<CommandCore> own_call(ClientSession& session,
 
 /// Decodes a `Reply` and stores its member `result` in `value`. Returns false when the reply does
 /// not decode.
-template <wire::Encodable Reply, class T>
+template <layout::Listed Reply, class T>
 bool read_result(wire::Decoder& from, T& value) {
   Reply reply;
-  if (!reply.decode(from)) return false;
+  if (!layout::decode(from, reply)) return false;
   value = std::move(reply.result);
   return true;
 }

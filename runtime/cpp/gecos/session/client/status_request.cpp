@@ -4,6 +4,7 @@
 
 #include "gecos/binding.hpp"
 #include "gecos/builtin_operations.hpp"
+#include "gecos/object_calls.hpp"      // generated from idl/gecos/object.gidl
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/client/own_call.hpp"
 

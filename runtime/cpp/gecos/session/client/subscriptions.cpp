@@ -1,5 +1,6 @@
 #include "gecos/session/client/subscriptions.hpp"
 
+#include "gecos/object_calls.hpp"      // generated from idl/gecos/object.gidl
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/client/client_connection.hpp"
 #include "gecos/session/client/client_stream.hpp"

@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "gecos/base/log.hpp"
+#include "gecos/object_calls.hpp"      // generated from idl/gecos/object.gidl
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/server/call_log.hpp"
-#include "gecos/wire/encodable.hpp"
+#include "gecos/wire/layout.hpp"
 
 namespace gecos::session {
 namespace {
@@ -44,7 +45,7 @@ void BuiltinOperations::answer(const std::shared_ptr<ServerSession>& session,
 }
 
 void BuiltinOperations::holders(ServerSession& session, std::uint64_t counter) {
-  session.reply(counter, wire::encoded(GecosObject_holders_result{statuses_.holders()}));
+  session.reply(counter, layout::to_bytes(GecosObject_holders_result{statuses_.holders()}));
 }
 
 void BuiltinOperations::describe(ServerSession& session, std::uint64_t counter) {
@@ -67,23 +68,24 @@ void BuiltinOperations::describe(ServerSession& session, std::uint64_t counter) 
   about.pid = getpid();
   about.registration = claim_.text();
   about.handlers = calls_.handlers().shown(setup_.clock().since_boot());
-  session.reply(counter, wire::encoded(GecosObject_describe_result{std::move(about)}));
+  session.reply(counter, layout::to_bytes(GecosObject_describe_result{std::move(about)}));
 }
 
 void BuiltinOperations::model(ServerSession& session, std::uint64_t counter) {
   const std::vector<std::string_view> models = setup_.interface.all_models();
-  session.reply(counter, wire::encoded(GecosObject_model_result{{models.begin(), models.end()}}));
+  session.reply(counter,
+                layout::to_bytes(GecosObject_model_result{{models.begin(), models.end()}}));
 }
 
 void BuiltinOperations::acquire(const std::shared_ptr<ServerSession>& session,
                                 std::uint64_t counter, ByteView arguments) {
-  auto asked = wire::decoded<GecosObject_acquire_arguments>(arguments);
+  auto asked = layout::from_bytes<GecosObject_acquire_arguments>(arguments);
   if (!asked) return session->reply(counter, undecodable(asked.error()));
   statuses_.request(session, counter, *std::move(asked));
 }
 
 void BuiltinOperations::release(ServerSession& session, std::uint64_t counter, ByteView arguments) {
-  const auto asked = wire::decoded<GecosObject_release_arguments>(arguments);
+  const auto asked = layout::from_bytes<GecosObject_release_arguments>(arguments);
   if (!asked) return session.reply(counter, undecodable(asked.error()));
   statuses_.release(session, *asked);
   session.reply(counter, ByteView{});
@@ -105,7 +107,7 @@ void BuiltinOperations::stop(ServerSession& by, std::uint64_t counter) {
 
 void BuiltinOperations::subscribe(ServerSession& session, std::uint64_t counter,
                                   ByteView arguments) {
-  const auto asked = wire::decoded<GecosObject_subscribe_arguments>(arguments);
+  const auto asked = layout::from_bytes<GecosObject_subscribe_arguments>(arguments);
   if (!asked) return session.reply(counter, undecodable(asked.error()));
   const StreamDescription* stream = setup_.interface.find_stream(FunctionCode{asked->code});
   if (stream == nullptr) {
@@ -128,12 +130,12 @@ void BuiltinOperations::subscribe(ServerSession& session, std::uint64_t counter,
   const auto shared = session.share(*stream);
   if (!shared) return session.reply(counter, Failure{Detail::Rejected, shared.error(), {}, {}});
   session.subscriptions[stream->code] = *shared;
-  session.reply(counter, wire::encoded(GecosObject_subscribe_result{*shared}));
+  session.reply(counter, layout::to_bytes(GecosObject_subscribe_result{*shared}));
 }
 
 void BuiltinOperations::unsubscribe(ServerSession& session, std::uint64_t counter,
                                     ByteView arguments) {
-  const auto asked = wire::decoded<GecosObject_unsubscribe_arguments>(arguments);
+  const auto asked = layout::from_bytes<GecosObject_unsubscribe_arguments>(arguments);
   if (!asked) return session.reply(counter, undecodable(asked.error()));
   const auto found = session.subscriptions.find(FunctionCode{asked->code});
   if (found != session.subscriptions.end()) {

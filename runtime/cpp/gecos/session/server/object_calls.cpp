@@ -211,7 +211,8 @@ void ObjectCalls::end_overdue(ServerCall& call) {
   if (call.state.begun_at()) {
     interrupt(call);
     end(call, Failure{Detail::TimedOut,
-                      passed + "while it was executing; it was told to stop: allow it more time",
+                      passed + "while the call was executing; its handler was told to stop: allow "
+                               "the call more time",
                       {},
                       {}});
   } else {  // queued, or taken by a thread that will not begin its handler any more

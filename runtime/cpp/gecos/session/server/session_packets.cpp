@@ -6,13 +6,14 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/base/recycling_allocator.hpp"
+#include "gecos/object_calls.hpp"      // generated from idl/gecos/object.gidl
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/protocol/builtin.hpp"
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/server/admission.hpp"
 #include "gecos/session/server/call_log.hpp"
 #include "gecos/session/server/greeting.hpp"
-#include "gecos/wire/encodable.hpp"
+#include "gecos/wire/layout.hpp"
 
 namespace gecos::session {
 namespace {
@@ -376,7 +377,7 @@ void SessionPackets::reject_late(const Session& before, std::uint64_t counter) {
 
 void SessionPackets::answer_outcome(ServerSession& session, const wire::PacketView& packet) {
   const std::uint64_t counter = packet.header.counter;
-  const auto asked = wire::decoded<GecosObject_outcome_arguments>(packet.body);
+  const auto asked = layout::from_bytes<GecosObject_outcome_arguments>(packet.body);
   if (!asked) {
     return session.reply(counter, Failure{Detail::BadParameter, asked.error().message(), {}, {}});
   }
@@ -388,7 +389,7 @@ void SessionPackets::answer_outcome(ServerSession& session, const wire::PacketVi
   } else {
     record = outcome_of(SessionId{asked->session}, asked->counter);
   }
-  session.reply(counter, wire::encoded(GecosObject_outcome_result{std::move(record)}));
+  session.reply(counter, layout::to_bytes(GecosObject_outcome_result{std::move(record)}));
 }
 
 OutcomeRecord SessionPackets::outcome_of(SessionId asked, std::uint64_t counter) {

@@ -7,7 +7,7 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/session/server/call_log.hpp"
-#include "gecos/wire/encodable.hpp"
+#include "gecos/wire/layout.hpp"
 
 namespace gecos::session {
 namespace {
@@ -136,7 +136,7 @@ bool StatusGrants::answer(const Request& request, std::size_t before) {
   if (granted) {
     if (!held_before) session->held_from = number(granted->epoch);
     const Grant given{status_of(granted->status), number(granted->epoch)};
-    session->reply(counter, wire::encoded(GecosObject_acquire_result{given}));
+    session->reply(counter, layout::to_bytes(GecosObject_acquire_result{given}));
   } else {
     session->reply(counter, refusal(setup_.name + ": " + granted.error().text +
                                         waited_in_vain(asked.patience, before),

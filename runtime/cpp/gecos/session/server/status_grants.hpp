@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gecos/access/lease_table.hpp"
-#include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
+#include "gecos/object_calls.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/protocol/suspend_aware_clock.hpp"
 #include "gecos/session/server/admission.hpp"
 #include "gecos/session/server/name_claim.hpp"

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "gecos/base/bytes.hpp"
+#include "gecos/base/ids.hpp"
+#include "gecos/base/result.hpp"
+#include "gecos/wire/decode_error.hpp"
+
+namespace gecos::session {
+
+/// Whose a sample of an inward stream is: stands before the value in every sample that a client
+/// sends. A sample corrects a motion, so one that was sent for another command, or under a status
+/// that has ended, must have no effect, however late it arrives.
+struct InwardHeader {
+  SessionId session{};
+  Epoch epoch{};              ///< of the status under which the client feeds the command
+  std::uint64_t command = 0;  ///< counter, in this session, of the command that the sample feeds
+
+  friend bool operator==(const InwardHeader&, const InwardHeader&) = default;
+};
+
+/// A multiple of 8, so that a value in lent memory stays aligned.
+inline constexpr std::size_t inward_header_size = 8 + 8 + 8;
+
+/// Writes the header into the memory before the value; may be lent by the medium.
+void write_inward_header(std::span<std::byte, inward_header_size> to, const InwardHeader& header);
+
+/// A decoded sample. `value` borrows the bytes that were decoded, and may be empty.
+struct InwardSample {
+  InwardHeader header;
+  ByteView value;
+};
+
+tl::expected<InwardSample, wire::DecodeError> read_inward_sample(ByteView bytes);
+
+}  // namespace gecos::session

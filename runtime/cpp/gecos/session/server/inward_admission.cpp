@@ -1,0 +1,34 @@
+#include "gecos/session/server/inward_admission.hpp"
+
+namespace gecos::session {
+
+std::string_view describe(InwardVerdict verdict) {
+  switch (verdict) {
+    case InwardVerdict::Admitted:
+      return "it is admitted";
+    case InwardVerdict::OtherSession:
+      return "it names another session";
+    case InwardVerdict::SessionEnded:
+      return "its session has ended";
+    case InwardVerdict::OtherEpoch:
+      return "its status has ended";
+    case InwardVerdict::CommandNotRunning:
+      return "its command does not run";
+    case InwardVerdict::NotNewer:
+      return "a newer sample has arrived";
+  }
+  return "unknown";
+}
+
+InwardVerdict InwardAdmission::judge(const InwardHeader& sample, std::uint64_t sequence,
+                                     const InwardSender& sender) {
+  if (sample.session != sender.session) return InwardVerdict::OtherSession;
+  if (!sender.alive) return InwardVerdict::SessionEnded;
+  if (sample.epoch != sender.epoch) return InwardVerdict::OtherEpoch;
+  if (sample.command != sender.feeding) return InwardVerdict::CommandNotRunning;
+  if (sequence <= newest_) return InwardVerdict::NotNewer;
+  newest_ = sequence;
+  return InwardVerdict::Admitted;
+}
+
+}  // namespace gecos::session
