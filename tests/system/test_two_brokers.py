@@ -19,7 +19,7 @@ def test_a_second_broker_says_that_names_are_unique_at_each_only(
     if language == "Python":
         second = [sys.executable, "-m", "gecos.cli", "broker"]
     told = lab.start(*second, ready="ready").wait_for("another broker answers at lcm:")
-    assert "Programs use the broker of this host's socket" in told
+    assert "Programs use the broker at this host's local address" in told
 
 
 @pytest.mark.usefixtures("here")

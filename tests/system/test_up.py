@@ -81,7 +81,7 @@ def test_a_program_that_never_says_that_it_is_ready_is_refused_with_advice(
 ) -> None:
     monkeypatch.setattr(sys.modules["gecos.laboratory.running"], "READY_WITHIN", 0.1)
     program = Program("OVEN", ("sh", "-c", "echo warm; exec sleep 1000"))
-    wanted = r"OVEN is not ready: .* no line with 'serving' or 'ready'; .* `ready` in lab.toml"
+    wanted = r"OVEN is not ready: .* no line that begins with 'serving ' or .* `ready` in lab.toml"
     laboratory = LaboratoryDescription((program,), starts_broker=False, folder=tmp_path)
     with pytest.raises(LaboratoryError, match=wanted), running(laboratory):
         pass
@@ -106,6 +106,7 @@ def test_killed_it_leaves_nothing_running(lab: Laboratory) -> None:
         ('["no-such-program"]', "lab.toml:2: ARM: there is no program no-such-program"),
         ('["sh", "-c", "exit 7"]', "ARM ended with status 7 before it was ready"),
         ('["sh", "-c", "echo already; exit 7"]', "ARM ended with status 7 before it was ready"),
+        ('["sh", "-c", "echo is not ready; exit 7"]', "ARM ended with status 7 before it was"),
         ('["./lab.toml"]', "lab.toml:2: ARM: ./lab.toml is no executable file; run `chmod +x "),
     ],
 )

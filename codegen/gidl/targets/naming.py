@@ -28,6 +28,9 @@ class OutputFile:
     view: object
 
 
+DOC_WIDTH = 86  # characters of a line of documentation, without indentation
+
+
 class UnsupportedError(Exception):
     """The interface uses a construct that no target supports yet."""
 
@@ -62,7 +65,7 @@ def doc_lines(facts: Facts, note: str = "") -> tuple[str, ...]:
     @deprecated."""
     lines: list[str] = []
     for line in without_marks(facts.doc).strip().splitlines():
-        lines += wrapped(line.strip(), 88)
+        lines += wrapped(line.strip(), DOC_WIDTH)
     if note:
         if lines:
             lines[-1] = f"{lines[-1]} [{note}]"
@@ -72,7 +75,7 @@ def doc_lines(facts: Facts, note: str = "") -> tuple[str, ...]:
         lines.append(f"Since {facts.since}.")
     if facts.deprecated is not None:
         why = " ".join(without_marks(facts.deprecated).split())
-        lines += wrapped(f"Deprecated: {why}" if why else "Deprecated.", 88)
+        lines += wrapped(f"Deprecated: {why}" if why else "Deprecated.", DOC_WIDTH)
     return tuple(lines)
 
 

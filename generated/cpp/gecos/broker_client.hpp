@@ -12,8 +12,8 @@
 
 namespace gecos {
 
-/// Knows where objects are. Stands at a well-known place; everything else is found through
-/// it.
+/// Knows where objects are. Stands at a well-known place; everything else is found
+/// through it.
 class Broker : public virtual gecos::Object {
  public:
   static const gecos::InterfaceDescription& gecos_description() {
@@ -26,14 +26,14 @@ class Broker : public virtual gecos::Object {
   Broker(const Broker&) = default;
   Broker& operator=(const Broker&) = default;
 
-  /// Makes an object findable until the calling session ends. Named enlist because `register`
-  /// is a word of C++.
+  /// Makes an object findable until the calling session ends. Named enlist because
+  /// `register` is a word of C++.
   /// `served_for` says how long its server has served it: an age, because hosts have clocks
   /// of their own.
   /// A broker that has just started may hear of an object that was served before it: within
   /// `settles_in` the
-  /// name may go to an object that has been served for longer, so ask again. Absent: the name
-  /// is the server's.
+  /// name may go to an object that has been served for longer, so ask again. Absent: the
+  /// name is the server's.
   /// @param served_for [s]
   /// @param settles_in [s]
   /// May fail with gecos::NameTaken.
@@ -52,8 +52,8 @@ class Broker : public virtual gecos::Object {
   /// All that is enlisted now, in the order of names.
   gecos::Command<std::vector<::gecos::Entry>> list() const;
 
-  /// Objects that left the list because their server fell silent, in the order of names. Such
-  /// an object stays here until
+  /// Objects that left the list because their server fell silent, in the order of names.
+  /// Such an object stays here until
   /// a server takes its name, for an hour at most; an object whose process has ended on the
   /// broker's machine is left out.
   gecos::Command<std::vector<::gecos::SilentObject>> silent() const;

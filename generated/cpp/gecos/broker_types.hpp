@@ -12,7 +12,8 @@
 
 namespace gecos {
 
-/// Where an object is and what it is: what a server tells the broker and a client asks for.
+/// Where an object is and what it is: what a server tells the broker and a client asks
+/// for.
 struct Entry {
   /// "RX90"
   std::string name{};
@@ -45,8 +46,8 @@ std::ostream& operator<<(std::ostream& out, const Entry& value);
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const Entry& value);
 
-/// An object whose server the broker no longer hears, although the server has not withdrawn
-/// the object.
+/// An object whose server the broker no longer hears, although the server has not
+/// withdrawn the object.
 struct SilentObject {
   /// as it was enlisted
   ::gecos::Entry entry{};

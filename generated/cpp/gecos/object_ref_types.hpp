@@ -11,8 +11,8 @@
 
 namespace gecos {
 
-/// Which object is meant: what a value of an interface's type is. An empty name is nil, no
-/// object.
+/// Which object is meant: what a value of an interface's type is. An empty name is nil,
+/// no object.
 /// Only the name must be there; what its maker did not know is 0 or empty.
 struct ObjectRef {
   /// as the broker knows it, "RX90"

@@ -45,7 +45,8 @@ class Manipulator : public virtual ::robcl::Device {
   /// Tool frame seen from the flange. Setting it is refused while moving.
   gecos::Command<void> set_tool_offset(const ::robcl::Frame& value) const;
 
-  /// Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal.
+  /// Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the
+  /// goal.
   /// May fail with robcl::OutOfReach, robcl::JointLimit, robcl::Singular.
   gecos::Command<void, ::robcl::MotionProgress> move(
       const ::robcl::Frame& goal,

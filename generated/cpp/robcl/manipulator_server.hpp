@@ -37,7 +37,8 @@ class ManipulatorServant : public virtual ::robcl::DeviceServant {
   /// Tool frame seen from the flange. Setting it is refused while moving.
   virtual gecos::Result<void> set_tool_offset(const ::robcl::Frame& value) = 0;
 
-  /// Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal.
+  /// Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the
+  /// goal.
   /// May fail with robcl::OutOfReach, robcl::JointLimit, robcl::Singular.
   virtual gecos::Result<void> move(
       const ::robcl::Frame& goal,

@@ -158,8 +158,8 @@ std::ostream& operator<<(std::ostream& out, Wrist value);
 /// An unknown number becomes NOFLIP.
 [[nodiscard]] bool decode_enum(gecos::wire::Decoder& from, Wrist& value, const char* field);
 
-/// Which of the ways to reach its pose the arm is in. A member is absent at a singularity,
-/// and where an arm has no such choice.
+/// Which of the ways to reach its pose the arm is in. A member is absent at a
+/// singularity, and where an arm has no such choice.
 struct Configuration {
   /// [optional]
   std::optional<::robcl::Shoulder> arm{};

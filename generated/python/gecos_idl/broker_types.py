@@ -60,8 +60,7 @@ class Entry(_layout.Struct):
 @_dataclass(slots=True)
 class SilentObject(_layout.Struct):
     """An object whose server the broker no longer hears, although the server has not
-    withdrawn
-    the object.
+    withdrawn the object.
     """
 
     entry: Entry = _field(default_factory=Entry)

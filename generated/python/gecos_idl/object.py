@@ -179,8 +179,7 @@ class GecosObject(_Object):
         """Asks for a status. It stays the caller's while the session lives and is heard of. A
         status that others hold is
         refused after `patience`; until then the request waits in line, in the order of
-        arrival.
-        A `stop` ends the line.
+        arrival. A `stop` ends the line.
 
         patience: [s, at least 0.0]
         May raise StatusRefused.
@@ -215,8 +214,7 @@ class GecosObject(_Object):
 
     def model(self) -> _Command[list[str]]:
         """The interface of the object and each of its bases as JSON, for clients without
-        generated
-        code.
+        generated code.
         """
         return self._gecos_call(_GECOS_OBJECT_MODEL, [])
 
@@ -250,8 +248,7 @@ class GecosObjectServant(_Servant):
         """Asks for a status. It stays the caller's while the session lives and is heard of. A
         status that others hold is
         refused after `patience`; until then the request waits in line, in the order of
-        arrival.
-        A `stop` ends the line.
+        arrival. A `stop` ends the line.
 
         patience: [s, at least 0.0]
         May raise StatusRefused.
@@ -280,6 +277,5 @@ class GecosObjectServant(_Servant):
     @_abstractmethod
     def model(self) -> list[str]:
         """The interface of the object and each of its bases as JSON, for clients without
-        generated
-        code.
+        generated code.
         """

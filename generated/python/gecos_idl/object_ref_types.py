@@ -16,8 +16,7 @@ __all__ = [
 @_dataclass(slots=True)
 class ObjectRef(_layout.Struct):
     """Which object is meant: what a value of an interface's type is. An empty name is nil,
-    no
-    object.
+    no object.
     Only the name must be there; what its maker did not know is 0 or empty.
     """
 

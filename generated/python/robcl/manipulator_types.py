@@ -139,8 +139,7 @@ class Wrist(_IntEnum):
 @_dataclass(slots=True)
 class Configuration(_layout.Struct):
     """Which of the ways to reach its pose the arm is in. A member is absent at a
-    singularity,
-    and where an arm has no such choice.
+    singularity, and where an arm has no such choice.
     """
 
     arm: Shoulder | None = None

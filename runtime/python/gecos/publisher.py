@@ -24,10 +24,11 @@ class Publisher:
     def start(self, publish: Publish, failed: Callable[[], None]) -> None:
         """Starts the thread of `publish`. If `publish` raises an exception, the thread calls
         `failed`."""
-        self._thread = threading.Thread(
+        thread = threading.Thread(
             target=self._run, args=(publish, failed), name="gecos-publish", daemon=True
         )
-        self._thread.start()
+        thread.start()
+        self._thread = thread
 
     def _run(self, publish: Publish, failed: Callable[[], None]) -> None:
         try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import signal
 import socket
 from types import TracebackType
@@ -34,7 +35,8 @@ class TerminationSignals:
 
     def end_wait(self) -> None:
         """Makes `wait` return without a signal. Any thread may call this method."""
-        self._there.send(bytes([signal.SIGTERM]))
+        with contextlib.suppress(OSError):  # after the end of the `with` block nothing waits
+            self._there.send(bytes([signal.SIGTERM]))
 
     def came(self) -> bool:
         """Returns whether SIGINT or SIGTERM has already arrived."""

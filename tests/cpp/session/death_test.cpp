@@ -90,7 +90,9 @@ TEST_P(ServerDies, AndEveryCommandEndsInAStateThatSaysWhatIsKnown) {
   ASSERT_FALSE(lost);
   std::ostringstream text;
   text << lost.error();
-  EXPECT_EQ(text.str(), to_string(gecos::StreamEnd::Lost));
+  EXPECT_EQ(text.str(),
+            "LOST: the stream's server is gone or its Lab is closed; create a new proxy and "
+            "subscribe again");
   EXPECT_TRUE(stream->lost() && !stream->latest());
   EXPECT_EQ(move.state(), State::CommandFailed) << "it never changes";
 }

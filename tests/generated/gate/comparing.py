@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import dataclass
 from random import Random
 from typing import Any
@@ -321,13 +322,7 @@ class Comparison:
         ours = calls.values_from_json(of, text)
 
         def read(theirs: Verdict, _: Verdict) -> None:
-            name, named = of.method.operation.name, of.method.named
-            same_place = ours.why == theirs.why or (
-                # a result that cannot be sent: Python names the operation alone
-                not of.are_arguments
-                and ours.why.startswith(name)
-                and theirs.why.removeprefix(f"{name}.") == named + ours.why.removeprefix(name)
-            )
+            same_place = _same_place(of, ours.why, theirs.why)
             if (ours.fine, ours.bytes) != (theirs.fine, theirs.bytes) or not same_place:
                 self._differ(
                     f"{what} of {key} from JSON: {text.decode()}",
@@ -336,6 +331,22 @@ class Comparison:
                 )
 
         self._ask(f"{what} from json", key, text, b"", read)
+
+
+def _same_place(of: Values, ours: str, theirs: str) -> bool:
+    """Whether both languages refuse the same member. Of a result, Python names the operation alone
+    if it has one result, and the struct of its results if it has several; C++ names operation and
+    member. Of an array inside an array, Python names the element and C++ the array."""
+    ours, theirs = (re.sub(r"\[\d+\]", "", why) for why in (ours, theirs))
+    if ours == theirs:
+        return True
+    if of.are_arguments:
+        return False
+    name, named = of.method.operation.name, of.method.named
+    head, _, member = ours.partition(".")
+    if head.endswith("_result"):
+        return theirs == f"{theirs.partition('.')[0]}.{member}"
+    return theirs.removeprefix(f"{name}.") == named + ours.removeprefix(name)
 
 
 def shown(verdict: Verdict) -> str:

@@ -9,7 +9,7 @@ from gidl.keywords import words
 from gidl.layout.languages import PYTHON_CLASS_WORDS, PYTHON_WORDS
 from gidl.layout.type_names import escaped
 from gidl.model import Attribute, Operation, Struct
-from gidl.targets.naming import LocalNames, snake_case, wrapped
+from gidl.targets.naming import DOC_WIDTH, LocalNames, snake_case, wrapped
 
 # A name that is reserved in Python gets an underscore at its end. The names that generated code
 # imports from the runtime and the standard library get an underscore at their beginning, which no
@@ -85,7 +85,7 @@ def enumerator(name: str) -> str:
 
 def docstring(lines: tuple[str, ...]) -> tuple[str, ...]:
     """Returns `lines`, wrapped and escaped for a docstring in triple quotes."""
-    fitting = [part for line in lines for part in wrapped(line, 86)]
+    fitting = [part for line in lines for part in wrapped(line, DOC_WIDTH)]
     quotes = '"{3,}|"+$' if len(fitting) == 1 else '"{3,}'
     return tuple(
         re.sub(quotes, lambda found: '\\"' * len(found[0]), line.replace("\\", "\\\\"))

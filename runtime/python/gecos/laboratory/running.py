@@ -77,10 +77,11 @@ class _Process:
         in_time = self._ready.wait(READY_WITHIN)
         if not in_time:
             ready = self.program.ready
-            text = "'serving' or 'ready'" if ready is None else repr(ready)
+            default = "that begins with 'serving ' or ends with 'is ready'"
+            text = default if ready is None else f"with {ready!r}"
             raise LaboratoryError(
                 f"{self.program.name} is not ready: within {READY_WITHIN:g} s it has printed no "
-                f"line with {text}; if it prints another one, name a part of that line as `ready` "
+                f"line {text}; if it prints another one, name a part of that line as `ready` "
                 "in lab.toml"
             )
         if self.program.ready != "" and self.status is not None:
@@ -155,7 +156,7 @@ class RunningLaboratory:
         time.sleep(pause)
         try:
             self.start(program, self._commands[program.name])
-        except LaboratoryError as error:
+        except (LaboratoryError, OSError) as error:  # for example while its file is written anew
             print(error, flush=True)
 
     def end(self) -> None:
@@ -193,7 +194,8 @@ def running(
 def _broker(environment: Mapping[str, str], restart: bool) -> tuple[Program, Sequence[str]]:
     """Returns the broker of this package, with the command that starts it. PYTHONPATH is set,
     because the package of an installed SDK is not in the interpreter's own path."""
-    command = (sys.executable, "-m", "gecos.cli", "broker")
+    # -P: a module in the folder of the laboratory must not hide one of the interpreter.
+    command = (sys.executable, "-P", "-m", "gecos.cli", "broker")
     packages = [str(Path(__file__).resolve().parents[2]), environment.get("PYTHONPATH", "")]
     path = os.pathsep.join(filter(None, packages))
     return Program("BROKER", command, restart, environment={"PYTHONPATH": path}), command
@@ -231,7 +233,7 @@ def _is_ready(line: str, program: Program) -> bool:
     """Whether a program says by this line that it is ready. Without `ready` the lines that servers
     print by default do: "serving RX90" and "robcl-rx90: RX90 is ready"."""
     if program.ready is None:
-        return line.startswith("serving ") or _says(line, "ready")
+        return re.search(r"^serving |(^|: | is )ready$", line.rstrip()) is not None
     return _says(line, program.ready)
 
 
