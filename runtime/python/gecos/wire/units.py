@@ -6,20 +6,18 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-# What a value may have been given in, its factor to the unit, and the smallest value that is
-# rather a mistake of the unit than a value a little beyond its limit.
-_MISTAKEN = {"rad": ("degrees", math.pi / 180, math.pi), "m": ("millimetres", 1e-3, 1.0)}
-
 
 def mistaken_unit(value: object, low: float, high: float, unit: str) -> str:
     """A question to add to the message about `value`: "; is the value in degrees?". Empty unless
     `value` is outside `low` to `high`, and inside when it means degrees (a value above pi rad) or
-    millimetres (a value of at least 1 m) instead of `unit`."""
-    name, factor, least = _MISTAKEN.get(unit, ("", 0.0, 0.0))
-    if not name or not isinstance(value, int | float) or low <= value <= high:
+    millimetres (a value of at least 1 m) instead of `unit`. C++ computes it in the same way."""
+    if not isinstance(value, int | float) or low <= value <= high:
         return ""
-    meant = abs(value) >= least and low <= value * factor <= high
-    return f"; is the value in {name}?" if meant else ""
+    if unit == "rad" and abs(value) > math.pi and low <= value * math.pi / 180 <= high:
+        return "; is the value in degrees?"
+    if unit == "m" and abs(value) >= 1 and low <= value / 1000 <= high:
+        return "; is the value in millimetres?"
+    return ""
 
 
 class Range:
