@@ -172,6 +172,13 @@ def test_a_value_out_of_range_is_refused_before_it_is_sent(arm: Arm, run: Run) -
     assert not arm.moving.is_set()
 
 
+def test_a_frame_without_its_orientation_is_refused_with_the_reason(arm: Arm, run: Run) -> None:
+    code, out, err = run("set", "ARM", "tool_offset", '{"position": {"z": 0.1}}')
+    assert (code, out) == (3, "")
+    assert "0 is the length of the orientation's quaternion, which must be 1" in err
+    assert arm.offset == Frame()
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -189,7 +189,10 @@ TEST(Frame, DecodingRefusesWhatIsNoPlacementAndNamesTheField) {
             (gecos::wire::DecodeError{DecodeProblem::InvalidValue, 0, "position"}));
   EXPECT_EQ(decode({0, 0, 0, nan, 0, 0, 0}).error(),
             (gecos::wire::DecodeError{DecodeProblem::InvalidValue, 24, "orientation"}));
-  EXPECT_FALSE(decode({0, 0, 0, 0, 0, 0, 0}).has_value());
+  EXPECT_EQ(
+      decode({0, 0, 0, 0, 0, 0, 0}).error().message(),
+      "field 'orientation' at byte 24: 0 is the length of the orientation's quaternion, which "
+      "must be 1; without rotation, w is 1");
   EXPECT_FALSE(decode({0, 0, 0, 1, 0, 0, 1e-2}).has_value());
   EXPECT_EQ(gecos::wire::from_bytes<Frame>(gecos::Bytes(55)).error().problem,
             DecodeProblem::Truncated);

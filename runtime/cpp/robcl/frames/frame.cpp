@@ -8,6 +8,11 @@
 namespace robcl {
 namespace {
 
+/// These texts follow "<number> is " in the message of a decoder.
+constexpr char not_finite[] = "the sum of the coordinates, which must be finite";
+constexpr char no_rotation[] =
+    "the length of the orientation's quaternion, which must be 1; without rotation, w is 1";
+
 // If the sine or cosine of the Euler angle b (of b/2 for ZYZ angles) is smaller than this, the
 // angles a and c turn about the same axis. Then c is set to 0.
 constexpr double parallel_axes = 1e-9;
@@ -150,20 +155,22 @@ void Frame::encode(gecos::wire::Encoder& to) const {
 
 bool Frame::decode(gecos::wire::Decoder& from) {
   using gecos::wire::DecodeProblem;
-  const std::size_t position_at = from.offset();
   Eigen::Vector3d position;
   for (double& metres : position) {
     if (!from.get(metres, "position")) return false;
   }
-  const std::size_t orientation_at = from.offset();
   double w = 0, i = 0, j = 0, k = 0;
   for (double* part : {&w, &i, &j, &k}) {
     if (!from.get(*part, "orientation")) return false;
   }
-  if (!position.allFinite()) return from.fail(DecodeProblem::InvalidValue, "position", position_at);
+  if (!position.allFinite()) {
+    return from.fail_number(DecodeProblem::InvalidValue, position.sum(), not_finite,
+                            7 * sizeof(double), "position");
+  }
   const double length = std::sqrt(w * w + i * i + j * j + k * k);
   if (!(std::abs(length - 1) <= unit_tolerance)) {
-    return from.fail(DecodeProblem::InvalidValue, "orientation", orientation_at);
+    return from.fail_number(DecodeProblem::InvalidValue, length, no_rotation, 4 * sizeof(double),
+                            "orientation");
   }
   position_ = position;
   orientation_ = Quaternion(w, i, j, k);

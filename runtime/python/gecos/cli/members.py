@@ -278,9 +278,9 @@ def watch(
 
     with ExitStack() as opened:
         robot = opened.enter_context(_connected(broker, name, attribute))
-        needed = by_name.attribute(robot, attribute).access
-        opened.enter_context(_status(robot, needed, password))
-        shown = opened.enter_context(report.Samples(as_json))
+        wanted = by_name.attribute(robot, attribute)
+        opened.enter_context(_status(robot, wanted.access, password))
+        shown = opened.enter_context(report.Samples(as_json, wanted.result.unit))
         for number, sample in enumerate(_samples(robot, attribute, every), 1):
             shown.show(sample)
             if number == count:

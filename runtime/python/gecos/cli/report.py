@@ -196,10 +196,13 @@ def _how_called(operation: Operation) -> str:
 def value(of: Any, unit: str) -> None:
     """Prints a result or the value of an attribute. Values with members are printed as indented
     JSON."""
-    print(
-        _text(of, indent=2)
-        + (f" {printable(unit)}" if unit and not isinstance(of, dict | list) else "")
-    )
+    print(_with_unit(of, unit, indent=2))
+
+
+def _with_unit(of: Any, unit: str, indent: int | None = None) -> str:
+    """Returns the text of a value. A single number or text is followed by its unit."""
+    shown = f" {printable(unit)}" if unit and not isinstance(of, dict | list) else ""
+    return _text(of, indent) + shown
 
 
 def _text(of: Any, indent: int | None = None) -> str:
@@ -227,9 +230,10 @@ def rate(line: dict[str, Any]) -> None:
 
 class Samples:
     """Shows one sample after another. On a terminal each sample replaces the previous one;
-    otherwise each sample is a line."""
+    otherwise each sample is a line. `unit` is the unit of the values."""
 
-    def __init__(self, as_json: bool) -> None:
+    def __init__(self, as_json: bool, unit: str) -> None:
+        self._unit = unit
         self._as_json = as_json
         self._in_place = sys.stdout is not None and sys.stdout.isatty() and not as_json
         self._lines = 0
@@ -250,9 +254,9 @@ class Samples:
         if self._as_json:
             print_json(sample)
         elif self._in_place:
-            self._redraw(_text(sample["value"], indent=2).splitlines())
+            self._redraw(_with_unit(sample["value"], self._unit, indent=2).splitlines())
         else:
-            print(_text(sample["value"]), flush=True)
+            print(_with_unit(sample["value"], self._unit), flush=True)
 
     def _redraw(self, lines: list[str]) -> None:
         """Replaces the lines of the previous sample. Text that does not fit on the terminal is

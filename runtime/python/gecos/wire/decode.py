@@ -290,7 +290,8 @@ class Decoder:
             self.refuse(DecodeProblem.TRAILING_BYTES)
 
     def refuse(
-        self, problem: DecodeProblem, field: str = "", offset: int | None = None
+        self, problem: DecodeProblem, field: str = "", offset: int | None = None, why: str = ""
     ) -> NoReturn:
-        """Raises DecodeError. The default of `offset` is the offset of the next read."""
-        raise DecodeError(problem, self.offset if offset is None else offset, field)
+        """Raises DecodeError. The default of `offset` is the offset of the next read. `why`
+        replaces the general text of `problem`."""
+        raise DecodeError(problem, self.offset if offset is None else offset, field, why)

@@ -24,6 +24,12 @@ _PARALLEL_AXES = 1e-9
 # The layout of robcl::Frame in idl/robcl/geometry.gidl.
 _LAYOUT = Fields("ddddddd", ("position",) * 3 + ("orientation",) * 4)
 
+# These texts follow "<number> is " in the message of a decoder.
+_NOT_FINITE = "the sum of the coordinates, which must be finite"
+_NO_ROTATION = (
+    "the length of the orientation's quaternion, which must be 1; without rotation, w is 1"
+)
+
 _HERE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
 
@@ -239,9 +245,12 @@ class Frame:
         numbers = _LAYOUT.unpack(source)
         x, y, z, w, i, j, k = numbers
         if not (isfinite(x) and isfinite(y) and isfinite(z)):
-            source.refuse(DecodeProblem.INVALID_VALUE, "position", start)
-        if not abs(sqrt(w * w + i * i + j * j + k * k) - 1) <= cls.UNIT_TOLERANCE:
-            source.refuse(DecodeProblem.INVALID_VALUE, "orientation", start + 24)
+            why = f"{x + y + z:g} is {_NOT_FINITE}"
+            source.refuse(DecodeProblem.INVALID_VALUE, "position", start, why)
+        length = sqrt(w * w + i * i + j * j + k * k)
+        if not abs(length - 1) <= cls.UNIT_TOLERANCE:
+            why = f"{length:g} is {_NO_ROTATION}"
+            source.refuse(DecodeProblem.INVALID_VALUE, "orientation", start + 24, why)
         return cls._of(numbers)
 
     @staticmethod
