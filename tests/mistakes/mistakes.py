@@ -101,4 +101,16 @@ def settled(text: str, *folders: Path) -> str:
         text,
     )
     text = text.replace(f"of {getpass.getuser()} on <host>", "of <user> on <host>")
+    text = as_python_311_says(text)
     return "\n".join(line.rstrip() for line in text.strip("\n").splitlines())
+
+
+def as_python_311_says(text: str) -> str:
+    """`text` with the words of Python 3.11 in place of those of later versions."""
+    text = re.sub(r"\.cpython-\d+-[\w-]+\.so\b", ".<python>.so", text)
+    text = re.sub(r"(?<=\(choose from ).*?(?=\))", lambda names: names[0].replace("'", ""), text)
+    return re.sub(
+        r"without an implementation for (abstract methods? )(.*)",
+        lambda told: "with " + told[1] + told[2].replace("'", ""),
+        text,
+    )
