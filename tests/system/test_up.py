@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import sys
 import uuid
@@ -65,6 +66,43 @@ def test_a_program_that_ends_is_told_of_and_the_others_go_on(
     up.wait_for("SHORT ended with status 3; the other programs continue")
     up.signal(signal.SIGINT)
     assert up.finish() == 0, str(up)
+
+
+def test_the_pause_before_a_restart_delays_nothing_else(lab: Laboratory, tmp_path: Path) -> None:
+    file = tmp_path / "lab.toml"
+    file.write_text(
+        '[programs.OTHER]\nrun = ["sh", "-c", "echo pid $$.; exec sleep 1000"]\nready = "pid"\n'
+        '[programs.SHORT]\nrun = ["sh", "-c", "exit 3"]\nready = ""\nrestart = true\n'
+    )
+    up = lab.start(*GECOS, "up", file)
+    up.wait_for("SHORT ended with status 3; it is started again in 4 s")
+    other = re.search(r"\[OTHER\] pid (\d+)\.", up.output())
+    assert other is not None
+    os.kill(int(other[1]), signal.SIGKILL)
+    up.wait_for("OTHER was ended by signal 9; the other programs continue")
+    assert "it is started again in 8 s" not in up.output()
+    up.signal(signal.SIGINT)
+    assert up.finish() == 0, str(up)
+
+
+def test_a_program_that_cannot_be_started_again_is_tried_later(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    module = sys.modules["gecos.laboratory.running"]
+    monkeypatch.setattr(module, "_FIRST_PAUSE", 0.01)
+    script = tmp_path / "oven"
+    script.write_text("#!/bin/sh\nrm -f $0\necho serving OVEN\n")
+    script.chmod(0o755)
+    program = Program("OVEN", ("./oven",), restart=True)
+    laboratory = LaboratoryDescription((program,), starts_broker=False, folder=tmp_path)
+    with running(laboratory) as started:
+        while "in 0.04 s" not in (said := capsys.readouterr().out):
+            started.watch(0.01)
+        script.write_text("#!/bin/sh\necho serving the new OVEN\n")
+        script.chmod(0o755)
+        while "serving the new OVEN" not in said:
+            started.watch(0.01)
+            said += capsys.readouterr().out
 
 
 def test_what_serve_prints_says_that_a_program_is_ready(lab: Laboratory, tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import sched
 import shutil
 import subprocess
 import sys
@@ -41,7 +42,8 @@ class _Process:
     ) -> None:
         self.program = program
         self.since = time.monotonic()
-        self._ready = threading.Event()
+        self._is_ready = program.ready == ""
+        self._ready_or_ended = threading.Event()
         self._ended = ended
         self._process = subprocess.Popen(
             [*_ends_with_us(), *command],
@@ -60,32 +62,40 @@ class _Process:
 
     def _pass_on(self) -> None:
         assert self._process.stdout is not None
-        if self.program.ready == "":
-            self._ready.set()
+        if self._is_ready:
+            self._ready_or_ended.set()
         for line in self._process.stdout:
             print(f"  [{self.program.name}] {line}", end="", flush=True)
             if _is_ready(line, self.program):
-                self._ready.set()
+                self._is_ready = True
+                self._ready_or_ended.set()
         self._process.stdout.close()
         self._process.wait()
-        self._ready.set()
+        self._ready_or_ended.set()
         self._ended(self)
 
     def await_ready(self) -> None:
         """Raises LaboratoryError if the program ends before it is ready, or is not ready in
         time."""
-        in_time = self._ready.wait(READY_WITHIN)
-        if not in_time:
-            ready = self.program.ready
-            default = "that begins with 'serving ' or ends with 'is ready'"
-            text = default if ready is None else f"with {ready!r}"
-            raise LaboratoryError(
-                f"{self.program.name} is not ready: within {READY_WITHIN:g} s it has printed no "
-                f"line {text}; if it prints another one, name a part of that line as `ready` "
-                "in lab.toml"
-            )
-        if self.program.ready != "" and self.status is not None:
+        if not self._ready_or_ended.wait(READY_WITHIN):
+            raise LaboratoryError(self._not_ready())
+        if not self._is_ready:
             raise LaboratoryError(f"{self.program.name} {self.how_ended()} before it was ready")
+
+    def complain_if_not_ready(self) -> None:
+        """Prints that the program is not ready. Called READY_WITHIN s after its start."""
+        if not self._ready_or_ended.is_set():
+            print(self._not_ready(), flush=True)
+
+    def _not_ready(self) -> str:
+        ready = self.program.ready
+        default = "that begins with 'serving ' or ends with 'is ready'"
+        text = default if ready is None else f"with {ready!r}"
+        return (
+            f"{self.program.name} is not ready: within {READY_WITHIN:g} s it has printed no "
+            f"line {text}; if it prints another one, name a part of that line as `ready` "
+            "in lab.toml"
+        )
 
     @property
     def status(self) -> int | None:
@@ -122,13 +132,18 @@ class RunningLaboratory:
         self._commands: dict[str, tuple[str, ...]] = {}
         self._events: SimpleQueue[_Process] = SimpleQueue()
         self._pauses: dict[str, float] = {}
+        self._later = sched.scheduler(time.monotonic)
 
     def start(self, program: Program, command: Sequence[str]) -> None:
         """Starts a program, and returns when the program is ready."""
         self._commands[program.name] = tuple(command)
+        self._launch(program).await_ready()
+
+    def _launch(self, program: Program) -> _Process:
+        command = self._commands[program.name]
         process = _Process(program, command, self._environment, self._folder, self._events.put)
         self._processes[program.name] = process
-        process.await_ready()
+        return process
 
     def watch(self, timeout: float | None = None) -> None:
         """Watches the programs. When a program ends, starts it again if it is to be restarted, and
@@ -136,10 +151,12 @@ class RunningLaboratory:
         such as KeyboardInterrupt."""
         end = None if timeout is None else time.monotonic() + timeout
         while end is None or time.monotonic() < end:
+            waits = (self._later.run(blocking=False), end and end - time.monotonic())
+            wait = min((max(0.0, each) for each in waits if each is not None), default=None)
             try:
-                ended = self._events.get(timeout=None if end is None else end - time.monotonic())
-            except (Empty, ValueError):
-                return
+                ended = self._events.get(timeout=wait)
+            except Empty:
+                continue
             if self._processes.get(ended.program.name) is ended:
                 self._after(ended)
 
@@ -148,16 +165,23 @@ class RunningLaboratory:
         if not program.restart:
             print(f"{program.name} {ended.how_ended()}; the other programs continue", flush=True)
             return
-        ran = time.monotonic() - ended.since
-        before = self._pauses.get(program.name, 0.0) if ran < _LONG_RUN else 0.0
-        pause = min(max(_FIRST_PAUSE, 2 * before), _LONGEST_PAUSE)
+        if time.monotonic() - ended.since >= _LONG_RUN:
+            self._pauses.pop(program.name, None)
+        self._start_later(program, f"{program.name} {ended.how_ended()}")
+
+    def _start_later(self, program: Program, why: str) -> None:
+        pause = min(max(_FIRST_PAUSE, 2 * self._pauses.get(program.name, 0.0)), _LONGEST_PAUSE)
         self._pauses[program.name] = pause
-        print(f"{program.name} {ended.how_ended()}; it is started again in {pause:g} s", flush=True)
-        time.sleep(pause)
+        print(f"{why}; it is started again in {pause:g} s", flush=True)
+        self._later.enter(pause, 0, self._start_again, (program,))
+
+    def _start_again(self, program: Program) -> None:
         try:
-            self.start(program, self._commands[program.name])
-        except (LaboratoryError, OSError) as error:  # for example while its file is written anew
-            print(error, flush=True)
+            process = self._launch(program)
+        except OSError as error:  # for example while its file is written anew
+            self._start_later(program, f"{program.name} cannot be started: {error}")
+            return
+        self._later.enter(READY_WITHIN, 0, process.complain_if_not_ready)
 
     def end(self) -> None:
         """Ends all programs, the last one first."""
