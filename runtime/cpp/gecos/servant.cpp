@@ -46,6 +46,52 @@ void with_encoded(std::size_t size, FunctionRef<void(wire::Encoder&)> encode, Us
 
 }  // namespace
 
+namespace session {
+
+bool PublisherSlot::claim(std::shared_ptr<Publisher> publisher) {
+  const MutexLock lock(mutex_);
+  if (!served_as().empty()) return false;
+  current_.store(nullptr);
+  await_users();
+  owned_.swap(publisher);  // the earlier publisher is destroyed without the lock
+  current_.store(owned_.get());
+  return true;
+}
+
+void PublisherSlot::release() {
+  std::shared_ptr<Publisher> dropped;  // destroyed without the lock
+  const MutexLock lock(mutex_);
+  current_.store(nullptr);
+  await_users();
+  dropped = std::move(owned_);
+}
+
+void PublisherSlot::await_users() const {
+  while (const std::uint32_t users = users_.load()) users_.wait(users);
+}
+
+void PublisherSlot::with(FunctionRef<void(Publisher&)> use) const {
+  struct User {
+    std::atomic<std::uint32_t>& users;
+    explicit User(std::atomic<std::uint32_t>& counted) : users(counted) { ++users; }
+    User(const User&) = delete;
+    User& operator=(const User&) = delete;
+    ~User() {
+      if (--users == 0) users.notify_all();
+    }
+  };
+  const User user(users_);
+  if (Publisher* const publisher = current_.load()) use(*publisher);
+}
+
+std::string PublisherSlot::served_as() const {
+  std::string name;
+  with([&](Publisher& publisher) { name = publisher.served_as(); });
+  return name;
+}
+
+}  // namespace session
+
 Servant::~Servant() {
   const std::string name = gecos_served_as();
   if (name.empty()) return;
@@ -131,8 +177,10 @@ void Servant::gecos_dispatch(IncomingCall call) {
 
 void Servant::gecos_publish(const StreamDescription& outward, std::size_t size,
                             FunctionRef<void(wire::Encoder&)> encode, std::int64_t stamp_ns) {
-  with_encoded<4096>(
-      size, encode, [&](ByteView sample) { gecos_publisher_->publish(outward, sample, stamp_ns); });
+  with_encoded<4096>(size, encode, [&](ByteView sample) {
+    gecos_publisher_.with(
+        [&](session::Publisher& publisher) { publisher.publish(outward, sample, stamp_ns); });
+  });
 }
 
 void Servant::gecos_not_published(std::string_view name, const std::string& why) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <concepts>
 #include <cstdint>
 #include <initializer_list>
@@ -12,6 +13,7 @@
 
 #include "gecos/base/function_ref.hpp"
 #include "gecos/base/log.hpp"
+#include "gecos/base/mutex.hpp"
 #include "gecos/command.hpp"
 #include "gecos/description.hpp"
 #include "gecos/wire/encoder.hpp"
@@ -238,6 +240,32 @@ class Publisher {
   virtual std::string served_as() { return {}; }
 };
 
+/// Where a servant publishes to. All functions may be called from several threads: a thread of the
+/// servant may publish while a server adds or releases the servant.
+class PublisherSlot {
+ public:
+  /// Sets the publisher. Returns false if a server serves the servant already.
+  bool claim(std::shared_ptr<Publisher> publisher);
+  /// Drops the publisher, after the threads that use it have ended.
+  void release();
+  /// Calls `use` with the publisher, if there is one. Takes no lock.
+  void with(FunctionRef<void(Publisher&)> use) const;
+  bool empty() const { return current_.load() == nullptr; }
+  /// The name under which a server serves the servant; empty when none does. Takes no lock, because
+  /// a forked child may ask.
+  std::string served_as() const;
+
+ private:
+  void await_users() const;
+
+  Mutex mutex_;
+  std::shared_ptr<Publisher> owned_ GECOS_GUARDED_BY(mutex_);
+  std::atomic<Publisher*> current_{nullptr};
+  /// Number of threads in with(). A thread counts itself before it reads `current_`, and release()
+  /// clears `current_` before it reads the number; both are sequentially consistent.
+  mutable std::atomic<std::uint32_t> users_{0};
+};
+
 }  // namespace session
 
 /// The base of every implementation of an object. A generated skeleton derives from this class, and
@@ -274,13 +302,14 @@ class Servant {
   /// server, concurrently with handlers; must not block.
   virtual void gecos_session_ended(std::uint64_t session) { static_cast<void>(session); }
 
-  void gecos_attach(std::shared_ptr<session::Publisher> publisher) {
-    gecos_publisher_ = std::move(publisher);
+  /// Sets where the servant publishes to. Returns false if a server serves the servant already.
+  bool gecos_attach(std::shared_ptr<session::Publisher> publisher) {
+    return gecos_publisher_.claim(std::move(publisher));
   }
+  /// After this call the servant publishes nothing.
+  void gecos_detach() { gecos_publisher_.release(); }
   /// The name under which a server serves this servant; empty when none does.
-  std::string gecos_served_as() const {
-    return gecos_publisher_ == nullptr ? std::string() : gecos_publisher_->served_as();
-  }
+  std::string gecos_served_as() const { return gecos_publisher_.served_as(); }
 
  protected:
   /// For generated skeletons: answers a call of an own or inherited operation. Returns false when
@@ -312,16 +341,17 @@ class Servant {
   }
   template <class T>
   bool gecos_may_publish(std::string_view name, const T& value) const {
-    if (gecos_publisher_ == nullptr) return false;
+    if (!gecos_attached()) return false;
     const auto wrong = wire::violation_of(value);
     if (!wrong.empty()) gecos_not_published(name, wrong);
     return wrong.empty();
   }
+  /// Returns true when a server has added this servant.
+  bool gecos_attached() const { return !gecos_publisher_.empty(); }
   /// Logs why a sample was not published. `name` is the stream's scoped name.
   static void gecos_not_published(std::string_view name, const std::string& why);
 
-  /// Null until the servant was added to a server.
-  std::shared_ptr<session::Publisher> gecos_publisher_;
+  session::PublisherSlot gecos_publisher_;
 };
 
 /// Returns the current Unix time in ns, for time stamps that people read.

@@ -81,7 +81,8 @@ void PulledServant::close() {
 bool PulledServant::publish(FunctionCode code, ByteView sample, std::int64_t stamp_ns) {
   const StreamDescription* const stream = interface_.find_stream(code);
   if (stream == nullptr) return false;
-  if (gecos_publisher_ != nullptr) gecos_publisher_->publish(*stream, sample, stamp_ns);
+  gecos_publisher_.with(
+      [&](session::Publisher& publisher) { publisher.publish(*stream, sample, stamp_ns); });
   return true;
 }
 

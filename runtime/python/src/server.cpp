@@ -159,7 +159,7 @@ class ServerHandle {
     without_gil([this, servant = prepared.servant()] {
       const MutexLock lock(serving_);
       servant->close();
-      servant->gecos_attach(nullptr);
+      servant->gecos_detach();
     });
   }
 
@@ -176,7 +176,7 @@ class ServerHandle {
       server.reset();
       // This object keeps the servants alive. The servants must not keep the Lab and its thread
       // alive.
-      for (const auto& servant : servants) servant->gecos_attach(nullptr);
+      for (const auto& servant : servants) servant->gecos_detach();
     });
     drop(lab_, owner_);
   }

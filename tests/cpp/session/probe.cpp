@@ -150,7 +150,9 @@ void ProbeServant::publish(std::int32_t value, std::int64_t stamp_ns) {
 }
 
 void ProbeServant::publish_damaged() {
-  gecos_publisher_->publish(description().streams[0], gecos::Bytes(3), gecos::measured_now);
+  gecos_publisher_.with([](gecos::session::Publisher& publisher) {
+    publisher.publish(description().streams[0], gecos::Bytes(3), gecos::measured_now);
+  });
 }
 
 void ProbeServant::on_read(std::function<void(gecos::IncomingCall)> handler) {

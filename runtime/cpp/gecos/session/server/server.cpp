@@ -32,6 +32,13 @@ bool within_process(const std::shared_ptr<media::Acceptor>& acceptor) {
   return acceptor->capabilities().reach == media::Reach::Process;
 }
 
+tl::unexpected<ServeError> served_already(const std::string& name, const Servant& servant) {
+  return tl::unexpected(ServeError{name + ": this servant is served already, as " +
+                                   servant.gecos_served_as() +
+                                   ", and can publish under one name only; create a servant for "
+                                   "each name"});
+}
+
 }  // namespace
 
 class Server::Core {
@@ -183,11 +190,7 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
         ServeError{"no object can be served under the name '" + name.substr(0, name.find('\0')) +
                    "': a name must have at least one character and must not contain NUL"});
   }
-  if (const auto served = servant.gecos_served_as(); !served.empty()) {
-    return tl::unexpected(ServeError{name + ": this servant is served already, as " + served +
-                                     ", and can publish under one name only; create a servant for "
-                                     "each name"});
-  }
+  if (!servant.gecos_served_as().empty()) return served_already(name, servant);
   const bool well_known = options.well_known;
   if (!well_known) {
     if (const auto found = await_broker(options.patience); !found) {
@@ -197,7 +200,8 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
   auto opened = open_places(name, options);
   if (!opened) return tl::unexpected(opened.error());
   auto object = std::make_shared<ObjectHost>(lab_->runtime(), name, servant, std::move(options));
-  servant.gecos_attach(object);
+  // Another thread may have added the servant meanwhile.
+  if (!servant.gecos_attach(object)) return served_already(name, servant);
   for (auto& acceptor : opened->acceptors) io_.serve(object, std::move(acceptor));
   {
     const MutexLock lock(mutex_);
