@@ -43,5 +43,5 @@ STANDARD = words(
     """
 )
 
-# Modules that generated code, the runtime and the commands of the runtime import.
+# Modules that are imported by generated code, by the runtime, or by its command-line tools.
 OURS = words("click gecos gecos_idl gidl lcm noise numpy rich robcl typing_extensions")

@@ -135,9 +135,9 @@ def _ranges(node: Node, part: str) -> Iterator[tuple[str, Range]]:
 
 
 def read_exactly(model: Model) -> dict[str, str]:
-    """Returns the enums whose unknown literals readers refuse despite @default_literal, each with
-    the reason. A union cannot tell which arm follows an unknown literal, and a map must not have
-    the same key twice."""
+    """Returns the enums whose unknown enumerators readers refuse despite @default_literal, each
+    with the reason. A union cannot tell which arm follows an unknown enumerator, and a map must not
+    have the same key twice."""
     found: dict[str, str] = {}
     for slot in slots(model):
         for key in _keys(model, slot.type):

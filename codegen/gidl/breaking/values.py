@@ -135,11 +135,11 @@ def _refused(old: AnyDeclaration, new: AnyDeclaration, what: str, report: Report
 
 
 def _enum(old: EnumDeclaration, new: EnumDeclaration, exact: str, report: Report) -> None:
-    """Compares enums. `exact` is the reason why readers refuse unknown literals despite
+    """Compares enums. `exact` is the reason why readers refuse unknown enumerators despite
     @default_literal, or "" if they do not."""
     if old.default_literal != new.default_literal:
         report.add("G1004", old.name,
-                   f"unknown literals of '{old.name}' were read as "
+                   f"unknown enumerators of '{old.name}' were read as "
                    f"{old.default_literal or 'an error'} and are now read as "
                    f"{new.default_literal or 'an error'}",
                    "the hash of every operation that uses the enum differs, so old and new "
@@ -156,24 +156,24 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, exact: str, report: Report
         if now is not None and now.number != was.number:
             report.add("G1004", old.name,
                        f"'{name}' of '{old.name}' was {was.number} and is now {now.number}",
-                       "old and new programs read the same number as different literals",
-                       "keep the number with @value, and put new literals at the end",
+                       "old and new programs read the same number as different enumerators",
+                       "keep the number with @value, and put new enumerators at the end",
                        new=now.facts, old=was.facts)  # fmt: skip
         elif now is None and not grows:
             report.add("G1004", old.name, f"'{name}' of '{old.name}' is gone",
-                       f"old programs still send the literal, and new programs {refuse}",
+                       f"old programs still send the enumerator, and new programs {refuse}",
                        "keep the declaration, marked @deprecated", new=new.facts,
                        old=was.facts)  # fmt: skip
         elif now is None and was.number in numbers:
             taken = numbers[was.number]
             report.add("G1004", old.name,
                        f"{was.number} of '{old.name}' was '{name}' and is now '{taken.name}'",
-                       "old and new programs read the same number as different literals",
+                       "old and new programs read the same number as different enumerators",
                        f"keep '{name}', and give '{taken.name}' a number of its own",
                        new=taken.facts, old=was.facts)  # fmt: skip
         elif now is None:
             report.add("G1101", old.name, f"'{name}' of '{old.name}' is gone",
-                       f"{_NO_BUILD}; old programs send the literal, and new programs read "
+                       f"{_NO_BUILD}; old programs send the enumerator, and new programs read "
                        f"'{new.default_literal}'",
                        "keep the declaration, marked @deprecated", new=new.facts,
                        old=was.facts)  # fmt: skip
@@ -182,9 +182,9 @@ def _enum(old: EnumDeclaration, new: EnumDeclaration, exact: str, report: Report
             instead = "declare a new enum with @default_literal"
             report.add("G1004", old.name, f"'{name}' of '{old.name}' is new",
                        f"old programs {refuse}" if default else
-                       "old programs refuse the new literal",
+                       "old programs refuse the new enumerator",
                        "declare a new enum, and a new union or member with it" if default else
-                       f"{instead}, which readers use for unknown literals",
+                       f"{instead}, which readers use for unknown enumerators",
                        new=now.facts)  # fmt: skip
 
 

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 WIDTH = 100
 _STEP = "    "
-# Characters that mark groups. They are private-use code points, which `without_marks` removes from
-# the texts of users.
+# Characters that mark a group and its parts. They are private-use code points.
+# `without_marks` removes them from texts that come from users' files.
 _OPEN, _NEXT, _CLOSE, _SPACE = "\ue000", "\ue001", "\ue002", "\ue003"
 _MARKS = str.maketrans("", "", _OPEN + _NEXT + _CLOSE + _SPACE)
 

@@ -82,4 +82,6 @@ class Fields:
                 struct.pack(">" + code, value)
             except (struct.error, OverflowError, TypeError):
                 return EncodeError(name, f"{value!r} is not {CODE_MEANING[code]}")
-        raise AssertionError("the run cannot be packed, but each of its values can")
+        raise AssertionError(
+            "the values cannot be packed together, but each one can be packed alone"
+        )

@@ -237,8 +237,9 @@ def exception(
     names: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
 ) -> Callable[[_KindT], _KindT]:
-    """Declares the members of an exception with the scoped name `name`, compared by identity.
-    `units` maps names in the interface to units, which its text shows."""
+    """Declares the members of an exception with the scoped name `name`. Two exceptions are equal
+    only if they are the same object. `units` maps the names of members in the interface to units,
+    which the message of the exception shows."""
 
     def tell(kind: _KindT) -> _KindT:
         layout = StructLayout(kind, fingerprint, steps, missing, open, False, label, names or {})

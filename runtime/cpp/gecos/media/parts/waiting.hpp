@@ -55,7 +55,7 @@ struct SpinOptions {
 ///       spin.begin();
 ///     }
 ///
-/// The decision depends on two facts. Neither of them is derived from the duration of a yield.
+/// The decision depends on two facts.
 ///
 /// *The cores on which the peers run.* A peer on this core needs the core to answer, so that a
 /// yield follows every poll. Peers on other cores do not need this core; a yield could only give
@@ -71,8 +71,8 @@ struct SpinOptions {
 /// some time afterwards, waits for a peer on this core sleep at once, because a wake-up takes the
 /// core back from that program but a yield does not.
 ///
-/// Only one thread at a time may use a policy. Each waiting thread should have a separate policy,
-/// because the policy learns from earlier waits.
+/// Only one thread at a time may use a SpinPolicy. Each waiting thread should have its own, because
+/// it learns from earlier waits.
 class SpinPolicy {
  public:
   explicit SpinPolicy(const Clock& clock, SpinOptions options = {},
