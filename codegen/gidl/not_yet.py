@@ -62,7 +62,6 @@ class Term:
         return f"@{self.annotation}({self.argument})" if self.argument else f"@{self.annotation}"
 
 
-_BY_INTERFACE = "the quality of the interface decides which medium is used"
 _UNMEASURED = "the latency of links is not measured"
 _ALL_RELIABLE = "every sample and call is sent with the reliability of its medium"
 
@@ -83,8 +82,6 @@ NOT_YET = (
     Term("qos", "liveliness", _always, "a session lives as long as its connection"),
     Term("qos", "deadline", _is_stream, "a gap between samples is not detected"),
     Term("qos", "depth", _is_call, "only streams keep samples"),
-    Term("qos", "class", _is_member, _BY_INTERFACE),
-    Term("qos", "media", _is_member, _BY_INTERFACE),
     Term("qos", "reliability", _is_member, _ALL_RELIABLE),
 )
 

@@ -81,7 +81,7 @@ def test_our_own_interfaces_ask_for_this_much_that_is_to_come() -> None:
     asked = {(f.location.file, f.message.split("'")[1]) for f in findings.found if f.location}
     assert asked == {
         ("robcl/manipulator.gidl", f"@qos({term})")
-        for term in ("class", "reliability", "latency", "lifespan")
+        for term in ("reliability", "latency", "lifespan")
     }
 
 

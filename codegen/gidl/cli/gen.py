@@ -164,8 +164,8 @@ def _without_folder(compiled: Compiled) -> list[Finding]:
         findings.warning(
             "G0026",
             inside.facts.location,
-            f"the output is named {stem}, not {folder.name}/{stem}: no search folder contains "
-            f"'{folder.name}'",
+            f"the output is named {stem}, not {folder.name}/{stem}: no include directory "
+            f"(-I) contains '{folder.name}'",
             f"to generate {folder.name}/{stem}, add: -I {shlex.quote(_above(Path(shown).parent))}",
         )
     return findings.found

@@ -98,7 +98,7 @@ class CorbaWriter(OmgWriter):
 
     def _struct(self, struct: Struct, deeper: int) -> None:
         if struct.base is not None:
-            self._cannot("a struct with a base", "declare a member of the base's type")
+            self._cannot("a struct with a base", "declare a member whose type is the base")
         kind = "exception" if isinstance(struct, ExceptionStruct) else "struct"
         if kind == "struct" and not struct.members:
             self._cannot("an empty struct")

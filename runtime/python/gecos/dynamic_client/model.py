@@ -15,7 +15,7 @@ from gecos.interface import ASKED_NOTHING, Access, OnLoss, OnNew, Quality
 from gecos.record import Record
 
 OBJECT_REFERENCE = "gecos::ObjectRef"
-"""The type of values whose declared type is an interface."""
+"""The type of a parameter or member that is declared with an interface as its type."""
 
 
 class ModelError(ValueError):

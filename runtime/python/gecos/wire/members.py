@@ -250,8 +250,8 @@ class Arguments(Members):
 
 
 class BitsLayout(Kind):
-    """The layout of a bitset, which is encoded as one number with the code `code`. `members` are
-    the position, width and code of each member."""
+    """The layout of a bitset, which is encoded as one number of the type that `code` names, as in
+    the module struct. `members` gives the position, width and type code of each member."""
 
     __slots__ = ("_labels", "_members", "_number", "attributes", "kind", "least", "names", "used")
 

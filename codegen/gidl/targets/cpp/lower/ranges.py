@@ -14,8 +14,8 @@ def range_test(x: str, number: ScalarNode) -> str:
 
 
 def bounds(number: ScalarNode) -> str:
-    """A gecos::wire::Bounds: "{0.01, 1.0}" or "{.low = 0.01}". Empty if all values are in the
-    range."""
+    """A gecos::wire::Bounds: "{0.01, 1.0}" or "{.low = 0.01}". Empty if every value of the type
+    is allowed."""
     found = _bounds(number)
     terms = [bound if len(found) == 2 else f".{side} = {bound}" for _, side, bound in found]
     return f"{{{', '.join(terms)}}}" if terms else ""

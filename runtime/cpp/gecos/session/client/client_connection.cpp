@@ -15,7 +15,7 @@ ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
     : runtime_(std::move(runtime)),
       connection_(std::move(connection)),
       welcome_(std::move(welcome)),
-      differing_(std::move(differing)),
+      refused_(std::move(differing)),
       server_(runtime_->options(), runtime_->clock()),
       calls_(*runtime_, *connection_, id, welcome_, server_),
       failover_(*this),
@@ -45,7 +45,7 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
                                                     std::size_t size,
                                                     FunctionRef<void(wire::Encoder&)> encode,
                                                     const CallOptions& options) {
-  if (auto refused = differs(operation.code, operation.name)) return ended(std::move(*refused));
+  if (auto refused = refusal(operation.code, operation.name)) return ended(std::move(*refused));
   if (options.deadline && *options.deadline <= Duration{}) {
     return ended(
         {Detail::Expired,
@@ -75,19 +75,8 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
 
 tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::subscribe(
     const StreamDescription& stream) {
-  if (auto refused = differs(stream.code, stream.name)) return tl::unexpected(std::move(*refused));
+  if (auto refused = refusal(stream.code, stream.name)) return tl::unexpected(std::move(*refused));
   return subscriptions_.subscribe(stream);
-}
-
-std::optional<Failure> ClientConnection::differs(FunctionCode code, std::string_view name) const {
-  if (!std::binary_search(differing_.begin(), differing_.end(), code)) return std::nullopt;
-  return Failure{Detail::Refused,
-                 "'" + std::string(name) + "' of " + welcome_.object +
-                     " was not sent: the server's " + welcome_.interface_name +
-                     " defines it differently than this program; rebuild the older of the two from "
-                     "the newer interface (`gidl breaking` shows what differs)",
-                 {},
-                 {}};
 }
 
 }  // namespace gecos::session

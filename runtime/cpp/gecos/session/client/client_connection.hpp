@@ -12,6 +12,7 @@
 #include "gecos/session/client/connection_reader.hpp"
 #include "gecos/session/client/lease_state.hpp"
 #include "gecos/session/client/packet_receiver.hpp"
+#include "gecos/session/client/refused_operations.hpp"
 #include "gecos/session/client/server_watch.hpp"
 #include "gecos/session/client/session_end.hpp"
 #include "gecos/session/client/session_failover.hpp"
@@ -63,9 +64,15 @@ class ClientConnection final : public ClientSession,
   /// session.
   void found_at(std::string address) { place_ = std::move(address); }
   const std::string& place() const { return place_; }
-  /// Returns a failure when client and server define the operation or stream `name` differently.
-  /// Then no call of `name` may be sent, because the server would decode wrong arguments.
-  std::optional<Failure> differs(FunctionCode code, std::string_view name) const;
+  /// Holds the operations and streams of `wanted` to their own `@qos`. Must be called before other
+  /// threads know the session.
+  void hold_to_quality(const InterfaceDescription& wanted, bool simulated) {
+    refused_.hold_to_quality(wanted, connection_->capabilities(), simulated);
+  }
+  /// Returns a failure when no call or subscription of `name` may be sent.
+  std::optional<Failure> refusal(FunctionCode code, std::string_view name) const {
+    return refused_.why(code, name, welcome_);
+  }
 
   CallSender& calls() { return calls_; }
   ConnectionReader& reader() { return reader_; }
@@ -77,7 +84,7 @@ class ClientConnection final : public ClientSession,
   const std::shared_ptr<Runtime> runtime_;
   const std::unique_ptr<media::Connection> connection_;
   const Welcome welcome_;
-  const std::vector<FunctionCode> differing_;
+  RefusedOperations refused_;
   std::string place_;
 
   ServerWatch server_;

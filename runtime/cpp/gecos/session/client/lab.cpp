@@ -93,13 +93,13 @@ tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_objec
   if (!addresses) {
     return tl::unexpected(Attempt{name, Detail::QosUnavailable, name + " " + addresses.error()});
   }
-  const auto with_failover = [&](ClientConnection& session) {
+  const auto prepare = [&](ClientConnection& session) {
     session.failover().set(lab.failover(), {name, wanted, options});
+    session.hold_to_quality(wanted, entry->simulated);
   };
   Attempt failed{name, Detail::NoServer, {}};
   for (const auto& address : *addresses) {
-    auto session =
-        connect(*lab.runtime(), address, wanted, deadline, &failed.detail, with_failover);
+    auto session = connect(*lab.runtime(), address, wanted, deadline, &failed.detail, prepare);
     if (session && lab.keep(*session)) return std::move(*session);
     if (session) return tl::unexpected(closed_lab(name));  // the lab was closed meanwhile
     failed.reason += (failed.reason.empty() ? "" : "; ") + session.error();

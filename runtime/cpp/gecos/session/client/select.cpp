@@ -3,10 +3,8 @@
 #include <algorithm>
 
 #include "gecos/media/kinds.hpp"
-#include "gecos/qos/match.hpp"
 
 namespace gecos::session {
-namespace {
 
 qos::LineCapabilities line_of(const media::Capabilities& capabilities) {
   qos::LineCapabilities line;
@@ -18,6 +16,13 @@ qos::LineCapabilities line_of(const media::Capabilities& capabilities) {
   line.reports_death = capabilities.reports_death || capabilities.reach == media::Reach::Process;
   return line;
 }
+
+qos::Quality demanded_of(qos::Quality asked, bool simulated) {
+  if (simulated && asked.line == qos::Class::HardRealtime) asked.line = qos::Class::SoftRealtime;
+  return asked;
+}
+
+namespace {
 
 std::string out_of_shared_memory(const std::string& here, const Entry& entry,
                                  const std::string& address) {
@@ -88,11 +93,7 @@ tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, con
         (reasons.empty() ? ": its server does not offer this medium, it offers " + offered(entry)
                          : " (" + reasons + ")"));
   }
-  // A late packet does no harm in a simulated device, so soft real time is enough.
-  qos::Quality held_to = asked;
-  if (entry.simulated && held_to.line == qos::Class::HardRealtime) {
-    held_to.line = qos::Class::SoftRealtime;
-  }
+  const qos::Quality held_to = demanded_of(asked, entry.simulated);
   if (const auto chosen = qos::choose(held_to, lines); !chosen) {
     return tl::unexpected(chosen.error() + (reasons.empty() ? "" : "; " + reasons));
   }

@@ -4,9 +4,17 @@
 #include <vector>
 
 #include "gecos/broker_types.hpp"  // generated from idl/gecos/broker.gidl
+#include "gecos/qos/match.hpp"
 #include "gecos/session/process/runtime.hpp"
 
 namespace gecos::session {
+
+/// Returns what a session promises over a medium with these capabilities.
+qos::LineCapabilities line_of(const media::Capabilities& capabilities);
+
+/// Returns the quality that `asked` demands of a medium. A late packet does no harm in a simulated
+/// device, so that soft real time is enough for it.
+qos::Quality demanded_of(qos::Quality asked, bool simulated);
 
 /// Returns the addresses of the object `entry` whose media meet the quality `asked`, best first. If
 /// there is none, returns a text that says of each medium why it is not suitable. `only`: the only

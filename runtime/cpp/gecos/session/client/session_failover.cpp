@@ -85,7 +85,7 @@ tl::expected<void, media::SendProblem> SessionFailover::send(
 tl::expected<bool, Failure> SessionFailover::send_again(
     const std::shared_ptr<PendingCommand>& command) {
   const auto& again = *command->again;
-  if (auto refused = session_.differs(again.code, again.name)) {
+  if (auto refused = session_.refusal(again.code, again.name)) {
     return tl::unexpected(std::move(*refused));
   }
   const auto sent = send(command);

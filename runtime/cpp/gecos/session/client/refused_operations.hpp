@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "gecos/command.hpp"
+#include "gecos/description.hpp"
+#include "gecos/media/medium.hpp"
+#include "gecos/session/protocol/handshake.hpp"
+
+namespace gecos::session {
+
+/// The operations and streams that a client must not use in one session. The client refuses them
+/// before anything is sent. Both the getter and the stream of an attribute have the code of the
+/// attribute.
+class RefusedOperations {
+ public:
+  /// `differing`: the codes of the operations that server and client define differently, sorted.
+  explicit RefusedOperations(std::vector<FunctionCode> differing)
+      : differing_(std::move(differing)) {}
+
+  /// Also refuses the operations and streams of `wanted` whose own `@qos` demands more than
+  /// `medium` promises. `simulated`: whether the object is a simulated device.
+  void hold_to_quality(const InterfaceDescription& wanted, const media::Capabilities& medium,
+                       bool simulated);
+
+  /// Returns why the operation or stream `name` is refused; nullopt if it may be used.
+  std::optional<Failure> why(FunctionCode code, std::string_view name, const Welcome& server) const;
+
+ private:
+  struct Unsuited {
+    FunctionCode code{};
+    std::string terms;  ///< for example "media=shm: lcm is not one of these media"
+  };
+  const std::vector<FunctionCode> differing_;
+  std::vector<Unsuited> unsuited_;  ///< sorted by code
+  std::string medium_;
+};
+
+}  // namespace gecos::session
