@@ -77,7 +77,6 @@ NOT_YET = (
     Term("open_stream", "", _always, "over lcm the stream is sealed like any other"),
     Term("bulk", "", _always, "the value is sent like any other value"),
     Term("qos", "latency", _always, _UNMEASURED),
-    Term("qos", "start_by", _always, "a command that starts late is not refused"),
     Term("qos", "lifespan", _always, "a sample is delivered even if it is too old"),
     Term("qos", "liveliness", _always, "a session lives as long as its connection"),
     Term("qos", "deadline", _is_stream, "a gap between samples is not detected"),

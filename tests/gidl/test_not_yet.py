@@ -50,7 +50,6 @@ def test_each_term_that_does_not_act_is_named_where_it_is_written(
         (4, '@on_new("blend")'),
         (4, "@presence"),
         (5, "@bulk"),
-        (8, "@qos(start_by)"),
         (8, "@qos(liveliness)"),
         (10, "@open_stream"),
         (10, "@qos(reliability)"),

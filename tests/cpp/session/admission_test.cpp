@@ -38,7 +38,9 @@ class AdmissionTest : public ::testing::Test {
   }
   std::optional<Failure> started(const OperationDescription& operation, CallerState caller = {},
                                  bool expired = false) {
-    return refusal_to_start({operation, ada, epoch}, object(), caller, expired);
+    std::optional<Failure> late;
+    if (expired) late = not_in_time(operation, false);
+    return refusal_to_start({operation, ada, epoch}, object(), caller, late);
   }
 
   access::LeaseTable leases{IncarnationId{1}, 500ms};
@@ -131,6 +133,18 @@ TEST(Expiry, IsThatMuchLaterOrNever) {
   EXPECT_EQ(expiry(Duration::max(), now), TimePoint::max());
   EXPECT_EQ(expiry(TimePoint::max() - now, now), TimePoint::max());
   EXPECT_LT(expiry(TimePoint::max() - now - 1ns, now), TimePoint::max());
+}
+
+TEST(NotInTime, SaysWhichTermWasMissed) {
+  OperationDescription turn;
+  turn.name = "turn";
+  turn.quality.start_by = 1500ms;
+  EXPECT_EQ(not_in_time(turn, true).text,
+            "'turn' did not start within its start_by of 1500 ms, because earlier calls took "
+            "longer; the call was not carried out");
+  EXPECT_EQ(not_in_time(turn, false).text,
+            "the deadline of 'turn' passed before the call started; the call was not carried out");
+  EXPECT_EQ(not_in_time(turn, true).detail, Detail::Expired);
 }
 
 }  // namespace

@@ -145,6 +145,23 @@ TEST(CallState, IsOverdueFromItsDeadlineOn) {
   EXPECT_TRUE(call.overdue(deadline));
 }
 
+TEST(CallState, MissesItsStartUnlessItHasBegun) {
+  CallState call;
+  EXPECT_FALSE(call.has_deadline());
+  const TimePoint start_by{std::chrono::seconds(3)};
+  call.set_start_by(start_by);
+  EXPECT_TRUE(call.has_deadline());
+  EXPECT_FALSE(call.overdue(start_by - Duration{1}));
+  EXPECT_TRUE(call.overdue(start_by));
+  EXPECT_TRUE(call.misses_start(start_by));
+  call.on(Event::Take);
+  call.on(Event::Begin, start_by - Duration{1});
+  EXPECT_FALSE(call.overdue(TimePoint::max())) << "it started in time and may take long";
+  call.set_deadline(start_by);
+  EXPECT_TRUE(call.overdue(start_by));
+  EXPECT_FALSE(call.misses_start(start_by));
+}
+
 TEST(CallProgress, IsSentAtMostOnceInAWhileAndTheNewestCounts) {
   CallProgress progress;
   const TimePoint start{std::chrono::seconds(1)};

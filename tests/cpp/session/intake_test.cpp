@@ -93,6 +93,16 @@ TEST(Intake, TheTimeAsideCountsAgainstTheDeadline) {
   EXPECT_EQ(call->header.deadline, 2 * second);
 }
 
+TEST(Intake, TheTimeAsideCountsTowardsTheAge) {
+  Intake lossy(true);
+  lossy.arrived({.counter = 2});
+  lossy.put_aside(packet(2), start, 3 * second);
+  lossy.arrived({.counter = 1});
+  const auto call = lossy.next(start + second);
+  ASSERT_TRUE(call);
+  EXPECT_EQ(call->age, 4 * second);
+}
+
 TEST(Intake, ADeadlineThatPassedAsideIsNotTakenForNone) {
   Intake lossy(true);
   lossy.arrived({.counter = 2});

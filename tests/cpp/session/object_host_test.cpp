@@ -239,6 +239,35 @@ TEST_F(ServedObjects, ADeadlinePassesWhileTheMachineIsSuspended) {
   EXPECT_EQ(servant_.calls, 0);
 }
 
+TEST_F(ServedObjects, ACallThatDidNotStartInTimeIsNotCarriedOut) {
+  Bytes packet;
+  write_packet(packet, header_of(wire::PacketKind::Call, 1, probe::prompt_code), {});
+  object_->take(session_, packet);
+  clock_.suspend(std::chrono::hours(2));
+  object_->on_tick(clock_.now());
+  EXPECT_EQ(reply_to(1), Detail::Expired);
+  EXPECT_EQ(servant_.calls, 0);
+}
+
+TEST_F(ServedObjects, ACallThatStartedInTimeMayTakeLong) {
+  servant_.keep = true;
+  call(1, probe::prompt_code);
+  ASSERT_EQ(servant_.kept.size(), 1U);
+  clock_.suspend(std::chrono::hours(2));
+  object_->on_tick(clock_.now());
+  EXPECT_EQ(reply_to(1), std::nullopt);
+  servant_.kept[0].finish({});
+  EXPECT_EQ(reply_to(1), Detail::Done);
+}
+
+TEST_F(ServedObjects, ACallWhoseThreadComesTooLateIsNotBegun) {
+  servant_.queues = servant_.keep = true;
+  call(1, probe::prompt_code);
+  clock_.suspend(std::chrono::hours(2));
+  EXPECT_FALSE(servant_.kept.at(0).begin());
+  EXPECT_EQ(reply_to(1), Detail::Expired);
+}
+
 TEST_F(ServedObjects, ADeadlineInCenturiesIsNone) {
   auto header = header_of(wire::PacketKind::Call, 1, probe::read_code);
   header.deadline = Duration::max();

@@ -11,7 +11,7 @@ using gecos::OperationDescription;
 using gecos::access::Status;
 
 std::vector<OperationDescription> make_operations() {
-  std::vector<OperationDescription> all(7);
+  std::vector<OperationDescription> all(8);
   all[0].code = read_code, all[0].name = "read", all[0].status = Status::Sensor;
   all[1].code = move_code, all[1].name = "move", all[1].cancelable = true;
   all[2].code = set_code, all[2].name = "set";
@@ -22,6 +22,8 @@ std::vector<OperationDescription> make_operations() {
   all[5].on_loss = gecos::OnLoss::Finish;
   all[6].code = look_code, all[6].name = "look", all[6].status = Status::Sensor;
   all[6].idempotent = true;
+  all[7].code = prompt_code, all[7].name = "prompt", all[7].status = Status::Sensor;
+  all[7].quality.start_by = std::chrono::hours(1);
   std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.code < b.code; });
   return all;
 }

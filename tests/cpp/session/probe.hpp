@@ -29,6 +29,8 @@ inline constexpr auto level_code = function_code("probe::Probe::level");
 inline constexpr auto urgent_code = function_code("probe::Probe::urgent");
 inline constexpr auto finish_code = function_code("probe::Probe::finish");
 inline constexpr auto look_code = function_code("probe::Probe::look");
+/// Must start within an hour (`@qos(start_by="1h")`).
+inline constexpr auto prompt_code = function_code("probe::Probe::prompt");
 inline constexpr auto missing_code = function_code("probe::Probe::missing");
 
 const gecos::InterfaceDescription& description();

@@ -54,7 +54,7 @@ std::optional<Failure> refusal_to_queue(const CallRequest& call, const Admitting
 }
 
 std::optional<Failure> refusal_to_start(const CallRequest& call, const AdmittingObject& object,
-                                        const CallerState& caller, bool expired) {
+                                        const CallerState& caller, std::optional<Failure> late) {
   if (caller.gone) {
     return Failure{Detail::NotStarted, "the call was not started: its caller was gone", {}, {}};
   }
@@ -69,18 +69,22 @@ std::optional<Failure> refusal_to_start(const CallRequest& call, const Admitting
                    {},
                    {}};
   }
-  if (expired) {
-    return Failure{Detail::Expired,
-                   "the deadline of '" + std::string(call.operation.name) +
-                       "' passed before the call started; the call was not carried out",
-                   {},
-                   {}};
-  }
+  if (late) return late;
   if (call.operation.safety) return std::nullopt;
   const auto may =
       object.leases.may_start(call.session, call.epoch, call.operation.status, object.now);
   if (may) return std::nullopt;
   return refused(detail_of(may.error().reason), call, object, may.error().text);
+}
+
+Failure not_in_time(const OperationDescription& operation, bool missed_start) {
+  const std::string name = "'" + std::string(operation.name) + "'";
+  const std::string why =
+      missed_start ? name + " did not start within its start_by of " +
+                         std::to_string(operation.quality.start_by / std::chrono::milliseconds(1)) +
+                         " ms, because earlier calls took longer"
+                   : "the deadline of " + name + " passed before the call started";
+  return {Detail::Expired, why + "; the call was not carried out", {}, {}};
 }
 
 TimePoint expiry(Duration left, TimePoint since_boot) {

@@ -47,10 +47,14 @@ struct CallerState {
 };
 
 /// Returns why a queued call must not start; nullopt when it may start. Checks the call again,
-/// because leases and deadlines may have ended since the call was queued. `expired`: the deadline
-/// of the call has passed.
+/// because leases may have ended since the call was queued. `late`: the result of not_in_time() if
+/// the call must not start any more.
 std::optional<Failure> refusal_to_start(const CallRequest& call, const AdmittingObject& object,
-                                        const CallerState& caller, bool expired);
+                                        const CallerState& caller, std::optional<Failure> late);
+
+/// Returns the failure of a call that did not start before its deadline, or if `missed_start`, not
+/// within the `start_by` of its operation.
+Failure not_in_time(const OperationDescription& operation, bool missed_start);
 
 /// Converts `left`, the time until the deadline of a call, to the moment of the deadline. Returns
 /// TimePoint::max(), which means no deadline, when `left` is not positive or is centuries long.

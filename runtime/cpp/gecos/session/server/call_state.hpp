@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cassert>
 #include <cstdint>
 #include <optional>
@@ -50,6 +51,8 @@ class CallState {
 
   /// `deadline`: a moment of Clock::since_boot; TimePoint::max() for no deadline.
   void set_deadline(TimePoint deadline) { deadline_ = deadline; }
+  /// `start_by`: the latest start, a moment of Clock::since_boot; TimePoint::max() for none.
+  void set_start_by(TimePoint start_by) { start_by_ = start_by; }
   /// Applies `event`. `now`: the current time of Clock::since_boot, needed only for Begin. @pre
   /// `event` can happen in the current state
   Change on(Event event, TimePoint now = {}) {
@@ -73,8 +76,16 @@ class CallState {
   bool returned() const { return state_.returned || state_.phase == Phase::Finished; }
   /// Returns when the handler began; nullopt before that.
   std::optional<TimePoint> begun_at() const { return begun_at_; }
-  bool has_deadline() const { return deadline_ != TimePoint::max(); }
-  bool overdue(TimePoint since_boot) const { return has_deadline() && since_boot >= deadline_; }
+  /// Returns true when the call ends by itself at some moment if it does not start.
+  bool has_deadline() const { return std::min(deadline_, start_by_) != TimePoint::max(); }
+  /// Returns true when the deadline has passed, or the latest start of a call that has not begun.
+  bool overdue(TimePoint since_boot) const {
+    return (deadline_ != TimePoint::max() && since_boot >= deadline_) || misses_start(since_boot);
+  }
+  /// Returns true when the latest start has passed and the handler has not begun.
+  bool misses_start(TimePoint since_boot) const {
+    return start_by_ != TimePoint::max() && !begun_at_ && since_boot >= start_by_;
+  }
   /// Returns the detail that the caller sees. @pre !ended()
   Detail detail() const {
     return canceling() ? Detail::Canceling : queued() ? Detail::Queued : Detail::Executing;
@@ -83,6 +94,7 @@ class CallState {
  private:
   State state_;
   TimePoint deadline_ = TimePoint::max();
+  TimePoint start_by_ = TimePoint::max();
   std::optional<TimePoint> begun_at_;
 };
 

@@ -39,18 +39,19 @@ bool Intake::abandon_up_to(std::uint64_t counter) {
   return true;
 }
 
-bool Intake::put_aside(const wire::PacketView& call, TimePoint now) {
+bool Intake::put_aside(const wire::PacketView& call, TimePoint now, Duration age) {
   std::size_t bytes = call.body.size();
   for (const auto& [counter, other] : early_) bytes += other.body.size();
   if (!early_.empty() && bytes > ObjectQueue::most_bytes_of_client) return false;
   early_.emplace(call.header.counter,
-                 EarlyCall{call.header, Bytes(call.body.begin(), call.body.end()), now});
+                 EarlyCall{call.header, Bytes(call.body.begin(), call.body.end()), now, age});
   return true;
 }
 
 std::optional<Intake::EarlyCall> Intake::next(TimePoint now) {
   if (early_.empty() || early_.begin()->first > window_.cumulative_ack()) return std::nullopt;
   EarlyCall call = std::move(early_.extract(early_.begin()).mapped());
+  call.age += now - call.arrived;
   if (call.header.deadline > Duration{}) {
     call.header.deadline = std::max(call.header.deadline - (now - call.arrived), Duration{1});
   }

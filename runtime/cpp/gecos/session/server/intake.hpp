@@ -28,6 +28,7 @@ class Intake {
     wire::PacketHeader header;
     Bytes body;
     TimePoint arrived{};
+    Duration age{};  ///< time since the client sent the packet
   };
   /// A packet that contains a call.
   struct Arrival {
@@ -59,10 +60,11 @@ class Intake {
   }
   /// Defers `call` until the calls before it have arrived. Returns false and does not defer the
   /// call when the arguments of all deferred calls would take too many bytes. `now`: the current
-  /// time by the same clock as in `next`.
-  bool put_aside(const wire::PacketView& call, TimePoint now);
-  /// Removes and returns the first deferred call, if no earlier call is missing. Subtracts the time
-  /// for which the call was deferred from its remaining time until the deadline.
+  /// time by the same clock as in `next`. `age`: the time since the client sent the packet.
+  bool put_aside(const wire::PacketView& call, TimePoint now, Duration age = {});
+  /// Removes and returns the first deferred call, if no earlier call is missing. Adds the time for
+  /// which the call was deferred to its age, and subtracts it from its remaining time until the
+  /// deadline.
   std::optional<EarlyCall> next(TimePoint now);
   bool is_aside(std::uint64_t counter) const { return early_.contains(counter); }
   std::size_t aside() const { return early_.size(); }

@@ -5,6 +5,7 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/session/protocol/start_words.hpp"
+#include "gecos/session/server/admission.hpp"
 #include "gecos/session/server/call_log.hpp"
 #include "gecos/session/server/server_session.hpp"
 
@@ -200,26 +201,24 @@ void ObjectCalls::on_tick(TimePoint now) {
   const auto open = open_;
   const TimePoint by_deadlines = open.empty() ? now : setup_.clock().since_boot();
   for (const auto& call : open) {
-    if (!call->state.ended() && call->state.overdue(by_deadlines)) end_overdue(*call);
+    if (!call->state.ended() && call->state.overdue(by_deadlines))
+      end_overdue(*call, call->state.misses_start(by_deadlines));
     tell_progress(*call, now);
   }
   tell_positions(queue_);
 }
 
-void ObjectCalls::end_overdue(ServerCall& call) {
-  const std::string passed = "the deadline of '" + std::string(call.operation().name) + "' passed ";
+void ObjectCalls::end_overdue(ServerCall& call, bool missed_start) {
   if (call.state.begun_at()) {
     interrupt(call);
     end(call, Failure{Detail::TimedOut,
-                      passed + "while the call was executing; its handler was told to stop: allow "
-                               "the call more time",
+                      "the deadline of '" + std::string(call.operation().name) +
+                          "' passed while the call was executing; its handler was told to stop: "
+                          "allow the call more time",
                       {},
                       {}});
   } else {  // queued, or taken by a thread that will not begin its handler any more
-    end(call, Failure{Detail::Expired,
-                      passed + "before the call started; the call was not carried out",
-                      {},
-                      {}});
+    end(call, not_in_time(call.operation(), missed_start));
   }
   note_ready();
 }

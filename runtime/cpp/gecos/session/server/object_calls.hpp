@@ -103,7 +103,7 @@ class ObjectCalls {
   void tell_outcome(ServerCall& call, ByteView result);
   void settle(ServerCall& call, Detail detail, const std::string& text);
   void finished(ServerCall& call);
-  void end_overdue(ServerCall& call);
+  void end_overdue(ServerCall& call, bool missed_start);
 
   const ObjectSetup& setup_;
   std::atomic<bool>& ready_;

@@ -197,10 +197,10 @@ void SessionPackets::refuse_late(ServerSession& session, std::uint64_t counter) 
   session.reply(counter, Failure{Detail::NotStarted, why, {}, {}});
 }
 
-void SessionPackets::take_call(const Session& session, const wire::PacketView& packet) {
+void SessionPackets::take_call(const Session& session, const wire::PacketView& packet, Age age) {
   const std::uint64_t counter = packet.header.counter;
   const FunctionCode code = packet.header.code;
-  if (packet.header.flags == sent_again) return take_again(session, packet);
+  if (packet.header.flags == sent_again) return take_again(session, packet, age);
   if (is_builtin(code)) {
     if (log_enabled(LogLevel::Debug)) {
       log_debug("server", setup_.name + ": " + who(session->caller()) +
@@ -232,11 +232,11 @@ void SessionPackets::take_call(const Session& session, const wire::PacketView& p
                                   {},
                                   {}});
   }
-  if (!too_early(*session, packet, *operation)) admit(session, packet, *operation);
+  if (!too_early(*session, packet, *operation, age)) admit(session, packet, *operation, age);
 }
 
 void SessionPackets::admit(const Session& session, const wire::PacketView& packet,
-                           const OperationDescription& operation) {
+                           const OperationDescription& operation, Age age) {
   const auto refuse = [&](const Failure& failure) {
     if (operation.status != access::Status::Sensor) {
       calls_.outcomes().ended({session->id(), packet.header.counter, failure.detail, failure.text});
@@ -255,6 +255,11 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
   if (log_enabled(level_of(operation))) call->arrived = setup_.clock().now();
   if (packet.header.deadline > Duration{}) {
     call->state.set_deadline(expiry(packet.header.deadline, setup_.clock().since_boot()));
+  }
+  if (const Duration start_by = operation.quality.start_by; start_by > Duration{}) {
+    const Duration left =
+        std::max(start_by - age.value_or(session->connection().age()), Duration{1});
+    call->state.set_start_by(expiry(left, setup_.clock().since_boot()));
   }
   if (const auto queued = calls_.add(call); !queued) {
     return refuse({Detail::QueueFull,
@@ -287,12 +292,13 @@ void SessionPackets::preempt(const ServerCall& by) {
 /// earlier command; otherwise an arm could move to its second goal first. Returns true when the
 /// command was deferred, or was refused for lack of room.
 bool SessionPackets::too_early(ServerSession& session, const wire::PacketView& packet,
-                               const OperationDescription& operation) {
+                               const OperationDescription& operation, Age age) {
   const bool keeps_place = operation.status != access::Status::Sensor || operation.ordered;
   if (operation.safety || !keeps_place || !session.intake.too_early(packet.header.counter)) {
     return false;
   }
-  if (!session.intake.put_aside(packet, setup_.clock().since_boot())) {
+  if (!session.intake.put_aside(packet, setup_.clock().since_boot(),
+                                age.value_or(session.connection().age()))) {
     const auto why = text_of(ObjectQueue::Full::BytesOfClient, packet.body.size());
     end_early(session, packet.header.counter, Detail::QueueFull,
               "the command was not queued: " + why);
@@ -305,7 +311,7 @@ void SessionPackets::take_early(const Session& session) {
   if (session->intake.aside() == 0) return;
   const TimePoint now = setup_.clock().since_boot();
   while (const auto call = session->intake.next(now)) {
-    take_call(session, {call->header, call->body, {}});
+    take_call(session, {call->header, call->body, {}}, call->age);
   }
 }
 
@@ -322,7 +328,7 @@ void SessionPackets::end_early(ServerSession& session, std::uint64_t counter, De
 /// session, a call that runs is reported in `session`, and a call that has ended is answered again.
 /// A call that has not arrived may no longer start in the lost session; it becomes a new call in
 /// `session`.
-void SessionPackets::take_again(const Session& session, const wire::PacketView& packet) {
+void SessionPackets::take_again(const Session& session, const wire::PacketView& packet, Age age) {
   wire::Decoder from(packet.body);
   SentBefore sent;
   if (!sent.decode(from)) {
@@ -335,7 +341,7 @@ void SessionPackets::take_again(const Session& session, const wire::PacketView& 
   call.body = packet.body.subspan(packet.body.size() - from.remaining());
   const OperationDescription* const operation = setup_.interface.find(packet.header.code);
   if (operation == nullptr || !operation->idempotent || lost == session->id()) {
-    return take_call(session, call);
+    return take_call(session, call, age);
   }
   if (const Bytes* const kept = calls_.outcomes().reply(lost, sent.counter)) {
     if (const auto reply = wire::decode_packet(*kept)) {
@@ -347,7 +353,7 @@ void SessionPackets::take_again(const Session& session, const wire::PacketView& 
       return resume(session, packet, *found);
     reject_late(before, sent.counter);
   }
-  take_call(session, call);
+  take_call(session, call, age);
 }
 
 /// Makes `session` the session in which progress and outcome of `call` are reported.

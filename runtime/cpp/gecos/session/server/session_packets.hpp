@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "gecos/object_types.hpp"  // generated from idl/gecos/object.gidl
@@ -38,6 +39,9 @@ class SessionPackets {
 
  private:
   using Session = std::shared_ptr<ServerSession>;
+  /// Time since the client sent a call; nullopt for the packet that was read last, whose age the
+  /// connection knows.
+  using Age = std::optional<Duration>;
 
   void acknowledge(const Session& session, std::uint64_t counter);
   void say_goodbye(ServerSession& session, SessionId to, const std::string& why);
@@ -49,19 +53,19 @@ class SessionPackets {
   // From the arrival of a call to the queue.
   void arrive(const Session& session, const wire::PacketView& packet);
   void refuse_late(ServerSession& session, std::uint64_t counter);
-  void take_call(const Session& session, const wire::PacketView& packet);
+  void take_call(const Session& session, const wire::PacketView& packet, Age age = {});
   void admit(const Session& session, const wire::PacketView& packet,
-             const OperationDescription& operation);
+             const OperationDescription& operation, Age age);
   void preempt(const ServerCall& by);
 
   // Calls that arrive before calls that were issued earlier.
   bool too_early(ServerSession& session, const wire::PacketView& packet,
-                 const OperationDescription& operation);
+                 const OperationDescription& operation, Age age);
   void take_early(const Session& session);
   void end_early(ServerSession& session, std::uint64_t counter, Detail how, const std::string& why);
 
   // Calls of a session that the client has lost.
-  void take_again(const Session& session, const wire::PacketView& packet);
+  void take_again(const Session& session, const wire::PacketView& packet, Age age);
   void resume(const Session& session, const wire::PacketView& packet,
               std::shared_ptr<ServerCall> call);
   void reject_late(const Session& before, std::uint64_t counter);

@@ -37,13 +37,19 @@ std::shared_ptr<ServerCall> StartGate::take() {
 bool StartGate::may_start(ServerCall& call) {
   if (call.state.ended()) return false;
   const ServerSession& caller = call.listener();
-  const bool expired = call.state.has_deadline() && call.state.overdue(setup_.clock().since_boot());
+  std::optional<Failure> late;
+  if (call.state.has_deadline()) {
+    const TimePoint now = setup_.clock().since_boot();
+    if (call.state.overdue(now)) {
+      late = not_in_time(call.operation(), call.state.misses_start(now));
+    }
+  }
   const auto refusal =
       refusal_to_start({call.operation(), call.client, call.epoch}, statuses_.admitting(),
                        {.gone = caller.closed && !caller.parted_in_order,
                         .withdrawn = caller.intake.withdrawn(),
                         .unheard = caller.heartbeats.awaited},
-                       expired);
+                       std::move(late));
   if (refusal) calls_.end(call, *refusal);
   return !refusal;
 }
