@@ -27,8 +27,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from gecos import interface
 from gecos.errors import ServeError
-from gecos.inward import Inward
 from gecos.interface import Handler, Interface
+from gecos.inward import Inward
 from gecos.wire import Parts
 
 if TYPE_CHECKING:

@@ -90,7 +90,6 @@ class Client(CallFacts):
             self._reading((sample,), attribute.name, set()),
         )
 
-
     def _writer(self, attribute: Attribute) -> WriterView:
         value = attribute_value(attribute)
         sample = self._layout.stream(attribute.scoped_name).sample

@@ -78,7 +78,6 @@ class Tables(CallFacts):
             filled([*terms, *asked(attribute.qos)]),
         )  # fmt: skip
 
-
     def _inward_row(self, attribute: Attribute) -> InwardRow:
         layout = self._layout.stream(attribute.scoped_name)
         assert attribute.stream is not None
