@@ -194,6 +194,31 @@ TEST_F(Port, WhatDoesNotDecodeCountsAsRefusedAndHoldsOffNoWatchdog) {
   EXPECT_TRUE(port_.expired());
 }
 
+TEST_F(Port, WhatWasSentBeforeItsStreamEndedCanBeRead) {
+  port_.add(ada_.feeder(1));
+  ada_.send(1, clock_.since_boot());
+  port_.end(SessionId{9}, 1);
+  EXPECT_EQ(next(), 1);
+  EXPECT_EQ(next(), std::nullopt);
+  EXPECT_EQ(in_words(port_.report_of(SessionId{9})), "admitted 1");
+}
+
+TEST_F(Port, WhatIsUnreadWhenANewerStreamTakesThePlaceIsLostAndCounted) {
+  port_.add(ada_.feeder(1));
+  ada_.send(1, clock_.since_boot());
+  ASSERT_EQ(next(), 1);
+  ada_.send(2, clock_.since_boot());
+  ada_.send(3, clock_.since_boot());
+  ada_.samples = std::make_shared<media::SampleBuffer>(4);
+  ada_.sequence = 0;
+  port_.add(ada_.feeder(2));
+  EXPECT_FALSE(port_.has(SessionId{9}, 1));
+  port_.end(SessionId{9}, 1);  // arrives late
+  ada_.send(4, clock_.since_boot());
+  EXPECT_EQ(next(), 4);
+  EXPECT_EQ(in_words(port_.report_of(SessionId{9})), "admitted 2, lost 2");
+}
+
 TEST_F(Port, SendersTakeTurns) {
   Sender bob(10);
   port_.add(ada_.feeder());

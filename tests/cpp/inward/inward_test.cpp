@@ -322,6 +322,17 @@ TEST_P(InwardStreams, OfANewerWriterTakeThePlaceOfTheEarlier) {
   EXPECT_EQ(speeds(1), std::vector{1.5});
 }
 
+TEST_P(InwardStreams, OfAWriterThatWasClosedCanStillBeRead) {
+  const auto lease = gecos::actor(dancer_);
+  ASSERT_TRUE(lease) << lease.error();
+  {
+    auto speed = dancer_.speed(gecos::writer);
+    ASSERT_TRUE(speed) << speed.error();
+    ASSERT_TRUE(speed->send(0.5));
+  }
+  EXPECT_EQ(speeds(1), std::vector{0.5});
+}
+
 TEST_P(InwardStreams, OfANilProxyCannotBeOpened) {
   const auto speed = Dancer().speed(gecos::writer);
   ASSERT_FALSE(speed);

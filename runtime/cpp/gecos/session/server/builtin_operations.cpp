@@ -169,7 +169,7 @@ void BuiltinOperations::end_feed(ServerSession& session, std::uint64_t counter,
   if (!asked) return session.reply(counter, undecodable(asked.error()));
   InwardPort* const port = inward_port(session, counter, FunctionCode{asked->code});
   if (port == nullptr) return;
-  port->remove(session.id(), asked->stream);
+  port->end(session.id(), asked->stream);
   session.reply(counter, ByteView{});
 }
 

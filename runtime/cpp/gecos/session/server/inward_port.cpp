@@ -66,8 +66,20 @@ InwardPort::Source* InwardPort::find(SessionId session) {
 
 void InwardPort::add(Feeder feeder) {
   const MutexLock lock(mutex_);
-  if (Source* const earlier = find(feeder.session)) drop(*earlier);
-  sources_.push_back(std::make_unique<Source>(Source{std::move(feeder)}));
+  Source* const earlier = find(feeder.session);
+  if (earlier == nullptr) {
+    sources_.push_back(std::make_unique<Source>(Source{std::move(feeder)}));
+    return;
+  }
+  if (earlier->feeder.reader != nullptr) {
+    if (media::StreamSample newest; earlier->feeder.reader->latest(earlier->after, newest)) {
+      earlier->counts.lost += newest.sequence - earlier->after;
+    }
+  }
+  earlier->feeder = std::move(feeder);
+  earlier->ended = false;
+  earlier->after = 0;
+  earlier->admission = {};
 }
 
 bool InwardPort::has(SessionId session, std::uint32_t stream) {
@@ -76,10 +88,10 @@ bool InwardPort::has(SessionId session, std::uint32_t stream) {
   return source != nullptr && source->feeder.stream == stream;
 }
 
-void InwardPort::remove(SessionId session, std::uint32_t stream) {
+void InwardPort::end(SessionId session, std::uint32_t stream) {
   const MutexLock lock(mutex_);
   Source* const source = find(session);
-  if (source != nullptr && source->feeder.stream == stream) drop(*source);
+  if (source != nullptr && source->feeder.stream == stream) source->ended = true;
 }
 
 void InwardPort::depart(SessionId session) {
@@ -90,12 +102,8 @@ void InwardPort::depart(SessionId session) {
   RawInward unread;
   while (next_of(*source, unread, Unfed::Refused)) {
   }
-  drop(*source);
-}
-
-void InwardPort::drop(Source& source) {
-  gecos::session::add(gone_, told(source));
-  std::erase_if(sources_, [&](const auto& each) { return each.get() == &source; });
+  gecos::session::add(gone_, counts_of(*source));
+  std::erase_if(sources_, [&](const auto& each) { return each.get() == source; });
 }
 
 bool InwardPort::next(RawInward& into, Unfed unfed) {
@@ -108,8 +116,12 @@ bool InwardPort::next(RawInward& into, Unfed unfed) {
 }
 
 bool InwardPort::next_of(Source& source, RawInward& into, Unfed unfed) {
+  if (source.feeder.reader == nullptr) return false;
   for (std::size_t read = 0; read < most_refused_at_once(stream_); ++read) {
-    if (!source.feeder.reader->next(source.after, into.sample)) return false;
+    if (!source.feeder.reader->next(source.after, into.sample)) {
+      if (source.ended) source.feeder.reader = nullptr;
+      return false;
+    }
     source.counts.lost += into.sample.sequence - source.after - 1;
     source.after = into.sample.sequence;
     const InwardVerdict verdict = judge(source, into, unfed);
@@ -179,7 +191,7 @@ bool InwardPort::expired() {
 }
 
 /// The text of a refusal is made only here, so that refusing allocates nothing.
-FeedReport InwardPort::told(const Source& source) const {
+FeedReport InwardPort::counts_of(const Source& source) const {
   FeedReport report = source.counts;
   if (report.last_refusal.empty() && source.last_refusal != InwardVerdict::Admitted) {
     report.last_refusal = describe(source.last_refusal);
@@ -191,13 +203,13 @@ FeedReport InwardPort::told(const Source& source) const {
 FeedReport InwardPort::report_of(SessionId session) {
   const MutexLock lock(mutex_);
   const Source* const source = find(session);
-  return source != nullptr ? told(*source) : FeedReport{};
+  return source != nullptr ? counts_of(*source) : FeedReport{};
 }
 
 FeedReport InwardPort::report() {
   const MutexLock lock(mutex_);
   FeedReport report = gone_;
-  for (const auto& source : sources_) gecos::session::add(report, told(*source));
+  for (const auto& source : sources_) gecos::session::add(report, counts_of(*source));
   report.expired = expired_now();
   return report;
 }

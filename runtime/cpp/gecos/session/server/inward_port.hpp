@@ -35,10 +35,12 @@ class InwardPort final : public InwardCore {
       : stream_(stream), clock_(clock) {}
 
   const InwardDescription& stream() const { return stream_; }
-  /// Takes the place of an earlier stream of the same session.
+  /// Takes the place of an earlier stream of the same session, whose unread samples are lost.
   void add(Feeder feeder);
   bool has(SessionId session, std::uint32_t stream);
-  void remove(SessionId session, std::uint32_t stream);
+  /// Must be called when the session sends no more samples on `stream`. Those that it has sent can
+  /// still be read.
+  void end(SessionId session, std::uint32_t stream);
   /// Must be called when the session has ended. Its unread samples are refused and counted.
   void depart(SessionId session);
   /// What became of the samples of `session`, which feeds this stream.
@@ -59,6 +61,7 @@ class InwardPort final : public InwardCore {
   };
   struct Source {
     Feeder feeder;
+    bool ended = false;       ///< no more samples will come on the stream of `feeder`
     std::uint64_t after = 0;  ///< sequence number of the sample that was read last
     InwardAdmission admission{};
     FeedReport counts{};
@@ -70,9 +73,8 @@ class InwardPort final : public InwardCore {
   InwardSender sender_of(const Source& source, const InwardHeader& header, Unfed unfed) const
       GECOS_REQUIRES(mutex_);
   bool expired_now() const GECOS_REQUIRES(mutex_);
-  FeedReport told(const Source& source) const GECOS_REQUIRES(mutex_);
+  FeedReport counts_of(const Source& source) const GECOS_REQUIRES(mutex_);
   Source* find(SessionId session) GECOS_REQUIRES(mutex_);
-  void drop(Source& source) GECOS_REQUIRES(mutex_);
 
   const InwardDescription& stream_;
   const Clock& clock_;
