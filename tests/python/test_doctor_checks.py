@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from gecos.cli.doctor import network, places, real_time, settings
-from gecos.cli.doctor.broker import Answer, broker, one_broker
+from gecos.cli.doctor.broker import Answer, broker, one_broker, over_lcm
 from gecos.cli.doctor.extension import extension
 from gecos.cli.doctor.finding import Finding, Level
 
@@ -146,3 +146,15 @@ def test_a_broker_of_another_version_and_a_second_one_are_warnings() -> None:
     said(one_broker([old, ours]), Level.WARNING, "process 4711", "process 4712")
     assert one_broker([ours, ours]) is None
     assert one_broker([ours, Answer("no broker answers")]) is None
+
+
+def test_a_broker_that_is_not_served_over_lcm() -> None:
+    ours, nobody = Answer(None, 7, "process 4711"), Answer("no server answers")
+    said(over_lcm(ours, nobody), Level.WARNING, "process 4711", "start them again")
+    assert over_lcm(ours, ours) is None
+    assert over_lcm(nobody, nobody) is None
+
+
+def test_a_place_of_the_broker_that_is_no_address() -> None:
+    found = broker(Answer("'cell' is not an address"), "GECOS_BROKER=cell")
+    said(found, Level.ERROR, "'cell' is not an address", "export GECOS_BROKER=lcm")

@@ -129,3 +129,22 @@ def test_neither_the_own_key_nor_an_unknown_one_is_removed(folder: Path, run: Ru
     assert err == "gecos: 01234567: no admitted key has this name; `gecos keys` lists them\n"
     code, _, err = run("keys", "remove", "012")
     assert (code, err) == (2, "gecos: 012: give at least 8 digits of the fingerprint\n")
+
+
+def test_a_file_that_cannot_be_read_says_why(folder: Path, run: Run, tmp_path: Path) -> None:
+    missing = tmp_path / "missing.public"
+    code, out, err = run("keys", "add", str(missing))
+    assert (code, out) == (2, "")
+    assert f"{missing}: No such file or directory" in err
+
+
+def test_a_file_that_only_its_owner_may_read(
+    folder: Path, run: Run, received: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*_: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "open", refused)  # root, who runs the tests, may read every file
+    code, out, err = run("keys", "add", str(received))
+    assert (code, out) == (2, "")
+    assert "ask its user for a copy that you may read" in err

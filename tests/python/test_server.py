@@ -105,7 +105,7 @@ def test_without_a_broker_create_says_what_was_tried(place: Path) -> None:
         "LAMP: NO_SERVER: no broker answers; start `gecos broker`, or say where it is in "
         "GECOS_BROKER (tried inproc:BROKER: no server in this process has this address; "
         f"shm:{place}/BROKER.sock: no server listens at this address (the directory is for "
-        f"uid {os.getuid()} alone; programs of other users are reached over lcm))"
+        f"uid {os.getuid()} alone; programs of other users are reached by GECOS_BROKER=lcm))"
     )
 
 

@@ -94,6 +94,22 @@ def test_with_the_commands_that_it_gives_the_route_is_there(lab_with_broker: Lab
     assert not [f for f in findings if f["check"] == "multicast route"]
 
 
+def test_a_broker_that_started_before_there_was_a_route(own_place: Laboratory) -> None:
+    if os.geteuid() != 0:
+        pytest.skip("needs root, to add a route")
+    own_place.env["GECOS_LCM_TTL"] = "1"
+    later = (
+        'ip link set lo up; "$0" -m gecos.cli broker >"$GECOS_RUNTIME_DIR/said" 2>&1 & '
+        'until "$0" -m gecos.cli ls >/dev/null 2>&1; do :; done; '
+        "ip link set lo multicast on; ip route add 239.255.76.67/32 dev lo; "
+        '"$@"; code=$?; kill $!; exit $code'
+    )
+    code, findings = examined(own_place, "unshare", "-n", "sh", "-uc", later, sys.executable)
+    assert code == 0, findings
+    found = the(findings, "broker over lcm", "warning")
+    assert found["mend"] == "end the broker and the devices, and start them again"
+
+
 def test_no_broker_and_a_left_over_socket(own_place: Laboratory) -> None:
     for name in ("BROKER.sock", f"RX90.{ended_process()}.1.sock"):
         with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as left:

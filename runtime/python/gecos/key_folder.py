@@ -77,10 +77,17 @@ def _judged(file: Path) -> Admitted:
 
 def add(file: Path) -> str:
     """Admits the key in a .public file of another user, and returns the key. Raises KeyFolderError
-    if the file is not a public key, OSError if it cannot be read or copied, and RuntimeError like
-    own_key."""
-    with file.open("rb") as opened:
-        text = opened.read(_LONGEST_FILE)
+    if the file cannot be read or is not a public key, OSError if it cannot be copied, and
+    RuntimeError like own_key."""
+    try:
+        with file.open("rb") as opened:
+            text = opened.read(_LONGEST_FILE)
+    except PermissionError:
+        raise KeyFolderError(
+            f"{file}: you may not read this file; ask its user for a copy that you may read"
+        ) from None
+    except OSError as error:
+        raise KeyFolderError(f"{file}: {error.strerror}") from None
     if text.startswith(b"gecos-secret"):
         raise KeyFolderError(
             f"{file}: this is a secret key, which must never leave its folder: use the "

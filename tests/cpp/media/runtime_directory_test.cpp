@@ -159,7 +159,7 @@ TEST(TwoUsers, EachHaveABrokerOfTheirOwnInADirectoryThatRootMadeForAll) {
   ASSERT_TRUE(first.wait_ready());
   const std::string alone = heard_by(bob);
   EXPECT_NE(alone.find("no server listens at this address (the directory is for uid 20002 alone; "
-                       "programs of other users are reached over lcm)"),
+                       "programs of other users are reached by GECOS_BROKER=lcm)"),
             std::string::npos)
       << alone;
   const ChildProcess second = broker_of(bob);

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sys
 
+_PACKAGES = ("click", "numpy", "rich")  # what an installation without pip may lack
+
 
 def main() -> int:
     """Runs the command line. `gecos.cli.exit_codes` explains the exit codes."""
@@ -12,10 +14,17 @@ def main() -> int:
 
         return run()
     except ImportError as error:
-        if error.name != "gecos._core":
+        if error.name in _PACKAGES:
+            missing = error.name
+            print(
+                f"gecos: the Python package {missing} is missing; install it, for example by "
+                f"`pip install {missing}` or `apt-get install python3-{missing}`",
+                file=sys.stderr,
+            )
+        elif error.name == "gecos._core":  # not built, or built for another Python
+            print(f"gecos: {error}", file=sys.stderr)
+        else:
             raise
-        # The extension is not built, or is built for another Python.
-        print(f"gecos: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:  # Ctrl-C before `run` handles it
         return 130

@@ -69,7 +69,7 @@ def _state(of: Any) -> dict[str, Any]:
 
 
 @keys.command()
-@click.argument("file", type=click.Path(path_type=Path, dir_okay=False))
+@click.argument("file", type=click.Path(path_type=Path, dir_okay=False, readable=False))
 @json_option
 def add(file: Path, as_json: bool) -> None:
     """Admits the user to whom the given .public file belongs."""

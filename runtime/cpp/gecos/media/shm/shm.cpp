@@ -61,7 +61,8 @@ class Shm final : public Medium {
     const bool ours = address.starts_with(std::string(prefix) + options_.directory + "/");
     if (!ours || options_.other_users) return "no server listens at this address";
     return "no server listens at this address (the directory is for uid " +
-           std::to_string(::geteuid()) + " alone; programs of other users are reached over lcm)";
+           std::to_string(::geteuid()) +
+           " alone; programs of other users are reached by GECOS_BROKER=lcm)";
   }
 
   const ShmOptions options_;

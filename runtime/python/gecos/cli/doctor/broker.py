@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 from gecos.cli.doctor.finding import Finding, fine, warning, wrong
 
+_MEDIA = ("inproc", "lcm", "shm")  # an address begins with one of these words
+
 
 @dataclass(frozen=True, slots=True)
 class Answer:
@@ -48,11 +50,28 @@ def one_broker(answers: Sequence[Answer]) -> Finding | None:
     return warning("brokers", what, "this host and lcm", mend)
 
 
+def over_lcm(here: Answer, over_lcm: Answer) -> Finding | None:
+    """Checks whether the broker of this host is also reached over lcm. Must be called only if
+    packets of lcm can be sent, and if programs on other hosts are to be reached. Returns None if it
+    is, or if no broker answers on this host."""
+    if here.reason is not None or over_lcm.reason is None:
+        return None
+    what = (
+        f"{here.process}, the broker of this host, does not answer over lcm, so programs on other "
+        "hosts do not find it; it may have started before there was a route for multicast"
+    )
+    return warning(
+        "broker over lcm", what, "lcm", "end the broker and the devices, and start them again"
+    )
+
+
 def _mend(reason: str, place: str) -> str:
     if "is not admitted here" in reason:
         return "gecos keys add FILE, with the .public file of the broker's user"
     if place == "this host":
         return "gecos broker (or gecos up, which also starts devices)"
+    if place.partition("=")[2].partition(":")[0] not in _MEDIA:
+        return "export GECOS_BROKER=lcm for a broker of another host (unset it for this host's)"
     mend = f"run gecos broker on the host, and as the user, that {place} names"
     if "does not admit our key" in reason:
         mend += "; if a broker runs there, run gecos keys add FILE there, with our .public file"

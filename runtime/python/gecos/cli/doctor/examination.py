@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from gecos.cli.doctor import network, places, readings, real_time, settings
-from gecos.cli.doctor.broker import Answer, broker, one_broker
+from gecos.cli.doctor.broker import Answer, broker, one_broker, over_lcm
 from gecos.cli.doctor.extension import NEEDED, extension
 from gecos.cli.doctor.finding import Finding, Level, fine, wrong
 
@@ -64,13 +64,19 @@ def _of_brokers() -> Iterator[Finding]:
     named = os.environ.get("GECOS_BROKER", "")
     with ThreadPoolExecutor(2) as side_by_side:
         first = side_by_side.submit(readings.ask_broker, None)
-        over_lcm = side_by_side.submit(readings.ask_broker, "lcm")
-        answers = [first.result(), over_lcm.result()]
-    yield from _of_lcm(answers[1], named)
+        second = side_by_side.submit(readings.ask_broker, "lcm")
+        answers = [first.result(), second.result()]
+    of_lcm = list(_of_lcm(answers[1], named))
+    yield from of_lcm
     yield broker(answers[0], f"GECOS_BROKER={named}" if named else "this host")
     several = one_broker(answers)
     if several is not None:
         yield several
+    wants_lcm = not named and os.environ.get("GECOS_LCM_TTL", "0") != "0"
+    if wants_lcm and all(finding.level is Level.OK for finding in of_lcm):
+        unreached = over_lcm(*answers)
+        if unreached is not None:
+            yield unreached
 
 
 def _of_lcm(answer: Answer, named: str) -> Iterator[Finding]:

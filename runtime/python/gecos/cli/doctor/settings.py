@@ -8,12 +8,16 @@ from difflib import get_close_matches
 from gecos.cli.doctor.finding import Finding, fine, warning, wrong
 
 _FOR_PROGRAMS = ("GECOS_BROKER", "GECOS_RUNTIME_DIR", "GECOS_LCM_TTL", "GECOS_LOG", "GECOS_KEY_DIR")
+_MENDS = {
+    "GECOS_LCM_TTL": "export GECOS_LCM_TTL=1 (unset GECOS_LCM_TTL where all programs run on one "
+    "host)",
+}
 _FOR_THE_TREE = ("GECOS_PYTHON", "GECOS_BUILD", "GECOS_WERROR", "GECOS_HOSTILE_PACKETS")
 
 
 def refused(variable: str, reason: str) -> Finding:
     """Returns the finding for a variable whose value the runtime refuses for `reason`."""
-    return wrong("settings", reason, variable, f"unset {variable}")
+    return wrong("settings", reason, variable, _MENDS.get(variable, f"unset {variable}"))
 
 
 def unknown(environment: Mapping[str, str]) -> list[Finding]:
