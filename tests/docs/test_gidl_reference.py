@@ -70,7 +70,7 @@ def test_the_first_one_is_generated_and_the_other_refused_by_name(tmp_path: Path
         text=True,
     )
     assert refused.returncode == 100
-    assert "error[G0801]: lab::Follower::goal: gidl does not generate" in refused.stderr
+    assert "error[G0801]: lab::Follower::touched: gidl does not generate" in refused.stderr
 
 
 def test_every_annotation_stands_in_an_example() -> None:

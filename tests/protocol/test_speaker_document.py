@@ -135,7 +135,7 @@ def test_a_packet_that_is_cut_or_longer_is_none(name: str) -> None:
 
 
 def test_an_inward_sample() -> None:
-    sample = InwardSample(9, 11, 4, packets.f64(0.25))
+    sample = InwardSample(9, 11, 4, packets.f64(0.25) + packets.u64(2_000_000_000))
     assert sample.pack() == EXAMPLES["inward sample"]
     vectors = json.loads((TREE / "tests" / "vectors" / "inward_sample.json").read_text())
     assert vectors["accepted"] and vectors["refused"]

@@ -23,23 +23,25 @@ def build() -> Path:
     return folder
 
 
-def _generate_rail_python(out: Path) -> None:
-    """Makes the Python of rail_sensor.gidl importable, here and in programs that are started."""
-    root = TREE / "tests" / "system" / "rail"
+def _generate_python(root: Path, interface: str, out: Path) -> None:
+    """Makes the Python of an interface in `root` importable, here and in programs that are
+    started."""
     words = ["--lang", "python", "-I", root, "-I", TREE / "idl", "--out", out]
     subprocess.run(
-        [sys.executable, "-m", "gidl", "gen", *words, root / "lab" / "rail_sensor.gidl"],
+        [sys.executable, "-m", "gidl", "gen", *words, root / interface],
         check=True,
         stdout=subprocess.DEVNULL,
     )
-    sys.path.insert(0, str(out / "python"))
-    before = os.environ.get("PYTHONPATH")
-    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(out / "python"), before]))
 
 
 _generated = tempfile.TemporaryDirectory(prefix="rail-")
 atexit.register(_generated.cleanup)
-_generate_rail_python(Path(_generated.name))  # now: test modules import it when they are collected
+_out = Path(_generated.name)  # now: test modules import from it when they are collected
+_generate_python(TREE / "tests" / "system" / "rail", "lab/rail_sensor.gidl", _out)
+_generate_python(TREE / "tests" / "idl" / "inward", "feeder.gidl", _out)
+sys.path.insert(0, str(_out / "python"))
+_before = os.environ.get("PYTHONPATH")
+os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(_out / "python"), _before]))
 
 
 @pytest.fixture(scope="session")

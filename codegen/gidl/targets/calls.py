@@ -101,6 +101,13 @@ def stream_attributes(model: Model, layout: Layout, interface: Interface) -> lis
     return sorted(found, key=lambda a: layout.stream(a.scoped_name).code)
 
 
+def inward_streams(model: Model, layout: Layout, interface: Interface) -> list[Attribute]:
+    """Returns the streams that clients send, including inherited ones, sorted by function code."""
+    members = model.all_interface_members(interface)
+    found = [m for m in members if isinstance(m, Attribute) and m.streams_in]
+    return sorted(found, key=lambda a: layout.stream(a.scoped_name).code)
+
+
 def short_name(call: CallLayout) -> str:
     """Returns the name of a call without its scope, for example "move", or "tool_offset=" for a
     setter."""
@@ -150,10 +157,4 @@ def refuse_unsupported(interface: Interface) -> None:
                 member.facts.location,
                 f"{member.scoped_name}: gidl does not generate events yet; use a @stream "
                 "attribute instead",
-            )
-        if isinstance(member, Attribute) and member.streams_in:
-            raise UnsupportedError(
-                member.facts.location,
-                f"{member.scoped_name}: gidl does not generate inward streams yet;"
-                " use an operation that takes the value",
             )

@@ -66,6 +66,33 @@ struct GecosObject_outcome_arguments {
   }
 };
 
+/// The arguments of `feed`.
+struct GecosObject_feed_arguments {
+  std::uint32_t code = 0;
+  std::uint32_t stream = 0;
+
+  static bool gecos_members(auto& each, auto& self) {
+    return each("feed.code", self.code) && each("feed.stream", self.stream);
+  }
+};
+
+/// The arguments of `end_feed`.
+struct GecosObject_end_feed_arguments {
+  std::uint32_t code = 0;
+  std::uint32_t stream = 0;
+
+  static bool gecos_members(auto& each, auto& self) {
+    return each("end_feed.code", self.code) && each("end_feed.stream", self.stream);
+  }
+};
+
+/// The arguments of `feed_report`.
+struct GecosObject_feed_report_arguments {
+  std::uint32_t code = 0;
+
+  static bool gecos_members(auto& each, auto& self) { return each("feed_report.code", self.code); }
+};
+
 using GecosObject_holders_result = gecos::layout::Result<
     std::vector<::gecos::Holder>,
     gecos::layout::Items<gecos::layout::Block>>;
@@ -78,5 +105,9 @@ using GecosObject_outcome_result = gecos::layout::Result<
     ::gecos::OutcomeRecord,
     gecos::layout::Block>;
 using GecosObject_model_result = gecos::layout::Result<std::vector<std::string>>;
+using GecosObject_feed_result = gecos::layout::Result<bool>;
+using GecosObject_feed_report_result = gecos::layout::Result<
+    ::gecos::FeedReport,
+    gecos::layout::Block>;
 
 }  // namespace gecos

@@ -24,12 +24,18 @@ constinit const gecos::OperationDescription GecosObjectInterface::operations[] =
         {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
     gecos::operation(0x0000000a, "model", 0x7c1691ac006685fbU,
         {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
+    gecos::operation(0x0000000b, "feed", 0x03442f523a060e4eU,
+        {.status = gecos::access::Status::Sensor, .presence = false}),
+    gecos::operation(0x0000000c, "end_feed", 0x5c19b23ce1cd1445U,
+        {.status = gecos::access::Status::Sensor, .presence = false}),
+    gecos::operation(0x0000000d, "feed_report", 0xcaf33affcb30e4baU,
+        {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
 };
 
 constinit const gecos::InterfaceDescription GecosObjectInterface::description{
     .name = "gecos::GecosObject",
     .version = "1.0",
-    .hash = 0xa21120267bf83094U,
+    .hash = 0x3768883bb80f4e5fU,
     .operations = operations,
 };
 

@@ -9,7 +9,7 @@ namespace gecos {
 struct GecosObjectInterface {
   static const gecos::InterfaceDescription description;
 
-  static const gecos::OperationDescription operations[10];
+  static const gecos::OperationDescription operations[13];
   static constexpr const gecos::OperationDescription& holders = operations[0];
   static constexpr const gecos::OperationDescription& stop = operations[1];
   static constexpr const gecos::OperationDescription& ping = operations[2];
@@ -20,6 +20,9 @@ struct GecosObjectInterface {
   static constexpr const gecos::OperationDescription& unsubscribe = operations[7];
   static constexpr const gecos::OperationDescription& outcome = operations[8];
   static constexpr const gecos::OperationDescription& model = operations[9];
+  static constexpr const gecos::OperationDescription& feed = operations[10];
+  static constexpr const gecos::OperationDescription& end_feed = operations[11];
+  static constexpr const gecos::OperationDescription& feed_report = operations[12];
 };
 
 }  // namespace gecos

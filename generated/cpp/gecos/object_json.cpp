@@ -77,4 +77,19 @@ bool JsonStruct<::gecos::OutcomeRecord>::visit(JsonMembers& each, ::gecos::Outco
          each.member("text", value.text);
 }
 
+template <>
+bool JsonStruct<::gecos::FeedReport>::visit(JsonMembers& each, ::gecos::FeedReport& value) {
+  return each.member("admitted", value.admitted) &&
+         each.member("lost", value.lost) &&
+         each.member("other_session", value.other_session) &&
+         each.member("session_ended", value.session_ended) &&
+         each.member("no_status", value.no_status) &&
+         each.member("command_not_running", value.command_not_running) &&
+         each.member("too_old", value.too_old) &&
+         each.member("not_newer", value.not_newer) &&
+         each.member("unreadable", value.unreadable) &&
+         each.member("last_refusal", value.last_refusal) &&
+         each.member("expired", value.expired);
+}
+
 }  // namespace gecos::wire

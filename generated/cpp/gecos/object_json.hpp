@@ -41,4 +41,9 @@ struct JsonShape<::gecos::OutcomeRecord> : JsonStruct<::gecos::OutcomeRecord> {}
 template <>
 bool JsonStruct<::gecos::OutcomeRecord>::visit(JsonMembers& each, ::gecos::OutcomeRecord& value);
 
+template <>
+struct JsonShape<::gecos::FeedReport> : JsonStruct<::gecos::FeedReport> {};
+template <>
+bool JsonStruct<::gecos::FeedReport>::visit(JsonMembers& each, ::gecos::FeedReport& value);
+
 }  // namespace gecos::wire

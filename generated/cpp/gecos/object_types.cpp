@@ -297,4 +297,44 @@ std::ostream& operator<<(std::ostream& out, const OutcomeRecord& value) {
       "OutcomeRecord{detail=", value.detail, ", text=", value.text, "}");
 }
 
+std::size_t FeedReport::encoded_size() const { return 78 + last_refusal.size(); }
+
+void FeedReport::encode(gecos::wire::Encoder& to) const {
+  to.put(admitted, lost, other_session, session_ended, no_status, command_not_running, too_old,
+         not_newer, unreadable);
+  to.put_string(last_refusal);
+  to.put(expired);
+}
+
+bool FeedReport::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(admitted, "FeedReport.admitted") &&
+         from.get(lost, "FeedReport.lost") &&
+         from.get(other_session, "FeedReport.other_session") &&
+         from.get(session_ended, "FeedReport.session_ended") &&
+         from.get(no_status, "FeedReport.no_status") &&
+         from.get(command_not_running, "FeedReport.command_not_running") &&
+         from.get(too_old, "FeedReport.too_old") &&
+         from.get(not_newer, "FeedReport.not_newer") &&
+         from.get(unreadable, "FeedReport.unreadable") &&
+         from.get_string(last_refusal, gecos::wire::npos, "FeedReport.last_refusal") &&
+         from.get(expired, "FeedReport.expired") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const FeedReport& value) {
+  if (!gecos::wire::valid_text(value.last_refusal)) {
+    return gecos::wire::bad_text("FeedReport.last_refusal");
+  }
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const FeedReport& value) {
+  return gecos::wire::print_all(out,
+      "FeedReport{admitted=", value.admitted, ", lost=", value.lost, ", other_session=",
+      value.other_session, ", session_ended=", value.session_ended, ", no_status=",
+      value.no_status, ", command_not_running=", value.command_not_running, ", too_old=",
+      value.too_old, ", not_newer=", value.not_newer, ", unreadable=", value.unreadable,
+      ", last_refusal=", value.last_refusal, ", expired=", value.expired, "}");
+}
+
 }  // namespace gecos

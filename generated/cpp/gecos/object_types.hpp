@@ -163,4 +163,42 @@ std::ostream& operator<<(std::ostream& out, const OutcomeRecord& value);
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const OutcomeRecord& value);
 
+/// What became of the samples that clients sent on an inward stream. Only an admitted
+/// sample has an effect.
+struct FeedReport {
+  /// the servant has taken them
+  std::uint64_t admitted = 0;
+  /// never arrived, or newer ones took their place before the servant read them
+  std::uint64_t lost = 0;
+  /// they name another session than the one that sent them
+  std::uint64_t other_session = 0;
+  /// unread when their session ended
+  std::uint64_t session_ended = 0;
+  /// their sender lacks the status, or the status that it had has ended
+  std::uint64_t no_status = 0;
+  /// the command that they feed does not run, or takes no samples
+  std::uint64_t command_not_running = 0;
+  /// older than the watchdog of the stream when they were read
+  std::uint64_t too_old = 0;
+  /// a newer one had been taken
+  std::uint64_t not_newer = 0;
+  /// they do not decode, or a member is out of range
+  std::uint64_t unreadable = 0;
+  /// why the last of them was refused; empty when none was
+  std::string last_refusal{};
+  /// the servant has taken no sample that is younger than the watchdog
+  bool expired = false;
+
+  static constexpr std::string_view type_name() { return "gecos::FeedReport"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x578e496566d4325aU); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const FeedReport&, const FeedReport&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const FeedReport& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const FeedReport& value);
+
 }  // namespace gecos

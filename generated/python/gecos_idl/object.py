@@ -17,6 +17,7 @@ from gecos.servant import Servant as _Servant
 from gecos.wire import layout as _layout
 from gecos_idl.object_types import (
     Description,
+    FeedReport,
     Grant,
     Holder,
     OutcomeRecord,
@@ -27,6 +28,7 @@ from gecos_idl.object_types import (
 
 __all__ = [
     "Description",
+    "FeedReport",
     "GecosObject",
     "GecosObjectServant",
     "Grant",
@@ -127,10 +129,31 @@ _GECOS_OBJECT_MODEL: _Method[list[str], None] = _method(
     ),
     gives=_layout.items(_layout.text()),
 )
+_GECOS_OBJECT_FEED: _Method[bool, None] = _method(
+    _Operation(0x0000000B, "feed", _Access.SENSOR, presence=False, hash=0x03442F523A060E4E),
+    takes=_values("code stream", "II"),
+    gives="?",
+)
+_GECOS_OBJECT_END_FEED: _Method[None, None] = _method(
+    _Operation(0x0000000C, "end_feed", _Access.SENSOR, presence=False, hash=0x5C19B23CE1CD1445),
+    takes=_values("code stream", "II"),
+)
+_GECOS_OBJECT_FEED_REPORT: _Method[FeedReport, None] = _method(
+    _Operation(
+        0x0000000D,
+        "feed_report",
+        _Access.SENSOR,
+        presence=False,
+        idempotent=True,
+        hash=0xCAF33AFFCB30E4BA,
+    ),
+    takes=_values("code", "I"),
+    gives=FeedReport,
+)
 _GECOS_OBJECT = _interface(
     "gecos::GecosObject",
     "1.0",
-    0xA21120267BF83094,
+    0x3768883BB80F4E5F,
     (),
     (
         _GECOS_OBJECT_HOLDERS,
@@ -143,6 +166,9 @@ _GECOS_OBJECT = _interface(
         _GECOS_OBJECT_UNSUBSCRIBE,
         _GECOS_OBJECT_OUTCOME,
         _GECOS_OBJECT_MODEL,
+        _GECOS_OBJECT_FEED,
+        _GECOS_OBJECT_END_FEED,
+        _GECOS_OBJECT_FEED_REPORT,
     ),
 )
 
@@ -218,6 +244,25 @@ class GecosObject(_Object):
         """
         return self._gecos_call(_GECOS_OBJECT_MODEL, [])
 
+    def feed(self, code: int, stream: int) -> _Command[bool]:
+        """Opens the stream that the caller shares as `stream` for the inward stream of attribute
+        `code`. FALSE: the
+        stream has not been announced yet; ask again. It takes the place of an earlier one of
+        this session.
+        """
+        return self._gecos_call(_GECOS_OBJECT_FEED, _GECOS_OBJECT_FEED.request(code, stream))
+
+    def end_feed(self, code: int, stream: int) -> _Command[None]:
+        """Ends what `feed` opened."""
+        return self._gecos_call(
+            _GECOS_OBJECT_END_FEED,
+            _GECOS_OBJECT_END_FEED.request(code, stream),
+        )
+
+    def feed_report(self, code: int) -> _Command[FeedReport]:
+        """What became of the samples of this session on the inward stream of attribute `code`."""
+        return self._gecos_call(_GECOS_OBJECT_FEED_REPORT, _GECOS_OBJECT_FEED_REPORT.request(code))
+
 
 class GecosObjectServant(_Servant):
     """What every object answers."""
@@ -279,3 +324,19 @@ class GecosObjectServant(_Servant):
         """The interface of the object and each of its bases as JSON, for clients without
         generated code.
         """
+
+    @_abstractmethod
+    def feed(self, code: int, stream: int) -> bool:
+        """Opens the stream that the caller shares as `stream` for the inward stream of attribute
+        `code`. FALSE: the
+        stream has not been announced yet; ask again. It takes the place of an earlier one of
+        this session.
+        """
+
+    @_abstractmethod
+    def end_feed(self, code: int, stream: int) -> None:
+        """Ends what `feed` opened."""
+
+    @_abstractmethod
+    def feed_report(self, code: int) -> FeedReport:
+        """What became of the samples of this session on the inward stream of attribute `code`."""

@@ -12,6 +12,7 @@ from gecos.wire import layout as _layout
 
 __all__ = [
     "Description",
+    "FeedReport",
     "Grant",
     "Holder",
     "OutcomeRecord",
@@ -158,3 +159,34 @@ class OutcomeRecord(_layout.Struct):
     """as in the flags of a reply"""
     text: str = ""
     """why, when it is not DONE"""
+
+
+@_layout.struct(0x578E496566D4325A, "QQQQQQQQQ", _layout.text(), "?", open=True)
+@_dataclass(slots=True)
+class FeedReport(_layout.Struct):
+    """What became of the samples that clients sent on an inward stream. Only an admitted
+    sample has an effect.
+    """
+
+    admitted: int = 0
+    """the servant has taken them"""
+    lost: int = 0
+    """never arrived, or newer ones took their place before the servant read them"""
+    other_session: int = 0
+    """they name another session than the one that sent them"""
+    session_ended: int = 0
+    """unread when their session ended"""
+    no_status: int = 0
+    """their sender lacks the status, or the status that it had has ended"""
+    command_not_running: int = 0
+    """the command that they feed does not run, or takes no samples"""
+    too_old: int = 0
+    """older than the watchdog of the stream when they were read"""
+    not_newer: int = 0
+    """a newer one had been taken"""
+    unreadable: int = 0
+    """they do not decode, or a member is out of range"""
+    last_refusal: str = ""
+    """why the last of them was refused; empty when none was"""
+    expired: bool = False
+    """the servant has taken no sample that is younger than the watchdog"""

@@ -55,12 +55,20 @@ const StreamDescription* InterfaceDescription::find_stream(FunctionCode code) co
   return find_by_code(*this, &InterfaceDescription::streams, code);
 }
 
+const InwardDescription* InterfaceDescription::find_inward_stream(FunctionCode code) const {
+  return find_by_code(*this, &InterfaceDescription::inward_streams, code);
+}
+
 std::vector<const OperationDescription*> InterfaceDescription::all_operations() const {
   return all_by_code(*this, &InterfaceDescription::operations);
 }
 
 std::vector<const StreamDescription*> InterfaceDescription::all_streams() const {
   return all_by_code(*this, &InterfaceDescription::streams);
+}
+
+std::vector<const InwardDescription*> InterfaceDescription::all_inward_streams() const {
+  return all_by_code(*this, &InterfaceDescription::inward_streams);
 }
 
 std::vector<std::string_view> InterfaceDescription::all_models() const {

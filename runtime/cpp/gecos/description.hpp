@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gecos/access/status.hpp"
+#include "gecos/base/clock.hpp"
 #include "gecos/base/ids.hpp"
 #include "gecos/qos/quality.hpp"
 
@@ -65,6 +66,19 @@ struct StreamDescription {
   qos::Quality quality{};
 };
 
+/// A stream of samples that clients send to the servant.
+struct InwardDescription {
+  FunctionCode code{};
+  std::string_view name{};
+  std::uint64_t hash = 0;
+  access::Status status = access::Status::Actor;  ///< the status that a sender needs
+  bool presence = true;                           ///< needs a person in the laboratory
+  double rate_hz = 0;
+  Duration watchdog{};  ///< samples that are older when they are read have no effect; 0: no limit
+  std::size_t largest = 0;  ///< bytes of the largest sample; 0: unbounded, up to 64 KiB are sent
+  qos::Quality quality{};
+};
+
 /// A value for a time stamp: the sample is measured at the moment of its publication.
 inline constexpr std::int64_t measured_now = std::numeric_limits<std::int64_t>::min();
 
@@ -78,18 +92,22 @@ struct InterfaceDescription {
   std::span<const OperationDescription>
       operations{};  ///< operations that are not inherited, sorted by code
   std::span<const StreamDescription> streams{};  ///< streams that are not inherited, sorted by code
+  std::span<const InwardDescription>
+      inward_streams{};  ///< inward streams that are not inherited, sorted by code
   qos::Quality quality{};
   /// This interface as JSON, without its bases, as gidl writes it; empty for the built-in
   /// operations.
   std::string_view model{};
 
-  /// Returns the own or inherited operation (`find_stream`: the stream) with this code; null when
+  /// Returns the own or inherited operation (or stream) with this code; null when
   /// the interface has none.
   const OperationDescription* find(FunctionCode code) const;
   const StreamDescription* find_stream(FunctionCode code) const;
-  /// Returns all own and inherited operations (`all_streams`: streams), each once, sorted by code.
+  const InwardDescription* find_inward_stream(FunctionCode code) const;
+  /// Returns all own and inherited operations (or streams), each once, sorted by code.
   std::vector<const OperationDescription*> all_operations() const;
   std::vector<const StreamDescription*> all_streams() const;
+  std::vector<const InwardDescription*> all_inward_streams() const;
   /// Returns the models of this interface and of all its bases, each once.
   std::vector<std::string_view> all_models() const;
   bool is_a(std::string_view interface_name) const;

@@ -14,6 +14,7 @@
 #include "gecos/description.hpp"
 #include "gecos/object_ref_types.hpp"  // generated from idl/gecos/object_ref.gidl
 #include "gecos/stream.hpp"
+#include "gecos/writer.hpp"
 
 namespace gecos {
 
@@ -39,6 +40,9 @@ class ClientSession {
   /// Subscribes to a stream of the object.
   virtual tl::expected<std::shared_ptr<StreamCore>, Failure> subscribe(
       const StreamDescription& stream) = 0;
+  /// Opens an inward stream of the object.
+  virtual tl::expected<std::shared_ptr<WriterCore>, Failure> open_writer(
+      const InwardDescription& stream) = 0;
   /// Returns the scoped name of the interface that the object implements: the interface of the
   /// proxy, or an interface derived from that interface.
   virtual const std::string& interface_name() const = 0;
@@ -53,7 +57,7 @@ class ClientSession {
   /// Tells the session that a lease was released. When the last lease of a status is released, the
   /// session issues later commands without an epoch.
   virtual void lease_released(std::uint64_t held) = 0;
-  /// Returns the number of calls that were issued so far.
+  /// Returns the number of calls that were issued and of samples that were sent so far.
   virtual std::uint64_t issued() = 0;
 };
 
@@ -135,6 +139,14 @@ class Object {
     auto core = gecos_session_->subscribe(outward);
     if (!core) return tl::unexpected(std::move(core.error()));
     return Stream<T>(std::move(*core), decode);
+  }
+
+  template <class T>
+  tl::expected<Writer<T>, Failure> gecos_write(const InwardDescription& inward,
+                                               typename Writer<T>::Send send) const {
+    auto core = gecos_session_->open_writer(inward);
+    if (!core) return tl::unexpected(std::move(core.error()));
+    return Writer<T>(std::move(*core), send);
   }
 
   std::shared_ptr<session::ClientSession> gecos_session_;

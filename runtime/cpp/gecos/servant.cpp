@@ -92,6 +92,13 @@ std::string PublisherSlot::served_as() const {
 
 }  // namespace session
 
+void session::with_inward(const Servant& servant, const InwardDescription& stream,
+                          FunctionRef<void(InwardCore&)> use) {
+  servant.gecos_publisher_.with([&](Publisher& publisher) {
+    if (InwardCore* const core = publisher.inward(stream)) use(*core);
+  });
+}
+
 Servant::~Servant() {
   const std::string name = gecos_served_as();
   if (name.empty()) return;

@@ -16,6 +16,7 @@
 #include "gecos/base/mutex.hpp"
 #include "gecos/command.hpp"
 #include "gecos/description.hpp"
+#include "gecos/inward.hpp"
 #include "gecos/wire/encoder.hpp"
 
 namespace gecos {
@@ -96,6 +97,8 @@ class CallCore {
   virtual const OperationDescription& operation() const = 0;
   virtual ByteView arguments() const = 0;
   virtual const Caller& caller() const = 0;
+  /// Returns the number of the call in its session; 0 when the call has none.
+  virtual std::uint64_t counter_in_session() const { return 0; }
   /// Returns true when the handler should end soon, because the call was canceled or stopped, its
   /// lease was lost, its deadline has passed or the server is closing.
   virtual bool interrupted() const = 0;
@@ -126,6 +129,7 @@ class IncomingCall {
   const OperationDescription& operation() const { return core_->operation(); }
   ByteView arguments() const { return core_->arguments(); }
   const Caller& caller() const { return core_->caller(); }
+  std::uint64_t counter() const { return core_->counter_in_session(); }
   bool interrupted() const { return core_->interrupted(); }
   bool wait_interrupted_until(TimePoint deadline) const {
     return core_->wait_interrupted_until(deadline);
@@ -222,6 +226,8 @@ class Execution {
     call_.progress(fraction, wire::to_bytes(feedback));
   }
   const Caller& caller() const { return call_.caller(); }
+  /// Returns the number of the command in its caller's session.
+  std::uint64_t counter() const { return call_.counter(); }
 
  private:
   IncomingCall& call_;
@@ -236,6 +242,11 @@ class Publisher {
   virtual ~Publisher() = default;
   /// `stamp_ns`: when the sample was measured, Unix time in ns, or `measured_now`.
   virtual void publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns) = 0;
+  /// Returns the samples of an inward stream; null when the object has no such stream.
+  virtual InwardCore* inward(const InwardDescription& stream) {
+    static_cast<void>(stream);
+    return nullptr;
+  }
   /// The name under which the servant is served now; empty when it is not.
   virtual std::string served_as() { return {}; }
 };
@@ -352,6 +363,9 @@ class Servant {
   static void gecos_not_published(std::string_view name, const std::string& why);
 
   session::PublisherSlot gecos_publisher_;
+
+  friend void session::with_inward(const Servant& servant, const InwardDescription& stream,
+                                   FunctionRef<void(session::InwardCore&)> use);
 };
 
 /// Returns the current Unix time in ns, for time stamps that people read.
@@ -372,6 +386,7 @@ std::int64_t unix_now_ns();
 //     virtual gecos::Result<void> move(const robcl::Frame& goal, const std::optional<Trajectory>&
 //     how,
 //                                      gecos::Execution<MotionProgress>& run) = 0;
+//     gecos::Inward<robcl::Frame>& alter() { return gecos_inward_alter_; }  // an inward stream
 //     void publish_tool(const robcl::Frame& value, std::int64_t stamp_ns = gecos::measured_now);
 //   };
 //

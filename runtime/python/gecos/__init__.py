@@ -56,6 +56,8 @@ if TYPE_CHECKING:
     from gecos.errors import UnobservedCommandWarning as UnobservedCommandWarning
     from gecos.execution import Caller as Caller
     from gecos.execution import Execution as Execution
+    from gecos.inward import Inward as Inward
+    from gecos.inward import InwardSample as InwardSample
     from gecos.lab import Lab as Lab
     from gecos.lease import Lease as Lease
     from gecos.lease import actor as actor
@@ -69,6 +71,8 @@ if TYPE_CHECKING:
     from gecos.server import serve as serve
     from gecos.stream import Sample as Sample
     from gecos.stream import Stream as Stream
+    from gecos.writer import InwardAttribute as InwardAttribute
+    from gecos.writer import Writer as Writer
 
 _NAMES = {
     "broker": "Broker",
@@ -79,6 +83,7 @@ _NAMES = {
     "DroppedLeaseWarning Interrupted LeaseRefused Rejected ServeError State StreamLost "
     "UnobservedCommandWarning",
     "execution": "Caller Execution",
+    "inward": "Inward InwardSample",
     "lab": "Lab",
     "lease": "Lease actor master",
     "proxy": "Object StreamAttribute reference with_deadline",
@@ -86,6 +91,7 @@ _NAMES = {
     "servant": "Servant",
     "server": "Server serve",
     "stream": "Sample Stream",
+    "writer": "InwardAttribute Writer",
 }
 _HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
 

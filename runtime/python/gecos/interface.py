@@ -116,6 +116,20 @@ class OutwardStream(Record, kw_only=True):
     quality: Quality = ASKED_NOTHING
 
 
+class InwardStream(Record, kw_only=True):
+    """A stream of samples that clients send to the servant."""
+
+    code: int
+    name: str
+    access: Access = Access.ACTOR
+    presence: bool = True
+    rate_hz: float = 0.0
+    watchdog_ns: int = 0  # samples that are older when they are read have no effect; 0: no limit
+    largest: int = 0  # bytes of the largest sample; 0 when unbounded
+    quality: Quality = ASKED_NOTHING
+    hash: int = 0
+
+
 class Interface(Record, kw_only=True, derived=("models", "handlers")):
     name: str  # "robcl::Rx90"
     version: str = ""
@@ -123,6 +137,7 @@ class Interface(Record, kw_only=True, derived=("models", "handlers")):
     bases: tuple[str, ...] = ()  # all direct and indirect bases
     operations: tuple[Operation, ...] = ()  # own and all inherited operations
     streams: tuple[OutwardStream, ...] = ()  # own and all inherited streams
+    inward_streams: tuple[InwardStream, ...] = ()  # own and all inherited inward streams
     quality: Quality = ASKED_NOTHING
     # The object serves these texts: the JSON of the interface and of each of its bases.
     models: tuple[str, ...] = ()
@@ -130,7 +145,7 @@ class Interface(Record, kw_only=True, derived=("models", "handlers")):
 
     def __post_init__(self) -> None:
         """Removes duplicates, because several bases may inherit the same operation or stream."""
-        for name in ("operations", "streams", "models"):
+        for name in ("operations", "streams", "inward_streams", "models"):
             self.__dict__[name] = tuple(dict.fromkeys(getattr(self, name)))
 
 
@@ -270,6 +285,42 @@ def method(
     )
 
 
+class Inward(Record, Generic[T]):
+    """An inward stream with the codec of its samples."""
+
+    stream: InwardStream
+    result: Callable[[Decoder], T]  # decodes a sample
+    body: Callable[[T], Parts]  # encodes a sample
+
+
+def inward(
+    code: int,
+    name: str,
+    access: Access,
+    *,
+    gives: Step,
+    presence: bool = True,
+    rate_hz: float = 0.0,
+    watchdog_ns: int = 0,
+    largest: int = 0,
+    quality: Quality = ASKED_NOTHING,
+    hash: int,
+) -> Inward[Any]:
+    """Describes an inward stream."""
+    stream = InwardStream(
+        code=code,
+        name=name,
+        access=access,
+        presence=presence,
+        rate_hz=rate_hz,
+        watchdog_ns=watchdog_ns,
+        largest=largest,
+        quality=quality,
+        hash=hash,
+    )
+    return Inward(stream, *_answer(kind_of(gives), name))
+
+
 def _answer(kind: Carried, label: str) -> tuple[Callable[[Decoder], Any], Callable[[Any], Parts]]:
     """Returns the functions that decode and encode a reply."""
 
@@ -321,6 +372,7 @@ def interface(
     methods: Iterable[Method[Any, Any]],
     quality: Quality = ASKED_NOTHING,
     model: str = "",
+    inward: Iterable[Inward[Any]] = (),
 ) -> Interface:
     """Builds an interface with its own and all inherited members. `bases` are proxy classes, and
     `model` is the JSON of the interface itself."""
@@ -340,6 +392,7 @@ def interface(
     names = dict.fromkeys(n for base in inherited for n in (*base.bases, base.name))
     operations = [o for base in inherited for o in base.operations]
     streams = [s for base in inherited for s in base.streams]
+    inward_streams = [s for base in inherited for s in base.inward_streams]
     return Interface(
         name=name,
         version=version,
@@ -347,6 +400,7 @@ def interface(
         bases=tuple(names),
         operations=(*operations, *(each.operation for each in own)),
         streams=(*streams, *(each.stream for each in own if each.stream is not None)),
+        inward_streams=(*inward_streams, *(each.stream for each in inward)),
         quality=quality,
         models=(*(m for base in inherited for m in base.models), *([model] if model else ())),
         handlers=handlers,

@@ -23,14 +23,19 @@ from __future__ import annotations
 
 from abc import ABC
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
+from gecos import interface
 from gecos.errors import ServeError
 from gecos.interface import Handler, Interface
+from gecos.inward import Inward
 from gecos.wire import Parts
 
 if TYPE_CHECKING:
     from gecos import _core
+
+
+T = TypeVar("T")
 
 
 class Servant(ABC):  # noqa: B024  # the skeletons declare the abstract methods
@@ -50,6 +55,10 @@ class Servant(ABC):  # noqa: B024  # the skeletons declare the abstract methods
         """Called when a client stops the object. Override this method to halt the device. It runs
         on the thread of the safety operations while other handlers may still run. Leases and queue
         are already cleared."""
+
+    def _gecos_inward(self, stream: interface.Inward[T]) -> Inward[T]:
+        opened: dict[int, Inward[Any]] = self.__dict__.setdefault("_gecos_inward_streams", {})
+        return opened.setdefault(stream.stream.code, Inward(self, stream))
 
     def _gecos_publish(self, code: int, sample: Parts, stamp: float | None) -> None:
         if self._gecos_core is None:

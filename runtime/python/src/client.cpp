@@ -129,6 +129,40 @@ nb::object subscribe(SessionHandle& self, std::uint32_t code) {
   return nb::make_tuple(static_cast<int>(opened.error().detail), opened.error().text);
 }
 
+nb::object open_writer(SessionHandle& self, std::uint32_t code) {
+  const InwardDescription* const stream = self.table().find_inward_stream(FunctionCode{code});
+  if (stream == nullptr) {
+    throw nb::key_error(
+        ("no inward stream of " + std::string(self.table().name) + " has this code").c_str());
+  }
+  auto opened =
+      run_interruptibly([session = self.get(), stream] { return session->open_writer(*stream); });
+  if (opened) return nb::cast(WriterHandle(std::move(*opened)));
+  return nb::make_tuple(static_cast<int>(opened.error().detail), opened.error().text);
+}
+
+/// Sends a sample. Returns None, or the detail and the text of the failure.
+nb::object send(const WriterHandle& self, const nb::bytes& sample,
+                std::optional<std::int64_t> stamp_ns) {
+  const auto core = self.get();
+  if (core == nullptr) {
+    return nb::make_tuple(static_cast<int>(Detail::NotStarted),
+                          "a sample was not sent: the writer is closed; open a new one");
+  }
+  const ByteView body = from_python(sample);
+  const auto sent = core->send(
+      body.size(), [&](wire::Encoder& to) { to.put_bytes(body); }, stamp_ns.value_or(measured_now));
+  if (sent) return nb::none();
+  return nb::make_tuple(static_cast<int>(sent.error().detail), sent.error().text);
+}
+
+void feeds(const WriterHandle& self, const std::optional<std::string>& command) {
+  const auto core = self.get();
+  if (core == nullptr) return;
+  if (!command) return core->feeds(std::nullopt);
+  core->feeds(command_id_from(*command).value_or(CommandId{}));
+}
+
 CommandHandle ask_for_status(SessionHandle& self, int status, const std::string& password,
                              double timeout) {
   return CommandHandle(session::ask_for_status(*self.get(), static_cast<Status>(status), password,
@@ -231,6 +265,7 @@ void bind_client(nb::module_& module) {
       .def("reference", &reference)
       .def("call", &call, nb::arg("code"), nb::arg("arguments"), nb::arg("deadline").none())
       .def("subscribe", &subscribe, nb::arg("code"))
+      .def("open_writer", &open_writer, nb::arg("code"))
       .def("outcome", &outcome, nb::arg("command"))
       .def("ask_for_status", &ask_for_status, nb::arg("status"), nb::arg("password"),
            nb::arg("timeout"))
@@ -265,6 +300,16 @@ void bind_client(nb::module_& module) {
       .def("latest", &latest)
       .def("next", &next, nb::arg("timeout").none())
       .def("close", &StreamHandle::close);
+
+  nb::class_<WriterHandle>(module, "Writer")
+      .def("send", &send, nb::arg("sample"), nb::arg("stamp_ns").none())
+      .def("feeds", &feeds, nb::arg("command").none())
+      .def("lost",
+           [](const WriterHandle& self) {
+             const auto core = self.get();
+             return core == nullptr || core->lost();
+           })
+      .def("close", &WriterHandle::close);
 
   nb::class_<LeaseHandle>(module, "Lease")
       .def_prop_ro("status", &LeaseHandle::status)

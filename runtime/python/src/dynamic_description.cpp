@@ -20,6 +20,7 @@ struct OwnedDescription {
   std::vector<std::string_view> bases;
   std::vector<OperationDescription> operations;
   std::vector<StreamDescription> streams;
+  std::vector<InwardDescription> inward_streams;
   /// The descriptions of the base interfaces. They have only the models of the bases; the
   /// operations of the bases are in `operations`.
   std::deque<InterfaceDescription> models;
@@ -91,6 +92,20 @@ StreamDescription stream_of(nb::handle table, OwnedDescription& owner) {
   return stream;
 }
 
+InwardDescription inward_of(nb::handle table, OwnedDescription& owner) {
+  InwardDescription stream;
+  stream.code = FunctionCode{field<std::uint32_t>(table, "code")};
+  stream.name = owner.keep(table.attr("name"));
+  stream.hash = field<std::uint64_t>(table, "hash");
+  stream.status = enumerator(table, "access", access::Status::Master);
+  stream.presence = field<bool>(table, "presence");
+  stream.rate_hz = field<double>(table, "rate_hz");
+  stream.watchdog = duration(table, "watchdog_ns");
+  stream.largest = field<std::size_t>(table, "largest");
+  stream.quality = quality_of(table.attr("quality"));
+  return stream;
+}
+
 }  // namespace
 
 const InterfaceDescription& description_of(nb::handle interface) {
@@ -107,12 +122,16 @@ const InterfaceDescription& description_of(nb::handle interface) {
   for (const nb::handle stream : interface.attr("streams")) {
     made.streams.push_back(stream_of(stream, made));
   }
+  for (const nb::handle stream : interface.attr("inward_streams")) {
+    made.inward_streams.push_back(inward_of(stream, made));
+  }
   for (const nb::handle model : interface.attr("models")) {
     made.models.emplace_back().model = made.keep(model);
   }
   const auto by_code = [](const auto& a, const auto& b) { return a.code < b.code; };
   std::ranges::sort(made.operations, by_code);
   std::ranges::sort(made.streams, by_code);
+  std::ranges::sort(made.inward_streams, by_code);
   made.table.name = made.keep(interface.attr("name"));
   made.table.version = made.keep(interface.attr("version"));
   made.table.hash = field<std::uint64_t>(interface, "hash");
@@ -122,6 +141,7 @@ const InterfaceDescription& description_of(nb::handle interface) {
   owned.table.bases = owned.bases;
   owned.table.operations = owned.operations;
   owned.table.streams = owned.streams;
+  owned.table.inward_streams = owned.inward_streams;
   for (const InterfaceDescription& each : owned.models) owned.inherits.push_back(&each);
   owned.table.inherits = owned.inherits;
   interface.inc_ref();  // never released, so that no other interface gets this address

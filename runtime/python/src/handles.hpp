@@ -167,6 +167,24 @@ class StreamHandle {
   session::RawSample sample_;
 };
 
+class WriterHandle {
+ public:
+  explicit WriterHandle(std::shared_ptr<session::WriterCore> core) : core_(std::move(core)) {}
+  WriterHandle(WriterHandle&&) = default;
+  ~WriterHandle() { drop(core_, owner_); }
+
+  /// Returns the writer; null after `close`. Throws in a forked child.
+  std::shared_ptr<session::WriterCore> get() const {
+    owner_.demand("this writer");
+    return core_;
+  }
+  void close() { drop(core_, owner_); }
+
+ private:
+  Owner owner_;
+  std::shared_ptr<session::WriterCore> core_;
+};
+
 class LeaseHandle {
  public:
   explicit LeaseHandle(Lease lease)

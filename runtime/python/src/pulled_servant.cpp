@@ -86,4 +86,12 @@ bool PulledServant::publish(FunctionCode code, ByteView sample, std::int64_t sta
   return true;
 }
 
+bool PulledServant::with_inward(FunctionCode code,
+                                FunctionRef<void(session::InwardCore&)> use) const {
+  const InwardDescription* const stream = interface_.find_inward_stream(code);
+  if (stream == nullptr) return false;
+  session::with_inward(*this, *stream, use);
+  return true;
+}
+
 }  // namespace gecos::python

@@ -66,6 +66,9 @@ class PulledServant final : public Servant {
   /// Publishes a sample of the stream whose code is `code`. Returns false when the interface has no
   /// such stream.
   bool publish(FunctionCode code, ByteView sample, std::int64_t stamp_ns);
+  /// Calls `use` with the inward stream whose code is `code`; does nothing while the servant is not
+  /// served. Returns false when the interface has no such stream.
+  bool with_inward(FunctionCode code, FunctionRef<void(session::InwardCore&)> use) const;
 
  private:
   TaskQueue& queue(Lane lane) { return lanes_.at(static_cast<std::size_t>(lane)); }

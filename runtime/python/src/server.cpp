@@ -70,6 +70,43 @@ class ServantHandle {
     return nb::str("stopped");
   }
 
+  nb::object next_inward(std::uint32_t code, bool only_commands) {
+    nb::object given = nb::none();
+    with_inward(code, [&](session::InwardCore& core) {
+      session::RawInward raw;
+      const auto unfed = only_commands ? session::Unfed::Refused : session::Unfed::Taken;
+      if (!core.next(raw, unfed)) return;
+      given = nb::make_tuple(to_python(raw.value), raw.sample.sequence, raw.sample.stamp_ns,
+                             raw.age.count(), raw.session, raw.command);
+    });
+    return given;
+  }
+
+  void unreadable(std::uint32_t code, std::uint64_t session, const std::string& why) {
+    session::RawInward raw;
+    raw.session = session;
+    with_inward(code, [&](session::InwardCore& core) { core.unreadable(raw, why); });
+  }
+
+  bool inward_expired(std::uint32_t code) {
+    bool expired = true;
+    with_inward(code, [&](session::InwardCore& core) { expired = core.expired(); });
+    return expired;
+  }
+
+  nb::bytes inward_report(std::uint32_t code) {
+    FeedReport report;
+    with_inward(code, [&](session::InwardCore& core) { report = core.report(); });
+    return to_python(wire::to_bytes(report));
+  }
+
+  void feed_command(std::uint32_t code, CallHandle* call) {
+    with_inward(code, [&](session::InwardCore& core) {
+      if (call == nullptr) return core.feed_no_command();
+      core.feed_command(call->call().caller().session, call->call().counter());
+    });
+  }
+
   void publish(std::uint32_t code, const nb::bytes& sample, std::optional<std::int64_t> stamp_ns) {
     owner_.demand("this servant");
     if (!servant_->publish(FunctionCode{code}, from_python(sample),
@@ -79,6 +116,13 @@ class ServantHandle {
   }
 
  private:
+  void with_inward(std::uint32_t code, FunctionRef<void(session::InwardCore&)> use) const {
+    owner_.demand("this servant");
+    if (!servant_->with_inward(FunctionCode{code}, use)) {
+      throw nb::key_error("no inward stream of the interface has this code");
+    }
+  }
+
   const Owner owner_;
   std::shared_ptr<PulledServant> servant_;
 };
@@ -251,7 +295,13 @@ void bind_server(nb::module_& module) {
   nb::class_<ServantHandle>(module, "PulledServant")
       .def("next", &ServantHandle::next, nb::arg("lane"))
       .def("publish", &ServantHandle::publish, nb::arg("code"), nb::arg("sample"),
-           nb::arg("stamp_ns").none());
+           nb::arg("stamp_ns").none())
+      .def("next_inward", &ServantHandle::next_inward, nb::arg("code"), nb::arg("only_commands"))
+      .def("unreadable", &ServantHandle::unreadable, nb::arg("code"), nb::arg("session"),
+           nb::arg("why"))
+      .def("inward_expired", &ServantHandle::inward_expired, nb::arg("code"))
+      .def("inward_report", &ServantHandle::inward_report, nb::arg("code"))
+      .def("feed_command", &ServantHandle::feed_command, nb::arg("code"), nb::arg("call").none());
 
   nb::class_<CallHandle>(module, "IncomingCall")
       .def_prop_ro("code", &CallHandle::code)

@@ -77,6 +77,10 @@ class Direct final : public gecos::session::ClientSession {
       const gecos::StreamDescription& stream) override {
     return tl::unexpected(gecos::Failure{gecos::Detail::Denied, std::string(stream.name), {}, {}});
   }
+  tl::expected<std::shared_ptr<gecos::session::WriterCore>, gecos::Failure> open_writer(
+      const gecos::InwardDescription& stream) override {
+    return tl::unexpected(gecos::Failure{gecos::Detail::Denied, std::string(stream.name), {}, {}});
+  }
   const std::string& interface_name() const override { return name_; }
   const std::string& object_name() const override { return name_; }
   gecos::ObjectRef reference() const override { return {}; }

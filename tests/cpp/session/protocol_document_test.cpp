@@ -16,6 +16,7 @@
 #include "gecos/session/protocol/handshake.hpp"
 #include "gecos/session/protocol/inward_sample.hpp"
 #include "gecos/session/protocol/packets.hpp"
+#include "gecos/session/protocol/sample_time.hpp"
 #include "gecos/wire/layout.hpp"
 
 namespace gecos::session {
@@ -190,6 +191,7 @@ TEST_F(ProtocolDocument, ShowsASampleOfAClient) {
   Bytes sample(inward_header_size + sizeof(double));
   write_inward_header(std::span(sample).first<inward_header_size>(), {SessionId{9}, Epoch{11}, 4});
   wire::Encoder(std::span(sample).subspan(inward_header_size)).put(0.25);
+  append_measured(sample, TimePoint(std::chrono::seconds(2)));
   expect("inward sample", sample);
 }
 

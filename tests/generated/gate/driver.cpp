@@ -43,6 +43,11 @@ tl::expected<std::shared_ptr<gecos::session::StreamCore>, gecos::Failure> Line::
   return tl::unexpected(gecos::Failure{});
 }
 
+tl::expected<std::shared_ptr<gecos::session::WriterCore>, gecos::Failure> Line::open_writer(
+    const gecos::InwardDescription&) {
+  return tl::unexpected(gecos::Failure{});
+}
+
 const gecos::media::Capabilities& Line::capabilities() const {
   static const gecos::media::Capabilities none;
   return none;

@@ -286,6 +286,8 @@ class Line final : public gecos::session::ClientSession {
       const gecos::CallOptions& options) override;
   tl::expected<std::shared_ptr<gecos::session::StreamCore>, gecos::Failure> subscribe(
       const gecos::StreamDescription& stream) override;
+  tl::expected<std::shared_ptr<gecos::session::WriterCore>, gecos::Failure> open_writer(
+      const gecos::InwardDescription& stream) override;
   const std::string& interface_name() const override { return name_; }
   const std::string& object_name() const override { return name_; }
   const gecos::media::Capabilities& capabilities() const override;

@@ -61,7 +61,8 @@ _INWARD = struct.Struct(">3Q")
 
 @dataclass(frozen=True, slots=True)
 class InwardSample:
-    """What a client sends inward: whose the value is, and the value."""
+    """What a client sends inward: whose the value is, and the value with the time of its
+    measurement."""
 
     session: int
     epoch: int

@@ -174,12 +174,17 @@ def _default(value: Value) -> str:
 
 
 def _how_read(attribute: Attribute) -> str:
+    if attribute.inward and attribute.stream is not None:
+        rate = f" at {attribute.stream.rate_hz:g} Hz" if attribute.stream.rate_hz else ""
+        watched = attribute.stream.watchdog_ns
+        watchdog = f", watchdog {watched * 1e-6:g} ms" if watched else ""
+        return f"  (stream in{rate}{watchdog}, send: {attribute.write_access.name.lower()})"
     words = [] if attribute.access == 0 else [f"read: {attribute.access.name.lower()}"]
     if attribute.can_be_set:
         words.append(f"set: {attribute.write_access.name.lower()}")
     if attribute.stream is not None:
         rate = f" at {attribute.stream.rate_hz:g} Hz" if attribute.stream.rate_hz else ""
-        words.append(f"stream {attribute.stream.direction}{rate}")
+        words.append(f"stream out{rate}")
     return f"  ({', '.join(words)})" if words else ""
 
 

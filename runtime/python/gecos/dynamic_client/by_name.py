@@ -37,6 +37,12 @@ def attribute(robot: DynamicObject, name: str) -> Attribute:
     for member in robot._gecos_model.members:
         if member.name == name and isinstance(member, Attribute) and member.offered:
             return member
+        if member.name == name and isinstance(member, Attribute):
+            raise UnknownMemberError(
+                f"{robot._gecos_session.object_name}.{name} is an inward stream: clients send its"
+                " samples and nobody can read, set or watch it; in a program, send with"
+                f" `robot.{escaped(name, METHOD_WORDS)}.writer()`"
+            )
     raise _unknown(robot, "attribute", name, _names(robot, Attribute))
 
 

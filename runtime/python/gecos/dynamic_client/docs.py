@@ -9,7 +9,12 @@ def attribute_doc(attribute: Attribute) -> str:
     lines = _noted(attribute.doc, attribute.result)
     if attribute.stream is not None and attribute.stream.rate_hz:
         lines += [""] if lines else []
-        lines.append(f"Published {attribute.stream.rate_hz:g} times a second.")
+        rate = f"{attribute.stream.rate_hz:g}"
+        lines.append(
+            f"Takes {rate} samples a second."
+            if attribute.inward
+            else f"Published {rate} times a second."
+        )
     return "\n".join(lines)
 
 

@@ -194,11 +194,11 @@ class AttributeStream(Record):
     direction: str  # "out": the server publishes; "in": the server receives
     rate_hz: float = 0.0  # 0: not declared
     largest: int = 0  # bytes of the largest sample; 0 when unbounded
+    watchdog_ns: int = 0  # of a stream that clients send; 0: none
 
 
 class Attribute(Record, kw_only=True):
-    """An attribute. Dynamic proxies do not offer attributes that clients publish
-    (`stream.direction`)."""
+    """An attribute. Its value can be read unless clients send its samples (`inward`)."""
 
     name: str
     interface: str
@@ -225,8 +225,12 @@ class Attribute(Record, kw_only=True):
     feedback = ""
 
     @property
+    def inward(self) -> bool:
+        return self.stream is not None and self.stream.direction == "in"
+
+    @property
     def offered(self) -> bool:
-        return self.stream is None or self.stream.direction == "out"
+        return not self.inward
 
     @property
     def can_be_set(self) -> bool:

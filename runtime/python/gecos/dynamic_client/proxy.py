@@ -19,12 +19,13 @@ from gecos.dynamic_client.read import read_model
 from gecos.dynamic_client.request import Request
 from gecos.dynamic_client.types import Types
 from gecos.errors import DeclaredError
-from gecos.interface import Interface, Kind, Method, getter, interface, method
+from gecos.interface import Interface, Inward, Kind, Method, getter, interface, inward, method
 from gecos.interface import Operation as OperationTable
 from gecos.proxy import Object, StreamAttribute
 from gecos.record import replace
 from gecos.wire import Decoder, layout
 from gecos.wire.kinds import kind_of
+from gecos.writer import InwardAttribute
 
 
 class DynamicObject(Object):
@@ -58,12 +59,13 @@ class _Builder:
         self._types = Types(model)
         self._errors: dict[str, type[DeclaredError]] = {}
         self._methods: dict[str, list[Method[Any, Any]]] = {name: [] for name in model.interfaces}
+        self._inward: dict[str, list[Inward[Any]]] = {name: [] for name in model.interfaces}
         self._entries: dict[str, Any] = {}
 
     def built(self, only: Collection[str] | None) -> type[DynamicObject]:
         model = self._model
         for member in model.members:
-            if member.offered and (only is None or member.name in only):
+            if member.kind != "event" and (only is None or member.name in only):
                 for name, entry in self._members(member):
                     if name in self._entries:
                         raise Malformed(f"two members of {model.interface} are called {name}")
@@ -80,9 +82,14 @@ class _Builder:
         known: dict[str, Interface] = {}
         for each in self._model.interfaces.values():
             bases: list[Any] = [SimpleNamespace(_gecos_interface=known[b]) for b in each.bases]
-            methods = self._methods[each.name]
             known[each.name] = interface(
-                each.name, each.version, each.hash, bases, methods, each.quality
+                each.name,
+                each.version,
+                each.hash,
+                bases,
+                self._methods[each.name],
+                each.quality,
+                inward=self._inward[each.name],
             )
         return known[self._model.interface]
 
@@ -91,6 +98,9 @@ class _Builder:
         name = escaped(member.name, METHOD_WORDS)
         if isinstance(member, Operation):
             yield name, self._operation(member, name)
+            return
+        if member.inward:
+            yield name, self._writer(member)
             return
         yield name, self._getter(member, name)
         if member.can_be_set:
@@ -174,6 +184,26 @@ class _Builder:
             member.set_raises,
         )
         return _caller(made, request, f"set_{member.name}", setter_doc(member), "None")
+
+    def _writer(self, member: Attribute) -> Any:
+        value = replace(member.result, direction="in", doc="")
+        request = Request(member.name, (value,), self._types, self._model)
+        assert member.stream is not None
+        made = inward(
+            member.code,
+            member.name,
+            member.write_access,
+            gives=self._types.step(member.result),
+            presence=member.write_presence,
+            rate_hz=member.stream.rate_hz,
+            watchdog_ns=member.stream.watchdog_ns,
+            largest=member.stream.largest,
+            quality=member.quality,
+            hash=member.hash,
+        )
+        made = replace(made, body=lambda sample: request.encoded((sample,), {}))
+        self._inward[member.interface].append(made)
+        return property(lambda proxy: InwardAttribute(proxy, made), doc=attribute_doc(member))
 
     def _table(
         self,

@@ -339,6 +339,7 @@ def _attribute(data: JsonObject, interface: str) -> Attribute:
             declared.one_of("direction", ("out", "in")),
             float(declared.number("rate_hz") or 0.0),
             declared.whole("largest", 0, _MAX_NS, 0),
+            declared.whole("watchdog_ns", 0, _MAX_NS, 0),
         )
     readonly = data.flag("readonly")
     inward = stream is not None and stream.direction == "in"
@@ -360,7 +361,7 @@ def _attribute(data: JsonObject, interface: str) -> Attribute:
         raises=data.scoped_names("get_raises"),
         set_raises=data.scoped_names("set_raises"),
         quality=_quality(data),
-        code=0 if inward else codes.whole("get", 0, _MAX_CODE),
+        code=codes.whole("stream" if inward else "get", 0, _MAX_CODE),
         set_code=0 if readonly or inward else codes.whole("set", 0, _MAX_CODE),
         hash=data.hash("hash"),
     )
@@ -436,7 +437,7 @@ def _check_members(model: Model) -> None:
         for value in values:
             _check_known(model, value.use.named(), place)
         raises = member.raises
-        own = [member.code] if member.offered else []
+        own = [member.code] if member.kind != "event" else []
         if isinstance(member, Attribute):
             raises += member.set_raises
             own += [member.set_code] if member.can_be_set else []

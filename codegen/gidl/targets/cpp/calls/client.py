@@ -14,7 +14,7 @@ from gidl.targets.calls import (
 )
 from gidl.targets.cpp import names
 from gidl.targets.cpp.calls.facts import CallFacts
-from gidl.targets.cpp.calls.views import MethodView, ReadingView
+from gidl.targets.cpp.calls.views import MethodView, ReadingView, WriterView
 from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.lower import Slot
 from gidl.targets.cpp.lower.statements import conjunction
@@ -88,6 +88,25 @@ class Client(CallFacts):
             self._constant(self._stream_constants[attribute.name]),
             None,
             self._reading((sample,), attribute.name, set()),
+        )
+
+    def _writer(self, attribute: Attribute) -> WriterView:
+        value = attribute_value(attribute)
+        sample = self._layout.stream(attribute.scoped_name).sample
+        slot = Slot("value", attribute.name, sample.node)
+        taken = {"value", "core", "stamp_ns"}
+
+        def refused(why: str) -> str:
+            return called("gecos::session::refused_sample", why)
+
+        note = f"Sends samples of {attribute.name}."
+        return WriterView(
+            doc_lines(attribute.facts, value_note(attribute.unit, attribute.range)) or (note,),
+            names.method_name(attribute.name),
+            self._lowering.type(value.type, value.optional),
+            self._constant(self._stream_constants[attribute.name]),
+            tuple(self._lowering.check(slot, names.Locals({*taken, "size", "to"}), refused)),
+            self._writing([slot], "size", "to", taken),
         )
 
 

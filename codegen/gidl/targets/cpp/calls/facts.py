@@ -30,7 +30,7 @@ from gidl.targets.naming import (
 )
 
 # Names of members that each generated interface description has.
-_DESCRIPTION = ("bases", "description", "inherits", "operations", "streams")
+_DESCRIPTION = ("bases", "description", "inherits", "inward_streams", "operations", "streams")
 
 
 class CallFacts:
@@ -54,11 +54,15 @@ class CallFacts:
         described = self._layout.cpp_names.descriptions[self._interface.name].name
         local = LocalNames({described, *_DESCRIPTION})
         calls = {c.name: local.fresh(_constant_name(c)) for c in self._calls}
-        streams = self._own_streams()
+        streams = [*self._own_streams(), *self._own_inward_streams()]
         return calls, {s.name: local.fresh(f"{s.name}_stream") for s in streams}
 
     def _own_streams(self) -> list[Attribute]:
         members = [m for m in self._interface.members if isinstance(m, Attribute) and m.streams_out]
+        return sorted(members, key=lambda a: self._layout.stream(a.scoped_name).code)
+
+    def _own_inward_streams(self) -> list[Attribute]:
+        members = [m for m in self._interface.members if isinstance(m, Attribute) and m.streams_in]
         return sorted(members, key=lambda a: self._layout.stream(a.scoped_name).code)
 
     def _constant(self, name: str) -> str:

@@ -86,6 +86,8 @@ def _interface_headers(view: InterfaceView) -> set[str]:
 def _client_text(view: InterfaceView) -> Iterator[str]:
     for method in view.methods:
         yield f"{method.returns} {method.declared}"
+    for writer in view.writers:
+        yield writer.value
 
 
 def _server_text(view: InterfaceView) -> Iterator[str]:
@@ -93,6 +95,8 @@ def _server_text(view: InterfaceView) -> Iterator[str]:
         yield f"{handler.returns} {handler.parameters}"
     for publisher in view.publishers:
         yield publisher.parameter
+    for inward in view.inward:
+        yield inward.value
 
 
 class _Interface(Tables, Client, ServerSide):
@@ -129,6 +133,8 @@ class _Interface(Tables, Client, ServerSide):
             tuple(methods),
             tuple(handlers),
             tuple(self._publisher(s) for s in self._own_streams()),
+            tuple(self._writer(s) for s in self._own_inward_streams()),
+            tuple(self._inward(s) for s in self._own_inward_streams()),
         )
 
     def _description(self) -> DescriptionView:
@@ -140,6 +146,7 @@ class _Interface(Tables, Client, ServerSide):
             tuple(f"&{names.absolute(table[base])}::description" for base in interface.bases),
             tuple(self._row(call) for call in self._calls),
             tuple(self._stream_row(attribute) for attribute in self._own_streams()),
+            tuple(self._inward_row(attribute) for attribute in self._own_inward_streams()),
             ", ".join(quality(interface.qos)),
             served_model(self._model, self._layout, interface),
         )

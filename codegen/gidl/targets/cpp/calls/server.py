@@ -29,14 +29,16 @@ from gidl.targets.cpp.calls.facts import CallFacts, hex32
 from gidl.targets.cpp.calls.views import (
     ArgumentView,
     HandlerView,
+    InwardView,
     PublisherView,
+    ReadingView,
     ResultView,
     WritingView,
     Written,
 )
 from gidl.targets.cpp.comments import doc_lines
 from gidl.targets.cpp.lower import Slot
-from gidl.targets.cpp.lower.statements import joined_terms, or_at_end, quoted
+from gidl.targets.cpp.lower.statements import conjunction, joined_terms, or_at_end, quoted
 from gidl.targets.groups import call as called
 from gidl.targets.groups import group
 from gidl.targets.naming import (
@@ -144,6 +146,20 @@ class ServerSide(CallFacts):
             value,
             tuple(checks),
             self._writing([slot], size, to, used),
+        )
+
+    def _inward(self, attribute: Attribute) -> InwardView:
+        value = attribute_value(attribute)
+        slot = Slot("value", attribute.name, self._layout.stream(attribute.scoped_name).sample.node)
+        decoded = self._lowering.decode(slot, "from", names.Locals({"value", "from"}))
+        note = f"The samples of {attribute.name} that clients send."
+        return InwardView(
+            doc_lines(attribute.facts, value_note(attribute.unit, attribute.range)) or (note,),
+            names.method_name(attribute.name),
+            f"gecos_inward_{attribute.name}_",
+            self._lowering.type(value.type, value.optional),
+            self._constant(self._stream_constants[attribute.name]),
+            ReadingView("from", "value", tuple(conjunction([decoded]))),
         )
 
     def _publisher(self, attribute: Attribute) -> PublisherView:

@@ -13,6 +13,7 @@ from gidl.targets.calls import (
 )
 from gidl.targets.cpp.calls.facts import CallFacts, hex32, hex64
 from gidl.targets.cpp.calls.views import (
+    InwardRow,
     OperationRow,
     StreamRow,
 )
@@ -75,6 +76,26 @@ class Tables(CallFacts):
         return StreamRow(
             self._stream_constants[attribute.name], hex32(layout.code), attribute.name,
             filled([*terms, *asked(attribute.qos)]),
+        )  # fmt: skip
+
+    def _inward_row(self, attribute: Attribute) -> InwardRow:
+        layout = self._layout.stream(attribute.scoped_name)
+        assert attribute.stream is not None
+        terms = []
+        if attribute.write_access is not Access.ACTOR:
+            status = attribute.write_access.name.capitalize()
+            terms.append(f".status = gecos::access::Status::{status}")
+        if not attribute.write_needs_presence:
+            terms.append(".presence = false")
+        if attribute.stream.rate_hz:
+            terms.append(f".rate_hz = {float(attribute.stream.rate_hz)!r}")
+        if attribute.stream.watchdog_ns:
+            terms.append(f".watchdog = gecos::Duration{{{attribute.stream.watchdog_ns}}}")
+        if layout.sample.fixed_size:
+            terms.append(f".largest = {layout.sample.fixed_size}")
+        return InwardRow(
+            self._stream_constants[attribute.name], hex32(layout.code), attribute.name,
+            hex64(layout.hash), filled([*terms, *asked(attribute.qos)]),
         )  # fmt: skip
 
 

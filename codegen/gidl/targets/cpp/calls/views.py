@@ -30,6 +30,15 @@ class StreamRow:
 
 
 @dataclass(frozen=True, slots=True)
+class InwardRow:
+    constant: str
+    code: str
+    name: str
+    hash: str
+    terms: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class DescriptionView:
     """The class that describes an interface: its operations, streams and quality."""
 
@@ -38,6 +47,7 @@ class DescriptionView:
     inherits: tuple[str, ...]  # description classes of the direct bases
     operations: tuple[OperationRow, ...]  # own operations, sorted by function code
     streams: tuple[StreamRow, ...]
+    inward_streams: tuple[InwardRow, ...]
     quality: str  # "" if the interface demands no quality
     model: str  # JSON that the object serves; "" for the built-in operations
 
@@ -75,6 +85,30 @@ class MethodView:
     constant: str  # constant that describes the operation: "GripperInterface::max_width"
     arguments: WritingView | None
     result: ReadingView | None
+
+
+@dataclass(frozen=True, slots=True)
+class WriterView:
+    """A method of a client proxy that opens an inward stream."""
+
+    doc: tuple[str, ...]
+    name: str
+    value: str  # type of the samples
+    constant: str  # constant that describes the stream: "GripperInterface::jaws_stream"
+    checks: tuple[str, ...]  # statements that return an error if a value must not be sent
+    writing: WritingView
+
+
+@dataclass(frozen=True, slots=True)
+class InwardView:
+    """An inward stream, as the servant reads it."""
+
+    doc: tuple[str, ...]
+    name: str
+    member: str  # data member of the skeleton
+    value: str  # type of the samples
+    constant: str
+    reading: ReadingView
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,6 +176,8 @@ class InterfaceView:
     methods: tuple[MethodView, ...]
     handlers: tuple[HandlerView, ...]
     publishers: tuple[PublisherView, ...]
+    writers: tuple[WriterView, ...]
+    inward: tuple[InwardView, ...]
 
     @property
     def answers_else(self) -> str:

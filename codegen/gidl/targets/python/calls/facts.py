@@ -132,6 +132,8 @@ def classes_of(lowering: Lowering, interface: Interface) -> set[Home]:
     for call in layout.interfaces[interface.name].calls:
         nodes += [field.node for field in (*call.request, *call.reply)]
         found |= {homes.value(name) for name, _ in call.exceptions}
+    for stream in layout.interfaces[interface.name].streams:
+        nodes.append(stream.sample.node)
     for operation in interface.operations:
         if operation.feedback is not None:
             nodes.append(node_of(model, operation.feedback))

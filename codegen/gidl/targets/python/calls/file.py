@@ -48,6 +48,10 @@ def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> I
         modules["gecos.interface"].update(private(["Method", "method"]))
     if any(member.is_stream for member in members):
         modules["gecos.proxy"].update(private(["StreamAttribute"]))
+    if any(view.inward for view in views):
+        modules["gecos.interface"].update([*private(["inward"]), "Inward as _InwardTable"])
+        modules.setdefault("gecos.writer", set()).update(private(["InwardAttribute"]))
+        modules.setdefault("gecos.inward", set()).update(private(["Inward"]))
     if any(not member.is_stream for member in members):
         modules["gecos.command"].update(private(["Command"]))
     standard = {
@@ -85,6 +89,8 @@ def _texts(view: InterfaceView) -> Iterator[str]:
         parameters = each.parameters
         yield from (each.result, *(p.hint for p in parameters), *(p.default for p in parameters))
     yield from (publisher.hint for publisher in view.publishers)
+    for inward in view.inward:
+        yield from (inward.hint, inward.result, inward.table)
 
 
 def _uses(text: str, word: str) -> bool:
@@ -134,5 +140,6 @@ class _Interface(Members):
             members=tuple(self._proxy_member(call) for call in calls),
             handlers=tuple(self._handler(call) for call in calls),
             publishers=tuple(self._publisher(a, getters[a.scoped_name]) for a in streamed),
+            inward=tuple(self._inward(a) for a in interface.attributes if a.streams_in),
             hidden=tuple(sorted(self.hidden)),
         )

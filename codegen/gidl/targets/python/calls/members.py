@@ -10,6 +10,7 @@ from gidl.targets.python import names
 from gidl.targets.python.calls.tables import Tables
 from gidl.targets.python.calls.views import (
     HandlerView,
+    InwardView,
     ParameterView,
     ProxyMemberView,
     PublisherView,
@@ -95,6 +96,21 @@ class Members(Tables):
     def _execution(self) -> str:
         """Returns the name that the generated module uses for gecos.Execution."""
         return "_Execution"
+
+    def _inward(self, attribute: Attribute) -> InwardView:
+        hint = self._lowering.hint(self._sample(attribute).node)
+        doc = type_doc(attribute.facts, value_note(attribute.unit, attribute.range))
+        rate = attribute.stream.rate_hz if attribute.stream else None
+        if rate:
+            doc = (*doc, *([""] if doc else []), f"Takes {rate:g} samples a second.")
+        return InwardView(
+            self.constants.name(self._name, attribute.name),
+            names.method_name(attribute.name),
+            hint,
+            self._in_class(hint),
+            self._inward_table(attribute),
+            doc or (f"The samples of {attribute.name}, from clients to the servant.",),
+        )
 
     def _publisher(self, attribute: Attribute, getter: CallLayout) -> PublisherView:
         hint = self._lowering.hint(self._outputs(getter)[0].node, sending=True)

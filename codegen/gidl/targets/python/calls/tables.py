@@ -72,6 +72,24 @@ class Tables(CallFacts):
         largest = self._layout.stream(attribute.scoped_name).sample.fixed_size or 0
         return group([repr(float(attribute.stream.rate_hz or 0)), str(largest)])
 
+    def _inward_table(self, attribute: Attribute) -> str:
+        layout = self._layout.stream(attribute.scoped_name)
+        assert attribute.stream is not None
+        terms = [f"0x{layout.code:08X}", quoted(attribute.name)]
+        terms += [f"_Access.{attribute.write_access.name}"]
+        terms += [f"gives={self._step(self._sample(attribute))}"]
+        terms += [] if attribute.write_needs_presence else ["presence=False"]
+        if attribute.stream.rate_hz:
+            terms.append(f"rate_hz={float(attribute.stream.rate_hz)!r}")
+        if attribute.stream.watchdog_ns:
+            terms.append(f"watchdog_ns={attribute.stream.watchdog_ns}")
+        if layout.sample.fixed_size:
+            terms.append(f"largest={layout.sample.fixed_size}")
+        asked = quality(attribute.qos)
+        terms += [] if asked == _NO_TERMS else [f"quality={asked}"]
+        terms.append(f"hash=0x{layout.hash & 0xFFFFFFFFFFFFFFFF:016X}")
+        return call("_inward", *terms)
+
     def _operation(self, layout: CallLayout, member: Operation | Attribute) -> str:
         """Returns the text of a gecos.interface.Operation: its code, name, access and hash, and
         those other arguments that differ from their defaults."""

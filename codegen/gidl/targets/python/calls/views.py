@@ -53,6 +53,18 @@ class PublisherView:
 
 
 @dataclass(frozen=True, slots=True)
+class InwardView:
+    """An inward stream: its constant, and the property of the proxy and of the servant."""
+
+    constant: str
+    name: str
+    result: str  # type hint of the samples, as the module uses it
+    hint: str  # the same in a class
+    table: str  # "_inward(…)"
+    doc: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class InterfaceView:
     name: str
     servant: str
@@ -72,6 +84,7 @@ class InterfaceView:
     members: tuple[ProxyMemberView, ...]
     handlers: tuple[HandlerView, ...]
     publishers: tuple[PublisherView, ...]
+    inward: tuple[InwardView, ...]
 
 
 @dataclass(frozen=True, slots=True)

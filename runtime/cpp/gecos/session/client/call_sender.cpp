@@ -147,6 +147,11 @@ std::size_t CallSender::open() {
   return calls_.size();
 }
 
+void CallSender::with_connection(FunctionRef<void(media::Connection&)> use) {
+  const MutexLock lock(mutex_);
+  use(connection_);
+}
+
 bool CallSender::everything_arrived() {
   const MutexLock lock(mutex_);
   return calls_.everything_arrived();

@@ -58,6 +58,8 @@ class CallSender {
   std::uint64_t issued();
   /// Returns the number of open calls.
   std::size_t open();
+  /// Runs `use` while no other thread sends over the connection.
+  void with_connection(FunctionRef<void(media::Connection&)> use);
   bool everything_arrived();
   bool has_repeatable();
   /// Converts a time of the server's CLOCK_BOOTTIME to this host's CLOCK_BOOTTIME. Between hosts

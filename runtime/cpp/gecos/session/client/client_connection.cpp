@@ -4,6 +4,7 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/base/recycling_allocator.hpp"
+#include "gecos/session/client/client_writer.hpp"
 #include "gecos/session/protocol/builtin.hpp"
 #include "gecos/session/protocol/start_words.hpp"
 
@@ -14,6 +15,7 @@ ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
                                    Welcome welcome, std::vector<FunctionCode> differing)
     : runtime_(std::move(runtime)),
       connection_(std::move(connection)),
+      id_(id),
       welcome_(std::move(welcome)),
       refused_(std::move(differing)),
       server_(runtime_->options(), runtime_->clock()),
@@ -77,6 +79,12 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::subscribe(
     const StreamDescription& stream) {
   if (auto refused = refusal(stream.code, stream.name)) return tl::unexpected(std::move(*refused));
   return subscriptions_.subscribe(stream);
+}
+
+tl::expected<std::shared_ptr<WriterCore>, Failure> ClientConnection::open_writer(
+    const InwardDescription& stream) {
+  if (auto refused = refusal(stream.code, stream.name)) return tl::unexpected(std::move(*refused));
+  return ClientWriter::open(shared_from_this(), stream);
 }
 
 }  // namespace gecos::session

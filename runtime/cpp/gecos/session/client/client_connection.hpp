@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
@@ -42,13 +43,17 @@ class ClientConnection final : public ClientSession,
                                     const CallOptions& options) override;
   tl::expected<std::shared_ptr<StreamCore>, Failure> subscribe(
       const StreamDescription& stream) override;
+  tl::expected<std::shared_ptr<WriterCore>, Failure> open_writer(
+      const InwardDescription& stream) override;
   const std::string& interface_name() const override { return welcome_.interface_name; }
   const std::string& object_name() const override { return welcome_.object; }
   const media::Capabilities& capabilities() const override { return connection_->capabilities(); }
   ObjectRef reference() const override;
   std::uint64_t lease_acquired(std::uint64_t epoch) override { return leases_.acquired(epoch); }
   void lease_released(std::uint64_t held) override { leases_.released(held); }
-  std::uint64_t issued() override { return calls_.issued(); }
+  std::uint64_t issued() override {
+    return calls_.issued() + samples_.load(std::memory_order_relaxed);
+  }
 
   /// See SessionEnd::close.
   void close(Duration patience) override { end_.close(patience); }
@@ -74,6 +79,13 @@ class ClientConnection final : public ClientSession,
     return refused_.why(code, name, welcome_);
   }
 
+  /// Counts a sample that the program has sent.
+  void note_sample() { samples_.fetch_add(1, std::memory_order_relaxed); }
+  SessionId id() const { return id_; }
+  /// Returns the epoch of the session's status; Epoch{} without a status.
+  Epoch epoch() const { return leases_.epoch(); }
+  /// Returns a new number for a stream that this session shares with its server.
+  std::uint32_t new_stream_id() { return ++stream_ids_; }
   CallSender& calls() { return calls_; }
   ConnectionReader& reader() { return reader_; }
   SessionFailover& failover() { return failover_; }
@@ -83,9 +95,12 @@ class ClientConnection final : public ClientSession,
  private:
   const std::shared_ptr<Runtime> runtime_;
   const std::unique_ptr<media::Connection> connection_;
+  const SessionId id_;
   const Welcome welcome_;
   RefusedOperations refused_;
   std::string place_;
+  std::atomic<std::uint64_t> samples_{0};     // orders no other memory
+  std::atomic<std::uint32_t> stream_ids_{0};  // orders no other memory
 
   ServerWatch server_;
   LeaseState leases_;

@@ -26,6 +26,10 @@ class NilSession final : public ClientSession {
     return tl::unexpected(
         why("'" + std::string(stream.name) + "'" + of_object() + " was subscribed to"));
   }
+  tl::expected<std::shared_ptr<WriterCore>, Failure> open_writer(
+      const InwardDescription& stream) override {
+    return tl::unexpected(why("'" + std::string(stream.name) + "'" + of_object() + " was opened"));
+  }
   const std::string& interface_name() const override { return interface_name_; }
   const std::string& object_name() const override { return object_name_; }
   const media::Capabilities& capabilities() const override { return capabilities_; }

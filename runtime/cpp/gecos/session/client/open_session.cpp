@@ -27,10 +27,13 @@ std::vector<FunctionCode> differing_operations(const InterfaceDescription& wante
   std::vector<FunctionCode> differing;
   std::string names;
   for (const auto& theirs : welcome.operations) {
-    const OperationDescription* const ours = wanted.find(theirs.code);
-    if (ours == nullptr || ours->hash == theirs.hash) continue;
-    differing.push_back(theirs.code);
-    names += (names.empty() ? "" : ", ") + std::string(ours->name);
+    const auto differs = [&](const auto* ours) {
+      if (ours == nullptr || ours->hash == theirs.hash) return;
+      differing.push_back(theirs.code);
+      names += (names.empty() ? "" : ", ") + std::string(ours->name);
+    };
+    differs(wanted.find(theirs.code));
+    differs(wanted.find_inward_stream(theirs.code));
   }
   std::ranges::sort(differing);
   if (!differing.empty()) {

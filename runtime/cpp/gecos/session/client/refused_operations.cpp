@@ -19,6 +19,7 @@ void RefusedOperations::hold_to_quality(const InterfaceDescription& wanted,
   };
   for (const auto* operation : wanted.all_operations()) hold(operation->code, operation->quality);
   for (const auto* stream : wanted.all_streams()) hold(stream->code, stream->quality);
+  for (const auto* stream : wanted.all_inward_streams()) hold(stream->code, stream->quality);
   std::ranges::stable_sort(unsuited_, {}, &Unsuited::code);
 }
 

@@ -16,8 +16,9 @@ namespace gecos::session {
 /// that has ended, must have no effect, however late it arrives.
 struct InwardHeader {
   SessionId session{};
-  Epoch epoch{};              ///< of the status under which the client feeds the command
-  std::uint64_t command = 0;  ///< counter, in this session, of the command that the sample feeds
+  Epoch epoch{};  ///< of the status under which the client feeds the command
+  /// counter, in this session, of the command that the sample feeds; 0 when it feeds none
+  std::uint64_t command = 0;
 
   friend bool operator==(const InwardHeader&, const InwardHeader&) = default;
 };

@@ -10,6 +10,7 @@
 #include "gecos/object_calls.hpp"      // generated from idl/gecos/object.gidl
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/server/call_log.hpp"
+#include "gecos/session/server/object_host.hpp"
 #include "gecos/wire/layout.hpp"
 
 namespace gecos::session {
@@ -36,6 +37,9 @@ void BuiltinOperations::answer(const std::shared_ptr<ServerSession>& session,
   if (asked == &BuiltIn::release) return release(*session, counter, arguments);
   if (asked == &BuiltIn::subscribe) return subscribe(*session, counter, arguments);
   if (asked == &BuiltIn::unsubscribe) return unsubscribe(*session, counter, arguments);
+  if (asked == &BuiltIn::feed) return feed(session, counter, arguments);
+  if (asked == &BuiltIn::end_feed) return end_feed(*session, counter, arguments);
+  if (asked == &BuiltIn::feed_report) return feed_report(*session, counter, arguments);
   session->reply(counter, Failure{Detail::UnknownOperation,
                                   "the built-in operation with code " +
                                       std::to_string(number(packet.header.code)) +
@@ -131,6 +135,52 @@ void BuiltinOperations::subscribe(ServerSession& session, std::uint64_t counter,
   if (!shared) return session.reply(counter, Failure{Detail::Rejected, shared.error(), {}, {}});
   session.subscriptions[stream->code] = *shared;
   session.reply(counter, layout::to_bytes(GecosObject_subscribe_result{*shared}));
+}
+
+InwardPort* BuiltinOperations::inward_port(ServerSession& session, std::uint64_t counter,
+                                           FunctionCode code) {
+  InwardPort* const port = session.object()->inward().find(code);
+  if (port == nullptr) {
+    session.reply(counter,
+                  Failure{Detail::UnknownOperation,
+                          setup_.name + " (" + std::string(setup_.interface.name) +
+                              ") has no inward stream with code " + std::to_string(number(code)),
+                          {},
+                          {}});
+  }
+  return port;
+}
+
+void BuiltinOperations::feed(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
+                             ByteView arguments) {
+  const auto asked = layout::from_bytes<GecosObject_feed_arguments>(arguments);
+  if (!asked) return session->reply(counter, undecodable(asked.error()));
+  InwardPort* const port = inward_port(*session, counter, FunctionCode{asked->code});
+  if (port == nullptr) return;
+  const auto opened = session->object()->inward().feed(*port, session, asked->stream);
+  if (!opened) return session->reply(counter, Failure{Detail::Rejected, opened.error(), {}, {}});
+  if (*opened) statuses_.note_feeder(session);
+  session->reply(counter, layout::to_bytes(GecosObject_feed_result{*opened}));
+}
+
+void BuiltinOperations::end_feed(ServerSession& session, std::uint64_t counter,
+                                 ByteView arguments) {
+  const auto asked = layout::from_bytes<GecosObject_end_feed_arguments>(arguments);
+  if (!asked) return session.reply(counter, undecodable(asked.error()));
+  InwardPort* const port = inward_port(session, counter, FunctionCode{asked->code});
+  if (port == nullptr) return;
+  port->end(session.id(), asked->stream);
+  session.reply(counter, ByteView{});
+}
+
+void BuiltinOperations::feed_report(ServerSession& session, std::uint64_t counter,
+                                    ByteView arguments) {
+  const auto asked = layout::from_bytes<GecosObject_feed_report_arguments>(arguments);
+  if (!asked) return session.reply(counter, undecodable(asked.error()));
+  InwardPort* const port = inward_port(session, counter, FunctionCode{asked->code});
+  if (port == nullptr) return;
+  session.reply(counter,
+                layout::to_bytes(GecosObject_feed_report_result{port->report_of(session.id())}));
 }
 
 void BuiltinOperations::unsubscribe(ServerSession& session, std::uint64_t counter,

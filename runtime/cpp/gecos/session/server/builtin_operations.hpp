@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "gecos/session/server/inward_port.hpp"
 #include "gecos/session/server/name_claim.hpp"
 #include "gecos/session/server/object_calls.hpp"
 #include "gecos/session/server/object_setup.hpp"
@@ -39,6 +40,13 @@ class BuiltinOperations {
   void subscribe(ServerSession& session, std::uint64_t counter, ByteView arguments);
   void unsubscribe(ServerSession& session, std::uint64_t counter, ByteView arguments);
   void stop(ServerSession& by, std::uint64_t counter);
+  void feed(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
+            ByteView arguments);
+  void end_feed(ServerSession& session, std::uint64_t counter, ByteView arguments);
+  void feed_report(ServerSession& session, std::uint64_t counter, ByteView arguments);
+  /// Returns the port of the inward stream with this code. Without one, answers the call and
+  /// returns null.
+  InwardPort* inward_port(ServerSession& session, std::uint64_t counter, FunctionCode code);
 
   const ObjectSetup& setup_;
   const NameClaim& claim_;

@@ -11,9 +11,11 @@ std::string_view describe(InwardVerdict verdict) {
     case InwardVerdict::SessionEnded:
       return "its session has ended";
     case InwardVerdict::OtherEpoch:
-      return "its status has ended";
+      return "its sender does not have the status, or the status has ended";
     case InwardVerdict::CommandNotRunning:
       return "its command does not run";
+    case InwardVerdict::TooOld:
+      return "it is older than the watchdog of the stream";
     case InwardVerdict::NotNewer:
       return "a newer sample has arrived";
   }
@@ -21,11 +23,12 @@ std::string_view describe(InwardVerdict verdict) {
 }
 
 InwardVerdict InwardAdmission::judge(const InwardHeader& sample, std::uint64_t sequence,
-                                     const InwardSender& sender) {
+                                     const InwardSender& sender, const InwardAge& age) {
   if (sample.session != sender.session) return InwardVerdict::OtherSession;
   if (!sender.alive) return InwardVerdict::SessionEnded;
   if (sample.epoch != sender.epoch) return InwardVerdict::OtherEpoch;
   if (sample.command != sender.feeding) return InwardVerdict::CommandNotRunning;
+  if (age.age > age.limit) return InwardVerdict::TooOld;
   if (sequence <= newest_) return InwardVerdict::NotNewer;
   newest_ = sequence;
   return InwardVerdict::Admitted;

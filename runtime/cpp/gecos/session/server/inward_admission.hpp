@@ -4,6 +4,7 @@
 #include <optional>
 #include <string_view>
 
+#include "gecos/base/clock.hpp"
 #include "gecos/session/protocol/inward_sample.hpp"
 
 namespace gecos::session {
@@ -15,6 +16,7 @@ enum class InwardVerdict {
   SessionEnded,       ///< the session ended, or is lost
   OtherEpoch,         ///< the client's status has ended, or is another one
   CommandNotRunning,  ///< the command does not run: it waits, has ended, or takes no samples
+  TooOld,             ///< older than the watchdog of the stream
   NotNewer,           ///< an admitted sample of this stream is as new, or newer
 };
 
@@ -25,9 +27,17 @@ std::string_view describe(InwardVerdict verdict);
 struct InwardSender {
   SessionId session{};
   bool alive = false;  ///< the session is open, and its client was heard in time
-  Epoch epoch{};       ///< the present epoch of the object
-  /// counter of the command of this session that runs and takes samples of this stream
+  /// the epoch under which the session has the status that the stream needs; nullopt without it
+  std::optional<Epoch> epoch{};
+  /// counter of the command of this session that runs and takes samples of this stream; 0 when
+  /// samples that feed no command are admitted
   std::optional<std::uint64_t> feeding{};
+};
+
+/// How old a sample is, and the age from which on samples have no effect.
+struct InwardAge {
+  Duration age{};
+  Duration limit = Duration::max();
 };
 
 /// Judges the samples of one inward stream of one session. Only an admitted sample may have an
@@ -37,7 +47,7 @@ class InwardAdmission {
  public:
   /// `sequence`: number of the sample in its stream, from 1, as the medium gives it.
   InwardVerdict judge(const InwardHeader& sample, std::uint64_t sequence,
-                      const InwardSender& sender);
+                      const InwardSender& sender, const InwardAge& age = {});
 
  private:
   std::uint64_t newest_ = 0;  ///< sequence of the newest admitted sample

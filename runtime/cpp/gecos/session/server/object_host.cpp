@@ -16,6 +16,7 @@ ObjectHost::ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Serva
       waits_(state_),
       name_confirmation_(state_),
       streams_(state_.setup.name, state_.setup.interface),
+      inward_(state_.setup.interface, state_.setup.clock()),
       runner_(state_) {}
 
 PeerLiveness::Bounds ObjectHost::bounds_of_clients() const {
@@ -74,6 +75,7 @@ void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure
     state_.statuses.depart(*session, in_order);
     state_.packets.depart(*session);
     session->subscriptions.clear();
+    if (session->greeted()) inward_.depart(session->id());
     if (session->greeted()) {
       if (log_enabled(LogLevel::Info)) log_departure(name(), *session);
       state_.calls.outcomes().closed(session->id(), session->intake.window(),

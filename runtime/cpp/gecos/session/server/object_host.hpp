@@ -13,6 +13,7 @@
 #include "gecos/session/server/handler_waits.hpp"
 #include "gecos/session/server/host_state.hpp"
 #include "gecos/session/server/name_confirmation.hpp"
+#include "gecos/session/server/object_inward.hpp"
 #include "gecos/session/server/object_streams.hpp"
 #include "gecos/session/server/server_session.hpp"
 
@@ -38,6 +39,7 @@ class ObjectHost final : public Publisher {
   HandlerWaits& waits() { return waits_; }
   NameConfirmation& name_confirmation() { return name_confirmation_; }
   ObjectStreams& streams() { return streams_; }
+  const ObjectInward& inward() const { return inward_; }
 
   // Functions for the I/O loop (IoLoop).
   /// Processes one packet of `session`. Starts no call: `run_ready` must be called afterwards.
@@ -74,6 +76,7 @@ class ObjectHost final : public Publisher {
   TimePoint on_tick(TimePoint now);
 
   void publish(const StreamDescription& stream, ByteView sample, std::int64_t stamp_ns) override;
+  InwardCore* inward(const InwardDescription& stream) override { return inward_.find(stream.code); }
 
   /// Ends all calls as STOPPED and accepts no more.
   void close();
@@ -90,6 +93,7 @@ class ObjectHost final : public Publisher {
   HandlerWaits waits_;
   NameConfirmation name_confirmation_;
   ObjectStreams streams_;
+  ObjectInward inward_;
   CallRunner runner_;  ///< last member, so that its threads end first
 };
 

@@ -12,6 +12,7 @@
 #include "gecos/session/protocol/handshake.hpp"
 #include "gecos/session/protocol/peer_liveness.hpp"
 #include "gecos/session/protocol/receive_window.hpp"
+#include "gecos/session/server/feed_standing.hpp"
 #include "gecos/session/server/intake.hpp"
 #include "gecos/session/server/packet_sender.hpp"
 #include "gecos/session/server/server_call.hpp"
@@ -82,6 +83,8 @@ class ServerSession {
   /// Replies that the client may request again: all replies over a medium that loses packets, and
   /// replies made after the connection was lost, which the client requests in another session.
   const std::shared_ptr<ReplyCache> replies = std::make_shared<ReplyCache>();
+  /// Whether the session may feed inward streams now. Written with the object's mutex held.
+  const std::shared_ptr<FeedStanding> standing = std::make_shared<FeedStanding>();
   std::map<FunctionCode, std::uint32_t> subscriptions;  ///< key: stream code; value: id of the
                                                         ///< stream on the connection
   /// The epoch in which this session acquired its status; its own `stop` calls renew the status

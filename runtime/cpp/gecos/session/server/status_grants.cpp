@@ -135,6 +135,7 @@ bool StatusGrants::answer(const Request& request, std::size_t before) {
   }
   if (granted) {
     if (!held_before) session->held_from = number(granted->epoch);
+    note_standings();
     const Grant given{status_of(granted->status), number(granted->epoch)};
     session->reply(counter, layout::to_bytes(GecosObject_acquire_result{given}));
   } else {
@@ -251,6 +252,7 @@ void StatusGrants::release(ServerSession& session, const GecosObject_release_arg
   }
   leases_.release(session.id(), Epoch{epoch},
                   session.commands != 0 && !asked.now ? Commands::Pending : Commands::None);
+  note_standings();
   serve_line();
   if (log_enabled(LogLevel::Info)) {
     log_info("server", setup_.name + ": " + who(session.caller()) + " releases its status" +
@@ -265,11 +267,14 @@ void StatusGrants::release_all(ServerSession& session) {
     leases_.release(session.id(), leases_.epoch(),
                     session.commands != 0 ? Commands::Pending : Commands::None);
   }
+  note_standings();
   serve_line();
 }
 
 void StatusGrants::commands_ended(SessionId session) {
+  const bool releases = leases_.releasing(session);
   leases_.drained(session);
+  if (releases) note_standings();
   serve_line();
 }
 
@@ -277,10 +282,12 @@ void StatusGrants::stop(SessionId by, const std::string& why) {
   end_line(
       Failure{Detail::Stopped, "the request for the status ended while it waited: " + why, {}, {}});
   leases_.stop(by, why);
+  note_standings();
 }
 
 void StatusGrants::depart(ServerSession& session, bool in_order) {
   leases_.forget(session.id());
+  std::erase_if(feeders_, [&](const auto& feeder) { return feeder.get() == &session; });
   std::erase_if(line_, [&](const Request& waiting) { return waiting.session.get() == &session; });
   tell_places();
   if (in_order) return release_all(session);
@@ -298,7 +305,24 @@ void StatusGrants::on_tick(TimePoint now) {
   if (!line_.empty()) refuse_late(now);
 }
 
+void StatusGrants::note_feeder(const std::shared_ptr<ServerSession>& session) {
+  if (std::ranges::find(feeders_, session) == feeders_.end()) feeders_.push_back(session);
+  note_standings();
+}
+
+void StatusGrants::note_standings() {
+  using access::Status;
+  const Epoch epoch = leases_.epoch();
+  for (const auto& session : feeders_) {
+    for (const Status needed : {Status::Sensor, Status::Actor, Status::Master}) {
+      const bool may = leases_.may_start(session->id(), epoch, needed, clock_.now()).has_value();
+      session->standing->set(needed, may ? std::optional(epoch) : std::nullopt);
+    }
+  }
+}
+
 void StatusGrants::lose(SessionId session, const std::string& why) {
+  note_standings();
   log_info("server", setup_.name + ": a status ended: " + why);
   const Failure failure{
       Detail::LeaseLost, "the status under which the command was issued ended: " + why, {}, {}};

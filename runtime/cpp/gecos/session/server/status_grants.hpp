@@ -51,6 +51,9 @@ class StatusGrants {
   /// Refuses all waiting requests, because the server is about to end.
   void close();
 
+  /// Keeps `session->standing` up to date until `depart`, because the session feeds inward streams.
+  void note_feeder(const std::shared_ptr<ServerSession>& session);
+
   void renew(const ServerSession& session, TimePoint now) { leases_.renew(session.id(), now); }
   void release(ServerSession& session, const GecosObject_release_arguments& asked);
   /// Must be called when no command of `session` is open any more. Ends a status that the session
@@ -88,6 +91,7 @@ class StatusGrants {
   const ServerCall* outlives_its_status() const;
   void refuse_late(TimePoint now);
   void lose(SessionId session, const std::string& why);
+  void note_standings();
 
   const ObjectSetup& setup_;
   const NameClaim& claim_;
@@ -95,6 +99,7 @@ class StatusGrants {
   access::LeaseTable leases_;
   SuspendAwareClock clock_;  ///< for leases and peer time-outs
   Line line_;                ///< the waiting requests, in order of arrival
+  std::vector<std::shared_ptr<ServerSession>> feeders_;  ///< the sessions that feed inward streams
 };
 
 }  // namespace gecos::session

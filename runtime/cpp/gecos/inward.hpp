@@ -1,0 +1,176 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "gecos/base/clock.hpp"
+#include "gecos/base/function_ref.hpp"
+#include "gecos/description.hpp"
+#include "gecos/media/medium.hpp"
+#include "gecos/object_types.hpp"  // generated from idl/gecos/object.gidl
+#include "gecos/wire/decoder.hpp"
+
+/// The server's side of inward streams: how a servant reads the samples that clients send.
+namespace gecos {
+
+class Servant;
+template <class Feedback>
+class Execution;
+
+/// One value of an inward stream.
+template <class T>
+struct InwardSample {
+  T value{};
+  std::uint64_t sequence = 0;  ///< rises by one per sample that its sender has sent
+  double stamp = 0;            ///< when the value was measured, in s of Unix time by the sender's
+                               ///< clock; for display
+  Duration age{};  ///< time from measuring to reading. On one host it is exact; between hosts it is
+                   ///< too small by at most the shortest transit time of a packet
+  std::uint64_t session = 0;  ///< session of the sender, as Caller::session
+  std::uint64_t command = 0;  ///< counter of the command that the sample feeds; 0: none
+};
+
+namespace session {
+
+/// What happens to samples that feed no command while no command takes samples.
+enum class Unfed : std::uint8_t { Taken, Refused };
+
+/// An admitted sample before it is decoded. Its memory is used again.
+struct RawInward {
+  media::StreamSample sample;
+  ByteView value;  ///< in `sample.bytes`
+  Duration age{};
+  std::uint64_t session = 0;
+  std::uint64_t command = 0;
+};
+
+/// The samples of one inward stream of an object, without their type. Thread-safe.
+class InwardCore {
+ public:
+  virtual ~InwardCore() = default;
+  /// Stores the oldest unread sample that is admitted now in `into`. Returns false when there is
+  /// none. Never waits.
+  virtual bool next(RawInward& into, Unfed unfed) = 0;
+  /// Must be called when the sample that `next` returned last does not decode: it then counts as
+  /// refused.
+  virtual void unreadable(const RawInward& sample, const std::string& why) = 0;
+  virtual bool expired() = 0;
+  virtual FeedReport report() = 0;
+  /// From now on only samples that feed the command `counter` of `session` are admitted.
+  virtual void feed_command(std::uint64_t session, std::uint64_t counter) = 0;
+  /// Ends what `feed_command` began.
+  virtual void feed_no_command() = 0;
+};
+
+/// Calls `use` with the core of the stream; does nothing while no server serves `servant`.
+void with_inward(const Servant& servant, const InwardDescription& stream,
+                 FunctionRef<void(InwardCore&)> use);
+
+}  // namespace session
+
+/// The samples that clients send to an object on one inward stream. A generated servant has one for
+/// each such stream. Reading takes no mutex of the object, and allocates nothing for samples of a
+/// fixed size once a sample was read. One thread at a time may read.
+///
+/// Each sample is judged when it is read: its session must be open, its sender must have the status
+/// that the stream needs under the present epoch, the sample must not be older than the watchdog,
+/// and the command that it feeds must take samples (Feeding). Other samples have no effect and are
+/// counted. Samples of one client come in order; a client that sends more than the stream's depth
+/// between two reads loses the oldest.
+template <class T>
+class Inward {
+ public:
+  using Decode = bool (*)(wire::Decoder&, T&);
+  /// For generated skeletons.
+  Inward(const Servant& servant, const InwardDescription& inward, Decode decode)
+      : servant_(servant), stream_(inward), decode_(decode) {}
+  Inward(const Inward&) = delete;
+  Inward& operator=(const Inward&) = delete;
+
+  /// Returns the oldest unread sample; nullopt when there is none. Never waits.
+  std::optional<InwardSample<T>> next() {
+    std::optional<InwardSample<T>> sample;
+    with([&](session::InwardCore& core) {
+      while (core.next(raw_, unfed_)) {
+        wire::Decoder from(raw_.value);
+        if (decode_(from, sample.emplace().value)) return;
+        core.unreadable(raw_, from.error().message());
+        sample.reset();
+      }
+    });
+    if (!sample) return sample;
+    sample->sequence = raw_.sample.sequence;
+    sample->stamp = static_cast<double>(raw_.sample.stamp_ns) * 1e-9;
+    sample->age = raw_.age;
+    sample->session = raw_.session;
+    sample->command = raw_.command;
+    return sample;
+  }
+  /// Returns the newest unread sample and passes over the older ones; nullopt when there is none.
+  std::optional<InwardSample<T>> newest() {
+    std::optional<InwardSample<T>> sample;
+    for (int passed = 0; passed < most_passed_over; ++passed) {
+      auto later = next();
+      if (!later) break;
+      sample = std::move(later);
+    }
+    return sample;
+  }
+  /// Returns true when no sample that next() or newest() has returned is younger than the watchdog
+  /// of the stream. After the beginning of a Feeding, one watchdog must pass first. Always false
+  /// for a stream without a watchdog.
+  bool expired() const {
+    bool expired = stream_.watchdog > Duration{};
+    with([&](session::InwardCore& core) { expired = core.expired(); });
+    return expired;
+  }
+  /// Returns what became of the samples since the servant was added to its server.
+  FeedReport report() const {
+    FeedReport report;
+    with([&](session::InwardCore& core) { report = core.report(); });
+    return report;
+  }
+  /// From now on, samples that feed no command are refused also while no command takes samples.
+  void need_command() { unfed_ = session::Unfed::Refused; }
+
+  /// While this object lives, the stream takes only the samples that feed one command.
+  class [[nodiscard]] Feeding {
+   public:
+    Feeding(Inward& inward, std::uint64_t session, std::uint64_t counter) : stream_(inward) {
+      stream_.with([&](session::InwardCore& core) { core.feed_command(session, counter); });
+    }
+    ~Feeding() {
+      stream_.with([](session::InwardCore& core) { core.feed_no_command(); });
+    }
+    Feeding(const Feeding&) = delete;
+    Feeding& operator=(const Feeding&) = delete;
+
+   private:
+    Inward& stream_;
+  };
+  /// Lets the command of a running handler take the samples: `const auto feeding =
+  /// alter().feeds(run);`. Samples of other commands and of none are then refused.
+  template <class Feedback>
+  Feeding feeds(const Execution<Feedback>& run) {
+    return {*this, run.caller().session, run.counter()};
+  }
+
+ private:
+  static constexpr int most_passed_over = 1024;
+
+  template <class Use>
+  void with(const Use& use) const {
+    session::with_inward(servant_, stream_, use);
+  }
+
+  const Servant& servant_;
+  const InwardDescription& stream_;
+  const Decode decode_;
+  session::Unfed unfed_ = session::Unfed::Taken;
+  session::RawInward raw_;
+};
+
+}  // namespace gecos

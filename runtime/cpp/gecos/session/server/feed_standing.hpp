@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <optional>
+
+#include "gecos/access/status.hpp"
+#include "gecos/base/ids.hpp"
+
+namespace gecos::session {
+
+/// Under which epoch a session may feed inward streams now. The object writes it with its mutex
+/// held whenever a status begins or ends; the ports of inward streams read it for each sample
+/// without that mutex.
+class FeedStanding {
+ public:
+  /// The epoch under which samples of a stream that needs `needed` are admitted; nullopt when none
+  /// are.
+  std::optional<Epoch> epoch(access::Status needed) const {
+    const std::uint64_t epoch = epochs_[index(needed)].load(std::memory_order_acquire);
+    if (epoch == 0) return std::nullopt;
+    return Epoch{epoch};
+  }
+  void set(access::Status needed, std::optional<Epoch> epoch) {
+    epochs_[index(needed)].store(epoch ? number(*epoch) : 0, std::memory_order_release);
+  }
+
+ private:
+  static constexpr std::size_t index(access::Status status) {
+    return static_cast<std::size_t>(status);
+  }
+  // 0: no samples are admitted. No epoch is 0. Each publishes only itself.
+  std::array<std::atomic<std::uint64_t>, 3> epochs_{};
+};
+
+}  // namespace gecos::session

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gecos/base/clock.hpp"
+#include "gecos/base/mutex.hpp"
+#include "gecos/inward.hpp"
+#include "gecos/session/server/feed_standing.hpp"
+#include "gecos/session/server/inward_admission.hpp"
+
+namespace gecos::session {
+
+/// A session that feeds an inward stream.
+struct Feeder {
+  SessionId session{};
+  std::uint32_t stream = 0;  ///< the id under which the session shares its stream
+  std::unique_ptr<media::StreamReader> reader;
+  std::shared_ptr<const FeedStanding> standing;
+  /// Returns this host's CLOCK_BOOTTIME minus that of the sender's host, as
+  /// media::Connection::clock_difference measures it. Keeps what `reader` needs alive.
+  std::function<Duration()> clock_difference;
+};
+
+/// Reads the samples of one inward stream of an object from all sessions that feed it, and judges
+/// each sample when the servant reads it. Uses no mutex of the object. Thread-safe.
+class InwardPort final : public InwardCore {
+ public:
+  /// Both arguments must outlive the port.
+  InwardPort(const InwardDescription& stream, const Clock& clock)
+      : stream_(stream), clock_(clock) {}
+
+  const InwardDescription& stream() const { return stream_; }
+  /// Takes the place of an earlier stream of the same session, whose unread samples are lost.
+  void add(Feeder feeder);
+  bool has(SessionId session, std::uint32_t stream);
+  /// Must be called when the session sends no more samples on `stream`. Those that it has sent can
+  /// still be read.
+  void end(SessionId session, std::uint32_t stream);
+  /// Must be called when the session has ended. Its unread samples are refused and counted.
+  void depart(SessionId session);
+  /// What became of the samples of `session`, which feeds this stream.
+  FeedReport report_of(SessionId session);
+
+  bool next(RawInward& into, Unfed unfed) override;
+  void unreadable(const RawInward& sample, const std::string& why) override;
+  bool expired() override;
+  FeedReport report() override;
+  void feed_command(std::uint64_t session, std::uint64_t counter) override;
+  void feed_no_command() override;
+
+ private:
+  /// A command that takes samples.
+  struct Command {
+    SessionId session{};
+    std::uint64_t counter = 0;
+  };
+  struct Source {
+    Feeder feeder;
+    bool ended = false;       ///< no more samples will come on the stream of `feeder`
+    std::uint64_t after = 0;  ///< sequence number of the sample that was read last
+    InwardAdmission admission{};
+    FeedReport counts{};
+    InwardVerdict last_refusal = InwardVerdict::Admitted;
+  };
+
+  bool next_of(Source& source, RawInward& into, Unfed unfed) GECOS_REQUIRES(mutex_);
+  InwardVerdict judge(Source& source, RawInward& into, Unfed unfed) GECOS_REQUIRES(mutex_);
+  InwardSender sender_of(const Source& source, const InwardHeader& header, Unfed unfed) const
+      GECOS_REQUIRES(mutex_);
+  bool expired_now() const GECOS_REQUIRES(mutex_);
+  FeedReport counts_of(const Source& source) const GECOS_REQUIRES(mutex_);
+  Source* find(SessionId session) GECOS_REQUIRES(mutex_);
+
+  const InwardDescription& stream_;
+  const Clock& clock_;
+  Mutex mutex_;
+  std::vector<std::unique_ptr<Source>> sources_ GECOS_GUARDED_BY(mutex_);
+  std::size_t turn_ GECOS_GUARDED_BY(mutex_) = 0;  ///< the source that is read first
+  FeedReport gone_ GECOS_GUARDED_BY(mutex_);       ///< counts of sources that are gone
+  std::optional<Command> fed_ GECOS_GUARDED_BY(mutex_);
+  /// When the newest sample was measured that the servant took, or when a command began to take
+  /// samples.
+  std::optional<TimePoint> fresh_at_ GECOS_GUARDED_BY(mutex_);
+  std::optional<TimePoint> fresh_before_ GECOS_GUARDED_BY(mutex_);  ///< without the last sample
+};
+
+}  // namespace gecos::session

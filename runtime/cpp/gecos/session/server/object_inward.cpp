@@ -1,0 +1,42 @@
+#include "gecos/session/server/object_inward.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "gecos/session/server/server_session.hpp"
+
+namespace gecos::session {
+
+ObjectInward::ObjectInward(const InterfaceDescription& interface, const Clock& clock) {
+  for (const InwardDescription* stream : interface.all_inward_streams()) {
+    ports_.push_back(std::make_unique<InwardPort>(*stream, clock));
+  }
+}
+
+InwardPort* ObjectInward::find(FunctionCode code) const {
+  const auto code_of = [](const auto& port) { return port->stream().code; };
+  const auto place = std::ranges::lower_bound(ports_, code, {}, code_of);
+  return place != ports_.end() && code_of(*place) == code ? place->get() : nullptr;
+}
+
+tl::expected<bool, std::string> ObjectInward::feed(InwardPort& port,
+                                                   const std::shared_ptr<ServerSession>& session,
+                                                   std::uint32_t id) const {
+  if (port.has(session->id(), id)) return true;
+  media::Connection& connection = session->connection();
+  auto reader = connection.open_stream(id);
+  if (!reader) {
+    if (auto why = connection.why_no_stream(id); !why.empty())
+      return tl::unexpected(std::move(why));
+    return false;
+  }
+  port.add({session->id(), id, std::move(reader), session->standing,
+            [session] { return session->connection().clock_difference().value_or(Duration{}); }});
+  return true;
+}
+
+void ObjectInward::depart(SessionId session) const {
+  for (const auto& port : ports_) port->depart(session);
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gecos/base/result.hpp"
+#include "gecos/session/server/inward_port.hpp"
+
+namespace gecos::session {
+
+class ServerSession;
+
+/// The inward streams of one object, each with its own InwardPort. Thread-safe.
+class ObjectInward {
+ public:
+  ObjectInward(const InterfaceDescription& interface, const Clock& clock);
+
+  /// Returns the port of the stream with this code; null when the interface has no such stream.
+  InwardPort* find(FunctionCode code) const;
+  /// Opens the stream that `session` shares as `id` for `port`. Returns false while the
+  /// announcement of the stream has not arrived; on failure returns the reason.
+  tl::expected<bool, std::string> feed(InwardPort& port,
+                                       const std::shared_ptr<ServerSession>& session,
+                                       std::uint32_t id) const;
+  /// Must be called when the session has ended.
+  void depart(SessionId session) const;
+
+ private:
+  std::vector<std::unique_ptr<InwardPort>> ports_;  ///< sorted by stream code; constant
+};
+
+}  // namespace gecos::session

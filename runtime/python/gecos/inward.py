@@ -1,0 +1,122 @@
+"""The server's side of inward streams: a servant reads the samples that clients send."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from gecos import interface
+from gecos.errors import ServeError
+from gecos.wire import DecodeError, Decoder
+
+if TYPE_CHECKING:
+    from gecos_idl.object_types import FeedReport
+
+    from gecos import _core
+    from gecos.execution import Execution
+    from gecos.servant import Servant
+
+T = TypeVar("T")
+_MOST_PASSED_OVER = 1024
+
+
+@dataclass(frozen=True, slots=True)
+class InwardSample(Generic[T]):
+    """One value of an inward stream."""
+
+    value: T
+    sequence: int  # increases by one with each sample that its sender has sent
+    stamp: float  # time of measurement for display: Unix time in s, by the sender's clock
+    # s from measurement to reading. It is exact on one host; between hosts it is too small by at
+    # most the shortest transit time of a packet.
+    age: float
+    session: int  # session of the sender, as Caller.session
+    command: int  # number of the command that the sample feeds; 0: none
+
+
+class Inward(Generic[T]):
+    """The samples that clients send to an object on one inward stream. Only one thread reads at a
+    time. Reading never waits.
+
+    Each sample is judged when it is read: its session must be open, its sender must have the status
+    that the stream needs, the sample must not be older than the watchdog, and the command that it
+    feeds must take samples. Other samples have no effect and are counted. Samples of one client
+    come in order. A client that sends more than the stream's depth between two reads loses the
+    oldest samples.
+    """
+
+    def __init__(self, servant: Servant, inward: interface.Inward[T]) -> None:
+        self._servant = servant
+        self._inward = inward
+        self._code = inward.stream.code
+        self._only_commands = False
+
+    def next(self) -> InwardSample[T] | None:
+        """Returns the oldest unread sample; None when there is none."""
+        core = self._servant._gecos_core
+        while core is not None:
+            raw = core.next_inward(self._code, self._only_commands)
+            if raw is None:
+                break
+            value, sequence, stamp_ns, age_ns, session, command = raw
+            try:
+                decoded = self._inward.result(Decoder(value))
+            except DecodeError as error:
+                core.unreadable(self._code, session, str(error))
+                continue
+            return InwardSample(decoded, sequence, stamp_ns * 1e-9, age_ns * 1e-9, session, command)
+        return None
+
+    def newest(self) -> InwardSample[T] | None:
+        """Returns the newest unread sample and passes over the older ones; None when there is
+        none."""
+        sample = None
+        for _ in range(_MOST_PASSED_OVER):
+            later = self.next()
+            if later is None:
+                break
+            sample = later
+        return sample
+
+    @property
+    def expired(self) -> bool:
+        """Whether no sample that was read is younger than the watchdog of the stream. While a
+        command begins to take samples (`feeds`), one watchdog must pass first. Always False for a
+        stream without a watchdog."""
+        core = self._servant._gecos_core
+        if core is None:
+            return self._inward.stream.watchdog_ns > 0
+        return core.inward_expired(self._code)
+
+    def report(self) -> FeedReport:
+        """Returns what became of the samples since the servant was added to its server."""
+        from gecos_idl.object_types import FeedReport
+
+        return FeedReport.decode(Decoder(self._served().inward_report(self._code)))
+
+    def need_command(self) -> None:
+        """From now on, samples that feed no command are refused also while no command takes
+        samples."""
+        self._only_commands = True
+
+    @contextmanager
+    def feeds(self, run: Execution[Any]) -> Iterator[None]:
+        """Lets the command of a running handler take the samples in a `with` block. Samples of
+        other commands and of none are refused in it."""
+        core = self._served()
+        core.feed_command(self._code, run._core)
+        try:
+            yield
+        finally:
+            core.feed_command(self._code, None)
+
+    def _served(self) -> _core.PulledServant:
+        core = self._servant._gecos_core
+        if core is None:
+            raise ServeError(
+                f"{self._servant._gecos_interface.name}.{self._inward.stream.name}: no samples"
+                " come while the servant is not served; add it to a gecos.Server first"
+            )
+        return core
