@@ -19,7 +19,7 @@ std::uint64_t claimed(Script& script, std::uint64_t truth) {
 Bytes sample_of(Script& script, const InwardSender& sender) {
   if (script.one_in(8)) return script.bytes(64);
   const InwardHeader header{SessionId{claimed(script, number(sender.session))},
-                            Epoch{claimed(script, number(sender.epoch))},
+                            Epoch{claimed(script, number(sender.epoch.value_or(Epoch{})))},
                             claimed(script, sender.feeding.value_or(0))};
   const Bytes value = script.bytes(32);
   Bytes bytes(inward_header_size + value.size());
@@ -41,7 +41,11 @@ void try_samples(ByteView input) {
         sender.alive = !script.one_in(4);
         break;
       case 1:
-        sender.epoch = Epoch{number(sender.epoch) + script.below(3)};
+        if (script.one_in(4)) {
+          sender.epoch.reset();
+        } else {
+          sender.epoch = Epoch{number(sender.epoch.value_or(Epoch{})) + script.below(3)};
+        }
         break;
       case 2:
         sender.feeding.reset();
@@ -58,10 +62,12 @@ void try_samples(ByteView input) {
         expect(std::equal(again.begin(), again.end(), bytes.begin()),
                "a header is read as written");
         const std::uint64_t sequence = claimed(script, newest + 1);
+        const InwardAge age{Duration(script.below(4)), Duration(script.below(4))};
         const bool fits = sample->header.session == sender.session && sender.alive &&
                           sample->header.epoch == sender.epoch && sender.feeding &&
-                          sample->header.command == *sender.feeding && sequence > newest;
-        const auto verdict = admission.judge(sample->header, sequence, sender);
+                          sample->header.command == *sender.feeding && sequence > newest &&
+                          age.age <= age.limit;
+        const auto verdict = admission.judge(sample->header, sequence, sender, age);
         expect((verdict == InwardVerdict::Admitted) == fits, "exactly what fits is admitted");
         expect(describe(verdict) != "unknown", "every verdict has words");
         if (fits) newest = sequence;

@@ -93,6 +93,23 @@ TEST(InwardAdmission, OnlyTheRunningCommandIsFed) {
       << "0 is no command";
 }
 
+TEST(InwardAdmission, WithoutAStatusNoEpochFits) {
+  InwardAdmission admission;
+  InwardSender idle = sender;
+  idle.epoch.reset();
+  for (const Epoch claimed : {Epoch{3}, Epoch{0}}) {
+    EXPECT_EQ(admission.judge({SessionId{9}, claimed, 4}, 1, idle), InwardVerdict::OtherEpoch);
+  }
+}
+
+TEST(InwardAdmission, ASampleMayBeExactlyAsOldAsTheLimit) {
+  InwardAdmission admission;
+  constexpr Duration limit = std::chrono::milliseconds(48);
+  EXPECT_EQ(admission.judge(fitting, 1, sender, {limit + Duration{1}, limit}),
+            InwardVerdict::TooOld);
+  EXPECT_EQ(admission.judge(fitting, 1, sender, {limit, limit}), InwardVerdict::Admitted);
+}
+
 TEST(InwardAdmission, ARefusedSampleDoesNotMakeLaterOnesOld) {
   InwardAdmission admission;
   EXPECT_EQ(admission.judge({SessionId{9}, Epoch{2}, 4}, ~std::uint64_t{0}, sender),
