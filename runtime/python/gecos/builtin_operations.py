@@ -15,7 +15,9 @@ from gecos.wire import Decoder
 
 if TYPE_CHECKING:
     from gecos_idl.object import GecosObject
-    from gecos_idl.object_types import Description, Holder
+    from gecos_idl.object_types import Description, FeedReport, Holder
+
+    from gecos import _core
 
 
 def stop(robot: Object) -> Command[None]:
@@ -42,6 +44,16 @@ def model(robot: Object) -> Command[list[str]]:
     """Asks for the JSON of the object's interface and of each of its bases, which `lab.dynamic`
     reads."""
     return _answers_of(robot).model()
+
+
+def feed_report(session: _core.Session, stream: int) -> Command[FeedReport]:
+    """Asks what became of the samples that the session has sent on an inward stream. `stream` is
+    the function code of the stream."""
+    from gecos_idl.object import _GECOS_OBJECT_FEED_REPORT
+
+    asked: Method[FeedReport, None] = _GECOS_OBJECT_FEED_REPORT
+    arguments = b"".join(asked.request(stream))
+    return Command(session.call(asked.operation.code, arguments, None), asked)
 
 
 @dataclass(frozen=True, slots=True)

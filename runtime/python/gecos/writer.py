@@ -73,10 +73,9 @@ class Writer(Generic[T]):
 
     def report(self) -> Command[FeedReport]:
         """Asks the server what became of the samples that this session has sent."""
-        from gecos_idl.object import _GECOS_OBJECT_FEED_REPORT as ASKED
+        from gecos.builtin_operations import feed_report
 
-        arguments = b"".join(ASKED.request(self._inward.stream.code))
-        return Command(self._session.call(ASKED.operation.code, arguments, None), ASKED)
+        return feed_report(self._session, self._inward.stream.code)
 
     @property
     def lost(self) -> bool:

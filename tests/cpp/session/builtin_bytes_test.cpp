@@ -78,6 +78,19 @@ TEST(BuiltInOperations, KeepTheirBytes) {
   expect_bytes(GecosObject_outcome_arguments{5, 9, 4},
                "000000000000000500000000000000090000000000000004");
   expect_bytes(GecosObject_outcome_result{{5, "done"}}, "0000000a0500000005646f6e6500");
+  expect_bytes(GecosObject_feed_arguments{0x6755a361, 3}, "6755a36100000003");
+  expect_bytes(GecosObject_feed_result{true}, "01");
+  expect_bytes(GecosObject_end_feed_arguments{0x6755a361, 3}, "6755a36100000003");
+  expect_bytes(GecosObject_feed_report_arguments{0x6755a361}, "6755a361");
+  FeedReport report;
+  report.admitted = 3;
+  report.no_status = 1;
+  report.last_refusal = "late";
+  report.expired = true;
+  const std::string none(16, '0');
+  expect_bytes(GecosObject_feed_report_result{report}, "000000520000000000000003" + none + none +
+                                                           none + "0000000000000001" + none + none +
+                                                           none + none + "000000056c6174650001");
 }
 
 TEST(BrokerCalls, KeepTheirBytes) {
@@ -109,7 +122,7 @@ TEST(BuiltInOperations, KeepTheirCodes) {
     EXPECT_EQ(number(operation.code), ++code) << operation.name;
     EXPECT_TRUE(is_builtin(operation.code)) << operation.name;
   }
-  EXPECT_EQ(code, 10u);
+  EXPECT_EQ(code, 13u);
   EXPECT_EQ(number(BrokerInterface::enlist.code), 0x17d413ce);
   EXPECT_EQ(number(BrokerInterface::lookup.code), 0x49e3d3e3);
   EXPECT_EQ(number(BrokerInterface::withdraw.code), 0xc5ebb42f);

@@ -15,7 +15,6 @@ ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
                                    Welcome welcome, std::vector<FunctionCode> differing)
     : runtime_(std::move(runtime)),
       connection_(std::move(connection)),
-      id_(id),
       welcome_(std::move(welcome)),
       refused_(std::move(differing)),
       server_(runtime_->options(), runtime_->clock()),
@@ -26,7 +25,8 @@ ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
       reader_(*runtime_, *connection_, calls_, receiver_, end_),
       maintenance_(*runtime_,
                    {*connection_, welcome_, server_, calls_, receiver_, reader_, failover_, end_}),
-      subscriptions_(*this) {
+      subscriptions_(*this),
+      writers_(id, leases_) {
   if (!log_enabled(LogLevel::Info)) return;
   log_info("client", "connected to " + welcome_.object + " (" + welcome_.interface_name +
                          ") over " + std::string(connection_->capabilities().name) + ": " +

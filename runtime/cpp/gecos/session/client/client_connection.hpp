@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,13 +17,15 @@
 #include "gecos/session/client/session_end.hpp"
 #include "gecos/session/client/session_failover.hpp"
 #include "gecos/session/client/subscriptions.hpp"
+#include "gecos/session/client/writers.hpp"
 #include "gecos/session/process/runtime.hpp"
 #include "gecos/session/protocol/handshake.hpp"
 
 namespace gecos::session {
 
 /// Client side of a session over one connection of a medium. Owns the parts of the session and
-/// connects them to each other.
+/// connects them to each other. This class has more methods than other classes, because it
+/// implements the interface of a session and gives each part access to the others.
 ///
 /// A lost session stays lost: every later call ends as CONNECTION_FAILED, and the program must
 /// create a new session with `Lab::create`. Only `@idempotent` readings continue, in a successor
@@ -51,9 +52,7 @@ class ClientConnection final : public ClientSession,
   ObjectRef reference() const override;
   std::uint64_t lease_acquired(std::uint64_t epoch) override { return leases_.acquired(epoch); }
   void lease_released(std::uint64_t held) override { leases_.released(held); }
-  std::uint64_t issued() override {
-    return calls_.issued() + samples_.load(std::memory_order_relaxed);
-  }
+  std::uint64_t issued() override { return calls_.issued() + writers_.sent(); }
 
   /// See SessionEnd::close.
   void close(Duration patience) override { end_.close(patience); }
@@ -79,28 +78,19 @@ class ClientConnection final : public ClientSession,
     return refused_.why(code, name, welcome_);
   }
 
-  /// Counts a sample that the program has sent.
-  void note_sample() { samples_.fetch_add(1, std::memory_order_relaxed); }
-  SessionId id() const { return id_; }
-  /// Returns the epoch of the session's status; Epoch{} without a status.
-  Epoch epoch() const { return leases_.epoch(); }
-  /// Returns a new number for a stream that this session shares with its server.
-  std::uint32_t new_stream_id() { return ++stream_ids_; }
   CallSender& calls() { return calls_; }
   ConnectionReader& reader() { return reader_; }
   SessionFailover& failover() { return failover_; }
   Subscriptions& subscriptions() { return subscriptions_; }
+  Writers& writers() { return writers_; }
   TickTarget& tick_target() { return maintenance_; }
 
  private:
   const std::shared_ptr<Runtime> runtime_;
   const std::unique_ptr<media::Connection> connection_;
-  const SessionId id_;
   const Welcome welcome_;
   RefusedOperations refused_;
   std::string place_;
-  std::atomic<std::uint64_t> samples_{0};     // orders no other memory
-  std::atomic<std::uint32_t> stream_ids_{0};  // orders no other memory
 
   ServerWatch server_;
   LeaseState leases_;
@@ -113,6 +103,7 @@ class ClientConnection final : public ClientSession,
   ConnectionReader reader_;
   ConnectionMaintenance maintenance_;
   Subscriptions subscriptions_;
+  Writers writers_;
 };
 
 }  // namespace gecos::session

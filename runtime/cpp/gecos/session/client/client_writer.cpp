@@ -26,7 +26,7 @@ tl::expected<std::shared_ptr<WriterCore>, Failure> ClientWriter::open(
       "inward stream '" + std::string(stream.name) + "' of " + session->object_name();
   const std::size_t largest = stream.largest != 0 ? stream.largest : unbounded_sample;
   const std::size_t depth = stream.quality.depth != 0 ? stream.quality.depth : usual_depth;
-  const std::uint32_t id = session->new_stream_id();
+  const std::uint32_t id = session->writers().new_id();
   std::shared_ptr<ClientWriter> opened;
   std::string failed = "the connection is lost or has no room for another stream";
   session->calls().with_connection([&](media::Connection& connection) {
@@ -105,7 +105,8 @@ tl::expected<void, Failure> ClientWriter::send(std::size_t size,
   if (lost()) {
     return tl::unexpected(session_->calls().not_sent(stream_.name, size, media::SendProblem::Lost));
   }
-  InwardHeader header{session_->id(), session_->epoch(), fed_ ? fed_->counter : 0};
+  Writers& writers = session_->writers();
+  const InwardHeader header{writers.session(), writers.epoch(), fed_ ? fed_->counter : 0};
   if (header.epoch == Epoch{} && stream_.status != access::Status::Sensor) {
     const auto status = std::string(access::to_string(stream_.status));
     return not_sent(Detail::Denied, "it needs " + status +
@@ -113,7 +114,7 @@ tl::expected<void, Failure> ClientWriter::send(std::size_t size,
                                         "lease = gecos::" +
                                         status + "(*robot);`");
   }
-  if (fed_ && fed_->session != number(session_->id())) {
+  if (fed_ && fed_->session != number(header.session)) {
     return not_sent(Detail::BadParameter,
                     fed_->counter == 0 ? "the command that it feeds was not sent"
                                        : "the command that it feeds belongs to another session");
@@ -128,10 +129,9 @@ tl::expected<void, Failure> ClientWriter::send(std::size_t size,
   write_inward_header(lent->first<inward_header_size>(), header);
   wire::Encoder value(lent->subspan(inward_header_size, size));
   encode(value);
-  wire::Encoder(lent->subspan(inward_header_size + size))
-      .put(static_cast<std::int64_t>(time.measured.time_since_epoch().count()));
+  write_measured(lent->last<measured_bytes>(), time.measured);
   writer_->publish_lent(time.stamp_ns);
-  session_->note_sample();
+  writers.note_sample();
   return {};
 }
 

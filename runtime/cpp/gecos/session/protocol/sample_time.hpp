@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "gecos/base/bytes.hpp"
 #include "gecos/base/clock.hpp"
@@ -38,11 +39,13 @@ inline SampleTime sample_time(std::int64_t stamp_ns, const Clock& clock) {
 /// time is in ns of the server's CLOCK_BOOTTIME.
 inline constexpr std::size_t measured_bytes = 8;
 
+inline void write_measured(std::span<std::byte, measured_bytes> to, TimePoint measured) {
+  wire::Encoder(to).put(static_cast<std::int64_t>(measured.time_since_epoch().count()));
+}
+
 inline void append_measured(Bytes& sample, TimePoint measured) {
-  const std::size_t size = sample.size();
-  sample.resize(size + measured_bytes);
-  wire::Encoder(std::span(sample).subspan(size))
-      .put(static_cast<std::int64_t>(measured.time_since_epoch().count()));
+  sample.resize(sample.size() + measured_bytes);
+  write_measured(std::span(sample).last<measured_bytes>(), measured);
 }
 
 /// Removes the appended measurement time from `sample` and returns it; nullopt when `sample` is too

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "../inward/in_words.hpp"
 #include "../robcl/allocations.hpp"
-#include "follower.hpp"
 #include "gecos/media/sealed/inward.hpp"
 #include "gecos/session/protocol/sample_time.hpp"
 
