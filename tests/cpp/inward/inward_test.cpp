@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "../media/kind_names.hpp"
+#include "../robcl/allocations.hpp"
 #include "../settles.hpp"
 #include "feeder_client.hpp"
 #include "follower.hpp"
@@ -331,6 +332,22 @@ TEST_P(InwardStreams, OfAWriterThatWasClosedCanStillBeRead) {
     ASSERT_TRUE(speed->send(0.5));
   }
   EXPECT_EQ(speeds(1), std::vector{0.5});
+}
+
+TEST_P(InwardStreams, AllocateNothingInTheSteadyState) {
+  const auto lease = gecos::actor(dancer_);
+  auto speed = dancer_.speed(gecos::writer);
+  ASSERT_TRUE(lease && speed);
+  const auto one_sample = [&] {
+    const bool sent = speed->send(1.0).has_value();
+    return sent && settles([&] { return servant_.speed().next().has_value(); });
+  };
+  for (int i = 0; i < 50; ++i) ASSERT_TRUE(one_sample());
+  const robcl::CountAllocations counted;
+  bool all = true;
+  for (int i = 0; i < 50; ++i) all = all && one_sample();
+  EXPECT_EQ(counted.so_far(), 0);
+  EXPECT_TRUE(all);
 }
 
 TEST_P(InwardStreams, OfANilProxyCannotBeOpened) {

@@ -181,7 +181,7 @@ TEST_F(Port, WhatASessionLeavesUnreadIsRefusedAndCounted) {
   EXPECT_EQ(in_words(port_.report()), "admitted 0, session_ended 2; its session has ended");
 }
 
-TEST_F(Port, WhatDoesNotDecodeCountsAsRefusedAndHoldsOffNoWatchdog) {
+TEST_F(Port, WhatDoesNotDecodeCountsAsRefusedAndDelaysNoWatchdog) {
   port_.add(ada_.feeder());
   ada_.send(1, clock_.since_boot());
   ASSERT_EQ(next(), 1);
@@ -231,7 +231,7 @@ TEST_F(Port, SendersTakeTurns) {
   EXPECT_EQ(values, (std::vector<double>{1, 11, 2, 12, 3}));
 }
 
-TEST_F(Port, AHostileSenderHoldsUpOneReadForABoundedTime) {
+TEST_F(Port, AHostileSenderDelaysOneReadForABoundedTime) {
   port_.add(ada_.feeder());
   ada_.standing->set(access::Status::Actor, std::nullopt);
   struct Endless final : media::CopyingReader {
