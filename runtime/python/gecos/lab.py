@@ -107,8 +107,9 @@ class Lab:
         `interface` is a class that gidl generated, or a scoped name: `"robcl::Manipulator"`. Raises
         CreateError if no broker answers.
         """
-        from gecos.wire import from_bytes
         from gecos_idl.broker_types import Entry
+
+        from gecos.wire import from_bytes
 
         found = self._core.objects(_name_of(interface), patience)
         if isinstance(found, str):
@@ -118,9 +119,9 @@ class Lab:
     def watch(self, interface: type[Object] | str | None = None) -> ObjectWatch:
         """Watches which objects come online, fall silent and go:
 
-            with lab.watch("robcl::Manipulator") as changes:
-                for change in changes:
-                    print(change.entry.name, change.presence.name)
+        with lab.watch("robcl::Manipulator") as changes:
+            for change in changes:
+                print(change.entry.name, change.presence.name)
         """
         from gecos.object_watch import ObjectWatch
 

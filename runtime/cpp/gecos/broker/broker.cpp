@@ -29,6 +29,9 @@ Duration silence_that_ends_a_session() {
   return standard.lease_ttl + standard.grace;
 }
 
+/// The time between the close of a dead process's sockets and the report of its end.
+constexpr Duration death_is_reported_within = std::chrono::milliseconds(100);
+
 /// Returns a number that no other life of a broker has.
 std::uint64_t draw_life() {
   std::random_device random;
@@ -48,7 +51,11 @@ Broker::Broker(const BrokerOptions& options)
       watcher_(start_thread("gecos-processes", [this] { watch_processes(); })) {}
 
 Broker::~Broker() {
-  ending_.notify();
+  {
+    const MutexLock lock(mutex_);
+    ended_ = true;
+  }
+  wake_watcher_.notify();
   watcher_.join();
 }
 
@@ -57,19 +64,42 @@ Directory Broker::new_directory(Duration young) const {
 }
 
 void Broker::watch_processes() {
-  constexpr int look_again_after = 60'000;  // ms; to forget what has been silent for an hour
   std::array<pollfd, 2> descriptors{
-      pollfd{ending_.descriptor(), POLLIN, 0},
+      pollfd{wake_watcher_.descriptor(), POLLIN, 0},
       pollfd{some_process_ended_, POLLIN, 0},
   };
+  Duration rest{};
   for (;;) {
-    ::poll(descriptors.data(), descriptors.size(), look_again_after);
-    if (ending_.drain()) return;
+    const auto milliseconds = std::chrono::ceil<std::chrono::milliseconds>(rest).count();
+    ::poll(descriptors.data(), descriptors.size(), static_cast<int>(milliseconds));
+    wake_watcher_.drain();
+    const TimePoint now = SystemClock().since_boot();
     const MutexLock lock(mutex_);
+    if (ended_) return;
     remove_ended();
-    directory_.forget_silent(SystemClock().since_boot());
+    rest = end_due_sessions(now);
+    directory_.forget_silent(now);
     announce();
   }
+}
+
+Duration Broker::end_due_sessions(TimePoint now) {
+  Duration rest = std::chrono::minutes(1);  // then the watcher forgets what is silent for an hour
+  std::erase_if(ended_sessions_, [&](const EndedSession& one) {
+    if (now < one.due) {
+      rest = std::min(rest, one.due - now);
+      return false;
+    }
+    mutex_.assert_held();
+    end_session(one.session, one.heard);
+    return true;
+  });
+  return rest;
+}
+
+void Broker::end_session(std::uint64_t session, TimePoint heard) {
+  for (const auto& name : directory_.end_session(session, heard))
+    log_info("broker", name + " left the list: its server is silent");
 }
 
 void Broker::remove_ended() {
@@ -205,13 +235,17 @@ Result<std::vector<SilentObject>> Broker::silent() {
 }
 
 void Broker::gecos_session_ended(std::uint64_t session) {
-  const TimePoint heard = SystemClock().since_boot() - silence_that_ends_a_session();
+  const TimePoint now = SystemClock().since_boot();
+  const TimePoint heard = now - silence_that_ends_a_session();
   const MutexLock lock(mutex_);
   remove_ended();
-  for (const auto& name : directory_.end_session(session, heard)) {
-    log_info("broker", name + " left the list: its server is gone or silent");
+  if (directory_.is_of_this_host(session)) {
+    ended_sessions_.push_back({session, heard, now + death_is_reported_within});
+    wake_watcher_.notify();
+  } else {
+    end_session(session, heard);
+    announce();
   }
-  announce();
 }
 
 }  // namespace gecos::broker

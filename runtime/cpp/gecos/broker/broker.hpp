@@ -54,6 +54,9 @@ class Broker final : public BrokerServant {
  private:
   Directory new_directory(Duration young) const;
   void watch_processes();
+  /// Ends the sessions whose `due` has come. Returns how long until the next one is due.
+  Duration end_due_sessions(TimePoint now) GECOS_REQUIRES(mutex_);
+  void end_session(std::uint64_t session, TimePoint heard) GECOS_REQUIRES(mutex_);
   /// Removes the objects of processes that have ended. Each operation calls this first, because the
   /// kernel may report an end before `watcher_` runs.
   void remove_ended() GECOS_REQUIRES(mutex_);
@@ -69,8 +72,17 @@ class Broker final : public BrokerServant {
   Directory directory_ GECOS_GUARDED_BY(mutex_);
   std::uint64_t announced_ GECOS_GUARDED_BY(mutex_) = 0;  ///< number of the last published change
   Processes processes_ GECOS_GUARDED_BY(mutex_);
+  /// A session of a server on this host that has ended. The kernel closes the sockets of a process
+  /// before it reports the end of the process, so the server is not called silent before `due`.
+  struct EndedSession {
+    std::uint64_t session = 0;
+    TimePoint heard;
+    TimePoint due;
+  };
+  std::vector<EndedSession> ended_sessions_ GECOS_GUARDED_BY(mutex_);
+  bool ended_ GECOS_GUARDED_BY(mutex_) = false;
   const int some_process_ended_;  ///< descriptor of `processes_`
-  EventFd ending_;
+  EventFd wake_watcher_;
   std::thread watcher_;
 };
 

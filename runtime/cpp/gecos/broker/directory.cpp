@@ -111,6 +111,12 @@ std::vector<std::string> Directory::end_session(std::uint64_t session, TimePoint
   return dropped;
 }
 
+bool Directory::is_of_this_host(std::uint64_t session) const {
+  return std::ranges::any_of(places_, [&](const auto& named) {
+    return named.second.session == session && named.second.host == Host::Same;
+  });
+}
+
 std::vector<std::string> Directory::process_ended(std::int32_t pid) {
   std::vector<std::string> removed;
   const auto end = [&](auto& list) {
