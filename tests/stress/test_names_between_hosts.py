@@ -145,4 +145,3 @@ def test_a_server_of_the_brokers_host_frees_its_name_at_once_over_lcm(two: TwoHo
     two.told("GONE")
     two.serve(0)
     two.told("ONLINE")
-

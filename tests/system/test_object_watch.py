@@ -9,12 +9,11 @@ import time
 from collections import Counter
 from pathlib import Path
 
-import pytest
-from processes import Laboratory, Program, until
-
 import gecos
+import pytest
 from gecos_idl.broker import Broker
 from gecos_idl.broker_types import NameInUse, UnknownName
+from processes import Laboratory, Program, until
 
 GECOS = [sys.executable, "-m", "gecos.cli"]
 SERVER = Path(__file__).parent / "rail" / "server.py"
@@ -63,9 +62,7 @@ def test_a_watch_is_told_each_change_once(lab: Laboratory, watching: Program) ->
                 other.next(0)
 
 
-def test_a_query_by_a_base_interface_finds_derived_ones(
-    lab: Laboratory, watching: Program
-) -> None:
+def test_a_query_by_a_base_interface_finds_derived_ones(lab: Laboratory, watching: Program) -> None:
     rails(lab, "RAIL")
     with gecos.Lab() as client:
         for interface in "lab::RailSensor", "robcl::LaserDistanceSensor", "robcl::Device", None:

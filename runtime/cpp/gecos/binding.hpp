@@ -37,7 +37,8 @@ class BrokerNews;
 /// answer may answer again.
 class CreateWait {
  public:
-  /// `longest`: how long to wait from now on; Duration::max() for no limit. @pre `lab` holds a value
+  /// `longest`: how long to wait from now on; Duration::max() for no limit. @pre `lab` holds a
+  /// value
   CreateWait(const LabOrWhyNot& lab, const std::vector<std::string>& names, Duration longest);
   ~CreateWait();
 

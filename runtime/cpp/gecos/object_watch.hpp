@@ -31,8 +31,9 @@ class ObjectWatch {
   ObjectWatch& operator=(const ObjectWatch&) = delete;
 
   /// Returns the next change, and waits for it at most `patience`, or 2 s longer if the broker does
-  /// not answer. At first returns each object that is online or silent already. While no broker answers, there are no changes: the objects
-  /// continue to run. After the Lab was closed, returns nullopt at once.
+  /// not answer. At first returns each object that is online or silent already. While no broker
+  /// answers, there are no changes: the objects continue to run. After the Lab was closed, returns
+  /// nullopt at once.
   std::optional<Registration> next(Duration patience);
 
   /// Returns how many changes this watch read too late to see each of them: the broker keeps the

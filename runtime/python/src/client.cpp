@@ -64,8 +64,7 @@ nb::object create(LabHandle& self, nb::handle interface, const std::vector<std::
   if (!created && wait > 0) {
     const auto drop_it = [](session::CreateWait* it) { without_gil([it] { delete it; }); };
     const std::unique_ptr<session::CreateWait, decltype(drop_it)> waiting(
-        new session::CreateWait(session::LabAccess::context(*self.get()), names,
-                                patience_of(wait)),
+        new session::CreateWait(session::LabAccess::context(*self.get()), names, patience_of(wait)),
         drop_it);
     while (!created && waiting->helps(created.error())) {
       wait_in_slices(std::nullopt, [&](TimePoint until) { return waiting->wait(until); });

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <random>
+#include <system_error>
 #include <utility>
 #include <variant>
 
@@ -45,17 +46,15 @@ SilentObject shown(Silent one, TimePoint now) {
 }  // namespace
 
 Broker::Broker(const BrokerOptions& options)
-    : options_(options),
-      directory_(new_directory(DirectoryOptions().young)),
-      some_process_ended_(processes_.descriptor()),
-      watcher_(start_thread("gecos-processes", [this] { watch_processes(); })) {}
+    : options_(options), directory_(new_directory(DirectoryOptions().young)) {}
 
 Broker::~Broker() {
+  if (!watcher_.joinable()) return;
   {
     const MutexLock lock(mutex_);
     ended_ = true;
   }
-  wake_watcher_.notify();
+  wake_watcher_->notify();
   watcher_.join();
 }
 
@@ -63,16 +62,28 @@ Directory Broker::new_directory(Duration young) const {
   return Directory(SystemClock().since_boot(), {young, options_.name_hold, draw_life()});
 }
 
+void Broker::start_watcher() {
+  if (watcher_.joinable()) return;
+  {
+    const MutexLock lock(mutex_);
+    processes_.emplace();
+  }
+  wake_watcher_.emplace();
+  watcher_ = start_thread("gecos-processes", [this] { watch_processes(); });
+}
+
 void Broker::watch_processes() {
-  std::array<pollfd, 2> descriptors{
-      pollfd{wake_watcher_.descriptor(), POLLIN, 0},
-      pollfd{some_process_ended_, POLLIN, 0},
-  };
+  std::array<pollfd, 2> descriptors{};
+  {
+    const MutexLock lock(mutex_);
+    descriptors = {pollfd{wake_watcher_->descriptor(), POLLIN, 0},
+                   pollfd{processes_->descriptor(), POLLIN, 0}};
+  }
   Duration rest{};
   for (;;) {
     const auto milliseconds = std::chrono::ceil<std::chrono::milliseconds>(rest).count();
     ::poll(descriptors.data(), descriptors.size(), static_cast<int>(milliseconds));
-    wake_watcher_.drain();
+    wake_watcher_->drain();
     const TimePoint now = SystemClock().since_boot();
     const MutexLock lock(mutex_);
     if (ended_) return;
@@ -103,16 +114,17 @@ void Broker::end_session(std::uint64_t session, TimePoint heard) {
 }
 
 void Broker::remove_ended() {
-  for (const std::int32_t pid : processes_.take_ended()) {
+  for (const std::int32_t pid : processes_->take_ended()) {
     for (const auto& name : directory_.process_ended(pid))
-      log_info("broker", name + " was removed: its process, pid " + std::to_string(pid) + ", ended");
+      log_info("broker",
+               name + " was removed: its process, pid " + std::to_string(pid) + ", ended");
   }
   announce();
 }
 
 void Broker::forget_unused_processes() {
-  for (const std::int32_t pid : processes_.watched()) {
-    if (!directory_.uses_process(pid)) processes_.forget(pid);
+  for (const std::int32_t pid : processes_->watched()) {
+    if (!directory_.uses_process(pid)) processes_->forget(pid);
   }
 }
 
@@ -122,6 +134,7 @@ void Broker::announce() {
 }
 
 Serving Broker::serving(std::vector<media::Kind> media) {
+  start_watcher();
   ObjectOptions options;
   options.simulated = true;  // a broker moves nothing, so it cannot cause harm
   options.well_known = true;
@@ -136,8 +149,12 @@ Serving Broker::serving(std::vector<media::Kind> media) {
 }
 
 tl::expected<void, ServeError> Broker::serve(Server& server, std::vector<media::Kind> media) {
-  Serving broker = serving(std::move(media));
-  return server.add(std::move(broker.name), *this, std::move(broker.options));
+  try {
+    Serving broker = serving(std::move(media));
+    return server.add(std::move(broker.name), *this, std::move(broker.options));
+  } catch (const std::system_error& why) {
+    return tl::unexpected(ServeError{session::nothing_left("a broker", why)});
+  }
 }
 
 void Broker::gecos_dispatch(IncomingCall call) {
@@ -148,8 +165,7 @@ void Broker::gecos_dispatch(IncomingCall call) {
 Result<std::optional<double>> Broker::enlist(const Entry& what, double served_for) {
   const MutexLock lock(mutex_);
   remove_ended();
-  const bool here = media::on_one_machine(what.host, media::host_identity()) &&
-                    processes_.watch(what.pid);
+  const bool here = what.host == media::host_identity() && processes_->watch(what.pid);
   const Claim claim{calling_.session, calling_.incarnation, duration_of(served_for),
                     here ? Host::Same : Host::Other};
   const auto before = directory_.look_up(what.name);
@@ -217,8 +233,8 @@ Result<void> Broker::free(const std::string& name) {
   const MutexLock lock(mutex_);
   remove_ended();
   if (auto freed = directory_.free(name); !freed) {
-    return std::visit(
-        [](const auto& why) -> Result<void> { return tl::unexpected(Fault(why)); }, freed.error());
+    return std::visit([](const auto& why) -> Result<void> { return tl::unexpected(Fault(why)); },
+                      freed.error());
   }
   announce();
   log_warning("broker", name + " was set free although its server had not withdrawn it");
@@ -241,7 +257,7 @@ void Broker::gecos_session_ended(std::uint64_t session) {
   remove_ended();
   if (directory_.is_of_this_host(session)) {
     ended_sessions_.push_back({session, heard, now + death_is_reported_within});
-    wake_watcher_.notify();
+    wake_watcher_->notify();
   } else {
     end_session(session, heard);
     announce();

@@ -28,13 +28,14 @@ struct BrokerOptions {
 /// prefers objects that were served before the broker started.
 class Broker final : public BrokerServant {
  public:
-  /// Throws std::system_error when the process has no thread or descriptor left.
   explicit Broker(const BrokerOptions& options = {});
   ~Broker() override;
 
-  /// The broker as an object of `gecos::serve`. Its first second begins now.
+  /// The broker as an object of `gecos::serve`. Its first second begins now. Throws
+  /// std::system_error when the process has no thread or descriptor left.
   Serving serving(std::vector<media::Kind> media = {});
-  /// Serves this broker. Fails when this host has a broker already.
+  /// Serves this broker. Fails when this host has a broker already, and when the process has no
+  /// thread or descriptor left.
   tl::expected<void, ServeError> serve(Server& server, std::vector<media::Kind> media = {});
 
   void gecos_dispatch(IncomingCall call) override;
@@ -53,6 +54,7 @@ class Broker final : public BrokerServant {
 
  private:
   Directory new_directory(Duration young) const;
+  void start_watcher();
   void watch_processes();
   /// Ends the sessions whose `due` has come. Returns how long until the next one is due.
   Duration end_due_sessions(TimePoint now) GECOS_REQUIRES(mutex_);
@@ -71,7 +73,7 @@ class Broker final : public BrokerServant {
   Mutex mutex_;  ///< needed because calls run on one thread and sessions end on another
   Directory directory_ GECOS_GUARDED_BY(mutex_);
   std::uint64_t announced_ GECOS_GUARDED_BY(mutex_) = 0;  ///< number of the last published change
-  Processes processes_ GECOS_GUARDED_BY(mutex_);
+  std::optional<Processes> processes_ GECOS_GUARDED_BY(mutex_);  ///< set while this is served
   /// A session of a server on this host that has ended. The kernel closes the sockets of a process
   /// before it reports the end of the process, so the server is not called silent before `due`.
   struct EndedSession {
@@ -81,8 +83,7 @@ class Broker final : public BrokerServant {
   };
   std::vector<EndedSession> ended_sessions_ GECOS_GUARDED_BY(mutex_);
   bool ended_ GECOS_GUARDED_BY(mutex_) = false;
-  const int some_process_ended_;  ///< descriptor of `processes_`
-  EventFd wake_watcher_;
+  std::optional<EventFd> wake_watcher_;  ///< set while this is served
   std::thread watcher_;
 };
 

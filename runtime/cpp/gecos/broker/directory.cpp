@@ -61,7 +61,7 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
   }
   auto displaced = std::move(place.displaced);
   displaced.push_back(std::move(place.entry));
-  place = {claim.session, entry,     since, std::move(displaced), note(entry, Presence::ONLINE, 0),
+  place = {claim.session, entry, since, std::move(displaced), note(entry, Presence::ONLINE, 0),
            claim.host};
   return provisional;
 }
@@ -77,8 +77,8 @@ bool Directory::keeps_name(const Silent& one, TimePoint now) const {
 }
 
 std::string Directory::why_kept(const Silent& one, TimePoint now) const {
-  const std::string who = described(one.entry) + ", which has been silent for " +
-                          in_seconds(now - one.since);
+  const std::string who =
+      described(one.entry) + ", which has been silent for " + in_seconds(now - one.since);
   if (one.host == Host::Same) return who + "; its process still lives on this host";
   return who + "; the name is free in " + in_seconds(one.since + options_.name_hold - now) +
          ", or after `gecos free " + one.entry.name + "`";
@@ -136,9 +136,9 @@ std::vector<std::string> Directory::process_ended(std::int32_t pid) {
 tl::expected<void, std::variant<UnknownName, NameInUse>> Directory::free(const std::string& name) {
   using Refusal = std::variant<UnknownName, NameInUse>;
   if (const auto place = places_.find(name); place != places_.end()) {
-    return tl::unexpected(Refusal(NameInUse{
-        name, "the broker hears its server, " + described(place->second.entry) +
-                  "; end that server"}));
+    return tl::unexpected(
+        Refusal(NameInUse{name, "the broker hears its server, " + described(place->second.entry) +
+                                    "; end that server"}));
   }
   const auto found = silent_.find(name);
   if (found == silent_.end()) return tl::unexpected(Refusal(unknown(name)));

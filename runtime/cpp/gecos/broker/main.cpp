@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -77,5 +78,11 @@ int main(int count, char** arguments) {
   options.program = "gecos-broker";
   options.ready = "gecos-broker: ready";
   options.started = [] { return std::make_shared<Search>(); };
-  return gecos::serve(lab, {broker.serving(std::move(media))}, options);
+  try {
+    return gecos::serve(lab, {broker.serving(std::move(media))}, options);
+  } catch (const std::system_error& why) {
+    std::fprintf(stderr, "gecos-broker: %s\n",
+                 gecos::session::nothing_left("a broker", why).c_str());
+    return 1;
+  }
 }

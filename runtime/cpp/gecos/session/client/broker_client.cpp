@@ -88,8 +88,7 @@ tl::expected<ListChanges, std::string> list_changes(Context& lab, const ListRevi
                                                     TimePoint deadline) {
   const auto broker = lab.broker(deadline);
   if (!broker) return tl::unexpected(broker.error());
-  const auto asked =
-      own_call(**broker, BrokerInterface::changes, Broker_changes_arguments{since});
+  const auto asked = own_call(**broker, BrokerInterface::changes, Broker_changes_arguments{since});
   auto found = answer<Broker_changes_result, ListChanges>(*asked, deadline);
   if (found || !is_older(*asked)) return found;
   auto listed = answer<Broker_list_result, std::vector<Entry>>(

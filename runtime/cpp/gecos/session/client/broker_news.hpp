@@ -7,17 +7,17 @@
 
 namespace gecos::session {
 
-/// Waits for changes of the broker's list. Reads the stream on which the broker publishes the number
-/// of each change, and subscribes again with each new broker. A Lab that is closed ends the wait
-/// within 100 ms. Not thread-safe.
+/// Waits for changes of the broker's list. Reads the stream on which the broker publishes the
+/// number of each change, and subscribes again with each new broker. A Lab that is closed ends the
+/// wait within 100 ms. Not thread-safe.
 class BrokerNews {
  public:
   explicit BrokerNews(std::shared_ptr<Context> lab) : lab_(std::move(lab)) {}
 
-  /// Waits until the list may have changed since the last call, or until `deadline`, or 2 s longer if
-  /// a broker does not answer. Returns whether it may have changed: a change was published, or this is another broker than before.
-  /// Returns true at least once a second, because the medium may have lost a sample, and because a
-  /// broker of an older version publishes none.
+  /// Waits until the list may have changed since the last call, or until `deadline`, or 2 s longer
+  /// if a broker does not answer. Returns whether it may have changed: a change was published, or
+  /// this is another broker than before. Returns true at least once a second, because the medium
+  /// may have lost a sample, and because a broker of an older version publishes none.
   bool wait(TimePoint deadline);
 
  private:

@@ -50,15 +50,14 @@ class ObjectWatch::Impl {
 
  private:
   void ask() {
-    must_ask_ = false;  // without an answer, `news_` reports the next broker, or asks for another try
+    must_ask_ =
+        false;  // without an answer, `news_` reports the next broker, or asks for another try
     const auto answer =
         session::list_changes(*lab_, view_.revision(), deadline_after(std::chrono::seconds(2)));
     if (!answer) return;
     add(view_.take(*answer, lab_->runtime()->clock().now()));
   }
-  void add(std::vector<Registration> news) {
-    std::ranges::move(news, std::back_inserter(unread_));
-  }
+  void add(std::vector<Registration> news) { std::ranges::move(news, std::back_inserter(unread_)); }
 
   const std::shared_ptr<session::Context> lab_;
   session::ListView view_;

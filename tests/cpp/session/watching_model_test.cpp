@@ -25,8 +25,8 @@ constexpr Duration hold = seconds(10);
 struct Life {
   Entry entry;
   Host host = Host::Other;
-  bool alive = true;         ///< its process
-  std::uint64_t session = 0; ///< with the present broker; 0: none
+  bool alive = true;               ///< its process
+  std::uint64_t session = 0;       ///< with the present broker; 0: none
   std::optional<TimePoint> heard;  ///< when the broker heard it last, while it is silent
 };
 
@@ -127,14 +127,15 @@ class World {
   void serve() {
     Life life;
     life.entry.name = std::string(1, static_cast<char>('A' + below(4)));
-    life.entry.boot = ++boots_;
-    life.entry.pid = static_cast<std::int32_t>(boots_);
+    life.entry.boot = ++incarnations_;
+    life.entry.pid = static_cast<std::int32_t>(incarnations_);
     life.entry.interface_name = "robcl::Rx90";
     life.host = below(2) == 0 ? Host::Same : Host::Other;
     if (now_ < started_ + seconds(1)) now_ = started_ + seconds(1);
     lives_.push_back(life);
     enlist(lives_.back(), Duration::zero());
-    std::erase_if(lives_, [](const Life& one) { return one.session == 0 && !one.heard && !one.alive; });
+    std::erase_if(lives_,
+                  [](const Life& one) { return one.session == 0 && !one.heard && !one.alive; });
   }
 
   /// Compares with what the model says: who else has the name keeps it while it is heard, lives on
@@ -145,13 +146,14 @@ class World {
       const bool known = one.session != 0 || one.heard;
       if (&one != &life && known && one.entry.name == life.entry.name) other = &one;
     }
-    const bool kept = other && (other->session != 0 || other->host == Host::Same ||
-                                now_ < *other->heard + hold);
+    const bool stays_with_other =
+        other && (other->session != 0 || other->host == Host::Same || now_ < *other->heard + hold);
     const std::uint64_t session = ++sessions_;
-    const auto done = directory_->enlist({session, life.entry.boot, served_for, life.host},
-                                         life.entry, now_);
-    ASSERT_EQ(done.has_value(), !kept) << life.entry.name << " at " << now_.time_since_epoch().count();
-    if (kept) {
+    const auto done =
+        directory_->enlist({session, life.entry.boot, served_for, life.host}, life.entry, now_);
+    ASSERT_EQ(done.has_value(), !stays_with_other)
+        << life.entry.name << " at " << now_.time_since_epoch().count();
+    if (stays_with_other) {
       life.alive = life.session != 0;  // a new server that is refused ends
       return;
     }
@@ -219,8 +221,7 @@ class World {
 
   void watch(Watching& watcher) {
     const ListRevision before = watcher.view.revision();
-    for (const Registration& one :
-         watcher.view.take(directory_->changes(before, now_), now_)) {
+    for (const Registration& one : watcher.view.take(directory_->changes(before, now_), now_)) {
       const Event event{one.entry.name, one.entry.boot, one.presence};
       const auto last = watcher.state.find(event.name);
       if (last == watcher.state.end()) {
@@ -246,7 +247,7 @@ class World {
   TimePoint started_;
   std::unique_ptr<Directory> directory_;
   std::uint64_t broker_lives_ = 0;
-  std::uint64_t boots_ = 0;
+  std::uint64_t incarnations_ = 0;
   std::uint64_t sessions_ = 0;
   std::vector<Life> lives_;
   std::vector<Event> events_;
