@@ -11,10 +11,13 @@ from pathlib import Path
 
 import gecos
 import pytest
+from gecos import cli
 from gecos_idl.broker import Broker
 from gecos_idl.broker_types import NameInUse, UnknownName
+from jsonschema import validate
 from processes import Laboratory, Program, until
 
+SCHEMA = json.loads((Path(cli.__file__).parent / "output.schema.json").read_text())
 GECOS = [sys.executable, "-m", "gecos.cli"]
 SERVER = Path(__file__).parent / "rail" / "server.py"
 MANY = f"""
@@ -168,6 +171,8 @@ def test_the_command_line_shows_changes_and_waits_for_one(
     server.kill()
     shown.wait_for("RAIL: gone")
     gone = json.loads(told.wait_for("GONE"))
+    for line in told.lines:
+        validate(json.loads(line), SCHEMA | {"$ref": "#/$defs/ls --watch"})
     assert gone == online | {"presence": "GONE"}
     assert Counter(line.partition(" (")[0] for line in shown.lines) == {
         "RAIL: online": 1,

@@ -19,7 +19,7 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr Duration silence = milliseconds(1500);
-constexpr Duration hold = seconds(10);
+constexpr Duration free_after = seconds(10);
 
 /// A life of a server with one object.
 struct Life {
@@ -104,8 +104,8 @@ class World {
   std::size_t below(std::size_t most) { return random_() % most; }
 
   void new_broker() {
-    directory_ =
-        std::make_unique<Directory>(now_, DirectoryOptions{seconds(1), hold, ++broker_lives_});
+    directory_ = std::make_unique<Directory>(
+        now_, DirectoryOptions{seconds(1), free_after, ++broker_lives_});
     started_ = now_;
   }
   /// All servers that live and are heard find the next broker within its first second; the others
@@ -139,15 +139,15 @@ class World {
   }
 
   /// Compares with what the model says: who else has the name keeps it while it is heard, lives on
-  /// this host, or was heard less than `hold` ago.
+  /// this host, or was heard less than `free_after` ago.
   void enlist(Life& life, Duration served_for) {
     Life* other = nullptr;
     for (Life& one : lives_) {
       const bool known = one.session != 0 || one.heard;
       if (&one != &life && known && one.entry.name == life.entry.name) other = &one;
     }
-    const bool stays_with_other =
-        other && (other->session != 0 || other->host == Host::Same || now_ < *other->heard + hold);
+    const bool stays_with_other = other && (other->session != 0 || other->host == Host::Same ||
+                                            now_ < *other->heard + free_after);
     const std::uint64_t session = ++sessions_;
     const auto done =
         directory_->enlist({session, life.entry.boot, served_for, life.host}, life.entry, now_);
