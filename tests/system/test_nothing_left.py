@@ -16,6 +16,10 @@ class Nothing(BrokerServant):
     def lookup(self, name): pass
     def list(self): return []
     def silent(self): return []
+    def query(self, interface_name): return []
+    def changes(self, since): pass
+    def revision(self): pass
+    def free(self, name): pass
 gecos.serve({"NOTHING": Nothing()}, simulated=True)
 """
 

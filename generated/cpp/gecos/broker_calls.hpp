@@ -44,6 +44,29 @@ struct Broker_lookup_arguments {
   static bool gecos_members(auto& each, auto& self) { return each("lookup.name", self.name); }
 };
 
+/// The arguments of `query`.
+struct Broker_query_arguments {
+  std::string interface_name{};
+
+  static bool gecos_members(auto& each, auto& self) {
+    return each("query.interface_name", self.interface_name);
+  }
+};
+
+/// The arguments of `changes`.
+struct Broker_changes_arguments {
+  ::gecos::ListRevision since{};
+
+  static bool gecos_members(auto& each, auto& self) { return each("changes.since", self.since); }
+};
+
+/// The arguments of `free`.
+struct Broker_free_arguments {
+  std::string name{};
+
+  static bool gecos_members(auto& each, auto& self) { return each("free.name", self.name); }
+};
+
 using Broker_lookup_result = gecos::layout::Result<::gecos::Entry, gecos::layout::Block>;
 using Broker_list_result = gecos::layout::Result<
     std::vector<::gecos::Entry>,
@@ -51,5 +74,10 @@ using Broker_list_result = gecos::layout::Result<
 using Broker_silent_result = gecos::layout::Result<
     std::vector<::gecos::SilentObject>,
     gecos::layout::Items<gecos::layout::Block>>;
+using Broker_query_result = gecos::layout::Result<
+    std::vector<::gecos::Entry>,
+    gecos::layout::Items<gecos::layout::Block>>;
+using Broker_changes_result = gecos::layout::Result<::gecos::ListChanges, gecos::layout::Block>;
+using Broker_revision_result = gecos::layout::Result<::gecos::ListRevision>;
 
 }  // namespace gecos

@@ -68,4 +68,47 @@ gecos::Command<std::vector<::gecos::SilentObject>> Broker::silent() const {
       });
 }
 
+gecos::Command<std::vector<::gecos::Entry>> Broker::query(const std::string& interface_name) const {
+  if (!gecos::wire::valid_text(interface_name)) {
+    return gecos::session::Refused(gecos::wire::bad_text("query.interface_name"));
+  }
+  return gecos_call<std::vector<::gecos::Entry>>(
+      BrokerInterface::query, 5 + interface_name.size(),
+      [&](auto& to) { to.put_string(interface_name); },
+      [](auto& from, auto& value) {
+        return gecos::wire::get_sequence(from, value, 4, gecos::wire::npos, "query",
+                   [&](auto& item) {
+                     return gecos::wire::get_block(from, item, "query");
+                   });
+      });
+}
+
+gecos::Command<::gecos::ListChanges> Broker::changes(const ::gecos::ListRevision& since) const {
+  return gecos_call<::gecos::ListChanges>(
+      BrokerInterface::changes, 16,
+      [&](auto& to) { since.encode(to); },
+      [](auto& from, auto& value) { return gecos::wire::get_block(from, value, "changes"); });
+}
+
+gecos::Command<::gecos::ListRevision> Broker::revision() const {
+  return gecos_call<::gecos::ListRevision>(
+      BrokerInterface::revision,
+      [](auto& from, auto& value) { return value.decode(from); });
+}
+
+tl::expected<gecos::Stream<::gecos::ListRevision>, gecos::Failure> Broker::revision(
+    gecos::StreamTag) const {
+  return gecos_subscribe<::gecos::ListRevision>(
+      BrokerInterface::revision_stream,
+      [](auto& from, auto& value) { return value.decode(from); });
+}
+
+gecos::Command<void> Broker::free(const std::string& name) const {
+  if (!gecos::wire::valid_text(name)) return gecos::session::Refused(
+      gecos::wire::bad_text("free.name"));
+  return gecos_call<void>(
+      BrokerInterface::free, 5 + name.size(),
+      [&](auto& to) { to.put_string(name); });
+}
+
 }  // namespace gecos

@@ -56,7 +56,31 @@ class Broker : public virtual gecos::Object {
   /// Such an object stays here until
   /// a server takes its name, for an hour at most; an object whose process has ended on the
   /// broker's machine is left out.
+  /// Its name stays its server's while its process lives on the broker's machine, else for
+  /// the broker's `name_hold`.
   gecos::Command<std::vector<::gecos::SilentObject>> silent() const;
+
+  /// The objects online that have this interface, or one that is derived from it, in the
+  /// order of names.
+  gecos::Command<std::vector<::gecos::Entry>> query(const std::string& interface_name) const;
+
+  /// What has changed since revision `since`. The broker keeps the last 1024 changes; a
+  /// caller that is further behind, or
+  /// whose revision is of another life, gets the whole list.
+  gecos::Command<::gecos::ListChanges> changes(const ::gecos::ListRevision& since) const;
+
+  /// Published with each change. A reader that misses some of them asks for `changes`.
+  gecos::Command<::gecos::ListRevision> revision() const;
+
+  /// Samples of revision.
+  tl::expected<gecos::Stream<::gecos::ListRevision>, gecos::Failure> revision(
+      gecos::StreamTag) const;
+
+  /// Gives the name of a silent object free before `name_hold` has passed. Another server
+  /// may then take the name, so the
+  /// caller must know that the silent server moves nothing.
+  /// May fail with gecos::UnknownName, gecos::NameInUse.
+  gecos::Command<void> free(const std::string& name) const;
 };
 
 }  // namespace gecos

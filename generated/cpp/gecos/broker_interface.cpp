@@ -4,8 +4,11 @@
 namespace gecos {
 
 constinit const gecos::OperationDescription BrokerInterface::operations[] = {
+    gecos::getter(0x00173d10, "revision", 0x078292c02a4087e3U),
     gecos::operation(0x17d413ce, "enlist", 0xff7a6020c83edd81U,
         {.status = gecos::access::Status::Sensor, .presence = false}),
+    gecos::operation(0x42e95c1b, "query", 0x7f0d3aabff80efc7U,
+        {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
     gecos::operation(0x49e3d3e3, "lookup", 0x5ed8113ab6d833d8U,
         {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
     gecos::operation(0x8ce83919, "list", 0xdf31bbf4a9abb156U,
@@ -14,24 +17,43 @@ constinit const gecos::OperationDescription BrokerInterface::operations[] = {
         {.status = gecos::access::Status::Sensor, .presence = false}),
     gecos::operation(0xc95b360c, "silent", 0x58ea4aaba68425daU,
         {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
+    gecos::operation(0xf8646973, "free", 0xf7120030af43b4ddU,
+        {.status = gecos::access::Status::Sensor, .presence = false}),
+    gecos::operation(0xfa5153f2, "changes", 0xa1367472fd6e29fcU,
+        {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
+};
+
+constinit const gecos::StreamDescription BrokerInterface::streams[] = {
+    {.code = gecos::FunctionCode{0x00173d10}, .name = "revision",
+     .largest = 16},
 };
 
 constinit const gecos::InterfaceDescription BrokerInterface::description{
     .name = "gecos::Broker",
-    .version = "1.0",
-    .hash = 0x277cbd62a219c42aU,
+    .version = "1.1",
+    .hash = 0x6bc3801566cc3996U,
     .operations = operations,
-    .model = R"json({"interface":{"kind":"interface","name":"gecos::Broker","doc":"Knows where objects are. Stands at a well-known place; everything else is found through it.","version":"1.0","hash":"0x277cbd62a219c42a","members":[
+    .streams = streams,
+    .model = R"json({"interface":{"kind":"interface","name":"gecos::Broker","doc":"Knows where objects are. Stands at a well-known place; everything else is found through it.","version":"1.1","hash":"0x6bc3801566cc3996","members":[
 {"kind":"operation","name":"enlist","doc":"Makes an object findable until the calling session ends. Named enlist because `register` is a word of C++.\n`served_for` says how long its server has served it: an age, because hosts have clocks of their own.\nA broker that has just started may hear of an object that was served before it: within `settles_in` the\nname may go to an object that has been served for longer, so ask again. Absent: the name is the server\u0027s.","parameters":[{"name":"what","direction":"in","type":"gecos::Entry"},{"name":"served_for","direction":"in","type":"double","unit":"s","default":0.0},{"name":"settles_in","direction":"out","type":"double","unit":"s","optional":true}],"raises":["gecos::NameTaken"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":399774670,"hash":"0xff7a6020c83edd81"},
 {"kind":"operation","name":"withdraw","doc":"Takes an object of the calling session off the list.","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":3320558639,"hash":"0x8875f2f1fe455040"},
 {"kind":"operation","name":"lookup","doc":"Where an object is that was enlisted.","result":"gecos::Entry","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":1239667683,"hash":"0x5ed8113ab6d833d8"},
 {"kind":"operation","name":"list","doc":"All that is enlisted now, in the order of names.","result":"sequence<gecos::Entry>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":2364029209,"hash":"0xdf31bbf4a9abb156"},
-{"kind":"operation","name":"silent","doc":"Objects that left the list because their server fell silent, in the order of names. Such an object stays here until\na server takes its name, for an hour at most; an object whose process has ended on the broker\u0027s machine is left out.","result":"sequence<gecos::SilentObject>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":3378198028,"hash":"0x58ea4aaba68425da"}]},
+{"kind":"operation","name":"silent","doc":"Objects that left the list because their server fell silent, in the order of names. Such an object stays here until\na server takes its name, for an hour at most; an object whose process has ended on the broker\u0027s machine is left out.\nIts name stays its server\u0027s while its process lives on the broker\u0027s machine, else for the broker\u0027s `name_hold`.","result":"sequence<gecos::SilentObject>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":3378198028,"hash":"0x58ea4aaba68425da"},
+{"kind":"operation","name":"query","doc":"The objects online that have this interface, or one that is derived from it, in the order of names.","result":"sequence<gecos::Entry>","parameters":[{"name":"interface_name","direction":"in","type":"string"}],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":1122589723,"hash":"0x7f0d3aabff80efc7"},
+{"kind":"operation","name":"changes","doc":"What has changed since revision `since`. The broker keeps the last 1024 changes; a caller that is further behind, or\nwhose revision is of another life, gets the whole list.","result":"gecos::ListChanges","parameters":[{"name":"since","direction":"in","type":"gecos::ListRevision"}],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":4199633906,"hash":"0xa1367472fd6e29fc"},
+{"kind":"attribute","name":"revision","doc":"Published with each change. A reader that misses some of them asks for `changes`.","type":"gecos::ListRevision","readonly":true,"stream":{"direction":"out","largest":16},"read_access":"sensor","codes":{"get":1522960,"stream":1522960},"hash":"0x078292c02a4087e3"},
+{"kind":"operation","name":"free","doc":"Gives the name of a silent object free before `name_hold` has passed. Another server may then take the name, so the\ncaller must know that the silent server moves nothing.","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName","gecos::NameInUse"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":4167330163,"hash":"0xf7120030af43b4dd"}]},
 "types":[
 {"kind":"struct","name":"gecos::Entry","doc":"Where an object is and what it is: what a server tells the broker and a client asks for.","extensibility":"appendable","members":[{"name":"name","type":"string","doc":"\"RX90\""},{"name":"interface_name","type":"string","doc":"\"robcl::Rx90\""},{"name":"bases","type":"sequence<string>","doc":"every interface it also is, \"robcl::Manipulator\""},{"name":"interface_hash","type":"uint64"},{"name":"boot","type":"uint64","doc":"this life of the server process; a restart has another"},{"name":"pid","type":"int32"},{"name":"user","type":"string"},{"name":"host","type":"string","doc":"life and network of the host: equal where shared memory reaches"},{"name":"hostname","type":"string","doc":"for people"},{"name":"addresses","type":"sequence<string>","doc":"\"shm:/run/\u2026\", \"lcm:239.255.76.67:20017/\u2026\", best first"},{"name":"simulated","type":"boolean"}],"wire":{"fingerprint":"0xa4b1e0e2e68ad9cd","min_size":54}},
 {"kind":"struct","name":"gecos::SilentObject","doc":"An object whose server the broker no longer hears, although the server has not withdrawn the object.","extensibility":"appendable","members":[{"name":"entry","type":"gecos::Entry","doc":"as it was enlisted"},{"name":"silent_for","type":"double","unit":"s","doc":"since the broker last heard the server"}],"wire":{"fingerprint":"0x34ca363abc7fc73a","min_size":12}},
+{"kind":"enum","name":"gecos::Presence","enumerators":[{"name":"ONLINE","value":0,"doc":"the broker hears its server"},{"name":"SILENT","value":1,"doc":"the broker no longer hears its server, which has not withdrawn it"},{"name":"GONE","value":2,"doc":"withdrawn, its process has ended, or its name was set free"}]},
+{"kind":"struct","name":"gecos::Registration","doc":"What the broker knows about one name.","extensibility":"appendable","members":[{"name":"entry","type":"gecos::Entry"},{"name":"presence","type":"gecos::Presence"},{"name":"epoch","type":"uint64","doc":"the change that gave the name to this life of the server; rises with each new holder"},{"name":"silent_for","type":"double","unit":"s","doc":"since the broker last heard the server; 0 unless SILENT"}],"wire":{"fingerprint":"0xba8ff783354e6879","min_size":24}},
+{"kind":"struct","name":"gecos::ListRevision","doc":"A state of the broker\u0027s list. Numbers of two lives have nothing in common.","extensibility":"final","members":[{"name":"life","type":"uint64","doc":"drawn by the broker at its start"},{"name":"number","type":"uint64","doc":"of changes since then"}],"wire":{"fingerprint":"0x9f8aa766a4495717","min_size":16,"fixed_size":16}},
+{"kind":"struct","name":"gecos::ListChanges","doc":"How the list became what it is at `revision`.","extensibility":"appendable","members":[{"name":"revision","type":"gecos::ListRevision"},{"name":"whole","type":"boolean","doc":"`changed` is everything online or silent, by name; else each change in its order"},{"name":"running_for","type":"double","unit":"s","doc":"how long the broker has run; at first it does not know all servers yet"},{"name":"changed","type":"sequence<gecos::Registration>"}],"wire":{"fingerprint":"0x9725ee956cf8d421","min_size":29}},
 {"kind":"exception","name":"gecos::UnknownName","extensibility":"final","members":[{"name":"name","type":"string"},{"name":"known","type":"sequence<string>"}],"wire":{"fingerprint":"0x7cd6bc0789c32ab9","min_size":9}},
-{"kind":"exception","name":"gecos::NameTaken","extensibility":"final","members":[{"name":"name","type":"string"},{"name":"by","type":"string"}],"wire":{"fingerprint":"0xf9ffaded7a4ca4f9","min_size":10}}],
+{"kind":"exception","name":"gecos::NameTaken","extensibility":"final","members":[{"name":"name","type":"string"},{"name":"by","type":"string"}],"wire":{"fingerprint":"0xf9ffaded7a4ca4f9","min_size":10}},
+{"kind":"exception","name":"gecos::NameInUse","extensibility":"final","members":[{"name":"name","type":"string"},{"name":"why","type":"string"}],"wire":{"fingerprint":"0x25abf1683e4409bf","min_size":10}}],
 "references":[]})json",
 };
 

@@ -31,6 +31,38 @@ bool JsonStruct<::gecos::SilentObject>::visit(JsonMembers& each, ::gecos::Silent
 }
 
 template <>
+JsonNames JsonEnum<::gecos::Presence>::names() {
+  static constexpr std::array<JsonName, 3> all{{
+      {"ONLINE", static_cast<std::uint64_t>(::gecos::Presence::ONLINE)},
+      {"SILENT", static_cast<std::uint64_t>(::gecos::Presence::SILENT)},
+      {"GONE", static_cast<std::uint64_t>(::gecos::Presence::GONE)},
+  }};
+  return all;
+}
+
+template <>
+bool JsonStruct<::gecos::Registration>::visit(JsonMembers& each, ::gecos::Registration& value) {
+  return each.member("entry", value.entry) &&
+         each.member("presence", value.presence) &&
+         each.member("epoch", value.epoch) &&
+         each.member("silent_for", value.silent_for);
+}
+
+template <>
+bool JsonStruct<::gecos::ListRevision>::visit(JsonMembers& each, ::gecos::ListRevision& value) {
+  return each.member("life", value.life) &&
+         each.member("number", value.number);
+}
+
+template <>
+bool JsonStruct<::gecos::ListChanges>::visit(JsonMembers& each, ::gecos::ListChanges& value) {
+  return each.member("revision", value.revision) &&
+         each.member("whole", value.whole) &&
+         each.member("running_for", value.running_for) &&
+         each.member("changed", value.changed);
+}
+
+template <>
 bool JsonStruct<::gecos::UnknownName>::visit(JsonMembers& each, ::gecos::UnknownName& value) {
   return each.member("name", value.name) &&
          each.member("known", value.known);
@@ -40,6 +72,12 @@ template <>
 bool JsonStruct<::gecos::NameTaken>::visit(JsonMembers& each, ::gecos::NameTaken& value) {
   return each.member("name", value.name) &&
          each.member("by", value.by);
+}
+
+template <>
+bool JsonStruct<::gecos::NameInUse>::visit(JsonMembers& each, ::gecos::NameInUse& value) {
+  return each.member("name", value.name) &&
+         each.member("why", value.why);
 }
 
 }  // namespace gecos::wire

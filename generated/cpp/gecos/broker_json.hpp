@@ -17,6 +17,26 @@ template <>
 bool JsonStruct<::gecos::SilentObject>::visit(JsonMembers& each, ::gecos::SilentObject& value);
 
 template <>
+struct JsonShape<::gecos::Presence> : JsonEnum<::gecos::Presence> {};
+template <>
+JsonNames JsonEnum<::gecos::Presence>::names();
+
+template <>
+struct JsonShape<::gecos::Registration> : JsonStruct<::gecos::Registration> {};
+template <>
+bool JsonStruct<::gecos::Registration>::visit(JsonMembers& each, ::gecos::Registration& value);
+
+template <>
+struct JsonShape<::gecos::ListRevision> : JsonStruct<::gecos::ListRevision> {};
+template <>
+bool JsonStruct<::gecos::ListRevision>::visit(JsonMembers& each, ::gecos::ListRevision& value);
+
+template <>
+struct JsonShape<::gecos::ListChanges> : JsonStruct<::gecos::ListChanges> {};
+template <>
+bool JsonStruct<::gecos::ListChanges>::visit(JsonMembers& each, ::gecos::ListChanges& value);
+
+template <>
 struct JsonShape<::gecos::UnknownName> : JsonStruct<::gecos::UnknownName> {};
 template <>
 bool JsonStruct<::gecos::UnknownName>::visit(JsonMembers& each, ::gecos::UnknownName& value);
@@ -25,5 +45,10 @@ template <>
 struct JsonShape<::gecos::NameTaken> : JsonStruct<::gecos::NameTaken> {};
 template <>
 bool JsonStruct<::gecos::NameTaken>::visit(JsonMembers& each, ::gecos::NameTaken& value);
+
+template <>
+struct JsonShape<::gecos::NameInUse> : JsonStruct<::gecos::NameInUse> {};
+template <>
+bool JsonStruct<::gecos::NameInUse>::visit(JsonMembers& each, ::gecos::NameInUse& value);
 
 }  // namespace gecos::wire

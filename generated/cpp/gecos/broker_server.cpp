@@ -83,8 +83,51 @@ bool BrokerServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
               }
             });
           });
+    case 0x42e95c1b: {  // query
+      gecos::wire::Decoder from(call.arguments());
+      std::string interface_name{};
+      const bool read = from.get_string(interface_name, gecos::wire::npos, "query.interface_name");
+      if (!read) return call.refuse(from.error());
+      return call.answer(
+          "gecos::Broker::query", this->query(interface_name), {}, [&](const auto& value) {
+            for (const auto& item : value) {
+              if (auto why = ::gecos::gecos_violation(item); !why.empty()) return call.fail_result(
+                  "gecos::Broker::query",
+                  why);
+            }
+            std::size_t size = 4 + 4 * value.size();
+            for (const auto& item : value) size += item.encoded_size();
+            call.finish(size, [&](auto& to) {
+              to.put_count(value.size());
+              for (const auto& item : value) {
+                to.put_count(item.encoded_size());
+                item.encode(to);
+              }
+            });
+          });
+    }
+    case 0xfa5153f2: {  // changes
+      gecos::wire::Decoder from(call.arguments());
+      ::gecos::ListRevision since{};
+      const bool read = since.decode(from);
+      if (!read) return call.refuse(from.error());
+      return call.answer_block("gecos::Broker::changes", this->changes(since), {});
+    }
+    case 0x00173d10:  // revision
+      return call.answer("gecos::Broker::revision", this->revision(), {});
+    case 0xf8646973: {  // free
+      gecos::wire::Decoder from(call.arguments());
+      std::string name{};
+      const bool read = from.get_string(name, gecos::wire::npos, "free.name");
+      if (!read) return call.refuse(from.error());
+      return call.answer(this->free(name), {"gecos::UnknownName", "gecos::NameInUse"});
+    }
   }
   return false;
+}
+
+void BrokerServant::publish_revision(const ::gecos::ListRevision& value, std::int64_t stamp_ns) {
+  gecos_publish(BrokerInterface::revision_stream, "gecos::Broker::revision", value, stamp_ns);
 }
 
 }  // namespace gecos

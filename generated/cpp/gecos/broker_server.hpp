@@ -17,6 +17,11 @@ class BrokerServant : public virtual gecos::Servant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
 
+  /// A new sample of `revision`, measured at `stamp_ns`. One thread at a time.
+  void publish_revision(
+      const ::gecos::ListRevision& value,
+      std::int64_t stamp_ns = gecos::unix_now_ns());
+
  protected:
   /// Makes an object findable until the calling session ends. Named enlist because
   /// `register` is a word of C++.
@@ -48,7 +53,27 @@ class BrokerServant : public virtual gecos::Servant {
   /// Such an object stays here until
   /// a server takes its name, for an hour at most; an object whose process has ended on the
   /// broker's machine is left out.
+  /// Its name stays its server's while its process lives on the broker's machine, else for
+  /// the broker's `name_hold`.
   virtual gecos::Result<std::vector<::gecos::SilentObject>> silent() = 0;
+
+  /// The objects online that have this interface, or one that is derived from it, in the
+  /// order of names.
+  virtual gecos::Result<std::vector<::gecos::Entry>> query(const std::string& interface_name) = 0;
+
+  /// What has changed since revision `since`. The broker keeps the last 1024 changes; a
+  /// caller that is further behind, or
+  /// whose revision is of another life, gets the whole list.
+  virtual gecos::Result<::gecos::ListChanges> changes(const ::gecos::ListRevision& since) = 0;
+
+  /// Published with each change. A reader that misses some of them asks for `changes`.
+  virtual gecos::Result<::gecos::ListRevision> revision() = 0;
+
+  /// Gives the name of a silent object free before `name_hold` has passed. Another server
+  /// may then take the name, so the
+  /// caller must know that the silent server moves nothing.
+  /// May fail with gecos::UnknownName, gecos::NameInUse.
+  virtual gecos::Result<void> free(const std::string& name) = 0;
 
   bool gecos_answer(gecos::IncomingCall& call) override;
 };

@@ -107,6 +107,114 @@ std::ostream& operator<<(std::ostream& out, const SilentObject& value) {
       "SilentObject{entry=", value.entry, ", silent_for=", value.silent_for, " s}");
 }
 
+std::string_view to_string(Presence value) {
+  switch (value) {
+    case Presence::ONLINE: return "ONLINE";
+    case Presence::SILENT: return "SILENT";
+    case Presence::GONE: return "GONE";
+  }
+  return "unknown Presence";
+}
+
+std::ostream& operator<<(std::ostream& out, Presence value) { return out << to_string(value); }
+
+bool decode_enum(gecos::wire::Decoder& from, Presence& value, const char* field) {
+  std::int32_t number = 0;
+  if (!from.get(number, field)) return false;
+  switch (number) {
+    case 0: case 1: case 2:
+      value = static_cast<Presence>(number);
+      return true;
+    default:
+      return gecos::wire::no_enumerator(
+          from,
+          number,
+          "no Presence; there are ONLINE, SILENT, GONE",
+          field);
+  }
+}
+
+std::size_t Registration::encoded_size() const { return 24 + entry.encoded_size(); }
+
+void Registration::encode(gecos::wire::Encoder& to) const {
+  to.put_count(entry.encoded_size());
+  entry.encode(to);
+  to.put(static_cast<std::int32_t>(presence), epoch, silent_for);
+}
+
+bool Registration::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return gecos::wire::get_block(from, entry, "Registration.entry") &&
+         ::gecos::decode_enum(from, presence, "Registration.presence") &&
+         from.get(epoch, "Registration.epoch") &&
+         from.get(silent_for, "Registration.silent_for") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const Registration& value) {
+  if (auto why = ::gecos::gecos_violation(value.entry); !why.empty()) return why;
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const Registration& value) {
+  return gecos::wire::print_all(out,
+      "Registration{entry=", value.entry, ", presence=", value.presence, ", epoch=", value.epoch,
+      ", silent_for=", value.silent_for, " s}");
+}
+
+std::size_t ListRevision::encoded_size() const { return 16; }
+
+void ListRevision::encode(gecos::wire::Encoder& to) const { to.put(life, number); }
+
+bool ListRevision::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(life, "ListRevision.life") &&
+         from.get(number, "ListRevision.number");
+}
+
+std::ostream& operator<<(std::ostream& out, const ListRevision& value) {
+  return gecos::wire::print_all(out,
+      "ListRevision{life=", value.life, ", number=", value.number, "}");
+}
+
+std::size_t ListChanges::encoded_size() const {
+  std::size_t size = 29 + 4 * changed.size();
+  for (const auto& item : changed) size += item.encoded_size();
+  return size;
+}
+
+void ListChanges::encode(gecos::wire::Encoder& to) const {
+  revision.encode(to);
+  to.put(whole, running_for);
+  to.put_count(changed.size());
+  for (const auto& item : changed) {
+    to.put_count(item.encoded_size());
+    item.encode(to);
+  }
+}
+
+bool ListChanges::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return revision.decode(from) &&
+         from.get(whole, "ListChanges.whole") &&
+         from.get(running_for, "ListChanges.running_for") &&
+         gecos::wire::get_sequence(from, changed, 4, gecos::wire::npos, "ListChanges.changed",
+             [&](auto& item) {
+               return gecos::wire::get_block(from, item, "ListChanges.changed");
+             }) &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const ListChanges& value) {
+  for (const auto& item : value.changed) {
+    if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
+  }
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const ListChanges& value) {
+  return gecos::wire::print_all(out,
+      "ListChanges{revision=", value.revision, ", whole=", value.whole, ", running_for=",
+      value.running_for, " s, changed=", value.changed, "}");
+}
+
 std::size_t UnknownName::encoded_size() const {
   std::size_t size = 9 + name.size() + 5 * known.size();
   for (const auto& item : known) size += item.size();
@@ -163,6 +271,29 @@ std::string gecos_violation(const NameTaken& value) {
 std::ostream& operator<<(std::ostream& out, const NameTaken& value) {
   return gecos::wire::print_all(out,
       "NameTaken{name=", value.name, ", by=", value.by, "}");
+}
+
+std::size_t NameInUse::encoded_size() const { return 10 + name.size() + why.size(); }
+
+void NameInUse::encode(gecos::wire::Encoder& to) const {
+  to.put_string(name);
+  to.put_string(why);
+}
+
+bool NameInUse::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get_string(name, gecos::wire::npos, "NameInUse.name") &&
+         from.get_string(why, gecos::wire::npos, "NameInUse.why");
+}
+
+std::string gecos_violation(const NameInUse& value) {
+  if (!gecos::wire::valid_text(value.name)) return gecos::wire::bad_text("NameInUse.name");
+  if (!gecos::wire::valid_text(value.why)) return gecos::wire::bad_text("NameInUse.why");
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const NameInUse& value) {
+  return gecos::wire::print_all(out,
+      "NameInUse{name=", value.name, ", why=", value.why, "}");
 }
 
 }  // namespace gecos

@@ -66,6 +66,78 @@ std::ostream& operator<<(std::ostream& out, const SilentObject& value);
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const SilentObject& value);
 
+enum class Presence : std::int32_t {
+  /// the broker hears its server
+  ONLINE = 0,
+  /// the broker no longer hears its server, which has not withdrawn it
+  SILENT = 1,
+  /// withdrawn, its process has ended, or its name was set free
+  GONE = 2,
+};
+std::string_view to_string(Presence value);
+std::ostream& operator<<(std::ostream& out, Presence value);
+/// An unknown number is refused.
+[[nodiscard]] bool decode_enum(gecos::wire::Decoder& from, Presence& value, const char* field);
+
+/// What the broker knows about one name.
+struct Registration {
+  ::gecos::Entry entry{};
+  ::gecos::Presence presence = ::gecos::Presence::ONLINE;
+  /// the change that gave the name to this life of the server; rises with each new holder
+  std::uint64_t epoch = 0;
+  /// since the broker last heard the server; 0 unless SILENT [s]
+  double silent_for = 0;
+
+  static constexpr std::string_view type_name() { return "gecos::Registration"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xba8ff783354e6879U); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const Registration&, const Registration&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const Registration& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const Registration& value);
+
+/// A state of the broker's list. Numbers of two lives have nothing in common.
+struct ListRevision {
+  /// drawn by the broker at its start
+  std::uint64_t life = 0;
+  /// of changes since then
+  std::uint64_t number = 0;
+
+  static constexpr std::string_view type_name() { return "gecos::ListRevision"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x9f8aa766a4495717U); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const ListRevision&, const ListRevision&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const ListRevision& value);
+
+/// How the list became what it is at `revision`.
+struct ListChanges {
+  ::gecos::ListRevision revision{};
+  /// `changed` is everything online or silent, by name; else each change in its order
+  bool whole = false;
+  /// how long the broker has run; at first it does not know all servers yet [s]
+  double running_for = 0;
+  std::vector<::gecos::Registration> changed{};
+
+  static constexpr std::string_view type_name() { return "gecos::ListChanges"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x9725ee956cf8d421U); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const ListChanges&, const ListChanges&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const ListChanges& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const ListChanges& value);
+
 /// [exception]
 struct UnknownName {
   std::string name{};
@@ -99,5 +171,22 @@ struct NameTaken {
 std::ostream& operator<<(std::ostream& out, const NameTaken& value);
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const NameTaken& value);
+
+/// [exception]
+struct NameInUse {
+  std::string name{};
+  std::string why{};
+
+  static constexpr std::string_view type_name() { return "gecos::NameInUse"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x25abf1683e4409bfU); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const NameInUse&, const NameInUse&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const NameInUse& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const NameInUse& value);
 
 }  // namespace gecos

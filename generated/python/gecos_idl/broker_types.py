@@ -5,13 +5,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass as _dataclass
 from dataclasses import field as _field
+from enum import IntEnum as _IntEnum
 
 from gecos.errors import DeclaredError as _DeclaredError
 from gecos.wire import layout as _layout
 
 __all__ = [
     "Entry",
+    "ListChanges",
+    "ListRevision",
+    "NameInUse",
     "NameTaken",
+    "Presence",
+    "Registration",
     "SilentObject",
     "UnknownName",
 ]
@@ -69,6 +75,53 @@ class SilentObject(_layout.Struct):
     """since the broker last heard the server [s]"""
 
 
+@_layout.enumeration("i")
+class Presence(_IntEnum):
+    ONLINE = 0
+    """the broker hears its server"""
+    SILENT = 1
+    """the broker no longer hears its server, which has not withdrawn it"""
+    GONE = 2
+    """withdrawn, its process has ended, or its name was set free"""
+
+
+@_layout.struct(0xBA8FF783354E6879, Entry, Presence, "Qd", open=True)
+@_dataclass(slots=True)
+class Registration(_layout.Struct):
+    """What the broker knows about one name."""
+
+    entry: Entry = _field(default_factory=Entry)
+    presence: Presence = Presence.ONLINE
+    epoch: int = 0
+    """the change that gave the name to this life of the server; rises with each new holder"""
+    silent_for: float = 0.0
+    """since the broker last heard the server; 0 unless SILENT [s]"""
+
+
+@_layout.struct(0x9F8AA766A4495717, "QQ")
+@_dataclass(slots=True)
+class ListRevision(_layout.Struct):
+    """A state of the broker's list. Numbers of two lives have nothing in common."""
+
+    life: int = 0
+    """drawn by the broker at its start"""
+    number: int = 0
+    """of changes since then"""
+
+
+@_layout.struct(0x9725EE956CF8D421, ListRevision, "?d", _layout.items(Registration), open=True)
+@_dataclass(slots=True)
+class ListChanges(_layout.Struct):
+    """How the list became what it is at `revision`."""
+
+    revision: ListRevision = _field(default_factory=ListRevision)
+    whole: bool = False
+    """`changed` is everything online or silent, by name; else each change in its order"""
+    running_for: float = 0.0
+    """how long the broker has run; at first it does not know all servers yet [s]"""
+    changed: list[Registration] = _field(default_factory=list)
+
+
 @_layout.exception(
     "gecos::UnknownName",
     0x7CD6BC0789C32AB9,
@@ -86,3 +139,10 @@ class UnknownName(_layout.Struct, _DeclaredError):
 class NameTaken(_layout.Struct, _DeclaredError):
     name: str = ""
     by: str = ""
+
+
+@_layout.exception("gecos::NameInUse", 0x25ABF1683E4409BF, _layout.text(), _layout.text())
+@_dataclass(slots=True, eq=False)
+class NameInUse(_layout.Struct, _DeclaredError):
+    name: str = ""
+    why: str = ""

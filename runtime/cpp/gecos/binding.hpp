@@ -30,21 +30,29 @@ struct LabAccess {
 tl::expected<std::shared_ptr<ClientSession>, std::string> broker_session(const LabOrWhyNot& lab,
                                                                          TimePoint deadline);
 
-/// Decides when to try again to create a proxy for an object that is not online. A broker does not
-/// announce changes, so the caller asks the broker again after 20, 40, 80, then every 160 ms.
+class BrokerNews;
+
+/// Waits between two tries to create a proxy for an object that is not online: until the broker's
+/// list changes, another broker answers, or a second has passed, because a server that did not
+/// answer may answer again.
 class CreateWait {
  public:
-  /// `longest`: how long to wait from `now` on; Duration::max() for no limit.
-  CreateWait(const std::vector<std::string>& names, Duration longest, TimePoint now);
+  /// `longest`: how long to wait from now on; Duration::max() for no limit. @pre `lab` holds a
+  /// value
+  CreateWait(const LabOrWhyNot& lab, const std::vector<std::string>& names, Duration longest);
+  ~CreateWait();
 
-  /// Returns when to try again after a try that ended at `now` and failed for the reasons in `why`.
-  /// Returns nullopt when the wait is over, or when no attempt failed as NO_SERVER, because then
-  /// waiting cannot help.
-  std::optional<TimePoint> next(const CreateError& why, TimePoint now);
+  /// Returns whether to wait after a try that failed for the reasons in `why`: false when the time
+  /// is over or the Lab is closed, or when no attempt failed as NO_SERVER, because then waiting
+  /// cannot help.
+  bool helps(const CreateError& why) const;
+  /// Waits until the next try may succeed, at most until `until`. Returns whether to try again.
+  bool wait(TimePoint until = TimePoint::max());
 
  private:
+  const std::shared_ptr<Context> lab_;
   TimePoint until_;
-  Duration pause_ = std::chrono::milliseconds(20);
+  std::unique_ptr<BrokerNews> news_;
 };
 
 struct BrokerPlace {

@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     from gecos.lease import Lease as Lease
     from gecos.lease import actor as actor
     from gecos.lease import master as master
+    from gecos.object_watch import ObjectWatch as ObjectWatch
     from gecos.proxy import Object as Object
     from gecos.proxy import StreamAttribute as StreamAttribute
     from gecos.proxy import reference as reference
@@ -86,6 +87,7 @@ _NAMES = {
     "inward": "Inward InwardSample",
     "lab": "Lab",
     "lease": "Lease actor master",
+    "object_watch": "ObjectWatch",
     "proxy": "Object StreamAttribute reference with_deadline",
     "builtin_operations": "Outcome describe holders model outcome ping stop",
     "servant": "Servant",

@@ -20,6 +20,15 @@ class Lab:
         """Returns a session, or the name, detail and reason of each failed attempt."""
     def broker(self, interface: Interface, patience: float) -> Session | str:
         """Returns the session of this Lab with its broker, or the reason why there is none."""
+    def objects(self, interface_name: str, patience: float) -> list[bytes] | str:
+        """Returns the encoded entries, or the reason why the broker gave no answer."""
+    def watch(self, interface_name: str) -> ObjectWatch: ...
+    def close(self) -> None: ...
+
+class ObjectWatch:
+    def next(self, timeout: float | None) -> bytes | bool:
+        """Returns an encoded Registration; True after the timeout, False after `close`."""
+    def skipped(self) -> int: ...
     def close(self) -> None: ...
 
 class Session:
@@ -141,7 +150,7 @@ def warn_of_other_brokers() -> None:
 class Broker:
     """A broker in this process, at this host's well-known address."""
 
-    def __init__(self, lab: Lab) -> None: ...
+    def __init__(self, lab: Lab, name_hold: float) -> None: ...
     def close(self) -> None: ...
 
 def runtime_directory() -> str:

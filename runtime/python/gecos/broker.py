@@ -11,12 +11,12 @@ from gecos.lab import Lab
 
 
 class Broker:
-    """Serves as this host's broker until `close`. Raises ServeError if the host already has a
-    broker."""
+    """Serves as this host's broker until `close`. A silent server of another host keeps its names
+    for `name_hold` s. Raises ServeError if the host already has a broker."""
 
-    def __init__(self, lab: Lab) -> None:
+    def __init__(self, lab: Lab, *, name_hold: float = 10.0) -> None:
         try:
-            self._core = _core.Broker(lab._core)
+            self._core = _core.Broker(lab._core, name_hold)
         except RuntimeError as error:
             raise ServeError(str(error)) from None
         shutdown.at_exit(self, shutdown.Turn.BROKERS)

@@ -14,9 +14,11 @@ from gecos.program import check_environment, program_name
 from gecos.proxy import Object
 
 if TYPE_CHECKING:
+    from gecos_idl.broker_types import Entry
     from gecos_idl.object_ref_types import ObjectRef
 
     from gecos.dynamic_client import DynamicObject
+    from gecos.object_watch import ObjectWatch
 
 P = TypeVar("P", bound=Object)
 
@@ -96,6 +98,35 @@ class Lab:
             raise CreateError([Attempt("BROKER", Detail.NO_SERVER, opened)])
         return interface(opened)
 
+    def objects(
+        self, interface: type[Object] | str | None = None, *, patience: float = 2.0
+    ) -> list[Entry]:
+        """Returns the objects online that have `interface` or an interface derived from it, sorted
+        by name; without `interface`, all objects.
+
+        `interface` is a class that gidl generated, or a scoped name: `"robcl::Manipulator"`. Raises
+        CreateError if no broker answers.
+        """
+        from gecos_idl.broker_types import Entry
+
+        from gecos.wire import from_bytes
+
+        found = self._core.objects(_name_of(interface), patience)
+        if isinstance(found, str):
+            raise CreateError([Attempt("BROKER", Detail.NO_SERVER, found)])
+        return [from_bytes(Entry, encoded) for encoded in found]
+
+    def watch(self, interface: type[Object] | str | None = None) -> ObjectWatch:
+        """Watches which objects come online, fall silent and go:
+
+        with lab.watch("robcl::Manipulator") as changes:
+            for change in changes:
+                print(change.entry.name, change.presence.name)
+        """
+        from gecos.object_watch import ObjectWatch
+
+        return ObjectWatch(self._core.watch(_name_of(interface)))
+
     def close(self) -> None:
         """Closes the session with every object, even if proxies, leases or streams remain.
 
@@ -120,6 +151,12 @@ class Lab:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def _name_of(interface: type[Object] | str | None) -> str:
+    if interface is None or isinstance(interface, str):
+        return interface or ""
+    return _table_of(interface).name
 
 
 def _table_of(interface: type[Object]) -> Interface:

@@ -5,6 +5,8 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+
 #include "bind.hpp"
 #include "bytes.hpp"
 #include "dynamic_description.hpp"
@@ -53,20 +55,24 @@ nb::object create(LabHandle& self, nb::handle interface, const std::vector<std::
     }
   }
   const InterfaceDescription& wanted = description_of(interface);
-  const auto now = [] { return SystemClock().now(); };
-  session::CreateWait retries(names, patience_of(wait), now());
-  for (;;) {
-    auto created = run_interruptibly([lab = self.get(), &wanted, names, options] {
+  const auto attempt = [&] {
+    return run_interruptibly([lab = self.get(), &wanted, names, options] {
       return session::try_create(session::LabAccess::context(*lab), wanted, names, options);
     });
-    if (created) {
-      return nb::cast(
-          self.keep(std::make_shared<SessionHandle>(std::move(created->session), wanted)));
+  };
+  auto created = attempt();
+  if (!created && wait > 0) {
+    const auto drop_it = [](session::CreateWait* it) { without_gil([it] { delete it; }); };
+    const std::unique_ptr<session::CreateWait, decltype(drop_it)> waiting(
+        new session::CreateWait(session::LabAccess::context(*self.get()), names, patience_of(wait)),
+        drop_it);
+    while (!created && waiting->helps(created.error())) {
+      wait_in_slices(std::nullopt, [&](TimePoint until) { return waiting->wait(until); });
+      created = attempt();
     }
-    const auto again = retries.next(created.error(), now());
-    if (!again) return attempts_of(created.error());
-    sleep_in_slices(*again);
   }
+  if (!created) return attempts_of(created.error());
+  return nb::cast(self.keep(std::make_shared<SessionHandle>(std::move(created->session), wanted)));
 }
 
 /// Returns the session of the Lab with its broker, or a text that says why there is none.
@@ -237,6 +243,43 @@ nb::object next(StreamHandle& self, std::optional<double> timeout) {
   return nb::str(got.error() == StreamEnd::Nothing ? "nothing" : "lost");
 }
 
+// Objects ----------------------------------------------------------------------------------------
+
+WatchHandle watch(LabHandle& self, const std::string& interface_name) {
+  return WatchHandle(std::make_shared<ObjectWatch>(*self.get(), interface_name));
+}
+
+/// Returns the encoded objects online, or a text that says why the broker gave no answer.
+nb::object objects(LabHandle& self, const std::string& interface_name, double patience) {
+  auto found = run_interruptibly([lab = self.get(), interface_name, patience] {
+    return find_objects(*lab, interface_name, patience_of(patience));
+  });
+  if (!found) return nb::str(found.error().c_str());
+  nb::list encoded;
+  for (const Entry& entry : *found) encoded.append(to_python(wire::to_bytes(entry)));
+  return encoded;
+}
+
+/// Returns the next change as an encoded Registration; True when there was none within `timeout`,
+/// and False when the watch or its Lab was closed.
+nb::object next_change(WatchHandle& self, std::optional<double> timeout) {
+  auto watch = self.get();
+  if (watch == nullptr) return nb::bool_(false);
+  std::optional<Registration> change;
+  bool ended = false;
+  wait_in_slices(
+      timeout,
+      [&](TimePoint until) {
+        change = watch->next(std::max(until - SystemClock().now(), Duration::zero()));
+        ended = watch->closed();
+        return change.has_value() || ended;
+      },
+      [&] { return self.get() == nullptr; });  // another thread closed the watch
+  without_gil([last = std::move(watch)]() mutable { last.reset(); });
+  if (!change) return nb::bool_(!ended && self.get() != nullptr);
+  return to_python(wire::to_bytes(*change));
+}
+
 }  // namespace
 
 void bind_client(nb::module_& module) {
@@ -253,7 +296,18 @@ void bind_client(nb::module_& module) {
       .def("create", &create, nb::arg("interface"), nb::arg("names"), nb::arg("medium").none(),
            nb::arg("patience"), nb::arg("incarnation"), nb::arg("wait"))
       .def("broker", &broker, nb::arg("interface"), nb::arg("patience"))
+      .def("objects", &objects, nb::arg("interface_name"), nb::arg("patience"))
+      .def("watch", &watch, nb::arg("interface_name"))
       .def("close", &LabHandle::close);
+
+  nb::class_<WatchHandle>(module, "ObjectWatch")
+      .def("next", &next_change, nb::arg("timeout").none())
+      .def("skipped",
+           [](const WatchHandle& self) {
+             const auto watch = self.get();
+             return watch ? watch->skipped() : 0;
+           })
+      .def("close", &WatchHandle::close);
 
   nb::class_<SessionHandle>(module, "Session")
       .def_prop_ro("object_name", [](const SessionHandle& s) { return s.about().object_name(); })

@@ -13,6 +13,7 @@
 #include "gecos/binding.hpp"
 #include "gecos/builtin_operations.hpp"
 #include "gecos/lab.hpp"
+#include "gecos/object_watch.hpp"
 #include "waiting.hpp"
 
 /// The handles through which Python uses labs, sessions, commands, streams and leases. The GIL
@@ -183,6 +184,24 @@ class WriterHandle {
  private:
   Owner owner_;
   std::shared_ptr<session::WriterCore> core_;
+};
+
+class WatchHandle {
+ public:
+  explicit WatchHandle(std::shared_ptr<ObjectWatch> watch) : watch_(std::move(watch)) {}
+  WatchHandle(WatchHandle&&) = default;
+  ~WatchHandle() { drop(watch_, owner_); }
+
+  /// Returns the watch; null after `close`. Throws in a forked child.
+  std::shared_ptr<ObjectWatch> get() const {
+    owner_.demand("this ObjectWatch");
+    return watch_;
+  }
+  void close() { drop(watch_, owner_); }
+
+ private:
+  Owner owner_;
+  std::shared_ptr<ObjectWatch> watch_;
 };
 
 class LeaseHandle {

@@ -238,8 +238,8 @@ class ServerHandle {
 /// A broker in this process. It has a separate server.
 class BrokerHandle {
  public:
-  explicit BrokerHandle(const LabHandle& lab) : lab_(lab.get()) {
-    auto serving = std::make_shared<Serving>(*lab_);
+  BrokerHandle(const LabHandle& lab, double name_hold) : lab_(lab.get()) {
+    auto serving = std::make_shared<Serving>(*lab_, broker::BrokerOptions{patience_of(name_hold)});
     const auto added = without_gil([&] { return serving->broker.serve(serving->server); });
     if (!added) throw std::runtime_error(added.error().text);
     serving_ = std::move(serving);
@@ -255,7 +255,7 @@ class BrokerHandle {
 
  private:
   struct Serving {
-    explicit Serving(Lab& lab) : server(lab) {}
+    Serving(Lab& lab, const broker::BrokerOptions& options) : broker(options), server(lab) {}
     broker::Broker broker;
     Server server;  // last member: destroyed before the broker, its servant
   };
@@ -334,7 +334,7 @@ void bind_server(nb::module_& module) {
       .def("close", &ServerHandle::close);
 
   nb::class_<BrokerHandle>(module, "Broker")
-      .def(nb::init<const LabHandle&>(), nb::arg("lab"))
+      .def(nb::init<const LabHandle&, double>(), nb::arg("lab"), nb::arg("name_hold"))
       .def("close", &BrokerHandle::close);
   module.def("warn_of_other_brokers", [] { without_gil(broker::warn_of_other_brokers); });
 

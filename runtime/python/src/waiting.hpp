@@ -55,15 +55,6 @@ bool wait_in_slices(std::optional<double> seconds, Wait wait) {
   return wait_in_slices(seconds, std::move(wait), [] { return false; });
 }
 
-/// Waits until the time `until`, without the GIL.
-inline void sleep_in_slices(TimePoint until) {
-  const double left = std::chrono::duration<double>(until - SystemClock().now()).count();
-  wait_in_slices(left, [](TimePoint slice) {
-    std::this_thread::sleep_until(std::chrono::steady_clock::time_point(slice.time_since_epoch()));
-    return false;
-  });
-}
-
 /// Runs `work` on a separate thread and waits for its result. `work` may block and must not use
 /// Python. A signal can end the wait; `work` then continues, and its result is dropped.
 template <class Work>

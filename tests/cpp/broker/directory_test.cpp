@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <variant>
 
 namespace gecos::broker {
 namespace {
@@ -127,14 +128,14 @@ TEST(Directory, RemembersSinceWhenAServerIsSilent) {
   ASSERT_EQ(names_of(silent), std::vector<std::string>{"RX90"});
   EXPECT_EQ(silent[0].entry, named("RX90"));
   EXPECT_EQ(silent[0].since, started + seconds(61));
-  EXPECT_FALSE(directory.look_up("RX90")) << "another server may have the name";
+  EXPECT_FALSE(directory.look_up("RX90")) << "nobody may connect to it";
 }
 
 TEST(Directory, ForgetsASilentObjectWhenItsNameIsServedAgain) {
   OldDirectory directory;
   ASSERT_TRUE(directory.enlist(ada, 7, named("RX90")));
   directory.end_session(ada);
-  ASSERT_TRUE(directory.enlist(bob, 8, named("RX90")));
+  ASSERT_TRUE(directory.enlist(bob, 7, named("RX90")));
   EXPECT_TRUE(directory.silent(started + seconds(62)).empty());
   ASSERT_TRUE(directory.withdraw(bob, "RX90"));
   EXPECT_TRUE(directory.silent(started + seconds(63)).empty()) << "withdrawn in order";
@@ -148,15 +149,172 @@ TEST(Directory, ForgetsASilentObjectAfterAnHour) {
   EXPECT_TRUE(directory.silent(started + seconds(3661)).empty());
 }
 
-TEST(Directory, OfManySilentObjectsTheOnesHeardLastAreRemembered) {
+TEST(Directory, OfManySilentObjectsWithFreeNamesTheOnesHeardLastAreRemembered) {
   OldDirectory directory;
-  for (std::size_t i = 0; i <= Directory::most_silent; ++i) {
+  const std::size_t held = 10;  // one falls silent each second
+  for (std::size_t i = 0; i <= Directory::most_silent + held; ++i) {
     ASSERT_TRUE(directory.enlist(i, 7, named("LAMP" + std::to_string(i))));
     directory.end_session(i, started + seconds(61 + i));
   }
   const auto names = names_of(directory.silent(started + seconds(400)));
-  EXPECT_EQ(names.size(), Directory::most_silent);
+  EXPECT_EQ(names.size(), Directory::most_silent + held);
   EXPECT_EQ(std::ranges::count(names, "LAMP0"), 0);
+}
+
+Entry of_life(std::uint64_t boot, std::int32_t pid = 4711) {
+  Entry entry = named("RX90");
+  entry.boot = boot;
+  entry.pid = pid;
+  return entry;
+}
+
+/// RX90 of a server that the broker has not heard since `heard`.
+class SilentServer : public ::testing::Test {
+ protected:
+  void fall_silent(Host host) {
+    ASSERT_TRUE(directory_.enlist({1, 7, {}, host}, of_life(7), started + seconds(60)));
+    directory_.end_session(1, heard);
+  }
+  auto enlist(std::uint64_t life, TimePoint now) {
+    return directory_.enlist({life, life, {}, Host::Other}, of_life(life, 4712), now);
+  }
+  static constexpr TimePoint heard = started + seconds(70);
+  Directory directory_{started};
+};
+
+TEST_F(SilentServer, OfAnotherHostKeepsItsNameForTenSeconds) {
+  fall_silent(Host::Other);
+  const auto early = enlist(8, heard + milliseconds(9999));
+  ASSERT_FALSE(early);
+  EXPECT_EQ(early.error().by,
+            "a robcl::Rx90 of ada on lab1, pid 4711, which has been silent for 10.0 s; the name is "
+            "free in 0.0 s, or after `gecos free RX90`");
+  EXPECT_TRUE(enlist(8, heard + seconds(10)));
+  EXPECT_TRUE(directory_.silent(heard + seconds(10)).empty());
+}
+
+TEST_F(SilentServer, KeepsItsNameForTheTimeOfTheSetting) {
+  directory_ = Directory(started, {.name_hold = seconds(3)});
+  fall_silent(Host::Other);
+  EXPECT_FALSE(enlist(8, heard + milliseconds(2999)));
+  EXPECT_TRUE(enlist(8, heard + seconds(3)));
+}
+
+TEST_F(SilentServer, OfTheBrokersHostKeepsItsNameUntilItsProcessEnds) {
+  fall_silent(Host::Same);
+  const auto refused = enlist(8, heard + std::chrono::hours(99));
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().by.find("its process still lives on this host"), std::string::npos);
+  EXPECT_EQ(directory_.silent(heard + std::chrono::hours(99)).size(), 1u);
+  EXPECT_EQ(directory_.process_ended(4711), std::vector<std::string>{"RX90"});
+  EXPECT_TRUE(enlist(8, heard + seconds(2)));
+}
+
+TEST_F(SilentServer, TakesItsNameBack) {
+  for (const Host host : {Host::Same, Host::Other}) {
+    directory_ = Directory(started);
+    fall_silent(host);
+    EXPECT_TRUE(directory_.enlist({2, 7, {}, host}, of_life(7), heard + seconds(5)));
+    EXPECT_TRUE(directory_.look_up("RX90"));
+    EXPECT_TRUE(directory_.silent(heard + seconds(5)).empty());
+  }
+}
+
+TEST_F(SilentServer, OfAnotherHostIsSetFreeOnRequest) {
+  fall_silent(Host::Other);
+  EXPECT_TRUE(directory_.free("RX90"));
+  EXPECT_TRUE(enlist(8, heard + seconds(2)));
+}
+
+TEST_F(SilentServer, OfTheBrokersHostIsNotSetFree) {
+  fall_silent(Host::Same);
+  const auto refused = directory_.free("RX90");
+  ASSERT_FALSE(refused);
+  const auto* why = std::get_if<NameInUse>(&refused.error());
+  ASSERT_NE(why, nullptr);
+  EXPECT_EQ(why->why,
+            "the process of its server, a robcl::Rx90 of ada on lab1, pid 4711, lives on the "
+            "broker's host and may move the device again; end it with `kill -KILL 4711`, which "
+            "frees the name at once");
+}
+
+TEST_F(SilentServer, CannotBeSetFreeWhileItIsHeardOrUnknown) {
+  ASSERT_TRUE(enlist(8, started + seconds(60)));
+  const auto heard_of = directory_.free("RX90");
+  ASSERT_FALSE(heard_of);
+  EXPECT_TRUE(std::holds_alternative<NameInUse>(heard_of.error()));
+  EXPECT_TRUE(std::holds_alternative<UnknownName>(directory_.free("RX91").error()));
+}
+
+TEST(Directory, ADeathThatTheKernelReportsFreesTheNameOfALiveSession) {
+  Directory directory(started);
+  ASSERT_TRUE(directory.enlist({1, 7, {}, Host::Same}, of_life(7), started + seconds(60)));
+  EXPECT_TRUE(directory.process_ended(4712).empty());
+  directory.process_ended(4711);
+  EXPECT_TRUE(directory.enlist({2, 8, {}, Host::Same}, of_life(8), started + seconds(60)));
+  EXPECT_TRUE(directory.end_session(1, started + seconds(60)).empty());
+}
+
+TEST(Directory, AProcessOfAnotherHostDoesNotEndWithOneOfTheSameNumberHere) {
+  Directory directory(started);
+  ASSERT_TRUE(directory.enlist({1, 7, {}, Host::Other}, of_life(7), started + seconds(60)));
+  EXPECT_TRUE(directory.process_ended(4711).empty());
+  EXPECT_TRUE(directory.look_up("RX90"));
+}
+
+TEST(Directory, AQueryByABaseInterfaceFindsDerivedOnes) {
+  OldDirectory directory;
+  Entry arm = named("RX90");
+  arm.bases = {"robcl::Manipulator", "robcl::Device"};
+  Entry lamp = named("LAMP");
+  lamp.interface_name = "robcl::Device";
+  ASSERT_TRUE(directory.enlist(ada, 7, arm));
+  ASSERT_TRUE(directory.enlist(ada, 7, lamp));
+  const auto names = [&](std::string_view interface_name) {
+    std::vector<std::string> found;
+    for (const Entry& one : directory.query(interface_name)) found.push_back(one.name);
+    return found;
+  };
+  EXPECT_EQ(names("robcl::Device"), (std::vector<std::string>{"LAMP", "RX90"}));
+  EXPECT_EQ(names("robcl::Manipulator"), std::vector<std::string>{"RX90"});
+  EXPECT_EQ(names("robcl::Rx90"), std::vector<std::string>{"RX90"});
+  EXPECT_TRUE(names("robcl::Mani").empty());
+}
+
+TEST(Directory, GivesEachHolderOfANameAHigherEpoch) {
+  Directory directory(started, {.life = 5});
+  const auto epoch = [&] {
+    return directory.changes({}, started + seconds(61)).changed.front().epoch;
+  };
+  ASSERT_TRUE(directory.enlist({1, 7, {}, Host::Other}, of_life(7), started + seconds(60)));
+  const auto first = epoch();
+  directory.end_session(1, started + seconds(60));
+  ASSERT_TRUE(directory.enlist({2, 7, {}, Host::Other}, of_life(7), started + seconds(61)));
+  EXPECT_EQ(epoch(), first) << "the same life of the server";
+  ASSERT_TRUE(directory.withdraw(2, "RX90"));
+  ASSERT_TRUE(directory.enlist({3, 8, {}, Host::Other}, of_life(8), started + seconds(61)));
+  EXPECT_GT(epoch(), first);
+}
+
+TEST(Directory, TellsAWatcherThatIsTooFarBehindTheWholeList) {
+  Directory directory(started, {.life = 5});
+  const TimePoint now = started + seconds(60);
+  const auto changes = [&](std::uint64_t life, std::uint64_t number) {
+    return directory.changes({life, number}, now);
+  };
+  for (std::size_t i = 0; i < Directory::most_changes / 2; ++i) {
+    ASSERT_TRUE(directory.enlist({1, 7, {}, Host::Other}, of_life(7), now));
+    ASSERT_TRUE(directory.withdraw(1, "RX90"));
+  }
+  EXPECT_FALSE(changes(5, 0).whole);
+  EXPECT_EQ(changes(5, 0).changed.size(), Directory::most_changes);
+  ASSERT_TRUE(directory.enlist({1, 7, {}, Host::Other}, of_life(7), now));
+  EXPECT_TRUE(changes(5, 0).whole);
+  EXPECT_EQ(changes(5, 0).changed.size(), 1u);
+  EXPECT_FALSE(changes(5, 1).whole);
+  EXPECT_TRUE(changes(5, 1025).changed.empty());
+  EXPECT_TRUE(changes(5, 1026).whole) << "a number that this broker has not reached";
+  EXPECT_TRUE(changes(4, 1025).whole) << "a revision of another broker";
 }
 
 class YoungDirectory : public ::testing::Test {

@@ -67,18 +67,6 @@ TEST_F(Create, WaitsNoLongerThanTheLabIsOpen) {
   EXPECT_FALSE(created.get());
 }
 
-TEST(CreateWait, TriesAgainAfterGrowingPausesUntilItsEnd) {
-  using std::chrono::milliseconds;
-  const gecos::TimePoint begin{std::chrono::hours(1)};
-  gecos::session::CreateWait wait({"RX90"}, milliseconds(500), begin);
-  const gecos::CreateError offline{{{"RX90", Detail::NoServer, ""}}};
-  std::vector<long> tries;
-  for (auto again = wait.next(offline, begin); again; again = wait.next(offline, *again)) {
-    tries.push_back((*again - begin) / milliseconds(1));
-  }
-  EXPECT_EQ(tries, (std::vector<long>{20, 60, 140, 300, 460, 500}));
-}
-
 TEST(CreateWithoutBroker, WaitsNoLongerThanAskedThoughAnotherThreadLooksLonger) {
   gecos::LabOptions options;
   options.broker = "lcm:239.255.76.67:7679/GOnobody";
@@ -298,6 +286,10 @@ class SlowBroker : public gecos::BrokerServant {
   gecos::Result<gecos::Entry> lookup(const std::string&) override { return dead_; }
   gecos::Result<std::vector<gecos::Entry>> list() override { return {}; }
   gecos::Result<std::vector<gecos::SilentObject>> silent() override { return {}; }
+  gecos::Result<std::vector<gecos::Entry>> query(const std::string&) override { return {}; }
+  gecos::Result<gecos::ListChanges> changes(const gecos::ListRevision&) override { return {}; }
+  gecos::Result<gecos::ListRevision> revision() override { return {}; }
+  gecos::Result<void> free(const std::string&) override { return {}; }
 
   const gecos::Entry dead_;
   std::atomic<int> left_;  // publishes nothing but itself

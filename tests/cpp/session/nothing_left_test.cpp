@@ -123,11 +123,10 @@ TEST(NothingLeft, AServerWithoutThreadsSaysSo) {
   });
   server.line().say("go");
   const std::string said = server.line().hear();
-  EXPECT_NE(
-      said.find(
-          "this process has no resources left for a Lab: cannot start the thread gecos-maint (see "
-          "`ulimit -u`): Resource temporarily unavailable"),
-      std::string::npos)
+  EXPECT_NE(said.find("this process has no resources left for a broker: cannot start the thread "
+                      "gecos-processes "
+                      "(see `ulimit -u`): Resource temporarily unavailable"),
+            std::string::npos)
       << said;
   server.line().say("end");
   EXPECT_EQ(server.wait(), 0);

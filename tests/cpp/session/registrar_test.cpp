@@ -35,6 +35,10 @@ class TellingBroker : public gecos::BrokerServant {
   }
   gecos::Result<void> withdraw(const std::string&) override { return {}; }
   gecos::Result<std::vector<gecos::SilentObject>> silent() override { return {}; }
+  gecos::Result<std::vector<gecos::Entry>> query(const std::string&) override { return {}; }
+  gecos::Result<gecos::ListChanges> changes(const gecos::ListRevision&) override { return {}; }
+  gecos::Result<gecos::ListRevision> revision() override { return {}; }
+  gecos::Result<void> free(const std::string&) override { return {}; }
   gecos::Result<gecos::Entry> lookup(const std::string&) override {
     const std::lock_guard lock(mutex_);
     return entry_;

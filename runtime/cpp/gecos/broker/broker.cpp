@@ -1,12 +1,16 @@
 #include "gecos/broker/broker.hpp"
 
-#include <signal.h>
+#include <poll.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <fstream>
+#include <array>
+#include <random>
+#include <system_error>
+#include <utility>
+#include <variant>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/thread.hpp"
 
 namespace gecos::broker {
 namespace {
@@ -26,25 +30,111 @@ Duration silence_that_ends_a_session() {
   return standard.lease_ttl + standard.grace;
 }
 
-bool has_ended(std::int32_t pid) {
-  if (::kill(pid, 0) != 0) return errno == ESRCH;
-  std::string status;  // e.g. "4711 (name) S …"; state Z: ended, not yet waited for by its parent
-  std::getline(std::ifstream("/proc/" + std::to_string(pid) + "/stat"), status);
-  const std::size_t name_end = status.rfind(") ");
-  return name_end != std::string::npos && status.substr(name_end + 2, 1) == "Z";
+/// The time between the close of a dead process's sockets and the report of its end.
+constexpr Duration death_is_reported_within = std::chrono::milliseconds(100);
+
+/// Returns a number that no other life of a broker has.
+std::uint64_t draw_life() {
+  std::random_device random;
+  return std::uint64_t{random()} << 32U | random();
 }
 
-/// Returns true when the process of `entry` is known to have ended. Returns false for a process on
-/// another host, because nothing is known about it. Processes on this host are assumed to be in one
-/// PID namespace.
-bool is_gone(const Entry& entry) {
-  return entry.pid > 0 && media::on_one_machine(entry.host, media::host_identity()) &&
-         has_ended(entry.pid);
+SilentObject shown(Silent one, TimePoint now) {
+  return {std::move(one.entry), std::chrono::duration<double>(now - one.since).count()};
 }
 
 }  // namespace
 
+Broker::Broker(const BrokerOptions& options)
+    : options_(options), directory_(new_directory(DirectoryOptions().young)) {}
+
+Broker::~Broker() {
+  if (!watcher_.joinable()) return;
+  {
+    const MutexLock lock(mutex_);
+    ended_ = true;
+  }
+  wake_watcher_->notify();
+  watcher_.join();
+}
+
+Directory Broker::new_directory(Duration young) const {
+  return Directory(SystemClock().since_boot(), {young, options_.name_hold, draw_life()});
+}
+
+void Broker::start_watcher() {
+  if (watcher_.joinable()) return;
+  {
+    const MutexLock lock(mutex_);
+    processes_.emplace();
+  }
+  wake_watcher_.emplace();
+  watcher_ = start_thread("gecos-processes", [this] { watch_processes(); });
+}
+
+void Broker::watch_processes() {
+  std::array<pollfd, 2> descriptors{};
+  {
+    const MutexLock lock(mutex_);
+    descriptors = {pollfd{wake_watcher_->descriptor(), POLLIN, 0},
+                   pollfd{processes_->descriptor(), POLLIN, 0}};
+  }
+  Duration rest{};
+  for (;;) {
+    const auto milliseconds = std::chrono::ceil<std::chrono::milliseconds>(rest).count();
+    ::poll(descriptors.data(), descriptors.size(), static_cast<int>(milliseconds));
+    wake_watcher_->drain();
+    const TimePoint now = SystemClock().since_boot();
+    const MutexLock lock(mutex_);
+    if (ended_) return;
+    remove_ended();
+    rest = end_due_sessions(now);
+    directory_.forget_silent(now);
+    announce();
+  }
+}
+
+Duration Broker::end_due_sessions(TimePoint now) {
+  Duration rest = std::chrono::minutes(1);  // then the watcher forgets what is silent for an hour
+  std::erase_if(ended_sessions_, [&](const EndedSession& one) {
+    if (now < one.due) {
+      rest = std::min(rest, one.due - now);
+      return false;
+    }
+    mutex_.assert_held();
+    end_session(one.session, one.heard);
+    return true;
+  });
+  return rest;
+}
+
+void Broker::end_session(std::uint64_t session, TimePoint heard) {
+  for (const auto& name : directory_.end_session(session, heard))
+    log_info("broker", name + " left the list: its server is silent");
+}
+
+void Broker::remove_ended() {
+  for (const std::int32_t pid : processes_->take_ended()) {
+    for (const auto& name : directory_.process_ended(pid))
+      log_info("broker",
+               name + " was removed: its process, pid " + std::to_string(pid) + ", ended");
+  }
+  announce();
+}
+
+void Broker::forget_unused_processes() {
+  for (const std::int32_t pid : processes_->watched()) {
+    if (!directory_.uses_process(pid)) processes_->forget(pid);
+  }
+}
+
+void Broker::announce() {
+  const ListRevision now = directory_.revision();
+  if (std::exchange(announced_, now.number) != now.number) publish_revision(now);
+}
+
 Serving Broker::serving(std::vector<media::Kind> media) {
+  start_watcher();
   ObjectOptions options;
   options.simulated = true;  // a broker moves nothing, so it cannot cause harm
   options.well_known = true;
@@ -52,16 +142,19 @@ Serving Broker::serving(std::vector<media::Kind> media) {
   const bool alone = media::within_process(media);
   {
     const MutexLock lock(mutex_);
-    directory_ =
-        Directory(SystemClock().since_boot(), alone ? Duration::zero() : Directory::first_second);
+    directory_ = new_directory(alone ? Duration::zero() : DirectoryOptions().young);
   }
   options.media = std::move(media);
   return {"BROKER", *this, std::move(options)};
 }
 
 tl::expected<void, ServeError> Broker::serve(Server& server, std::vector<media::Kind> media) {
-  Serving broker = serving(std::move(media));
-  return server.add(std::move(broker.name), *this, std::move(broker.options));
+  try {
+    Serving broker = serving(std::move(media));
+    return server.add(std::move(broker.name), *this, std::move(broker.options));
+  } catch (const std::system_error& why) {
+    return tl::unexpected(ServeError{session::nothing_left("a broker", why)});
+  }
 }
 
 void Broker::gecos_dispatch(IncomingCall call) {
@@ -71,10 +164,17 @@ void Broker::gecos_dispatch(IncomingCall call) {
 
 Result<std::optional<double>> Broker::enlist(const Entry& what, double served_for) {
   const MutexLock lock(mutex_);
-  const Claim claim{calling_.session, calling_.incarnation, duration_of(served_for)};
+  remove_ended();
+  const bool here = what.host == media::host_identity() && processes_->watch(what.pid);
+  const Claim claim{calling_.session, calling_.incarnation, duration_of(served_for),
+                    here ? Host::Same : Host::Other};
   const auto before = directory_.look_up(what.name);
   const auto provisional = directory_.enlist(claim, what, SystemClock().since_boot());
-  if (!provisional) return tl::unexpected(Fault(provisional.error()));
+  if (!provisional) {
+    forget_unused_processes();
+    return tl::unexpected(Fault(provisional.error()));
+  }
+  announce();
   if (!before) {
     log_info("broker", what.name + " was enlisted with the interface " + what.interface_name);
   } else if (*before != what) {
@@ -91,12 +191,15 @@ Result<void> Broker::withdraw(const std::string& name) {
   if (auto gone = directory_.withdraw(calling_.session, name); !gone) {
     return tl::unexpected(Fault(gone.error()));
   }
+  forget_unused_processes();
+  announce();
   log_info("broker", name + " was withdrawn");
   return {};
 }
 
 Result<Entry> Broker::lookup(const std::string& name) {
   const MutexLock lock(mutex_);
+  remove_ended();
   auto found = directory_.look_up(name);
   if (!found) return tl::unexpected(Fault(found.error()));
   return *std::move(found);
@@ -104,32 +207,60 @@ Result<Entry> Broker::lookup(const std::string& name) {
 
 Result<std::vector<Entry>> Broker::list() {
   const MutexLock lock(mutex_);
+  remove_ended();
   return directory_.list();
+}
+
+Result<std::vector<Entry>> Broker::query(const std::string& interface_name) {
+  const MutexLock lock(mutex_);
+  remove_ended();
+  return directory_.query(interface_name);
+}
+
+Result<ListChanges> Broker::changes(const ListRevision& since) {
+  const MutexLock lock(mutex_);
+  remove_ended();
+  return directory_.changes(since, SystemClock().since_boot());
+}
+
+Result<ListRevision> Broker::revision() {
+  const MutexLock lock(mutex_);
+  remove_ended();
+  return directory_.revision();
+}
+
+Result<void> Broker::free(const std::string& name) {
+  const MutexLock lock(mutex_);
+  remove_ended();
+  if (auto freed = directory_.free(name); !freed) {
+    return std::visit([](const auto& why) -> Result<void> { return tl::unexpected(Fault(why)); },
+                      freed.error());
+  }
+  announce();
+  log_warning("broker", name + " was set free although its server had not withdrawn it");
+  return {};
 }
 
 Result<std::vector<SilentObject>> Broker::silent() {
   const TimePoint now = SystemClock().since_boot();
-  std::vector<Silent> found;
-  {
-    const MutexLock lock(mutex_);
-    found = directory_.silent(now);
-  }
-  std::erase_if(found, [](const Silent& one) { return is_gone(one.entry); });
+  const MutexLock lock(mutex_);
+  remove_ended();
   std::vector<SilentObject> objects;
-  for (Silent& one : found) {
-    const double seconds = std::chrono::duration<double>(now - one.since).count();
-    objects.push_back({std::move(one.entry), seconds});
-  }
+  for (Silent& one : directory_.silent(now)) objects.push_back(shown(std::move(one), now));
   return objects;
 }
 
 void Broker::gecos_session_ended(std::uint64_t session) {
-  // The session may also end earlier, because the kernel reports the death of the server's process.
-  // Then this time is too early, but it is not used: `silent` leaves out dead processes.
-  const TimePoint heard = SystemClock().since_boot() - silence_that_ends_a_session();
+  const TimePoint now = SystemClock().since_boot();
+  const TimePoint heard = now - silence_that_ends_a_session();
   const MutexLock lock(mutex_);
-  for (const auto& name : directory_.end_session(session, heard)) {
-    log_info("broker", name + " was removed: its server is gone or silent");
+  remove_ended();
+  if (directory_.is_of_this_host(session)) {
+    ended_sessions_.push_back({session, heard, now + death_is_reported_within});
+    wake_watcher_->notify();
+  } else {
+    end_session(session, heard);
+    announce();
   }
 }
 

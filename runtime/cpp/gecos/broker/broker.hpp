@@ -3,25 +3,39 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "gecos/base/event_fd.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/broker/directory.hpp"
+#include "gecos/broker/processes.hpp"
 #include "gecos/broker_server.hpp"
 #include "gecos/serve.hpp"
 #include "gecos/server.hpp"
 
 namespace gecos::broker {
 
+struct BrokerOptions {
+  /// How long a silent server of another host keeps its names.
+  Duration name_hold = DirectoryOptions().name_hold;
+};
+
 /// The broker as an object: `gecos::serve(lab, {broker.serving()})` serves it at this host's
 /// well-known address; `broker.serve(server)` does so in a program that has a server of its own.
-/// The broker removes an entry when the session that enlisted the entry ends. In its first second
-/// the broker prefers objects that were served before the broker started (directory.hpp).
+/// An object leaves the broker's list when the session that enlisted the object ends; a process of
+/// this host also when the kernel reports its end (directory.hpp). In its first second the broker
+/// prefers objects that were served before the broker started.
 class Broker final : public BrokerServant {
  public:
-  /// The broker as an object of `gecos::serve`. Its first second begins now.
+  explicit Broker(const BrokerOptions& options = {});
+  ~Broker() override;
+
+  /// The broker as an object of `gecos::serve`. Its first second begins now. Throws
+  /// std::system_error when the process has no thread or descriptor left.
   Serving serving(std::vector<media::Kind> media = {});
-  /// Serves this broker. Fails when this host has a broker already.
+  /// Serves this broker. Fails when this host has a broker already, and when the process has no
+  /// thread or descriptor left.
   tl::expected<void, ServeError> serve(Server& server, std::vector<media::Kind> media = {});
 
   void gecos_dispatch(IncomingCall call) override;
@@ -33,14 +47,44 @@ class Broker final : public BrokerServant {
   Result<Entry> lookup(const std::string& name) override;
   Result<std::vector<Entry>> list() override;
   Result<std::vector<SilentObject>> silent() override;
+  Result<std::vector<Entry>> query(const std::string& interface_name) override;
+  Result<ListChanges> changes(const ListRevision& since) override;
+  Result<ListRevision> revision() override;
+  Result<void> free(const std::string& name) override;
 
  private:
+  Directory new_directory(Duration young) const;
+  void start_watcher();
+  void watch_processes();
+  /// Ends the sessions whose `due` has come. Returns how long until the next one is due.
+  Duration end_due_sessions(TimePoint now) GECOS_REQUIRES(mutex_);
+  void end_session(std::uint64_t session, TimePoint heard) GECOS_REQUIRES(mutex_);
+  /// Removes the objects of processes that have ended. Each operation calls this first, because the
+  /// kernel may report an end before `watcher_` runs.
+  void remove_ended() GECOS_REQUIRES(mutex_);
+  void forget_unused_processes() GECOS_REQUIRES(mutex_);
+  void announce() GECOS_REQUIRES(mutex_);
+
+  const BrokerOptions options_;
   struct {
     std::uint64_t session = 0;
     std::uint64_t incarnation = 0;
   } calling_;    ///< the client of the current call; handlers run one at a time
   Mutex mutex_;  ///< needed because calls run on one thread and sessions end on another
-  Directory directory_ GECOS_GUARDED_BY(mutex_){SystemClock().since_boot()};
+  Directory directory_ GECOS_GUARDED_BY(mutex_);
+  std::uint64_t announced_ GECOS_GUARDED_BY(mutex_) = 0;  ///< number of the last published change
+  std::optional<Processes> processes_ GECOS_GUARDED_BY(mutex_);  ///< set while this is served
+  /// A session of a server on this host that has ended. The kernel closes the sockets of a process
+  /// before it reports the end of the process, so the server is not called silent before `due`.
+  struct EndedSession {
+    std::uint64_t session = 0;
+    TimePoint heard;
+    TimePoint due;
+  };
+  std::vector<EndedSession> ended_sessions_ GECOS_GUARDED_BY(mutex_);
+  bool ended_ GECOS_GUARDED_BY(mutex_) = false;
+  std::optional<EventFd> wake_watcher_;  ///< set while this is served
+  std::thread watcher_;
 };
 
 }  // namespace gecos::broker

@@ -1,22 +1,55 @@
 #include "gecos/broker/directory.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <utility>
 
 namespace gecos::broker {
+namespace {
+
+std::string described(const Entry& entry) {
+  return "a " + entry.interface_name + " of " + entry.user + " on " + entry.hostname + ", pid " +
+         std::to_string(entry.pid);
+}
+
+/// Returns a time for people, for example "3.2 s".
+std::string in_seconds(Duration length) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f s", std::chrono::duration<double>(length).count());
+  return text;
+}
+
+bool is_a(const Entry& entry, std::string_view interface_name) {
+  return entry.interface_name == interface_name ||
+         std::ranges::find(entry.bases, interface_name) != entry.bases.end();
+}
+
+}  // namespace
 
 tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const Entry& entry,
                                                     TimePoint now) {
   const TimePoint since = now - claim.served_for;
   const Duration provisional = std::max(settled_ - now, Duration::zero());
+  const bool own_life = entry.boot == claim.incarnation;
   const auto found = places_.find(entry.name);
   if (found == places_.end()) {
-    places_.emplace(entry.name, Place{claim.session, entry, since});
-    silent_.erase(entry.name);
+    const auto silent = silent_.find(entry.name);
+    std::uint64_t epoch = 0;  // 0: a new one
+    if (silent != silent_.end()) {
+      const Silent& one = silent->second;
+      if (own_life && one.entry.boot == entry.boot) {
+        if (one.entry == entry) epoch = one.epoch;
+      } else if (keeps_name(one, now)) {
+        return tl::unexpected(NameTaken{entry.name, why_kept(one, now)});
+      }
+      silent_.erase(silent);
+    }
+    epoch = note(entry, Presence::ONLINE, epoch);
+    places_.emplace(entry.name, Place{claim.session, entry, since, {}, epoch, claim.host});
     return provisional;
   }
   Place& place = found->second;
-  if (place.entry == entry && (place.session == claim.session || entry.boot == claim.incarnation)) {
+  if (place.entry == entry && (place.session == claim.session || own_life)) {
     place.session = claim.session;
     // A claim that arrives with a delay yields a later `since`, so the earliest `since` is the most
     // exact.
@@ -24,14 +57,12 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
     return provisional;
   }
   if (!gives_way(place, entry, since, now)) {
-    const Entry& other = place.entry;
-    return tl::unexpected(NameTaken{entry.name, "a " + other.interface_name + " of " + other.user +
-                                                    " on " + other.hostname + ", pid " +
-                                                    std::to_string(other.pid)});
+    return tl::unexpected(NameTaken{entry.name, described(place.entry)});
   }
   auto displaced = std::move(place.displaced);
   displaced.push_back(std::move(place.entry));
-  place = {claim.session, entry, since, std::move(displaced)};
+  place = {claim.session, entry, since, std::move(displaced), note(entry, Presence::ONLINE, 0),
+           claim.host};
   return provisional;
 }
 
@@ -41,12 +72,25 @@ bool Directory::gives_way(const Place& place, const Entry& entry, TimePoint sinc
          std::ranges::find(place.displaced, entry) == place.displaced.end();
 }
 
+bool Directory::keeps_name(const Silent& one, TimePoint now) const {
+  return one.host == Host::Same || now < one.since + options_.name_hold;
+}
+
+std::string Directory::why_kept(const Silent& one, TimePoint now) const {
+  const std::string who =
+      described(one.entry) + ", which has been silent for " + in_seconds(now - one.since);
+  if (one.host == Host::Same) return who + "; its process still lives on this host";
+  return who + "; the name is free in " + in_seconds(one.since + options_.name_hold - now) +
+         ", or after `gecos free " + one.entry.name + "`";
+}
+
 tl::expected<void, UnknownName> Directory::withdraw(std::uint64_t session,
                                                     const std::string& name) {
   const auto found = places_.find(name);
   if (found == places_.end() || found->second.session != session) {
     return tl::unexpected(unknown(name));
   }
+  note(found->second.entry, Presence::GONE, found->second.epoch);
   places_.erase(found);
   return {};
 }
@@ -54,15 +98,70 @@ tl::expected<void, UnknownName> Directory::withdraw(std::uint64_t session,
 std::vector<std::string> Directory::end_session(std::uint64_t session, TimePoint heard) {
   std::vector<std::string> dropped;
   for (auto at = places_.begin(); at != places_.end();) {
-    if (at->second.session != session) {
+    Place& place = at->second;
+    if (place.session != session) {
       ++at;
       continue;
     }
     dropped.push_back(at->first);
-    remember({std::move(at->second.entry), heard});
+    note(place.entry, Presence::SILENT, place.epoch, heard);
+    remember({std::move(place.entry), heard, place.epoch, place.host}, heard);
     at = places_.erase(at);
   }
   return dropped;
+}
+
+bool Directory::is_of_this_host(std::uint64_t session) const {
+  return std::ranges::any_of(places_, [&](const auto& named) {
+    return named.second.session == session && named.second.host == Host::Same;
+  });
+}
+
+std::vector<std::string> Directory::process_ended(std::int32_t pid) {
+  std::vector<std::string> removed;
+  const auto end = [&](auto& list) {
+    std::erase_if(list, [&](const auto& named) {
+      const auto& [name, one] = named;
+      if (one.host != Host::Same || one.entry.pid != pid) return false;
+      note(one.entry, Presence::GONE, one.epoch);
+      removed.push_back(name);
+      return true;
+    });
+  };
+  end(places_);
+  end(silent_);
+  return removed;
+}
+
+tl::expected<void, std::variant<UnknownName, NameInUse>> Directory::free(const std::string& name) {
+  using Refusal = std::variant<UnknownName, NameInUse>;
+  if (const auto place = places_.find(name); place != places_.end()) {
+    return tl::unexpected(
+        Refusal(NameInUse{name, "the broker hears its server, " + described(place->second.entry) +
+                                    "; end that server"}));
+  }
+  const auto found = silent_.find(name);
+  if (found == silent_.end()) return tl::unexpected(Refusal(unknown(name)));
+  const Silent& one = found->second;
+  if (one.host == Host::Same) {
+    return tl::unexpected(Refusal(
+        NameInUse{name, "the process of its server, " + described(one.entry) +
+                            ", lives on the broker's host and may move the device again; end it "
+                            "with `kill -KILL " +
+                            std::to_string(one.entry.pid) + "`, which frees the name at once"}));
+  }
+  note(one.entry, Presence::GONE, one.epoch);
+  silent_.erase(found);
+  return {};
+}
+
+void Directory::forget_silent(TimePoint now) {
+  std::erase_if(silent_, [&](const auto& named) {
+    const Silent& one = named.second;
+    if (keeps_name(one, now) || now - one.since < remembered) return false;
+    note(one.entry, Presence::GONE, one.epoch);
+    return true;
+  });
 }
 
 tl::expected<Entry, UnknownName> Directory::look_up(const std::string& name) const {
@@ -77,20 +176,74 @@ std::vector<Entry> Directory::list() const {
   return entries;
 }
 
-void Directory::remember(Silent one) {
+std::vector<Entry> Directory::query(std::string_view interface_name) const {
+  std::vector<Entry> entries;
+  for (const auto& [name, place] : places_) {
+    if (is_a(place.entry, interface_name)) entries.push_back(place.entry);
+  }
+  return entries;
+}
+
+void Directory::remember(Silent one, TimePoint now) {
   const std::string name = one.entry.name;
   silent_.insert_or_assign(name, std::move(one));
-  if (silent_.size() <= most_silent) return;
-  silent_.erase(std::ranges::min_element(
-      silent_, {}, [](const auto& remembered_one) { return remembered_one.second.since; }));
+  const auto is_free = [&](const auto& named) { return !keeps_name(named.second, now); };
+  if (std::ranges::count_if(silent_, is_free) <= static_cast<std::ptrdiff_t>(most_silent)) return;
+  const auto oldest = std::ranges::min_element(silent_, {}, [&](const auto& named) {
+    return is_free(named) ? named.second.since : TimePoint::max();
+  });
+  note(oldest->second.entry, Presence::GONE, oldest->second.epoch);
+  silent_.erase(oldest);
 }
 
 std::vector<Silent> Directory::silent(TimePoint now) const {
   std::vector<Silent> found;
   for (const auto& [name, one] : silent_) {
-    if (now - one.since < remembered) found.push_back(one);
+    if (keeps_name(one, now) || now - one.since < remembered) found.push_back(one);
   }
   return found;
+}
+
+std::uint64_t Directory::note(const Entry& entry, Presence presence, std::uint64_t epoch,
+                              TimePoint heard) {
+  ++number_;
+  if (epoch == 0) epoch = number_;
+  changes_.push_back({{entry, presence, epoch, 0}, heard});
+  if (changes_.size() > most_changes) changes_.pop_front();
+  return epoch;
+}
+
+ListChanges Directory::changes(const ListRevision& since, TimePoint now) const {
+  ListChanges answer;
+  const auto seconds = [&](TimePoint begin) {
+    return std::max(0.0, std::chrono::duration<double>(now - begin).count());
+  };
+  answer.revision = revision();
+  answer.running_for = seconds(started_);
+  answer.whole = since.life != options_.life || since.number > number_ ||
+                 number_ - since.number > changes_.size();
+  if (!answer.whole) {
+    const auto missed = static_cast<std::ptrdiff_t>(number_ - since.number);
+    for (auto at = changes_.end() - missed; at != changes_.end(); ++at) {
+      answer.changed.push_back(at->what);
+      if (at->what.presence == Presence::SILENT)
+        answer.changed.back().silent_for = seconds(at->heard);
+    }
+    return answer;
+  }
+  for (const auto& [name, place] : places_)
+    answer.changed.push_back({place.entry, Presence::ONLINE, place.epoch, 0});
+  for (const Silent& one : silent(now))
+    answer.changed.push_back({one.entry, Presence::SILENT, one.epoch, seconds(one.since)});
+  std::ranges::sort(answer.changed, {}, [](const Registration& one) { return one.entry.name; });
+  return answer;
+}
+
+bool Directory::uses_process(std::int32_t pid) const {
+  const auto of_process = [&](const auto& named) {
+    return named.second.host == Host::Same && named.second.entry.pid == pid;
+  };
+  return std::ranges::any_of(places_, of_process) || std::ranges::any_of(silent_, of_process);
 }
 
 UnknownName Directory::unknown(const std::string& name) const {

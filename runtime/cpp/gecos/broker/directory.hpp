@@ -2,8 +2,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <string>
+#include <string_view>
+#include <variant>
 #include <vector>
 
 #include "gecos/base/clock.hpp"
@@ -12,17 +15,34 @@
 
 namespace gecos::broker {
 
+/// Where the process of a server runs.
+enum class Host : std::uint8_t {
+  Other,
+  Same,  ///< on the broker's host: its end is reported by `Directory::process_ended`
+};
+
 /// A server's claim to the name of an object.
 struct Claim {
   std::uint64_t session = 0;
   std::uint64_t incarnation = 0;  ///< incarnation of the server process, as its session reports
   Duration served_for{};          ///< how long the object has been served
+  Host host = Host::Other;
 };
 
 /// An object whose server fell silent without withdrawing the object.
 struct Silent {
   Entry entry;
   TimePoint since;  ///< when the server was heard last
+  std::uint64_t epoch = 0;
+  Host host = Host::Other;
+};
+
+struct DirectoryOptions {
+  /// The answer to a claim is provisional for so long after the start.
+  Duration young = std::chrono::seconds(1);
+  /// How long a silent server of another host keeps its name.
+  Duration name_hold = std::chrono::seconds(10);
+  std::uint64_t life = 0;  ///< a number that no other directory has
 };
 
 /// The known objects, each with the session that enlisted it. Does no I/O. Not thread-safe.
@@ -31,17 +51,22 @@ struct Silent {
 /// served before the broker started. If several such objects have one name, the object that has
 /// been served longest gets the name. An object that was served before the broker started also
 /// takes its name from an object that is newer than the broker. During `young` the answer to a
-/// claim is provisional. After `young` a name stays with its object. All moments are read from
-/// CLOCK_BOOTTIME.
+/// claim is provisional. After `young` a name stays with its object.
+///
+/// A registration ends with the session that made it. If the server has not withdrawn the object,
+/// it is then silent, and nobody else gets its name: on the broker's host until its process has
+/// ended, on another host for `name_hold`, or until `free` is called.
+///
+/// Each change has a number, and the last `most_changes` are kept, so that a watcher sees each
+/// change once. All moments are read from CLOCK_BOOTTIME.
 class Directory {
  public:
-  static constexpr Duration first_second = std::chrono::seconds(1);
   static constexpr Duration remembered = std::chrono::hours(1);
   static constexpr std::size_t most_silent = 256;
+  static constexpr std::size_t most_changes = 1024;
 
-  /// The answer to a claim is provisional until `young` after `started`.
-  explicit Directory(TimePoint started, Duration young = first_second)
-      : started_(started), settled_(started + young) {}
+  explicit Directory(TimePoint started, const DirectoryOptions& options = {})
+      : started_(started), settled_(started + options.young), options_(options) {}
 
   /// Adds `entry` for the session of `claim`. The same incarnation of a server may enlist an entry
   /// again in a new session, even before the directory knows that its previous session has ended.
@@ -50,17 +75,33 @@ class Directory {
   tl::expected<Duration, NameTaken> enlist(const Claim& claim, const Entry& entry, TimePoint now);
   /// Removes an object. Only the session that enlisted the object may remove it.
   tl::expected<void, UnknownName> withdraw(std::uint64_t session, const std::string& name);
-  /// Removes all objects that the session enlisted, and returns their names. `heard` is the time of
-  /// the last sign of life of the server.
+  /// Makes all objects silent that the session enlisted, and returns their names. `heard` is the
+  /// time of the last sign of life of the server.
   std::vector<std::string> end_session(std::uint64_t session, TimePoint heard);
+  /// Returns true when the session enlisted an object whose process is on the broker's host.
+  bool is_of_this_host(std::uint64_t session) const;
+  /// Removes the objects of a process of the broker's host that has ended, and returns their names.
+  std::vector<std::string> process_ended(std::int32_t pid);
+  /// Gives the name of a silent object free. Fails when the directory does not have the name, and
+  /// when its server is heard or its process lives on the broker's host.
+  tl::expected<void, std::variant<UnknownName, NameInUse>> free(const std::string& name);
+  /// Forgets the objects that have been silent for longer than `remembered`.
+  void forget_silent(TimePoint now);
 
   tl::expected<Entry, UnknownName> look_up(const std::string& name) const;
   std::vector<Entry> list() const;
-  /// Returns the objects that `end_session` has removed, sorted by name: those whose server was
-  /// alive within `remembered` before `now`, and whose name no server has taken since. The
-  /// directory keeps at most `most_silent` of them, and forgets the one that has been silent
-  /// longest first.
+  /// Returns the objects that have the interface or one that is derived from it, sorted by name.
+  std::vector<Entry> query(std::string_view interface_name) const;
+  /// Returns the objects that are silent and were heard within `remembered`, sorted by name. Of
+  /// those whose name is free, the directory keeps at most `most_silent`, and forgets the one that
+  /// has been silent longest first.
   std::vector<Silent> silent(TimePoint now) const;
+
+  ListRevision revision() const { return {options_.life, number_}; }
+  /// Returns the changes after `since`, or the whole list when some of them are not kept.
+  ListChanges changes(const ListRevision& since, TimePoint now) const;
+  /// Returns true when an object of this process of the broker's host is online or silent.
+  bool uses_process(std::int32_t pid) const;
 
  private:
   struct Place {
@@ -69,15 +110,30 @@ class Directory {
     TimePoint since;  ///< when the server began to serve the object, by CLOCK_BOOTTIME of the
                       ///< broker
     std::vector<Entry> displaced{};  ///< entries that lost this name and cannot get it back
+    std::uint64_t epoch = 0;
+    Host host = Host::Other;
   };
+  struct Change {
+    Registration what;  ///< without `silent_for`
+    TimePoint heard;    ///< of a silent object
+  };
+
   bool gives_way(const Place& place, const Entry& entry, TimePoint since, TimePoint now) const;
+  bool keeps_name(const Silent& one, TimePoint now) const;
+  std::string why_kept(const Silent& one, TimePoint now) const;
   UnknownName unknown(const std::string& name) const;
-  void remember(Silent one);
+  void remember(Silent one, TimePoint now);
+  /// Numbers a change of the list. Returns the number.
+  std::uint64_t note(const Entry& entry, Presence presence, std::uint64_t epoch,
+                     TimePoint heard = {});
 
   TimePoint started_;
   TimePoint settled_;
+  DirectoryOptions options_;
   std::map<std::string, Place> places_;
   std::map<std::string, Silent> silent_;
+  std::deque<Change> changes_;
+  std::uint64_t number_ = 0;  ///< of the last change
 };
 
 }  // namespace gecos::broker

@@ -1,8 +1,13 @@
 // The program gecos-broker: the directory that leads from an object's name to the addresses of its
 // server.
+#include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <optional>
+#include <string_view>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -15,10 +20,21 @@
 namespace {
 
 constexpr const char* usage =
-    "usage: gecos-broker [inproc|shm|lcm]...\n"
+    "usage: gecos-broker [--name-hold=SECONDS] [inproc|shm|lcm]...\n"
     "Runs the broker of this host: the directory in which programs find objects by name.\n"
     "The arguments are the media over which programs can reach the broker; without arguments,\n"
-    "all available media. Prints one line when it is ready. Ends on SIGINT or SIGTERM.\n";
+    "all available media. A silent server of another host keeps its names for SECONDS (10).\n"
+    "Prints one line when it is ready. Ends on SIGINT or SIGTERM.\n";
+
+constexpr std::string_view name_hold = "--name-hold=";
+
+/// Reads a duration in seconds.
+std::optional<gecos::Duration> seconds_of(const char* text) {
+  char* end = nullptr;
+  const double seconds = std::strtod(text, &end);
+  if (end == text || *end != '\0' || !(seconds >= 0 && seconds <= 1e6)) return std::nullopt;
+  return std::chrono::duration_cast<gecos::Duration>(std::chrono::duration<double>(seconds));
+}
 
 /// The search for other brokers, on a thread of its own, until its end.
 class Search {
@@ -33,10 +49,21 @@ class Search {
 
 int main(int count, char** arguments) {
   std::vector<gecos::media::Kind> media;
+  gecos::broker::BrokerOptions broker_options;
   for (int at = 1; at < count; ++at) {
     if (std::strcmp(arguments[at], "--help") == 0 || std::strcmp(arguments[at], "-h") == 0) {
       std::fputs(usage, stdout);
       return 0;
+    }
+    if (std::string_view(arguments[at]).starts_with(name_hold)) {
+      const auto seconds = seconds_of(arguments[at] + name_hold.size());
+      if (!seconds) {
+        std::fprintf(stderr, "gecos-broker: '%s': write seconds from 0 to 1000000\n%s",
+                     arguments[at], usage);
+        return 2;
+      }
+      broker_options.name_hold = *seconds;
+      continue;
     }
     const auto kind = gecos::media::kind_from(arguments[at]);
     if (!kind) {
@@ -46,10 +73,16 @@ int main(int count, char** arguments) {
     media.push_back(*kind);
   }
   gecos::Lab lab;
-  gecos::broker::Broker broker;
+  gecos::broker::Broker broker(broker_options);
   gecos::ServeOptions options;
   options.program = "gecos-broker";
   options.ready = "gecos-broker: ready";
   options.started = [] { return std::make_shared<Search>(); };
-  return gecos::serve(lab, {broker.serving(std::move(media))}, options);
+  try {
+    return gecos::serve(lab, {broker.serving(std::move(media))}, options);
+  } catch (const std::system_error& why) {
+    std::fprintf(stderr, "gecos-broker: %s\n",
+                 gecos::session::nothing_left("a broker", why).c_str());
+    return 1;
+  }
 }

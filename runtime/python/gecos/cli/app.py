@@ -14,6 +14,7 @@ import sys
 import threading
 import time
 from importlib import import_module
+from typing import TYPE_CHECKING
 
 import click
 
@@ -21,16 +22,21 @@ from gecos.cli.exit_codes import ExitCode, exit_code, failure_json
 from gecos.cli.options import (
     Number,
     broker_option,
+    interfaces,
     json_option,
     name_argument,
     names_argument,
     plain,
     print_json,
+    silent_names,
 )
+
+if TYPE_CHECKING:
+    from gecos.object_watch import ObjectWatch
 
 _STOP_WITHIN = 5.0  # s for the answer of a server
 _PATIENCE = 2.0  # s for one attempt to find an object
-_BETWEEN = 0.1  # s between two attempts; a broker announces no changes yet
+_ASK_ANYWAY = 1.0  # s after which a server that did not answer is tried again
 
 
 _VERBS = {
@@ -93,15 +99,32 @@ def app() -> None:
 
 
 @app.command("ls")
+@click.option(
+    "--interface",
+    metavar="NAME",
+    default="",
+    help="Only objects that have this interface or a derived one, e.g. robcl::Manipulator.",
+    shell_complete=interfaces,
+)
+@click.option("--watch", "watching", is_flag=True, help="Print each change until Ctrl-C.")
 @broker_option
 @json_option
-def list_objects(broker: str | None, as_json: bool) -> None:
+def list_objects(interface: str, watching: bool, broker: str | None, as_json: bool) -> None:
     """Lists the objects that are online, and those whose servers are silent."""
     import gecos
-    from gecos.cli.presence import presences
+    from gecos.cli.presence import changes, presences
 
     with gecos.Lab(broker) as lab:
-        found = presences(lab)
+        if watching:
+            for change in changes(lab, interface):
+                if as_json:
+                    print_json(change)
+                else:
+                    from gecos.cli import report
+
+                    report.change(change)
+            return
+        found = presences(lab, interface)
     if as_json:
         states = [{"silent_since": one.silent_since, "answers": one.answers} for one in found]
         print_json([plain(one.entry) | state for one, state in zip(found, states, strict=True)])
@@ -109,6 +132,28 @@ def list_objects(broker: str | None, as_json: bool) -> None:
         from gecos.cli import report
 
         report.objects(found)
+
+
+@app.command()
+@click.argument("name", shell_complete=silent_names)
+@broker_option
+@json_option
+def free(name: str, broker: str | None, as_json: bool) -> None:
+    """Gives the name of a silent object free, before the broker does.
+
+    Another server may then take the name. Make sure first that the silent server moves nothing: it
+    may be cut off, and still running.
+    """
+    from gecos_idl.broker import Broker
+
+    import gecos
+
+    with gecos.Lab(broker) as lab:
+        lab.broker(Broker).free(name).result()
+    if as_json:
+        print_json({"freed": name})
+    else:
+        print(f"{name}: free")
 
 
 @app.command()
@@ -211,7 +256,7 @@ def wait(name: str, timeout: float | None, broker: str | None, as_json: bool) ->
     from gecos.dynamic_client.connect import find
 
     end = math.inf if timeout is None else time.monotonic() + timeout
-    with gecos.Lab(broker) as lab:
+    with gecos.Lab(broker) as lab, lab.watch() as changes:
         while True:
             left = max(0.0, end - time.monotonic())
             try:
@@ -220,11 +265,18 @@ def wait(name: str, timeout: float | None, broker: str | None, as_json: bool) ->
             except (gecos.CreateError, gecos.ConnectionFailed) as error:
                 if exit_code(error) is ExitCode.NO_ACCESS or time.monotonic() >= end:
                     raise
-                time.sleep(_BETWEEN)
+            _await_change(changes, name, min(end, time.monotonic() + _ASK_ANYWAY))
     if as_json:
         print_json({"name": name, "type": found._gecos_interface.name})
     else:
         print(f"{name}: online")
+
+
+def _await_change(changes: ObjectWatch, name: str, until: float) -> None:
+    """Waits until the broker reports a change of the object called `name`."""
+    with contextlib.suppress(TimeoutError):
+        while changes.next(max(0.0, until - time.monotonic())).entry.name != name:
+            pass
 
 
 @app.command()
@@ -248,13 +300,24 @@ def completion(shell: str) -> None:
 
 
 @app.command("broker")
-def run_broker() -> None:
+@click.option(
+    "--name-hold",
+    type=Number(),
+    default=10.0,
+    show_default=True,
+    help="Seconds for which a silent server of another host keeps its names.",
+)
+def run_broker(name_hold: float) -> None:
     """Runs this host's broker until Ctrl-C."""
     import gecos
     from gecos import _core
     from gecos.termination_signals import TerminationSignals
 
-    with TerminationSignals() as signals, gecos.Lab() as lab, gecos.Broker(lab):
+    with (
+        TerminationSignals() as signals,
+        gecos.Lab() as lab,
+        gecos.Broker(lab, name_hold=name_hold),
+    ):
         print("broker: ready", flush=True)
         others = threading.Thread(target=_core.warn_of_other_brokers)
         others.start()

@@ -32,6 +32,36 @@ def _names(context: click.Context, _: click.Parameter, begun: str) -> list[Compl
     ]
 
 
+def silent_names(context: click.Context, _: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Returns the objects whose servers are silent, for the completion of a shell."""
+    import gecos
+    from gecos.dynamic_client.connect import silent_objects
+
+    try:
+        with gecos.Lab(context.params.get("broker")) as lab:
+            known = [one.entry for one in silent_objects(lab, patience=_MOMENT)]
+    except (ConnectionError, RuntimeError):
+        return []
+    return [
+        CompletionItem(entry.name, help=entry.interface_name)
+        for entry in known
+        if entry.name.startswith(begun)
+    ]
+
+
+def interfaces(context: click.Context, _: click.Parameter, begun: str) -> list[CompletionItem]:
+    """Returns the interfaces of the objects that are online, for the completion of a shell."""
+    import gecos
+
+    try:
+        with gecos.Lab(context.params.get("broker")) as lab:
+            known = lab.objects(patience=_MOMENT)
+    except (ConnectionError, RuntimeError):
+        return []
+    names = {name for entry in known for name in (entry.interface_name, *entry.bases)}
+    return [CompletionItem(name) for name in sorted(names) if name.startswith(begun)]
+
+
 def members(
     wanted: Callable[[Any], bool],
 ) -> Callable[[click.Context, click.Parameter, str], list[CompletionItem]]:

@@ -1,14 +1,17 @@
-"""Finds out what `gecos ls` shows: the objects of the broker, and whether their servers answer."""
+"""Finds out what `gecos ls` shows: the objects of the broker, their changes, and whether their
+servers answer."""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import gecos
-from gecos.dynamic_client.connect import connect_to, entries, silent_objects
+from gecos.cli.options import plain
+from gecos.dynamic_client.connect import connect_to, silent_objects
 from gecos.dynamic_client.silence import silent_since
 
 if TYPE_CHECKING:
@@ -31,13 +34,18 @@ class Presence:
     answers: bool
 
 
-def presences(lab: gecos.Lab) -> list[Presence]:
-    """Returns the objects that are online or silent, sorted by name. Takes at most ASKED_FOR, and
+def presences(lab: gecos.Lab, interface: str = "") -> list[Presence]:
+    """Returns the objects that are online or silent and have `interface` or an interface derived
+    from it, sorted by name. Without `interface`, returns all. Takes at most ASKED_FOR, and
     the time in which the broker answers. Raises CreateError without a broker."""
-    listed = entries(lab)
+    listed = lab.objects(interface)
     with ThreadPoolExecutor(_MOST_AT_ONCE) as side_by_side:
         answers = list(side_by_side.map(lambda entry: _answers(lab, entry), listed))
-    silent = {one.entry.name: one for one in silent_objects(lab)}
+    silent = {
+        one.entry.name: one
+        for one in silent_objects(lab)
+        if interface in ("", one.entry.interface_name, *one.entry.bases)
+    }
     found = {}
     for entry, answered in zip(listed, answers, strict=True):
         gone = None if answered else silent.pop(entry.name, None)
@@ -46,6 +54,23 @@ def presences(lab: gecos.Lab) -> list[Presence]:
     for name, one in silent.items():
         found.setdefault(name, Presence(one.entry, silent_since(one.silent_for), False))
     return [found[name] for name in sorted(found)]
+
+
+def changes(lab: gecos.Lab, interface: str = "") -> Iterator[dict[str, Any]]:
+    """Yields each change of the broker's list as data for JSON, at first each object that is online
+    or silent. `skipped` counts the changes that were read too late to see each of them."""
+    with lab.watch(interface) as watch:
+        skipped = 0
+        for change in watch:
+            silent = change.presence.name == "SILENT"
+            since = silent_since(change.silent_for) if silent else None
+            yield plain(change.entry) | {
+                "presence": change.presence.name,
+                "epoch": change.epoch,
+                "silent_since": since,
+                "skipped": watch.skipped - skipped,
+            }
+            skipped = watch.skipped
 
 
 def _answers(lab: gecos.Lab, entry: Entry) -> bool:

@@ -38,6 +38,18 @@ def objects(found: Sequence[Presence]) -> None:
     _table(("name", "type", "served by", "pid", "media", ""), rows)
 
 
+def change(of: dict[str, Any]) -> None:
+    """Prints one line of `gecos ls --watch`."""
+    from gecos.dynamic_client.silence import told
+
+    if of["skipped"]:
+        print(f"{of['skipped']} changes were read too late; their result follows")
+    since = of["silent_since"]
+    presence = of["presence"].lower() if since is None else told(since)
+    who = f"{of['interface_name']}, {of['user']}@{of['hostname']} pid {of['pid']}"
+    print(printable(f"{of['name']}: {presence} ({who})"), flush=True)
+
+
 def _state(of: Presence) -> str:
     from gecos.cli.presence import ASKED_FOR
     from gecos.dynamic_client.silence import told

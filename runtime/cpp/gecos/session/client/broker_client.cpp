@@ -23,6 +23,24 @@ Duration longest_provisional(double seconds) {
       std::chrono::duration<double>(seconds > 0 ? std::min(seconds, 60.0) : 0.0));
 }
 
+/// Waits for the answer to a call of the broker.
+template <class Reply, class T>
+tl::expected<T, std::string> answer(CommandCore& asked, TimePoint deadline) {
+  if (!asked.wait_until(deadline))
+    return tl::unexpected(std::string("the broker did not answer in time"));
+  if (asked.progress().detail != Detail::Done)
+    return tl::unexpected("the broker did not answer: " + asked.failure().text);
+  T value;
+  wire::Decoder from(asked.result());
+  if (read_result<Reply>(from, value)) return value;
+  return tl::unexpected("the broker's answer does not decode: " + from.error().message());
+}
+
+/// Returns true when the broker does not know the operation `asked`.
+bool is_older(const CommandCore& asked) {
+  return asked.progress().detail == Detail::UnknownOperation;
+}
+
 }  // namespace
 
 tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name,
@@ -43,6 +61,45 @@ tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name,
     return tl::unexpected("no object is called " + name + "; " + listed(unknown->known));
   }
   return tl::unexpected("the broker did not answer: " + failure.text);
+}
+
+tl::expected<std::vector<Entry>, std::string> query(Context& lab, const std::string& interface_name,
+                                                    TimePoint deadline) {
+  const auto broker = lab.broker(deadline);
+  if (!broker) return tl::unexpected(broker.error());
+  if (!interface_name.empty()) {
+    const auto asked =
+        own_call(**broker, BrokerInterface::query, Broker_query_arguments{interface_name});
+    auto found = answer<Broker_query_result, std::vector<Entry>>(*asked, deadline);
+    if (found || !is_older(*asked)) return found;
+  }
+  auto found = answer<Broker_list_result, std::vector<Entry>>(
+      *own_call(**broker, BrokerInterface::list), deadline);
+  if (found && !interface_name.empty()) {
+    std::erase_if(*found, [&](const Entry& one) {
+      return one.interface_name != interface_name &&
+             std::ranges::find(one.bases, interface_name) == one.bases.end();
+    });
+  }
+  return found;
+}
+
+tl::expected<ListChanges, std::string> list_changes(Context& lab, const ListRevision& since,
+                                                    TimePoint deadline) {
+  const auto broker = lab.broker(deadline);
+  if (!broker) return tl::unexpected(broker.error());
+  const auto asked = own_call(**broker, BrokerInterface::changes, Broker_changes_arguments{since});
+  auto found = answer<Broker_changes_result, ListChanges>(*asked, deadline);
+  if (found || !is_older(*asked)) return found;
+  auto listed = answer<Broker_list_result, std::vector<Entry>>(
+      *own_call(**broker, BrokerInterface::list), deadline);
+  if (!listed) return tl::unexpected(std::move(listed.error()));
+  ListChanges changes;
+  changes.revision.life = (*broker)->welcome().incarnation;
+  changes.whole = true;
+  for (Entry& entry : *listed)
+    changes.changed.push_back({std::move(entry), Presence::ONLINE, 0, 0});
+  return changes;
 }
 
 std::shared_ptr<CommandCore> register_object(ClientConnection& broker, const Entry& entry,

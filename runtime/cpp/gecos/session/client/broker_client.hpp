@@ -16,6 +16,15 @@ inline constexpr std::string_view broker_name = "BROKER";
 /// broker knows LASER, RX90".
 tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name, TimePoint deadline);
 
+/// Returns the objects online that have the interface or a derived one; all if it is empty. On
+/// failure returns why the broker gave no answer.
+tl::expected<std::vector<Entry>, std::string> query(Context& lab, const std::string& interface_name,
+                                                    TimePoint deadline);
+/// Returns what has changed in the broker's list since `since`. A broker of an older version gives
+/// the whole list in a life of its own, without its silent objects.
+tl::expected<ListChanges, std::string> list_changes(Context& lab, const ListRevision& since,
+                                                    TimePoint deadline);
+
 /// Registers the object `entry` with the broker until the session with the broker ends.
 /// `served_for`: how long the object has been served.
 std::shared_ptr<CommandCore> register_object(ClientConnection& broker, const Entry& entry,

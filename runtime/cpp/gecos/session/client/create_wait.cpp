@@ -1,23 +1,29 @@
 #include <algorithm>
-#include <chrono>
 
 #include "gecos/binding.hpp"
+#include "gecos/session/client/broker_news.hpp"
+#include "gecos/session/protocol/packets.hpp"
 
 namespace gecos::session {
 
-CreateWait::CreateWait(const std::vector<std::string>& names, Duration longest, TimePoint now)
-    : until_(now) {
+CreateWait::CreateWait(const LabOrWhyNot& lab, const std::vector<std::string>& names,
+                       Duration longest)
+    : lab_(*lab), until_(system_clock().now()) {
   const bool all_nil = std::ranges::all_of(names, &std::string::empty);
-  if (!all_nil) until_ = longest < TimePoint::max() - now ? now + longest : TimePoint::max();
+  if (!all_nil) until_ = deadline_after(longest);
 }
 
-std::optional<TimePoint> CreateWait::next(const CreateError& why, TimePoint now) {
+CreateWait::~CreateWait() = default;
+
+bool CreateWait::helps(const CreateError& why) const {
   const bool may_come = std::ranges::any_of(
       why.attempts, [](const auto& attempt) { return attempt.detail == Detail::NoServer; });
-  if (!may_come || now >= until_) return std::nullopt;
-  const TimePoint again = std::min(until_, now + pause_);
-  pause_ = std::min<Duration>(pause_ * 2, std::chrono::milliseconds(160));
-  return again;
+  return may_come && system_clock().now() < until_ && !lab_->closed();
+}
+
+bool CreateWait::wait(TimePoint until) {
+  if (!news_) news_ = std::make_unique<BrokerNews>(lab_);
+  return news_->wait(std::min(until, until_)) || system_clock().now() >= until_ || lab_->closed();
 }
 
 }  // namespace gecos::session

@@ -114,14 +114,14 @@ tl::expected<Created, CreateError> create(const LabOrWhyNot& lab,
                                           const InterfaceDescription& wanted,
                                           const std::vector<std::string>& names,
                                           const CreateOptions& options) {
-  const auto now = [] { return system_clock().now(); };
-  CreateWait wait(names, options.wait, now());
-  for (;;) {
-    auto created = try_create(lab, wanted, names, options);
-    if (created || !lab) return created;
-    const auto again = wait.next(created.error(), now());
-    if (!again || (*lab)->closed_by(*again)) return created;
+  auto created = try_create(lab, wanted, names, options);
+  if (created || !lab || options.wait <= Duration::zero()) return created;
+  CreateWait waiting(lab, names, options.wait);
+  while (!created && waiting.helps(created.error())) {
+    waiting.wait();
+    created = try_create(lab, wanted, names, options);
   }
+  return created;
 }
 
 tl::expected<Created, CreateError> try_create(const LabOrWhyNot& lab,

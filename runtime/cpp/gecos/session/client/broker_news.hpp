@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "gecos/session/client/context.hpp"
+
+namespace gecos::session {
+
+/// Waits for changes of the broker's list. Reads the stream on which the broker publishes the
+/// number of each change, and subscribes again with each new broker. A Lab that is closed ends the
+/// wait within 100 ms. Not thread-safe.
+class BrokerNews {
+ public:
+  explicit BrokerNews(std::shared_ptr<Context> lab) : lab_(std::move(lab)) {}
+
+  /// Waits until the list may have changed since the last call, or until `deadline`, or 2 s longer
+  /// if a broker does not answer. Returns whether it may have changed: a change was published, or
+  /// this is another broker than before. Returns true at least once a second, because the medium
+  /// may have lost a sample, and because a broker of an older version publishes none.
+  bool wait(TimePoint deadline);
+
+ private:
+  enum class Heard : std::uint8_t { News, Nothing };
+  Heard subscribe(TimePoint deadline);
+
+  const std::shared_ptr<Context> lab_;
+  std::shared_ptr<ClientConnection> broker_;  ///< that of `revisions_`
+  std::shared_ptr<StreamCore> revisions_;     ///< null when the broker publishes no changes
+  RawSample sample_;
+  static constexpr Duration shortest_pause = std::chrono::milliseconds(20);
+  Duration pause_ = shortest_pause;  ///< between two searches for a broker; grows to 160 ms
+};
+
+}  // namespace gecos::session

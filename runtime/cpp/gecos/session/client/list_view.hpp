@@ -1,0 +1,51 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gecos/base/clock.hpp"
+#include "gecos/broker_types.hpp"  // generated from idl/gecos/broker.gidl
+
+namespace gecos::session {
+
+/// A watcher's copy of the broker's list. Turns the answers of the broker into changes, each of
+/// which it returns once, also when a broker was restarted and its servers register again. Does no
+/// I/O and reads no clock.
+class ListView {
+ public:
+  /// A live server registers with a new broker within this time after the broker's start: it learns
+  /// within 1.3 s that its broker is gone, and then searches every 200 ms.
+  static constexpr Duration servers_return_within = std::chrono::milliseconds(2500);
+
+  /// `interface_name`: only objects that have this interface or a derived one; empty: all.
+  explicit ListView(std::string interface_name = {}) : interface_name_(std::move(interface_name)) {}
+
+  /// The revision up to which this view is complete.
+  const ListRevision& revision() const { return revision_; }
+  /// Takes over an answer to a question for the changes since `revision()`. Returns what is new. An
+  /// object that the whole list of another broker lacks is reported as gone only when its server
+  /// has had the time to return.
+  std::vector<Registration> take(const ListChanges& answer, TimePoint now);
+  /// Returns the objects whose servers have not returned in time, as gone.
+  std::vector<Registration> missing(TimePoint now);
+  /// When `missing` must be called next; nullopt: no server is expected back.
+  std::optional<TimePoint> next_check() const;
+  /// Number of changes that the broker no longer kept when this view asked for them. The view has
+  /// their result, not each of them.
+  std::uint64_t skipped() const { return skipped_; }
+
+ private:
+  bool watched(const Registration& one) const;
+  /// Puts `one` into the view, and into `news` when it is new.
+  void put(const Registration& one, std::vector<Registration>& news);
+
+  const std::string interface_name_;
+  ListRevision revision_;
+  std::uint64_t skipped_ = 0;
+  std::map<std::string, Registration> known_;          ///< online or silent
+  std::map<std::string, TimePoint> expected_back_by_;  ///< of names in known_
+};
+
+}  // namespace gecos::session

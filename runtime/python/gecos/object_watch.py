@@ -1,0 +1,66 @@
+"""Watching which objects come online, fall silent and go."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+from gecos.wire import from_bytes
+
+if TYPE_CHECKING:
+    from gecos_idl.broker_types import Registration
+
+    from gecos import _core
+
+
+class ObjectWatch:
+    """Reports each change of the broker's list once, also when the broker is restarted meanwhile:
+    then only what has really changed. Make one with `lab.watch()`.
+
+    Iterating waits for each change, and ends after `close()` or when the Lab is closed. At first it
+    yields each object that is online or silent already. While no broker answers, there are no
+    changes: the objects continue to run. Only one thread reads at a time.
+    """
+
+    def __init__(self, core: _core.ObjectWatch) -> None:
+        self._core = core
+
+    def next(self, timeout: float | None = None) -> Registration:
+        """Returns the next change. Raises TimeoutError after `timeout` seconds without one, and
+        EOFError if the watch or its Lab was closed."""
+        from gecos_idl.broker_types import Registration
+
+        change = self._core.next(timeout)
+        if isinstance(change, bytes):
+            return from_bytes(Registration, change)
+        if change:
+            raise TimeoutError(f"no object came, fell silent or went within {timeout:g} s")
+        raise EOFError("the watch of the broker's list, or its Lab, was closed")
+
+    @property
+    def skipped(self) -> int:
+        """The number of changes that this watch read too late to see each of them: the broker keeps
+        the last 1024. Their result was reported."""
+        return self._core.skipped()
+
+    def close(self) -> None:
+        self._core.close()
+
+    def __iter__(self) -> Iterator[Registration]:
+        while True:
+            try:
+                yield self.next()
+            except EOFError:
+                return
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()

@@ -1,0 +1,147 @@
+"""Two network namespaces as two hosts: who has the name of a server of the other host that ends,
+freezes, or is cut off, and what a watcher on either host is told."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from hosts import Hosts
+from processes import Laboratory, Program
+
+NAME_HOLD = 4.0
+"""The broker's setting here, in s; by default 10."""
+GECOS = [sys.executable, "-m", "gecos.cli"]
+
+
+@dataclass
+class TwoHosts:
+    """The broker is on host 0, and a watcher on each host."""
+
+    hosts: Hosts
+    labs: list[Laboratory]
+    broker: Program
+    watchers: list[Program]
+
+    def start(self, host: int, *command: str | Path) -> Program:
+        return self.labs[host].start(*self.hosts.on(host), *command)
+
+    def serve(self, host: int) -> Program:
+        server = self.labs[host].build / "tests/system/rail/rail_server"
+        program = self.start(host, server)
+        program.wait_for("serving RAIL")
+        return program
+
+    def gecos(self, host: int, *words: str) -> Program:
+        program = self.start(host, *GECOS, *words)
+        program.finish()
+        return program
+
+    def told(self, presence: str) -> None:
+        """The next that each watcher says is this."""
+        for watcher in self.watchers:
+            told = json.loads(watcher.wait_for("{"))
+            assert (told["name"], told["presence"]) == ("RAIL", presence)
+
+
+@pytest.fixture
+def two(build: Path, env: dict[str, str]) -> Iterator[TwoHosts]:
+    with Hosts() as hosts, tempfile.TemporaryDirectory(prefix="gecos-") as place:
+        labs = []
+        for host in range(2):
+            folder = Path(place) / str(host)
+            folder.mkdir(mode=0o700)
+            labs.append(Laboratory(folder, build))
+            labs[-1].env |= env | {"GECOS_LCM_TTL": "1", "GECOS_BROKER": "lcm"}
+        try:
+            command = build / "runtime/cpp/gecos/broker/gecos-broker"
+            broker = labs[0].start(*hosts.on(0), command, f"--name-hold={NAME_HOLD}", ready="ready")
+            two = TwoHosts(hosts, labs, broker, [])
+            two.watchers = [two.start(host, *GECOS, "ls", "--watch", "--json") for host in range(2)]
+            yield two
+            for watcher in two.watchers:
+                watcher.signal(signal.SIGINT)
+                watcher.finish()
+        finally:
+            for lab in reversed(labs):
+                lab.close()
+
+
+def silent_since(two: TwoHosts) -> float:
+    (found,) = json.loads(two.gecos(0, "ls", "--json").output())
+    assert found["name"] == "RAIL"
+    return float(found["silent_since"])
+
+
+def test_a_dead_server_of_another_host_is_silent_and_its_name_is_free_after_name_hold(
+    two: TwoHosts,
+) -> None:
+    server = two.serve(1)
+    two.told("ONLINE")
+    server.kill()
+    killed = time.time()
+    two.told("SILENT")
+    assert abs(silent_since(two) - killed) < 5.0
+    # It asks again until it gets the name, for 10 s.
+    two.serve(0)
+    assert time.time() - killed > NAME_HOLD - 0.5, "the name was held since the last sign of life"
+    two.told("ONLINE")
+
+
+def test_the_name_of_a_frozen_server_of_another_host_is_set_free_by_hand(two: TwoHosts) -> None:
+    frozen = two.serve(1)
+    two.told("ONLINE")
+    refused = two.gecos(1, "free", "RAIL")
+    assert refused.finish() == 3 and "the broker hears its server" in refused.output()
+    frozen.signal(signal.SIGSTOP)
+    two.told("SILENT")
+    freed = two.gecos(1, "free", "RAIL")
+    assert freed.output() == "RAIL: free", str(freed)
+    two.told("GONE")
+    other = two.serve(0)
+    two.told("ONLINE")
+    frozen.signal(signal.SIGCONT)
+    assert f"pid {other.pid}" in frozen.wait_for("is stopped and takes no actor commands")
+
+
+def test_a_server_that_was_cut_off_for_less_than_name_hold_has_its_name(two: TwoHosts) -> None:
+    two.serve(1)
+    two.told("ONLINE")
+    here, there = two.watchers
+    two.hosts.cut()
+    assert json.loads(here.wait_for("{"))["presence"] == "SILENT"
+    two.hosts.mend()
+    assert json.loads(here.wait_for("{"))["presence"] == "ONLINE"
+    listed = two.gecos(0, "ls", "--json")
+    assert [one["silent_since"] for one in json.loads(listed.output())] == [None]
+    # The watcher beyond the cut learns the same, or that nothing has changed when it asks late.
+    later = [json.loads(line)["presence"] for line in there.lines[1:]]
+    assert later in ([], ["SILENT"], ["SILENT", "ONLINE"])
+
+
+def test_the_server_that_was_cut_off_for_longer_stops_if_another_one_has_its_name(
+    two: TwoHosts,
+) -> None:
+    cut_off = two.serve(1)
+    two.told("ONLINE")
+    two.hosts.cut()
+    assert json.loads(two.watchers[0].wait_for("{"))["presence"] == "SILENT"
+    other = two.serve(0)
+    two.hosts.mend()
+    assert f"pid {other.pid}" in cut_off.wait_for("is stopped and takes no actor commands")
+
+
+def test_a_server_of_the_brokers_host_frees_its_name_at_once_over_lcm(two: TwoHosts) -> None:
+    server = two.serve(0)
+    two.told("ONLINE")
+    server.kill()
+    two.told("GONE")
+    two.serve(0)
+    two.told("ONLINE")

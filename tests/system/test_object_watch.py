@@ -1,0 +1,196 @@
+"""What a broker announces, and to whom it gives the name of a server that ended or stands still."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+
+import gecos
+import pytest
+from gecos import cli
+from gecos_idl.broker import Broker
+from gecos_idl.broker_types import NameInUse, UnknownName
+from jsonschema import validate
+from processes import Laboratory, Program, until
+
+SCHEMA = json.loads((Path(cli.__file__).parent / "output.schema.json").read_text())
+GECOS = [sys.executable, "-m", "gecos.cli"]
+SERVER = Path(__file__).parent / "rail" / "server.py"
+MANY = f"""
+import runpy, sys, gecos
+Rail = runpy.run_path({str(SERVER)!r})["Rail"]
+names = sys.argv[1:]
+gecos.serve({{name: Rail() for name in names}}, simulated=True)
+"""
+PATIENCE = 20.0
+
+
+def broker(lab: Laboratory) -> Program:
+    return lab.start(lab.build / "runtime/cpp/gecos/broker/gecos-broker", "shm", ready="ready")
+
+
+def rails(lab: Laboratory, *names: str) -> Program:
+    return lab.start(sys.executable, "-c", MANY, *names, ready="serving")
+
+
+def next_of(watch: gecos.ObjectWatch) -> str:
+    change = watch.next(PATIENCE)
+    return f"{change.entry.name} {change.presence.name}"
+
+
+@pytest.fixture
+def watching(lab: Laboratory, here: None) -> Program:
+    return broker(lab)
+
+
+def test_a_watch_is_told_each_change_once(lab: Laboratory, watching: Program) -> None:
+    with gecos.Lab() as client, client.watch() as watch:
+        first = rails(lab, "ONE")
+        assert next_of(watch) == "ONE ONLINE"
+        second = rails(lab, "TWO")
+        assert next_of(watch) == "TWO ONLINE"
+        with client.watch("lab::RailSensor") as later, client.watch("robcl::Rx90") as other:
+            assert [next_of(later), next_of(later)] == ["ONE ONLINE", "TWO ONLINE"]
+            first.terminate()
+            second.kill()
+            for each in watch, later:
+                assert [next_of(each), next_of(each)] == ["ONE GONE", "TWO GONE"]
+                with pytest.raises(TimeoutError, match="within 0"):
+                    each.next(0)
+            with pytest.raises(TimeoutError):
+                other.next(0)
+
+
+def test_a_query_by_a_base_interface_finds_derived_ones(lab: Laboratory, watching: Program) -> None:
+    rails(lab, "RAIL")
+    with gecos.Lab() as client:
+        for interface in "lab::RailSensor", "robcl::LaserDistanceSensor", "robcl::Device", None:
+            assert [one.name for one in client.objects(interface)] == ["RAIL"], interface
+        assert client.objects("robcl::Rx90") == []
+    for interface, shown in ("robcl::LaserDistanceSensor", ["RAIL"]), ("robcl::Rx90", []):
+        listed = lab.run(*GECOS, "ls", "--interface", interface, "--json")
+        assert [one["name"] for one in json.loads(listed.output())] == shown
+
+
+def test_a_broker_that_is_killed_and_restarted_under_fifty_sessions_loses_nothing(
+    lab: Laboratory, watching: Program
+) -> None:
+    """The names are promised to be back within 1 s of its start; here they have five."""
+    from lab.rail_sensor import RailSensor
+
+    names = [f"RAIL{i}" for i in range(50)]
+    for first in range(0, 50, 10):
+        rails(lab, *names[first : first + 10])
+    with gecos.Lab() as client, client.watch() as watch:
+        assert {next_of(watch) for _ in names} == {f"{name} ONLINE" for name in names}
+        proxies = [client.create(RailSensor, name) for name in names]
+        leases = [gecos.actor(proxy) for proxy in proxies]
+        rides = [proxy.travel(1.0) for proxy in proxies]
+        watching.kill()
+        broker(lab)
+
+        def names_back() -> bool:
+            try:
+                return len(client.objects()) == 50
+            except gecos.CreateError:  # the client has not noticed yet that its broker is gone
+                return False
+
+        took = until(names_back, "all names are back")
+        assert took < 5.0
+        for ride in rides:
+            ride.result(PATIENCE)
+        assert [proxy.base().result().position[0] for proxy in proxies] == [1.0] * 50
+        for lease in leases:
+            lease.release()
+        rails(lab, "ANOTHER")
+        assert next_of(watch) == "ANOTHER ONLINE", "and nothing was told of the others"
+        assert watch.skipped == 0
+
+
+def test_a_server_that_does_not_return_to_the_next_broker_is_told_as_gone(
+    lab: Laboratory, watching: Program
+) -> None:
+    rails(lab, "STAYS")
+    ends = rails(lab, "ENDS")
+    with gecos.Lab() as client, client.watch() as watch:
+        assert [next_of(watch), next_of(watch)] == ["ENDS ONLINE", "STAYS ONLINE"]
+        watching.kill()
+        ends.kill()
+        broker(lab)
+        assert next_of(watch) == "ENDS GONE"
+
+
+def test_a_frozen_server_of_this_host_keeps_its_name_until_its_process_ends(
+    lab: Laboratory, watching: Program
+) -> None:
+    frozen = rails(lab, "RAIL")
+    with gecos.Lab() as client, client.watch() as watch:
+        assert next_of(watch) == "RAIL ONLINE"
+        frozen.signal(signal.SIGSTOP)
+        assert next_of(watch) == "RAIL SILENT"
+        other = lab.run(lab.build / "tests/system/rail/rail_server")
+        assert "its process still lives on this host" in other.output()
+        freed = lab.run(*GECOS, "free", "RAIL")
+        assert freed.finish() == 3, str(freed)
+        assert f"end it with `kill -KILL {frozen.pid}`" in freed.output()
+        with pytest.raises(NameInUse):
+            client.broker(Broker).free("RAIL").result(PATIENCE)
+        with pytest.raises(UnknownName):
+            client.broker(Broker).free("NOBODY").result(PATIENCE)
+        frozen.kill()
+        assert next_of(watch) == "RAIL GONE"
+        rails(lab, "RAIL")
+        assert next_of(watch) == "RAIL ONLINE"
+
+
+def test_a_frozen_server_that_goes_on_has_its_name(lab: Laboratory, watching: Program) -> None:
+    frozen = rails(lab, "RAIL")
+    with gecos.Lab() as client, client.watch() as watch:
+        assert next_of(watch) == "RAIL ONLINE"
+        frozen.signal(signal.SIGSTOP)
+        assert next_of(watch) == "RAIL SILENT"
+        frozen.signal(signal.SIGCONT)
+        assert next_of(watch) == "RAIL ONLINE"
+        assert [one.pid for one in client.objects()] == [frozen.pid]
+
+
+def test_the_command_line_shows_changes_and_waits_for_one(
+    lab: Laboratory, watching: Program
+) -> None:
+    shown = lab.start(*GECOS, "ls", "--watch")
+    told = lab.start(*GECOS, "ls", "--watch", "--json", "--interface", "robcl::Device")
+    waits = lab.start(*GECOS, "wait", "RAIL")
+    server = rails(lab, "RAIL")
+    assert waits.wait_for("RAIL: online")
+    assert f"pid {server.pid}" in shown.wait_for("RAIL: online (lab::RailSensor, ")
+    online = json.loads(told.wait_for("RAIL"))
+    server.kill()
+    shown.wait_for("RAIL: gone")
+    gone = json.loads(told.wait_for("GONE"))
+    for line in told.lines:
+        validate(json.loads(line), SCHEMA | {"$ref": "#/$defs/ls --watch"})
+    assert gone == online | {"presence": "GONE"}
+    assert Counter(line.partition(" (")[0] for line in shown.lines) == {
+        "RAIL: online": 1,
+        "RAIL: gone": 1,
+    }
+    for each in shown, told:
+        each.signal(signal.SIGINT)
+        assert each.finish() == 130
+
+
+def test_create_waits_for_an_object_and_for_a_broker(lab: Laboratory, here: None) -> None:
+    from lab.rail_sensor import RailSensor
+
+    with gecos.Lab() as client, pytest.raises(gecos.CreateError):
+        client.create(RailSensor, "RAIL", wait=0.2)
+    begun = time.monotonic()
+    waits = lab.start(*GECOS, "wait", "RAIL", "--timeout", "30", "--json")
+    broker(lab)
+    rails(lab, "RAIL")
+    assert waits.finish() == 0, str(waits)
+    assert time.monotonic() - begun < 30
