@@ -29,6 +29,12 @@ GROWN = {"first": -7, "second": 1.25, "third": "\u00e4", "fourth": ""}
 CASES: list[tuple[str, str, Any]] = [
     ("gecos::Grant", "as made", {}),
     ("gecos::Grant", "master", {"status": "MASTER", "epoch": 2**63 + 5}),
+    ("gecos::FeedReport", "as made", {}),
+    (
+        "gecos::FeedReport",
+        "one is too old",
+        {"admitted": 2**40, "too_old": 1, "last_refusal": "it is too old", "expired": True},
+    ),
     ("gecos::OutcomeRecord", "as made", {}),
     ("gecos::OutcomeRecord", "stopped", {"detail": 16, "text": "stopped by ann"}),
     ("gecos::Holder", "somebody", {
