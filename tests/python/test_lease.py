@@ -4,6 +4,13 @@ import gecos
 import pytest
 from gecos import Detail, State
 from lamp import Lamp, PlainLamp
+from test_process import running, says
+
+SERVER = """
+import gecos
+from lamp import PlainLamp
+gecos.serve({"LAMP": PlainLamp()}, simulated=True)
+"""
 
 
 @pytest.fixture
@@ -118,6 +125,16 @@ def test_stop_ends_the_line(lamp: Lamp, other: Lamp) -> None:
         pytest.raises(gecos.LeaseRefused, match="ended while it waited: stopped by"),
     ):
         gecos.actor(other, timeout=None, on_position=lambda before: gecos.stop(lamp).detach())
+
+
+def test_a_server_that_dies_while_others_wait_is_a_failed_connection(lab: gecos.Lab) -> None:
+    with running(SERVER) as server:
+        assert says(server) == "serving LAMP\n"
+        lease = gecos.actor(lab.create(Lamp, "LAMP"))
+        waiting = lab.create(Lamp, "LAMP")
+        with pytest.raises(gecos.ConnectionFailed, match="the server was lost while the request"):
+            gecos.actor(waiting, timeout=None, on_position=lambda before: server.kill())
+        lease.release()
 
 
 def test_holders_lists_who_has_status(held: Lamp, other: Lamp) -> None:

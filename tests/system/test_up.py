@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import signal
+import subprocess
 import sys
 import uuid
 from pathlib import Path
@@ -105,6 +106,78 @@ def test_a_program_that_cannot_be_started_again_is_tried_later(
             said += capsys.readouterr().out
 
 
+def test_what_a_wrapper_has_started_ends_too(lab: Laboratory, tmp_path: Path) -> None:
+    marker = f"up-{uuid.uuid4()}"
+    lab.env["GECOS_TEST_MARKER"] = marker
+    (tmp_path / "start.sh").write_text(
+        f"{lab.build}/devices/laser_distance_sensor/robcl-lds\nexit 1\n"
+    )
+    file = tmp_path / "lab.toml"
+    file.write_text('[programs.LDS]\nrun = ["sh", "start.sh"]\n')
+    up = lab.start(*GECOS, "up", file)
+    up.wait_for("up: LDS is ready")
+    up.signal(signal.SIGINT)
+    assert up.finish() == 0, str(up)
+    assert alive_with(marker) == {}
+
+
+def test_a_second_interrupt_kills_what_does_not_end(lab: Laboratory, tmp_path: Path) -> None:
+    marker = f"up-{uuid.uuid4()}"
+    lab.env["GECOS_TEST_MARKER"] = marker
+    file = tmp_path / "lab.toml"
+    file.write_text(
+        "[programs.DEAF]\n"
+        'run = ["sh", "-c", "trap \'\' TERM; echo serving X; while :; do sleep 1; done"]\n'
+    )
+    up = lab.start(*GECOS, "up", file)
+    up.wait_for("up: DEAF is ready")
+    up.signal(signal.SIGINT)
+    up.wait_for("up: ending")
+    up.signal(signal.SIGINT)
+    up.finish()
+    await_ends(alive_with(marker))
+    assert alive_with(marker) == {}
+
+
+def test_a_death_is_told_although_a_child_keeps_the_output_open(
+    lab: Laboratory, tmp_path: Path
+) -> None:
+    marker = f"up-{uuid.uuid4()}"
+    lab.env["GECOS_TEST_MARKER"] = marker
+    file = tmp_path / "lab.toml"
+    file.write_text(
+        '[programs.PARENT]\nrun = ["sh", "-c", "echo serving X; sleep 1000 & exit 3"]\n'
+        "restart = true\n"
+    )
+    up = lab.start(*GECOS, "up", file)
+    up.wait_for("PARENT ended with status 3; it is started again in 1 s")  # the second time
+    up.signal(signal.SIGINT)
+    assert up.finish() == 0, str(up)
+    await_ends(alive_with(marker))
+    assert alive_with(marker) == {}
+
+
+def test_programs_go_on_when_nobody_reads_their_output(lab: Laboratory, tmp_path: Path) -> None:
+    """Far more is printed than a pipe holds, after the reader of `gecos up` is gone."""
+    file = tmp_path / "lab.toml"
+    file.write_text(
+        '[programs.CHATTY]\nrun = ["sh", "-c", "echo serving X; read word <go; '
+        'yes | head -c 1000000; touch done; exec sleep 1000"]\n'
+    )
+    os.mkfifo(tmp_path / "go")
+    with subprocess.Popen(
+        [*GECOS, "up", str(file)], env=lab.env, stdout=subprocess.PIPE, text=True
+    ) as up:
+        assert up.stdout is not None
+        while "up: CHATTY is ready" not in up.stdout.readline():
+            pass
+        up.stdout.close()
+        (tmp_path / "go").write_text("go\n")
+        while not (tmp_path / "done").exists():
+            assert up.poll() is None
+        up.send_signal(signal.SIGINT)
+
+
 def test_what_serve_prints_says_that_a_program_is_ready(lab: Laboratory, tmp_path: Path) -> None:
     file = tmp_path / "lab.toml"
     file.write_text('[programs.OVEN]\nrun = ["sh", "-c", "echo serving OVEN; exec sleep 1000"]\n')
@@ -179,6 +252,7 @@ def test_a_file_is_read(tmp_path: Path) -> None:
         ("programs = 3", "1: programs: a table is expected"),
         ("\n[brokr]\n", "2: brokr: this key is unknown; did you mean broker?"),
         ('[programs.A]\nrum = ["x"]', "2: programs.A.rum: this key is unknown; did you mean run?"),
+        ('[programs.BROKER]\nrun = ["x"]', "1: programs.BROKER: this is the name of the broker"),
         ("[programs.A]\nrestart = true", "1: programs.A.run: write a list of texts"),
         ("[programs.A]\nrun = []", "2: programs.A.run: write a list of texts"),
         ('[programs.A]\nrun = "x"', "2: programs.A.run: a list of words is expected"),

@@ -145,6 +145,9 @@ def _acquire(
     where = f"{access.name.lower()} status of {session.object_name}"
     if detail.state is State.CONNECTION_FAILED:
         raise ConnectionFailed(detail, f"{where}: {text}")
+    if detail in (Detail.SERVER_CRASHED, Detail.OUTCOME_UNKNOWN):
+        lost = f"{where} was not granted: the server was lost while the request waited"
+        raise ConnectionFailed(Detail.NO_SERVER, lost)
     raise _refusal(where, text, exception, evidence)
 
 

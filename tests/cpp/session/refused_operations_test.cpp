@@ -61,7 +61,7 @@ TEST(RefusedOperations, AreThoseWhoseQualityTheMediumDoesNotMeet) {
     for (const auto& [medium, why] : {std::pair(gecos::media::shm_capabilities, row.over_shm),
                                       std::pair(gecos::media::lcm_capabilities, row.over_lcm)}) {
       RefusedOperations refused({});
-      refused.hold_to_quality(lift, medium, row.simulated);
+      refused.check_quality(lift, medium, row.simulated);
       const auto failure = refused.why(gecos::FunctionCode{7}, "turn", server);
       if (why.empty()) {
         EXPECT_FALSE(failure) << failure->text;
@@ -80,7 +80,7 @@ TEST(RefusedOperations, ThatDifferAreRefusedWhateverTheyDemand) {
   const std::array operations = {asking(7, {.media = Media::Can})};
   const gecos::InterfaceDescription lift{.name = "lab::Lift", .operations = operations};
   RefusedOperations refused({gecos::FunctionCode{7}});
-  refused.hold_to_quality(lift, gecos::media::shm_capabilities, false);
+  refused.check_quality(lift, gecos::media::shm_capabilities, false);
   const auto failure = refused.why(gecos::FunctionCode{7}, "turn", {});
   ASSERT_TRUE(failure);
   EXPECT_EQ(failure->detail, Detail::Refused);

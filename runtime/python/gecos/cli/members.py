@@ -101,7 +101,7 @@ def get(name: str, attribute: str, password: str, broker: str | None, as_json: b
         report.value(value, unit)
 
 
-@click.command("set")
+@click.command("set", context_settings={"ignore_unknown_options": True})  # for values such as -1
 @name_argument
 @settable_argument
 @click.argument("value")

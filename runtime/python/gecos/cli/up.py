@@ -40,7 +40,8 @@ def up(file: Path | None, folders: tuple[Path, ...], restart: bool) -> None:
     except LaboratoryFileError as error:
         raise UsageFailure(str(error)) from None
     for number in (signal.SIGTERM, signal.SIGHUP):  # SIGHUP arrives when a terminal is closed
-        signal.signal(number, _interrupt)
+        if signal.getsignal(number) is not signal.SIG_IGN:  # as under nohup
+            signal.signal(number, _interrupt)
     with running(laboratory, folders=folders, restart=restart) as started:
         names = ", ".join(program.name for program in laboratory.programs)
         verb = "is" if len(laboratory.programs) == 1 else "are"

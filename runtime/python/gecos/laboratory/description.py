@@ -97,6 +97,8 @@ class _Reader:
 
     def _program(self, programs: dict[str, Any], name: str) -> Program:
         place = f"programs.{name}"
+        if name == "BROKER":
+            self._refuse(place, "this is the name of the broker; give the program another one")
         table = self._table(programs, name, "programs")
         self._known(table, place, _PROGRAM_KEYS)
         run = self._value(table, place, "run", list, "a list of words", [])

@@ -6,12 +6,13 @@ import os
 import re
 import sched
 import shutil
+import signal
 import subprocess
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -20,6 +21,8 @@ from gecos.laboratory.description import LaboratoryDescription, Program
 
 READY_WITHIN = 60.0  # s
 END_WITHIN = 5.0  # s after SIGTERM, before SIGKILL
+_LAST_LINES_WITHIN = 0.5  # s to read the last lines of a program that has ended
+_LONGEST_LINE = 65536  # characters; a longer line is printed in parts
 _FIRST_PAUSE = 0.5  # s before a program is started again; doubles each time
 _LONGEST_PAUSE = 30.0  # s
 _LONG_RUN = 60.0  # s after which a program that ends is started again after the first pause
@@ -30,7 +33,8 @@ class LaboratoryError(RuntimeError):
 
 
 class _Process:
-    """One run of a program. Each line of its output is printed after the name of the program."""
+    """One run of a program, in a session and process group of its own. Each line of its output is
+    printed after the name of the program."""
 
     def __init__(
         self,
@@ -59,18 +63,24 @@ class _Process:
         )
         self._reader = threading.Thread(target=self._pass_on, daemon=True)
         self._reader.start()
+        threading.Thread(target=self._await_end, daemon=True).start()
 
     def _pass_on(self) -> None:
+        """Passes the output on until its end. Processes that the program has started may keep the
+        output open for longer than the program runs."""
         assert self._process.stdout is not None
         if self._is_ready:
             self._ready_or_ended.set()
-        for line in self._process.stdout:
-            print(f"  [{self.program.name}] {line}", end="", flush=True)
-            if _is_ready(line, self.program):
-                self._is_ready = True
-                self._ready_or_ended.set()
-        self._process.stdout.close()
+        with self._process.stdout as output:
+            while line := output.readline(_LONGEST_LINE):
+                _show(f"  [{self.program.name}] {line.rstrip()}")
+                if _is_ready(line, self.program):
+                    self._is_ready = True
+                    self._ready_or_ended.set()
+
+    def _await_end(self) -> None:
         self._process.wait()
+        self._reader.join(_LAST_LINES_WITHIN)
         self._ready_or_ended.set()
         self._ended(self)
 
@@ -85,7 +95,7 @@ class _Process:
     def complain_if_not_ready(self) -> None:
         """Prints that the program is not ready. Called READY_WITHIN s after its start."""
         if not self._ready_or_ended.is_set():
-            print(self._not_ready(), flush=True)
+            _show(self._not_ready())
 
     def _not_ready(self) -> str:
         ready = self.program.ready
@@ -105,21 +115,28 @@ class _Process:
         status = self._process.wait()
         return f"was ended by signal {-status}" if status < 0 else f"ended with status {status}"
 
-    def ask_to_end(self) -> None:
-        if self.status is None:
-            self._process.terminate()
-
     def end(self) -> None:
-        """Asks the program to end, and waits for the end. Kills the program if it does not end in
-        time."""
-        self.ask_to_end()
+        """Asks the program, and all processes that it has started, to end, and waits for the end.
+        Kills what does not end in time."""
+        self._signal(signal.SIGTERM)
         try:
             self._process.wait(END_WITHIN)
         except subprocess.TimeoutExpired:
             print(f"{self.program.name} did not end after SIGTERM and was killed", file=sys.stderr)
             self._process.kill()
         self._process.wait()
-        self._reader.join(END_WITHIN)
+        self._reader.join(
+            END_WITHIN
+        )  # a process that the program has started may still say goodbye
+        self.kill()
+
+    def kill(self) -> None:
+        """Kills the program and all processes that it has started and that are still there."""
+        self._signal(signal.SIGKILL)
+
+    def _signal(self, number: signal.Signals) -> None:
+        with suppress(ProcessLookupError):
+            os.killpg(self._process.pid, number)
 
 
 class RunningLaboratory:
@@ -163,7 +180,7 @@ class RunningLaboratory:
     def _after(self, ended: _Process) -> None:
         program = ended.program
         if not program.restart:
-            print(f"{program.name} {ended.how_ended()}; the other programs continue", flush=True)
+            _show(f"{program.name} {ended.how_ended()}; the other programs continue")
             return
         if time.monotonic() - ended.since >= _LONG_RUN:
             self._pauses.pop(program.name, None)
@@ -172,10 +189,11 @@ class RunningLaboratory:
     def _start_later(self, program: Program, why: str) -> None:
         pause = min(max(_FIRST_PAUSE, 2 * self._pauses.get(program.name, 0.0)), _LONGEST_PAUSE)
         self._pauses[program.name] = pause
-        print(f"{why}; it is started again in {pause:g} s", flush=True)
+        _show(f"{why}; it is started again in {pause:g} s")
         self._later.enter(pause, 0, self._start_again, (program,))
 
     def _start_again(self, program: Program) -> None:
+        self._processes[program.name].kill()  # what it has left behind
         try:
             process = self._launch(program)
         except OSError as error:  # for example while its file is written anew
@@ -184,9 +202,15 @@ class RunningLaboratory:
         self._later.enter(READY_WITHIN, 0, process.complain_if_not_ready)
 
     def end(self) -> None:
-        """Ends all programs, the last one first."""
-        for process in reversed(self._processes.values()):
-            process.end()
+        """Ends all programs, the last one first. If this is interrupted, kills them."""
+        processes = [*reversed(self._processes.values())]
+        try:
+            for process in processes:
+                process.end()
+        except BaseException:
+            for process in processes:
+                process.kill()
+            raise
 
 
 @contextmanager
@@ -251,6 +275,13 @@ def _command(
         f"{where}{program.name}: there is no program {name}; name the folder that has it by "
         "--programs, for example --programs <robcl>/build"
     )
+
+
+def _show(line: str) -> None:
+    """Prints a line. The programs continue when nobody reads the output any more."""
+    encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
+    with suppress(OSError, ValueError):
+        print(line.encode(encoding, "backslashreplace").decode(encoding), flush=True)
 
 
 def _is_ready(line: str, program: Program) -> bool:

@@ -68,10 +68,10 @@ class ClientConnection final : public ClientSession,
   /// session.
   void found_at(std::string address) { place_ = std::move(address); }
   const std::string& place() const { return place_; }
-  /// Holds the operations and streams of `wanted` to their own `@qos`. Must be called before other
+  /// Checks the own `@qos` of the operations and streams of `wanted`. Must be called before other
   /// threads know the session.
-  void hold_to_quality(const InterfaceDescription& wanted, bool simulated) {
-    refused_.hold_to_quality(wanted, connection_->capabilities(), simulated);
+  void check_quality(const InterfaceDescription& wanted, bool simulated) {
+    refused_.check_quality(wanted, connection_->capabilities(), simulated);
   }
   /// Returns a failure when no call or subscription of `name` may be sent.
   std::optional<Failure> refusal(FunctionCode code, std::string_view name) const {

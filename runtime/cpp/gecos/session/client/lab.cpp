@@ -95,7 +95,7 @@ tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_objec
   }
   const auto prepare = [&](ClientConnection& session) {
     session.failover().set(lab.failover(), {name, wanted, options});
-    session.hold_to_quality(wanted, entry->simulated);
+    session.check_quality(wanted, entry->simulated);
   };
   Attempt failed{name, Detail::NoServer, {}};
   for (const auto& address : *addresses) {

@@ -6,20 +6,20 @@
 
 namespace gecos::session {
 
-void RefusedOperations::hold_to_quality(const InterfaceDescription& wanted,
-                                        const media::Capabilities& medium, bool simulated) {
+void RefusedOperations::check_quality(const InterfaceDescription& wanted,
+                                      const media::Capabilities& medium, bool simulated) {
   const qos::LineCapabilities line = line_of(medium);
   medium_ = line.name;
-  const auto hold = [&](FunctionCode code, const qos::Quality& asked) {
+  const auto check = [&](FunctionCode code, const qos::Quality& asked) {
     std::string terms;
     for (const auto& [term, why] : qos::violations(demanded_of(asked, simulated), line)) {
       terms += (terms.empty() ? "" : "; ") + term + ": " + why;
     }
     if (!terms.empty()) unsuited_.push_back({code, std::move(terms)});
   };
-  for (const auto* operation : wanted.all_operations()) hold(operation->code, operation->quality);
-  for (const auto* stream : wanted.all_streams()) hold(stream->code, stream->quality);
-  for (const auto* stream : wanted.all_inward_streams()) hold(stream->code, stream->quality);
+  for (const auto* operation : wanted.all_operations()) check(operation->code, operation->quality);
+  for (const auto* stream : wanted.all_streams()) check(stream->code, stream->quality);
+  for (const auto* stream : wanted.all_inward_streams()) check(stream->code, stream->quality);
   std::ranges::stable_sort(unsuited_, {}, &Unsuited::code);
 }
 

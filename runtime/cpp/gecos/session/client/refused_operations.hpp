@@ -24,8 +24,8 @@ class RefusedOperations {
 
   /// Also refuses the operations and streams of `wanted` whose own `@qos` demands more than
   /// `medium` promises. `simulated`: whether the object is a simulated device.
-  void hold_to_quality(const InterfaceDescription& wanted, const media::Capabilities& medium,
-                       bool simulated);
+  void check_quality(const InterfaceDescription& wanted, const media::Capabilities& medium,
+                     bool simulated);
 
   /// Returns why the operation or stream `name` is refused; nullopt if it may be used.
   std::optional<Failure> why(FunctionCode code, std::string_view name, const Welcome& server) const;

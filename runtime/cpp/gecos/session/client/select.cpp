@@ -93,12 +93,12 @@ tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, con
         (reasons.empty() ? ": its server does not offer this medium, it offers " + offered(entry)
                          : " (" + reasons + ")"));
   }
-  const qos::Quality held_to = demanded_of(asked, entry.simulated);
-  if (const auto chosen = qos::choose(held_to, lines); !chosen) {
+  const qos::Quality demanded = demanded_of(asked, entry.simulated);
+  if (const auto chosen = qos::choose(demanded, lines); !chosen) {
     return tl::unexpected(chosen.error() + (reasons.empty() ? "" : "; " + reasons));
   }
   std::vector<std::string> ranked;
-  for (const std::size_t index : qos::rank(held_to, lines)) ranked.push_back(addresses[index]);
+  for (const std::size_t index : qos::rank(demanded, lines)) ranked.push_back(addresses[index]);
   return ranked;
 }
 
