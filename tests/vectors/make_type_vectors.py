@@ -56,6 +56,16 @@ CASES: list[tuple[str, str, Any]] = [
     ("gecos::SilentObject", "an arm", {
         "entry": {"name": "RX90", "interface_name": "robcl::Rx90", "pid": 4711},
         "silent_for": 4.25}),
+    ("gecos::Registration", "as made", {}),
+    ("gecos::Registration", "a silent arm", {
+        "entry": {"name": "RX90", "pid": 4711}, "presence": "SILENT", "epoch": 2**63 + 5,
+        "silent_for": 4.25}),
+    ("gecos::ListRevision", "of a life", {"life": 2**64 - 1, "number": 1024}),
+    ("gecos::ListChanges", "nothing new", {"revision": {"life": 7, "number": 3}}),
+    ("gecos::ListChanges", "the whole list", {
+        "revision": {"life": 7, "number": 3}, "whole": True, "running_for": 0.5,
+        "changed": [{"entry": {"name": "RX90"}}, {"entry": {"name": "LDS"}, "epoch": 2}]}),
+    ("gecos::NameInUse", "a process lives", {"name": "RX90", "why": "its process runs"}),
     ("gecos::ObjectRef", "nil", {}),
     ("gecos::ObjectRef", "an arm", {
         "name": "RX90", "interface_hash": 2**64 - 1, "boot": 2**63 + 1,
