@@ -48,6 +48,9 @@ class _Process:
         self.since = time.monotonic()
         self._is_ready = program.ready == ""
         self._ready_or_ended = threading.Event()
+        self._over = threading.Event()
+        self._status = 0  # as of subprocess; valid when `_over` is set
+        self._reaped = False
         self._ended = ended
         self._process = subprocess.Popen(
             [*_ends_with_us(), *command],
@@ -79,7 +82,11 @@ class _Process:
                     self._ready_or_ended.set()
 
     def _await_end(self) -> None:
-        self._process.wait()
+        # The process is not reaped before kill(), so that its process group keeps its number.
+        ended = os.waitid(os.P_PID, self._process.pid, os.WEXITED | os.WNOWAIT)
+        assert ended is not None
+        self._status = ended.si_status if ended.si_code == os.CLD_EXITED else -ended.si_status
+        self._over.set()
         self._reader.join(_LAST_LINES_WITHIN)
         self._ready_or_ended.set()
         self._ended(self)
@@ -107,36 +114,35 @@ class _Process:
             "in lab.toml"
         )
 
-    @property
-    def status(self) -> int | None:
-        return self._process.poll()
-
     def how_ended(self) -> str:
-        status = self._process.wait()
+        self._over.wait()
+        status = self._status
         return f"was ended by signal {-status}" if status < 0 else f"ended with status {status}"
 
     def end(self) -> None:
         """Asks the program, and all processes that it has started, to end, and waits for the end.
         Kills what does not end in time."""
         self._signal(signal.SIGTERM)
-        try:
-            self._process.wait(END_WITHIN)
-        except subprocess.TimeoutExpired:
+        if self._over.wait(END_WITHIN):
+            # A process that the program has started may still say goodbye.
+            self._reader.join(END_WITHIN)
+        else:
             print(f"{self.program.name} did not end after SIGTERM and was killed", file=sys.stderr)
-            self._process.kill()
-        self._process.wait()
-        self._reader.join(
-            END_WITHIN
-        )  # a process that the program has started may still say goodbye
         self.kill()
+        self._reader.join(END_WITHIN)
 
     def kill(self) -> None:
         """Kills the program and all processes that it has started and that are still there."""
+        if self._reaped:
+            return
         self._signal(signal.SIGKILL)
+        self._process.wait()
+        self._reaped = True
 
     def _signal(self, number: signal.Signals) -> None:
-        with suppress(ProcessLookupError):
-            os.killpg(self._process.pid, number)
+        if not self._reaped:
+            with suppress(ProcessLookupError, PermissionError):
+                os.killpg(self._process.pid, number)
 
 
 class RunningLaboratory:
