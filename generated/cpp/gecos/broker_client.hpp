@@ -72,7 +72,7 @@ class Broker : public virtual gecos::Object {
   /// Published with each change. A reader that misses some of them asks for `changes`.
   gecos::Command<::gecos::ListRevision> revision() const;
 
-  /// Samples of revision.
+  /// Samples of revision, 10 a second.
   tl::expected<gecos::Stream<::gecos::ListRevision>, gecos::Failure> revision(
       gecos::StreamTag) const;
 

@@ -126,11 +126,8 @@ bool decode_enum(gecos::wire::Decoder& from, Presence& value, const char* field)
       value = static_cast<Presence>(number);
       return true;
     default:
-      return gecos::wire::no_enumerator(
-          from,
-          number,
-          "no Presence; there are ONLINE, SILENT, GONE",
-          field);
+      value = Presence::GONE;
+      return true;
   }
 }
 

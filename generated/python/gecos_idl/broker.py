@@ -111,7 +111,7 @@ _BROKER_CHANGES: _Method[ListChanges, None] = _method(
         _Access.SENSOR,
         presence=False,
         idempotent=True,
-        hash=0xA1367472FD6E29FC,
+        hash=0x9FF8ADD99A81DE81,
     ),
     takes=_values("since", ListRevision),
     gives=ListChanges,
@@ -119,7 +119,7 @@ _BROKER_CHANGES: _Method[ListChanges, None] = _method(
 _BROKER_REVISION: _Method[ListRevision, None] = _method(
     _getter(0x00173D10, "revision", _Access.SENSOR, hash=0x078292C02A4087E3),
     gives=ListRevision,
-    stream=(0.0, 16),
+    stream=(10.0, 16),
 )
 _BROKER_FREE: _Method[None, None] = _method(
     _Operation(0xF8646973, "free", _Access.SENSOR, presence=False, hash=0xF7120030AF43B4DD),
@@ -134,13 +134,13 @@ _BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broke
 {"kind":"operation","name":"list","doc":"All that is enlisted now, in the order of names.","result":"sequence<gecos::Entry>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":2364029209,"hash":"0xdf31bbf4a9abb156"},
 {"kind":"operation","name":"silent","doc":"Objects that left the list because their server fell silent, in the order of names. Such an object stays here until\na server takes its name, for an hour at most; an object whose process has ended on the broker\u0027s machine is left out.\nIts name stays its server\u0027s while its process lives on the broker\u0027s machine, else for the broker\u0027s `name_hold`.","result":"sequence<gecos::SilentObject>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":3378198028,"hash":"0x58ea4aaba68425da"},
 {"kind":"operation","name":"query","doc":"The objects online that have this interface, or one that is derived from it, in the order of names.","result":"sequence<gecos::Entry>","parameters":[{"name":"interface_name","direction":"in","type":"string"}],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":1122589723,"hash":"0x7f0d3aabff80efc7"},
-{"kind":"operation","name":"changes","doc":"What has changed since revision `since`. The broker keeps the last 1024 changes; a caller that is further behind, or\nwhose revision is of another life, gets the whole list.","result":"gecos::ListChanges","parameters":[{"name":"since","direction":"in","type":"gecos::ListRevision"}],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":4199633906,"hash":"0xa1367472fd6e29fc"},
-{"kind":"attribute","name":"revision","doc":"Published with each change. A reader that misses some of them asks for `changes`.","type":"gecos::ListRevision","readonly":true,"stream":{"direction":"out","largest":16},"read_access":"sensor","codes":{"get":1522960,"stream":1522960},"hash":"0x078292c02a4087e3"},
+{"kind":"operation","name":"changes","doc":"What has changed since revision `since`. The broker keeps the last 1024 changes; a caller that is further behind, or\nwhose revision is of another life, gets the whole list.","result":"gecos::ListChanges","parameters":[{"name":"since","direction":"in","type":"gecos::ListRevision"}],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":4199633906,"hash":"0x9ff8add99a81de81"},
+{"kind":"attribute","name":"revision","doc":"Published with each change. A reader that misses some of them asks for `changes`.","type":"gecos::ListRevision","readonly":true,"stream":{"direction":"out","rate_hz":10.0,"largest":16},"read_access":"sensor","codes":{"get":1522960,"stream":1522960},"hash":"0x078292c02a4087e3"},
 {"kind":"operation","name":"free","doc":"Gives the name of a silent object free before `name_hold` has passed. Another server may then take the name, so the\ncaller must know that the silent server moves nothing.","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName","gecos::NameInUse"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":4167330163,"hash":"0xf7120030af43b4dd"}]},
 "types":[
 {"kind":"struct","name":"gecos::Entry","doc":"Where an object is and what it is: what a server tells the broker and a client asks for.","extensibility":"appendable","members":[{"name":"name","type":"string","doc":"\"RX90\""},{"name":"interface_name","type":"string","doc":"\"robcl::Rx90\""},{"name":"bases","type":"sequence<string>","doc":"every interface it also is, \"robcl::Manipulator\""},{"name":"interface_hash","type":"uint64"},{"name":"boot","type":"uint64","doc":"this life of the server process; a restart has another"},{"name":"pid","type":"int32"},{"name":"user","type":"string"},{"name":"host","type":"string","doc":"life and network of the host: equal where shared memory reaches"},{"name":"hostname","type":"string","doc":"for people"},{"name":"addresses","type":"sequence<string>","doc":"\"shm:/run/\u2026\", \"lcm:239.255.76.67:20017/\u2026\", best first"},{"name":"simulated","type":"boolean"}],"wire":{"fingerprint":"0xa4b1e0e2e68ad9cd","min_size":54}},
 {"kind":"struct","name":"gecos::SilentObject","doc":"An object whose server the broker no longer hears, although the server has not withdrawn the object.","extensibility":"appendable","members":[{"name":"entry","type":"gecos::Entry","doc":"as it was enlisted"},{"name":"silent_for","type":"double","unit":"s","doc":"since the broker last heard the server"}],"wire":{"fingerprint":"0x34ca363abc7fc73a","min_size":12}},
-{"kind":"enum","name":"gecos::Presence","enumerators":[{"name":"ONLINE","value":0,"doc":"the broker hears its server"},{"name":"SILENT","value":1,"doc":"the broker no longer hears its server, which has not withdrawn it"},{"name":"GONE","value":2,"doc":"withdrawn, its process has ended, or its name was set free"}]},
+{"kind":"enum","name":"gecos::Presence","default_literal":"GONE","enumerators":[{"name":"ONLINE","value":0,"doc":"the broker hears its server"},{"name":"SILENT","value":1,"doc":"the broker no longer hears its server, which has not withdrawn it"},{"name":"GONE","value":2,"doc":"withdrawn, its process has ended, or its name was set free"}]},
 {"kind":"struct","name":"gecos::Registration","doc":"What the broker knows about one name.","extensibility":"appendable","members":[{"name":"entry","type":"gecos::Entry"},{"name":"presence","type":"gecos::Presence"},{"name":"epoch","type":"uint64","doc":"the change that gave the name to this life of the server; rises with each new holder"},{"name":"silent_for","type":"double","unit":"s","doc":"since the broker last heard the server; 0 unless SILENT"}],"wire":{"fingerprint":"0xba8ff783354e6879","min_size":24}},
 {"kind":"struct","name":"gecos::ListRevision","doc":"A state of the broker\u0027s list. Numbers of two lives have nothing in common.","extensibility":"final","members":[{"name":"life","type":"uint64","doc":"drawn by the broker at its start"},{"name":"number","type":"uint64","doc":"of changes since then"}],"wire":{"fingerprint":"0x9f8aa766a4495717","min_size":16,"fixed_size":16}},
 {"kind":"struct","name":"gecos::ListChanges","doc":"How the list became what it is at `revision`.","extensibility":"appendable","members":[{"name":"revision","type":"gecos::ListRevision"},{"name":"whole","type":"boolean","doc":"`changed` is everything online or silent, by name; else each change in its order"},{"name":"running_for","type":"double","unit":"s","doc":"how long the broker has run; at first it does not know all servers yet"},{"name":"changed","type":"sequence<gecos::Registration>"}],"wire":{"fingerprint":"0x9725ee956cf8d421","min_size":29}},
@@ -234,7 +234,10 @@ class Broker(_Object):
 
     @property
     def revision(self) -> _StreamAttribute[ListRevision]:
-        """Published with each change. A reader that misses some of them asks for `changes`."""
+        """Published with each change. A reader that misses some of them asks for `changes`.
+
+        Published 10 times a second.
+        """
         return _StreamAttribute(self, _BROKER_REVISION)
 
     def free(self, name: str) -> _Command[None]:

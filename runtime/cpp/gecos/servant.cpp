@@ -92,10 +92,10 @@ std::string PublisherSlot::served_as() const {
 
 }  // namespace session
 
-void session::with_inward(const Servant& servant, const InwardDescription& stream,
+void session::with_inward(const Servant& servant, const InwardDescription& inward,
                           FunctionRef<void(InwardCore&)> use) {
   servant.gecos_publisher_.with([&](Publisher& publisher) {
-    if (InwardCore* const core = publisher.inward(stream)) use(*core);
+    if (InwardCore* const core = publisher.inward(inward)) use(*core);
   });
 }
 
