@@ -126,7 +126,7 @@ bool decode_enum(gecos::wire::Decoder& from, Presence& value, const char* field)
       value = static_cast<Presence>(number);
       return true;
     default:
-      value = Presence::GONE;
+      value = Presence::ONLINE;
       return true;
   }
 }

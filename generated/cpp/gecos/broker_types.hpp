@@ -76,13 +76,13 @@ enum class Presence : std::int32_t {
 };
 std::string_view to_string(Presence value);
 std::ostream& operator<<(std::ostream& out, Presence value);
-/// An unknown number becomes GONE.
+/// An unknown number becomes ONLINE.
 [[nodiscard]] bool decode_enum(gecos::wire::Decoder& from, Presence& value, const char* field);
 
 /// What the broker knows about one name.
 struct Registration {
   ::gecos::Entry entry{};
-  ::gecos::Presence presence = ::gecos::Presence::GONE;
+  ::gecos::Presence presence = ::gecos::Presence::ONLINE;
   /// the change that gave the name to this life of the server; rises with each new holder
   std::uint64_t epoch = 0;
   /// since the broker last heard the server; 0 unless SILENT [s]

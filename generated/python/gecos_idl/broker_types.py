@@ -75,7 +75,7 @@ class SilentObject(_layout.Struct):
     """since the broker last heard the server [s]"""
 
 
-@_layout.enumeration("i", "GONE")
+@_layout.enumeration("i", "ONLINE")
 class Presence(_IntEnum):
     ONLINE = 0
     """the broker hears its server"""
@@ -91,7 +91,7 @@ class Registration(_layout.Struct):
     """What the broker knows about one name."""
 
     entry: Entry = _field(default_factory=Entry)
-    presence: Presence = Presence.GONE
+    presence: Presence = Presence.ONLINE
     epoch: int = 0
     """the change that gave the name to this life of the server; rises with each new holder"""
     silent_for: float = 0.0
