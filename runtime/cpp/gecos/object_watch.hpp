@@ -20,7 +20,7 @@ tl::expected<std::vector<Entry>, std::string> find_objects(
     Duration patience = std::chrono::seconds(2));
 
 /// Reports which objects come online, fall silent and go. Reports each change once, also when the
-/// broker is restarted meanwhile: then only what has really changed. Not thread-safe.
+/// broker is restarted meanwhile. Not thread-safe.
 class ObjectWatch {
  public:
   /// Watches the objects that have the interface `interface_name` or an interface derived from it;

@@ -95,7 +95,7 @@ void Broker::watch_processes() {
 }
 
 Duration Broker::end_due_sessions(TimePoint now) {
-  Duration rest = std::chrono::minutes(1);  // then the watcher forgets what is silent for an hour
+  Duration rest = std::chrono::minutes(1);  // until it forgets servers that were silent for an hour
   std::erase_if(ended_sessions_, [&](const EndedSession& one) {
     if (now < one.due) {
       rest = std::min(rest, one.due - now);

@@ -26,7 +26,7 @@ std::string_view describe(InwardVerdict verdict);
 /// What is true of the sender at the moment at which a sample is judged.
 struct InwardSender {
   SessionId session{};
-  bool alive = false;  ///< the session is open, and its client was heard in time
+  bool alive = false;  ///< the session is open
   /// the epoch under which the session has the status that the stream needs; nullopt without it
   std::optional<Epoch> epoch{};
   /// counter of the command of this session that runs and takes samples of this stream; 0 when
