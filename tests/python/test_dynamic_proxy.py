@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import threading
 from contextlib import suppress
+from functools import partial
 from random import Random
 from typing import Any
 
@@ -90,6 +92,17 @@ def test_a_call_gives_plain_data(lab: gecos.Lab, server: gecos.Server) -> None:
         sensor.measure().result()
     assert caught.value._gecos_name == "robcl::SensorFault"
     assert caught.value.reason == "the laser is off"  # type: ignore[attr-defined]
+
+
+def test_a_proxy_waits_for_its_object(lab: gecos.Lab, server: gecos.Server) -> None:
+    for name, dynamic in (("LEFT", lab.dynamic), ("RIGHT", partial(gecos.dynamic, lab=lab))):
+        starts = threading.Timer(0.3, server.add, (name, Lds()))
+        starts.start()
+        sensor: Any = dynamic(name, wait=20)
+        assert sensor.measure().result()["value"] == 0.25
+        starts.join()
+    with pytest.raises(gecos.CreateError, match="no such object is online"):
+        lab.dynamic("NOBODY", wait=0.1)
 
 
 def test_a_stream_gives_plain_samples(lab: gecos.Lab, server: gecos.Server) -> None:

@@ -70,7 +70,12 @@ class Lab:
         return interface(created)
 
     def dynamic(
-        self, name: str, *, medium: str | None = None, patience: float = 2.0
+        self,
+        name: str,
+        *,
+        medium: str | None = None,
+        patience: float = 2.0,
+        wait: float = 0.0,
     ) -> DynamicObject:
         """Connects to the object called `name` without generated code, by the model that the object
         serves. The proxy has the members of a generated one; values are plain data, as in JSON:
@@ -80,13 +85,14 @@ class Lab:
             with gecos.actor(gripper):
                 gripper.open(width=0.05).result()
 
-        Raises CreateError like `create`, ModelError if the object serves no model or one that is
-        not valid, and CommandFailed or ConnectionFailed if the broker or the object does not answer
-        when it is asked for its list or its model.
+        `medium`, `patience` and `wait` mean what they mean in `create`. Raises CreateError like
+        `create`, ModelError if the object serves no model or one that is not valid, and
+        CommandFailed or ConnectionFailed if the broker or the object does not answer when it is
+        asked for its list or its model.
         """
         from gecos.dynamic_client.connect import connect
 
-        return connect(self, name, medium=medium, patience=patience)
+        return connect(self, name, medium=medium, patience=patience, wait=wait)
 
     def broker(self, interface: type[P], *, patience: float = 2.0) -> P:
         """Connects to the broker itself: pass `gecos_idl.broker.Broker` as `interface`.

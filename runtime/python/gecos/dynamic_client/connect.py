@@ -3,6 +3,8 @@ members."""
 
 from __future__ import annotations
 
+import contextlib
+import time
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -10,7 +12,7 @@ from gecos.builtin_operations import model
 from gecos.dynamic_client.model import ModelError
 from gecos.dynamic_client.proxy import DynamicObject, proxy_class
 from gecos.dynamic_client.silence import silent_since, told
-from gecos.errors import Attempt, CommandFailed, CreateError, Detail
+from gecos.errors import Attempt, CommandFailed, ConnectionFailed, CreateError, Detail
 from gecos.interface import Interface
 from gecos.proxy import Object
 
@@ -20,6 +22,16 @@ if TYPE_CHECKING:
     from gecos_idl.broker_types import Entry, SilentObject
 
     from gecos.lab import Lab
+    from gecos.object_watch import ObjectWatch
+
+_ASK_ANYWAY = 1.0  # s after which a server that did not answer is tried again
+_MAY_PASS = {
+    Detail.NO_SERVER,
+    Detail.NOT_STARTED,
+    Detail.SERVER_CRASHED,
+    Detail.OUTCOME_UNKNOWN,
+}
+"""The failures that may be over when an object or a broker is started."""
 
 
 def entries(lab: Lab, *, patience: float = 2.0) -> list[Entry]:
@@ -43,15 +55,33 @@ def silent_objects(lab: Lab, *, patience: float = 2.0) -> list[SilentObject]:
         raise
 
 
-def find(lab: Lab, name: str, *, medium: str | None = None, patience: float = 2.0) -> Object:
+def find(
+    lab: Lab, name: str, *, medium: str | None = None, patience: float = 2.0, wait: float = 0.0
+) -> Object:
     """Connects to the object called `name`, whatever its interface. The proxy has only the built-in
-    operations. Raises CreateError, which says since when the object is silent, proposes a similar
-    name, or lists the objects online."""
+    operations. `wait` says for how many s to try again while the object is not online or no broker
+    answers. Raises CreateError, which says since when the object is silent, proposes a similar
+    name, or lists the objects online; and CommandFailed or ConnectionFailed if the broker dies
+    while it is asked."""
+    end = time.monotonic() + wait
+    with contextlib.ExitStack() as opened:
+        changes: ObjectWatch | None = None
+        while True:
+            try:
+                return _find_now(lab, name, medium, patience)
+            except (CreateError, CommandFailed, ConnectionFailed) as error:
+                if time.monotonic() >= end or not _may_pass(error):
+                    raise
+            changes = changes or opened.enter_context(lab.watch())
+            _await_change(changes, name, min(end, time.monotonic() + _ASK_ANYWAY))
+            patience = min(patience, max(0.0, end - time.monotonic()))
+
+
+def _find_now(lab: Lab, name: str, medium: str | None, patience: float) -> Object:
     known = {entry.name: entry for entry in entries(lab, patience=patience)}
     entry = known.get(name)
     if entry is None:
-        reason = f"no such object is online; {_instead_of(name, list(known))}"
-        raise _silence(lab, name) or CreateError([Attempt(name, Detail.NO_SERVER, reason)])
+        raise _silence(lab, name) or not_online(name, list(known))
     try:
         return connect_to(lab, entry, medium=medium, patience=patience)
     except CreateError:
@@ -59,6 +89,30 @@ def find(lab: Lab, name: str, *, medium: str | None = None, patience: float = 2.
         if silence is None:
             raise
         raise silence from None
+
+
+def _may_pass(error: CreateError | CommandFailed | ConnectionFailed) -> bool:
+    if isinstance(error, CreateError):
+        return any(attempt.detail in _MAY_PASS for attempt in error.attempts)
+    return error.detail in _MAY_PASS
+
+
+def _await_change(changes: ObjectWatch, name: str, until: float) -> None:
+    """Waits until the broker reports a change of the object called `name`."""
+    try:
+        while changes.next(max(0.0, until - time.monotonic())).entry.name != name:
+            pass
+    except TimeoutError:
+        return
+    except EOFError:
+        reason = "this Lab is closed; make a new one"
+        raise CreateError([Attempt(name, Detail.NO_SERVER, reason)]) from None
+
+
+def not_online(name: str, known: Sequence[str]) -> CreateError:
+    """Returns an error that proposes one of the names in `known`, or lists them."""
+    reason = f"no such object is online; {_instead_of(name, known)}"
+    return CreateError([Attempt(name, Detail.NO_SERVER, reason)])
 
 
 def connect_to(
@@ -73,12 +127,15 @@ def connect_to(
 def _silence(lab: Lab, name: str) -> CreateError | None:
     """Returns an error that says since when the broker has not heard the server of `name`, or None
     if the broker hears the server."""
-    for one in silent_objects(lab):
-        if one.entry.name == name:
-            since, of = silent_since(one.silent_for), one.entry
-            reason = f"its server, {of.user}@{of.hostname} pid {of.pid}, is {told(since)}"
-            return CreateError([Attempt(name, Detail.NO_SERVER, reason, since)])
-    return None
+    found = (one for one in silent_objects(lab) if one.entry.name == name)
+    return next(map(silence_of, found), None)
+
+
+def silence_of(one: SilentObject) -> CreateError:
+    """Returns an error that says since when the broker has not heard the server of an object."""
+    since, of = silent_since(one.silent_for), one.entry
+    reason = f"its server, {of.user}@{of.hostname} pid {of.pid}, is {told(since)}"
+    return CreateError([Attempt(of.name, Detail.NO_SERVER, reason, since)])
 
 
 def connect(
@@ -87,28 +144,32 @@ def connect(
     *,
     medium: str | None = None,
     patience: float = 2.0,
+    wait: float = 0.0,
     only: Collection[str] | None = None,
 ) -> DynamicObject:
     """Connects to the object called `name`, with a proxy that is made from the model that the
     object serves. The proxy has all members of the interface, or only the members named in `only`,
     which takes less time."""
-    found = find(lab, name, medium=medium, patience=patience)
+    found = find(lab, name, medium=medium, patience=patience, wait=wait)
     interface = found._gecos_interface.name
     texts = served_models(found)
     if not texts:
-        raise ModelError(
-            interface,
-            f"{name} serves no model; generate the code of its server again, with this "
-            "version of gidl",
-        )
+        raise ModelError(interface, without_model(name))
     kind = _class_of(interface, tuple(texts), None if only is None else frozenset(only))
     return lab.create(kind, name, medium=medium, patience=patience)
 
 
-def dynamic(name: str, lab: Lab | None = None) -> DynamicObject:
+def dynamic(
+    name: str,
+    lab: Lab | None = None,
+    *,
+    medium: str | None = None,
+    patience: float = 2.0,
+    wait: float = 0.0,
+) -> DynamicObject:
     """Does the same as `lab.dynamic(name)`. Without `lab`, uses a Lab that this process keeps until
     it ends."""
-    return connect(lab or _lab_of_process(), name)
+    return connect(lab or _lab_of_process(), name, medium=medium, patience=patience, wait=wait)
 
 
 @cache
@@ -116,6 +177,13 @@ def _lab_of_process() -> Lab:
     from gecos.lab import Lab
 
     return Lab()
+
+
+def without_model(name: str) -> str:
+    """Returns what a user reads who asks for the members of an object that serves no model."""
+    return (
+        f"{name} serves no model; generate the code of its server again, with this version of gidl"
+    )
 
 
 def served_models(robot: Object) -> list[str]:
