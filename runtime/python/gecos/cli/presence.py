@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import gecos
 from gecos.cli.options import plain
 from gecos.dynamic_client.connect import connect_to, silent_objects
-from gecos.dynamic_client.silence import silent_since
+from gecos.dynamic_client.silence import silent_since, told
 
 if TYPE_CHECKING:
-    from gecos_idl.broker_types import Entry
+    from gecos_idl.broker_types import Entry, SilentObject
 
 ASKED_FOR = 2.0
 """Seconds in which each server must answer; all servers are asked at the same time. After
@@ -27,11 +27,20 @@ _MOST_AT_ONCE = 64
 class Presence:
     """Whether an object can be reached. `silent_since` is the Unix time at which the broker last
     heard the server; None while the broker hears it. `answers` is true if the server has answered
-    this program, or refused it."""
+    this program, or refused it; otherwise `problem` says why there was no answer."""
 
     entry: Entry
     silent_since: float | None
     answers: bool
+    problem: str | None
+
+    def as_json(self) -> dict[str, Any]:
+        return {
+            **plain(self.entry),
+            "silent_since": self.silent_since,
+            "answers": self.answers,
+            "problem": self.problem,
+        }
 
 
 def presences(lab: gecos.Lab, interface: str = "") -> list[Presence]:
@@ -40,19 +49,18 @@ def presences(lab: gecos.Lab, interface: str = "") -> list[Presence]:
     the time in which the broker answers. Raises CreateError without a broker."""
     listed = lab.objects(interface)
     with ThreadPoolExecutor(_MOST_AT_ONCE) as side_by_side:
-        answers = list(side_by_side.map(lambda entry: _answers(lab, entry), listed))
+        problems = list(side_by_side.map(lambda entry: _problem(lab, entry), listed))
     silent = {
         one.entry.name: one
         for one in silent_objects(lab)
         if interface in ("", one.entry.interface_name, *one.entry.bases)
     }
     found = {}
-    for entry, answered in zip(listed, answers, strict=True):
-        gone = None if answered else silent.pop(entry.name, None)
-        since = silent_since(gone.silent_for) if gone else None
-        found[entry.name] = Presence(entry, since, answered)
+    for entry, problem in zip(listed, problems, strict=True):
+        gone = None if problem is None else silent.pop(entry.name, None)
+        found[entry.name] = _silent(gone) if gone else _online(entry, problem)
     for name, one in silent.items():
-        found.setdefault(name, Presence(one.entry, silent_since(one.silent_for), False))
+        found.setdefault(name, _silent(one))
     return [found[name] for name in sorted(found)]
 
 
@@ -73,13 +81,25 @@ def changes(lab: gecos.Lab, interface: str = "") -> Iterator[dict[str, Any]]:
             skipped = watch.skipped
 
 
-def _answers(lab: gecos.Lab, entry: Entry) -> bool:
-    """Returns whether a server answers; refusing this program counts as an answer. A server that
-    cannot be reached from this process, for example because only its own process can reach it, is
-    not asked and counts as answering."""
+def _online(entry: Entry, problem: str | None) -> Presence:
+    return Presence(entry, None, problem is None, problem)
+
+
+def _silent(one: SilentObject) -> Presence:
+    since = silent_since(one.silent_for)
+    return Presence(one.entry, since, False, told(since))
+
+
+def _problem(lab: gecos.Lab, entry: Entry) -> str | None:
+    """Returns why a server does not answer, for example because only its own process can reach it.
+    Returns None if it answers; refusing this program counts as an answer."""
     began = time.monotonic()
     try:
         connect_to(lab, entry, patience=ASKED_FOR)
-    except gecos.CreateError:
-        return time.monotonic() - began < ASKED_FOR
-    return True
+    except gecos.CreateError as error:
+        if any(attempt.detail is gecos.Detail.REFUSED for attempt in error.attempts):
+            return None
+        if time.monotonic() - began >= ASKED_FOR:
+            return f"does not answer within {ASKED_FOR:g} s"
+        return "; ".join(a.reason.removeprefix(f"{entry.name} ") for a in error.attempts)
+    return None

@@ -51,13 +51,8 @@ def change(of: dict[str, Any]) -> None:
 
 
 def _state(of: Presence) -> str:
-    from gecos.cli.presence import ASKED_FOR
-    from gecos.dynamic_client.silence import told
-
     device = "simulated" if of.entry.simulated else "hardware"
-    if of.silent_since is not None:
-        return f"{device}, {told(of.silent_since)}"
-    return device if of.answers else f"{device}, does not answer within {ASKED_FOR:g} s"
+    return device if of.problem is None else f"{device}, {of.problem}"
 
 
 def _media(entry: Entry) -> str:
@@ -78,11 +73,11 @@ def description(of: Description) -> None:
         ("pid", str(of.pid)),
         ("name", of.registration),
     )
-    print(of.name)
+    print(printable(of.name))
     for name, value in facts:
         print(f"  {name:<16}{printable(value)}")
     for handler in of.handlers:
-        print(f"  {'handler':<16}{_running(handler)}")
+        print(f"  {'handler':<16}{printable(_running(handler))}")
 
 
 def _running(handler: RunningHandler) -> str:
@@ -123,7 +118,8 @@ def members(model: Model) -> None:
     if attributes:
         print("\nattributes")
     for attribute in attributes:
-        print(f"  {attribute.name}: {_typed(attribute.result)}{_how_read(attribute)}")
+        line = f"{attribute.name}: {_typed(attribute.result)}{_how_read(attribute)}"
+        print(f"  {printable(line)}")
         _doc(attribute)
     if operations:
         print("\noperations")
@@ -131,7 +127,7 @@ def members(model: Model) -> None:
         inputs = ", ".join(f"{p.name}: {_typed(p)}{_default(p)}" for p in operation.inputs)
         outputs = ", ".join(_typed(p) for p in operation.outputs)
         gives = f" -> {outputs}" if outputs else ""
-        print(f"  {operation.name}({inputs}){gives}{_how_called(operation)}")
+        print(f"  {printable(f'{operation.name}({inputs}){gives}{_how_called(operation)}')}")
         _doc(operation)
 
     _types(model)
@@ -143,7 +139,7 @@ def _types(model: Model) -> None:
     if shown:
         print("\ntypes")
     for name, parts in shown:
-        print(f"  {name}: {', '.join(parts)}")
+        print(f"  {printable(name)}: {printable(', '.join(parts))}")
 
 
 def _parts(model: Model, declared: Declaration) -> Iterator[str]:
@@ -173,7 +169,7 @@ def _doc(member: Member) -> None:
 def _typed(value: Value) -> str:
     """Returns the type of a value with its unit and range, for example "double [m, 0.01 to
     1.0]"."""
-    notes = [note for note in (printable(value.unit), value.range) if note]
+    notes = [note for note in (value.unit, value.range) if note]
     return value.type + (f" [{', '.join(notes)}]" if notes else "")
 
 
@@ -182,7 +178,7 @@ def _default(value: Value) -> str:
         return "?"
     if value.default is None:
         return ""
-    return f" = {json.dumps(value.default, ensure_ascii=False)}"
+    return f" = {_json(value.default)}"
 
 
 def _how_read(attribute: Attribute) -> str:
@@ -225,7 +221,15 @@ def _with_unit(of: Any, unit: str, indent: int | None = None) -> str:
 def _text(of: Any, indent: int | None = None) -> str:
     if isinstance(of, str):
         return printable(of)
-    return json.dumps(of, indent=indent, ensure_ascii=False)
+    return _json(of, indent)
+
+
+def _json(of: Any, indent: int | None = None) -> str:
+    """Returns JSON in which characters that a terminal would execute are escaped, as \\u009b."""
+    return "".join(
+        c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1]
+        for c in json.dumps(of, indent=indent, ensure_ascii=False)
+    )
 
 
 def printable(text: str) -> str:
