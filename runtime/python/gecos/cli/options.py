@@ -5,85 +5,79 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.shell_completion import CompletionItem
+
+if TYPE_CHECKING:
+    import gecos
 
 _MOST = 1e6  # s
 _MOMENT = 0.5  # s for which a completion waits for a broker and for a server
 
 
-def _names(context: click.Context, _: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Returns the objects that are online, for the completion of a shell; none if there is no
-    broker."""
-    import gecos
-    from gecos.dynamic_client.connect import entries
-
-    try:
-        with gecos.Lab(context.params.get("broker")) as lab:
-            known = entries(lab, patience=_MOMENT)
-    except (ConnectionError, RuntimeError):
-        return []
-    return [
-        CompletionItem(entry.name, help=entry.interface_name)
-        for entry in known
-        if entry.name.startswith(begun)
-    ]
+Completion = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 
 
-def silent_names(context: click.Context, _: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Returns the objects whose servers are silent, for the completion of a shell."""
-    import gecos
-    from gecos.dynamic_client.connect import silent_objects
-
-    try:
-        with gecos.Lab(context.params.get("broker")) as lab:
-            known = [one.entry for one in silent_objects(lab, patience=_MOMENT)]
-    except (ConnectionError, RuntimeError):
-        return []
-    return [
-        CompletionItem(entry.name, help=entry.interface_name)
-        for entry in known
-        if entry.name.startswith(begun)
-    ]
-
-
-def interfaces(context: click.Context, _: click.Parameter, begun: str) -> list[CompletionItem]:
-    """Returns the interfaces of the objects that are online, for the completion of a shell."""
-    import gecos
-
-    try:
-        with gecos.Lab(context.params.get("broker")) as lab:
-            known = lab.objects(patience=_MOMENT)
-    except (ConnectionError, RuntimeError):
-        return []
-    names = {name for entry in known for name in (entry.interface_name, *entry.bases)}
-    return [CompletionItem(name) for name in sorted(names) if name.startswith(begun)]
-
-
-def members(
-    wanted: Callable[[Any], bool],
-) -> Callable[[click.Context, click.Parameter, str], list[CompletionItem]]:
-    """Returns the completion for members of the object that the command line names before. Only
-    members for which `wanted` is true are offered."""
+def _completion(words: Callable[[gecos.Lab, Mapping[str, Any]], Mapping[str, str]]) -> Completion:
+    """Returns a completion for a shell. `words` gets the words that the command line has before,
+    and returns each word that fits with a help. Without a broker there are no words."""
 
     def complete(context: click.Context, _: click.Parameter, begun: str) -> list[CompletionItem]:
         import gecos
-        from gecos.dynamic_client.connect import connect
 
         try:
             with gecos.Lab(context.params.get("broker")) as lab:
-                model = connect(lab, context.params["name"], patience=_MOMENT)._gecos_model
+                found = words(lab, context.params)
         except (ConnectionError, RuntimeError, ValueError):
             return []
-        found = {m.name: m.doc.partition("\n")[0] for m in model.members if wanted(m)}
         return [
-            CompletionItem(name, help=doc) for name, doc in found.items() if name.startswith(begun)
+            CompletionItem(word, help=help or None)
+            for word, help in found.items()
+            if word.startswith(begun)
         ]
 
     return complete
+
+
+@_completion
+def _names(lab: gecos.Lab, _: Mapping[str, Any]) -> Mapping[str, str]:
+    """The objects that are online."""
+    from gecos.dynamic_client.connect import entries
+
+    return {entry.name: entry.interface_name for entry in entries(lab, patience=_MOMENT)}
+
+
+@_completion
+def silent_names(lab: gecos.Lab, _: Mapping[str, Any]) -> Mapping[str, str]:
+    """The objects whose servers are silent."""
+    from gecos.dynamic_client.connect import silent_objects
+
+    silent = silent_objects(lab, patience=_MOMENT)
+    return {one.entry.name: one.entry.interface_name for one in silent}
+
+
+@_completion
+def interfaces(lab: gecos.Lab, _: Mapping[str, Any]) -> Mapping[str, str]:
+    """The interfaces of the objects that are online, and their bases."""
+    known = lab.objects(patience=_MOMENT)
+    names = {name for entry in known for name in (entry.interface_name, *entry.bases)}
+    return dict.fromkeys(sorted(names), "")
+
+
+def members(wanted: Callable[[Any], bool]) -> Completion:
+    """Returns the completion for members of the object that the command line names before. Only
+    members for which `wanted` is true are offered."""
+
+    def found(lab: gecos.Lab, before: Mapping[str, Any]) -> Mapping[str, str]:
+        from gecos.dynamic_client.connect import connect
+
+        model = connect(lab, before["name"], patience=_MOMENT)._gecos_model
+        return {m.name: m.doc.partition("\n")[0] for m in model.members if wanted(m)}
+
+    return _completion(found)
 
 
 name_argument = click.argument("name", shell_complete=_names)
