@@ -85,6 +85,14 @@ def test_describe_shows_state_of_any_object(
     assert out.count(str(os.getpid())) == 1, "the caller's own pid tells nothing of the object"
 
 
+def test_describe_says_that_an_object_serves_no_model(
+    server: gecos.Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(monkeypatch, "describe", "LAMP") == 0
+    _, _, said = capsys.readouterr().out.rpartition("\n\n")
+    assert said.startswith("LAMP serves no model; generate the code of its server again")
+
+
 def test_holders_shows_who_moves_it(
     held: Lamp, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import subprocess
+import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import click
 import gecos
 import pytest
 from click.shell_completion import BashComplete
 from command_output import Run, valid
+from gecos.cli import members, stopping
 from gecos.cli.app import app
+from gecos.dynamic_client import connect
 from jsonschema import Draft202012Validator
 from robcl.frames import Frame
 from robcl.manipulator import (
@@ -37,14 +44,27 @@ class Arm(ManipulatorServant):
         self.carrier = ""
         self.mounts = threading.Event()
         self.mounts.set()
+        self.mounting = threading.Event()
+        self.readable = threading.Event()
+        self.readable.set()
         self.hangs = False
         self.moving = threading.Event()
         self.canceled = threading.Event()
+        self.brake: Callable[[], Any] = self.brakes
+        self.stops: Callable[[], Any] = lambda: None
+
+    def gecos_on_stop(self) -> None:
+        self.stops()
+
+    def brakes(self) -> None:
+        self.canceled.set()
+        raise gecos.Interrupted
 
     def parent(self) -> str:
         return self.carrier
 
     def mount(self, carrier: str, offset: Frame) -> None:
+        self.mounting.set()
         self.mounts.wait(30)
 
     def base(self) -> Frame:
@@ -57,6 +77,7 @@ class Arm(ManipulatorServant):
         return self.at
 
     def posture(self) -> Configuration:
+        self.readable.wait(30)
         return Configuration(arm=Shoulder.LEFTY)
 
     def tool_offset(self) -> Frame:
@@ -75,8 +96,7 @@ class Arm(ManipulatorServant):
         run.progress(0.5, MotionProgress(0.5, 1.0))
         if self.hangs:
             run.wait_interrupted(30.0)
-            self.canceled.set()
-            raise gecos.Interrupted
+            self.brake()
         self.at = goal
 
 
@@ -230,6 +250,114 @@ def test_a_timeout_of_an_operation_that_is_not_cancelable_says_that_it_goes_on(
     assert err == "gecos: ARM.mount has not ended within 0.1 s and goes on\n"
 
 
+def test_what_goes_on_after_a_timeout_has_its_state_in_json(arm: Arm, run: Run) -> None:
+    arm.mounts.clear()
+    given = json.dumps({"carrier": "", "offset": HOME})
+    _, out, _ = run("call", "ARM", "mount", given, "--timeout", "0.1", "--json")
+    arm.mounts.set()
+    assert valid(out, "failure")
+    assert json.loads(out)["error"]["state"] == "RUNNING"
+
+
+def test_a_move_that_fails_while_it_is_canceled_says_how(arm: Arm, run: Run) -> None:
+    arm.hangs = True
+    arm.brake = raising(OutOfReach("the brake slips"))
+    move = ("call", "ARM", "move", json.dumps({"goal": GOAL}), "--timeout", "0.1")
+    assert run(*move) == (3, "", "gecos: robcl::OutOfReach(reason='the brake slips')\n")
+    error = json.loads(run(*move, "--json")[1])["error"]
+    assert (error["detail"], error["exception"]) == ("FAULT", "robcl::OutOfReach")
+
+
+def test_a_move_that_finishes_while_it_is_canceled_has_finished(arm: Arm, run: Run) -> None:
+    arm.hangs = True
+    arm.brake = lambda: None
+    move = ("call", "ARM", "move", json.dumps({"goal": GOAL}), "--timeout", "0.1")
+    assert run(*move) == (0, "ARM.move: FINISHED\n", "")
+
+
+def test_a_move_that_brakes_for_long_is_still_being_canceled(
+    arm: Arm, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(members, "_CANCELED_WITHIN", 0.2)
+    stands = threading.Event()
+    arm.hangs = True
+    arm.brake = lambda: stands.wait(30)
+    move = ("call", "ARM", "move", json.dumps({"goal": GOAL}), "--timeout", "0.1", "--json")
+    code, out, _ = run(*move)
+    stands.set()
+    error = json.loads(out)["error"]
+    assert (code, error["detail"], error["state"]) == (3, "CANCELING", "RUNNING")
+    assert error["text"] == "ARM.move has not ended within 0.1 s and is still being canceled"
+
+
+def test_ctrl_c_says_what_became_of_the_command(arm: Arm, run: Run) -> None:
+    arm.hangs = True
+    with ctrl_c_after(arm.moving):
+        said = run("call", "ARM", "move", json.dumps({"goal": GOAL}))
+    assert said == (130, "", "gecos: interrupted: ARM.move was canceled\n")
+
+
+def test_ctrl_c_says_that_a_command_goes_on(
+    arm: Arm, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(members, "_CANCELED_WITHIN", 0.1)
+    arm.mounts.clear()
+    given = json.dumps({"carrier": "", "offset": HOME})
+    with ctrl_c_after(arm.mounting):
+        code, out, err = run("call", "ARM", "mount", given, "--json")
+    arm.mounts.set()
+    assert (code, err) == (130, "")
+    assert valid(out, "failure")
+    error = json.loads(out)["error"]
+    assert (error["text"], error["state"]) == ("interrupted: ARM.mount goes on", "RUNNING")
+
+
+def raising(error: Exception) -> Callable[[], None]:
+    def act() -> None:
+        raise error
+
+    return act
+
+
+@contextmanager
+def ctrl_c_after(event: threading.Event) -> Iterator[None]:
+    """Sends this process a SIGINT once `event` is set."""
+
+    def press() -> None:
+        if event.wait(30):
+            os.kill(os.getpid(), signal.SIGINT)
+
+    thread = threading.Thread(target=press)
+    thread.start()
+    yield
+    thread.join()
+
+
+def test_get_ends_after_its_timeout(arm: Arm, run: Run) -> None:
+    arm.readable.clear()
+    code, _, err = run("get", "ARM", "posture", "--timeout", "0.1")
+    arm.readable.set()
+    assert code == 3
+    assert err == "gecos: reading ARM.posture has not ended within 0.1 s and goes on\n"
+
+
+@pytest.mark.parametrize(
+    ("attribute", "said"),
+    [
+        ("posture", "reading ARM.posture has not ended within 0.1 s"),
+        ("tool", "stream ARM.tool: no sample within 0.1 s"),
+    ],
+)
+def test_watch_ends_when_a_value_takes_too_long(
+    arm: Arm, run: Run, attribute: str, said: str
+) -> None:
+    arm.readable.clear()
+    code, out, err = run("watch", "ARM", attribute, "--count", "1", "--timeout", "0.1")
+    arm.readable.set()
+    assert (code, out) == (3, "")
+    assert err.startswith(f"gecos: {said}")
+
+
 def test_wrong_usage_with_json_is_json(arm: Arm, run: Run) -> None:
     for words in (("call", "ARM", "move", "{"), ("get", "ARM"), ("get", "ARM", "toool")):
         code, out, err = run(*words, "--json")
@@ -243,6 +371,45 @@ def test_wait_sees_an_object_that_comes(lab: gecos.Lab, run: Run) -> None:
         later.start()
         assert run("wait", "ARM", "--timeout", "20") == (0, "ARM: online\n", "")
         later.join()
+
+
+def test_wait_continues_when_the_broker_dies_while_it_is_asked(
+    arm: Arm, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    dies = iter([gecos.CommandFailed(gecos.Detail.OUTCOME_UNKNOWN, "the broker is gone")])
+    listed = connect.entries
+
+    def entries(lab: gecos.Lab, *, patience: float) -> Any:
+        for error in dies:
+            raise error
+        return listed(lab, patience=patience)
+
+    monkeypatch.setattr(connect, "entries", entries)
+    assert run("wait", "ARM", "--timeout", "20") == (0, "ARM: online\n", "")
+
+
+def test_wait_ends_when_no_medium_reaches_the_object(lab: gecos.Lab) -> None:
+    with gecos.Server(lab) as server:
+        server.add("ARM", Arm(), media=["inproc"])
+        done = in_another_process("wait", "ARM")
+    assert done.returncode == 4
+    assert done.stderr.startswith("gecos: ARM: QOS_UNAVAILABLE: ARM cannot be reached (inproc: ")
+
+
+def test_ls_says_why_a_server_cannot_answer(lab: gecos.Lab) -> None:
+    with gecos.Server(lab) as server:
+        server.add("ARM", Arm(), media=["inproc"])
+        shown = in_another_process("ls").stdout
+        (arm,) = json.loads(in_another_process("ls", "--json").stdout)
+    assert not arm["answers"]
+    assert arm["problem"] == "cannot be reached (inproc: it is in another process)"
+    assert f"hardware, {arm['problem']}" in shown
+
+
+def in_another_process(*words: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "gecos.cli", *words], capture_output=True, text=True, timeout=60
+    )
 
 
 def test_text_of_a_server_does_not_command_the_terminal(arm: Arm, run: Run) -> None:
@@ -271,6 +438,13 @@ def test_hz_counts_samples_and_losses(arm: Arm, run: Run) -> None:
     assert code == 0
     assert first["samples"] > 0
     assert second["rate"] > 0
+
+
+def test_hz_does_not_count_a_sample_from_before_the_measurement(arm: Arm, run: Run) -> None:
+    arm.publish_tool(arm.at)
+    _, out, _ = run("hz", "ARM", "tool", "--count", "1", "--window", "0.1", "--json")
+    line = json.loads(out)
+    assert (line["samples"], line["rate"]) == (0, 0)
 
 
 def test_wait_returns_when_the_object_is_online(arm: Arm, run: Run) -> None:
@@ -328,10 +502,68 @@ def test_stop_stops_all(arm: Arm, run: Run) -> None:
     code, out, err = run("stop", "ROBOT", "ARM", "--json")
     shown = json.loads(out)
     assert (code, shown["stopped"]) == (4, ["ARM"])
-    assert shown["failed"][0]["detail"] == "NO_SERVER"
-    assert err.startswith("gecos: ROBOT: NO_SERVER")
+    assert valid(out, "stop")
+    assert (shown["failed"][0]["name"], shown["failed"][0]["detail"]) == ("ROBOT", "NO_SERVER")
+    assert err.startswith("gecos: ROBOT was not stopped: NO_SERVER: no such object is online")
     assert run("stop")[0] == 2
     assert run("stop", "ARM", "--all")[0] == 2
+
+
+def test_stop_names_an_object_that_may_still_move(
+    arm: Arm, lab: gecos.Lab, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Unanswered:
+        def result(self, timeout: float) -> None:
+            raise TimeoutError(f"stop is still running after {timeout} s")
+
+    stop = gecos.stop
+
+    def stops(robot: gecos.Object) -> Any:
+        stuck = robot._gecos_session.object_name == "STUCK"
+        return Unanswered() if stuck else stop(robot)
+
+    monkeypatch.setattr(gecos, "stop", stops)
+    with gecos.Server(lab) as server:
+        server.add("STUCK", Arm())
+        code, out, err = run("stop", "--all", "--json")
+    shown = json.loads(out)
+    assert valid(out, "stop")
+    assert (code, shown["stopped"], shown["failed"][0]["name"]) == (3, ["ARM"], "STUCK")
+    said = "its server has not confirmed the stop within 5 s; it may still move"
+    assert err == f"gecos: STUCK was not stopped: {said}\n"
+
+
+def test_stop_lists_the_objects_once(arm: Arm, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+    listed = connect.entries
+
+    def entries(lab: gecos.Lab, *, patience: float = 2.0) -> Any:
+        asked.append(patience)
+        return listed(lab, patience=patience)
+
+    for module in (connect, stopping):
+        monkeypatch.setattr(module, "entries", entries)
+    assert run("stop", "ARM", "ROBOT")[0] == 4
+    assert len(asked) == 1
+
+
+def test_stop_all_stops_when_the_broker_does_not_say_what_is_silent(
+    arm: Arm, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stopped = threading.Event()
+    arm.stops = stopped.set
+
+    def silent_objects(lab: gecos.Lab) -> Any:
+        raise gecos.CreateError([gecos.Attempt("BROKER", gecos.Detail.NO_SERVER, "it is gone")])
+
+    for module in (connect, stopping):
+        monkeypatch.setattr(module, "silent_objects", silent_objects)
+    code, out, err = run("stop", "--all", "--json")
+    assert stopped.is_set()
+    assert code == 4
+    assert valid(out, "stop")
+    assert json.loads(out)["silent_unknown"]["detail"] == "NO_SERVER"
+    assert err.startswith("gecos: the broker did not say which other objects are silent: BROKER: ")
 
 
 JSON_VERBS = [

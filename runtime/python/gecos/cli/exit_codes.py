@@ -38,6 +38,23 @@ class UsageFailure(ValueError):
     """The object does not have a name, or does not take a value, that the command line gives."""
 
 
+class NotEnded(TimeoutError):
+    """A command was given up after `--timeout`. `detail` says what became of it: it was canceled,
+    or it still runs."""
+
+    def __init__(self, detail: Detail, text: str) -> None:
+        super().__init__(text)
+        self.detail = detail
+
+
+class InterruptedCommand(click.Abort):
+    """The user pressed Ctrl-C while a command ran. `detail` says what became of the command."""
+
+    def __init__(self, detail: Detail, text: str) -> None:
+        super().__init__(text)
+        self.detail = detail
+
+
 _NO_ACCESS = (Detail.DENIED, Detail.REFUSED)
 
 
@@ -82,6 +99,6 @@ def _silent_since(error: BaseException) -> float | None:
 def _details(error: BaseException) -> set[Detail]:
     if isinstance(error, CreateError):
         return {attempt.detail for attempt in error.attempts}
-    if isinstance(error, CommandFailed | ConnectionFailed):
+    if isinstance(error, CommandFailed | ConnectionFailed | NotEnded | InterruptedCommand):
         return {error.detail}
     return set()

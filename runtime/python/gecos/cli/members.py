@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gecos.cli.exit_codes import UsageFailure
+from gecos.cli.exit_codes import InterruptedCommand, NotEnded, UsageFailure
 from gecos.cli.options import (
     Number,
     broker_option,
@@ -20,7 +20,7 @@ from gecos.cli.options import (
     print_json,
     value_of,
 )
-from gecos.errors import State
+from gecos.errors import Detail, State
 
 if TYPE_CHECKING:
     from gecos.command import Command
@@ -82,16 +82,24 @@ def _status(robot: DynamicObject, needed: Access, password: str) -> AbstractCont
 @name_argument
 @attribute_argument
 @password_option
+@timeout_option
 @broker_option
 @json_option
-def get(name: str, attribute: str, password: str, broker: str | None, as_json: bool) -> None:
+def get(
+    name: str,
+    attribute: str,
+    password: str,
+    timeout: float | None,
+    broker: str | None,
+    as_json: bool,
+) -> None:
     """Reads an attribute. Acquires the status that reading needs."""
     from gecos.dynamic_client import by_name
 
     with _connected(broker, name, attribute) as robot:
         wanted = by_name.attribute(robot, attribute)
         with _status(robot, wanted.access, password):
-            value = by_name.read(robot, attribute).result()
+            value = _reading(robot, attribute, timeout)
         unit = wanted.result.unit
     if as_json:
         print_json({"name": name, "attribute": attribute, "value": value, "unit": unit})
@@ -99,6 +107,14 @@ def get(name: str, attribute: str, password: str, broker: str | None, as_json: b
         from gecos.cli import report
 
         report.value(value, unit)
+
+
+def _reading(robot: DynamicObject, attribute: str, timeout: float | None) -> Any:
+    """Returns the value of an attribute. Raises NotEnded after `timeout`."""
+    from gecos.dynamic_client import by_name
+
+    label = f"reading {robot._gecos_session.object_name}.{attribute}"
+    return _ends(by_name.read(robot, attribute), label, timeout, shows=False).result(0)
 
 
 @click.command("set", context_settings={"ignore_unknown_options": True})  # for values such as -1
@@ -209,24 +225,44 @@ def _arguments(words: tuple[str, ...]) -> dict[str, Any]:
 def _ends(
     command: Command[Any, Any], label: str, timeout: float | None, shows: bool
 ) -> Command[Any, Any]:
-    """Waits for the end of a command and returns the command. Cancels it on Ctrl-C and after
-    `timeout`."""
+    """Waits for the end of a command and returns the command. After `timeout`, cancels the command
+    and raises NotEnded, unless the command ended in another way. On Ctrl-C, cancels the command and
+    raises InterruptedCommand."""
     try:
         if _ended_within(command, label, timeout, shows):
             return command
     except KeyboardInterrupt:
-        _cancel(command)
-        raise
-    if _cancel(command):
-        return command  # it finished before the request arrived
-    left = "and goes on" if command.state is State.RUNNING else "and was canceled"
-    raise TimeoutError(f"{label} has not ended within {timeout} s {left}")
+        detail = _canceled(command)
+        text = f"interrupted: {label} {_became(detail, command)}"
+        raise InterruptedCommand(detail, text) from None
+    detail = _canceled(command)
+    if detail.state is State.RUNNING or detail is Detail.CANCELED:
+        became = _became(detail, command)
+        raise NotEnded(detail, f"{label} has not ended within {timeout} s and {became}")
+    return command
 
 
-def _cancel(command: Command[Any, Any]) -> bool:
-    """Asks the server to cancel a command. Returns whether the command finished nevertheless."""
+def _canceled(command: Command[Any, Any]) -> Detail:
+    """Asks the server to cancel a command. Returns how the command ended, or its state if it still
+    runs."""
     command.cancel()
-    return command.wait(_CANCELED_WITHIN) is State.FINISHED
+    command.wait(_CANCELED_WITHIN)
+    return command.progress().detail
+
+
+def _became(detail: Detail, command: Command[Any, Any]) -> str:
+    match detail:
+        case Detail.DONE:
+            return "has finished"
+        case Detail.CANCELED:
+            return "was canceled"
+        case Detail.CANCELING:
+            return "is still being canceled"
+        case Detail.SENT | Detail.UNREACHABLE:
+            return "may go on: its server does not answer"
+        case Detail.QUEUED | Detail.EXECUTING:
+            return "goes on"
+    return f"has ended: {command.exception()}"
 
 
 def _ended_within(
@@ -257,6 +293,9 @@ def _ended_within(
     show_default=True,
     help="Seconds between two readings of an attribute that is not a stream.",
 )
+@click.option(
+    "--timeout", type=Number(), help="Seconds to wait for each value; the default is no limit."
+)
 @password_option
 @broker_option
 @json_option
@@ -265,6 +304,7 @@ def watch(
     attribute: str,
     count: int | None,
     every: float,
+    timeout: float | None,
     password: str,
     broker: str | None,
     as_json: bool,
@@ -281,22 +321,25 @@ def watch(
         wanted = by_name.attribute(robot, attribute)
         opened.enter_context(_status(robot, wanted.access, password))
         shown = opened.enter_context(report.Samples(as_json, wanted.result.unit))
-        for number, sample in enumerate(_samples(robot, attribute, every), 1):
+        for number, sample in enumerate(_samples(robot, attribute, every, timeout), 1):
             shown.show(sample)
             if number == count:
                 return
 
 
-def _samples(robot: DynamicObject, attribute: str, every: float) -> Iterator[dict[str, Any]]:
+def _samples(
+    robot: DynamicObject, attribute: str, every: float, timeout: float | None
+) -> Iterator[dict[str, Any]]:
+    """Yields each sample of a stream, or repeated readings. Raises TimeoutError if one takes longer
+    than `timeout`."""
     from gecos.dynamic_client import by_name
 
     if by_name.attribute(robot, attribute).stream is not None:
         with _subscribed(robot, attribute) as stream:
-            for sample in stream:
-                yield _sample_json(sample)
-        return
+            while True:
+                yield _sample_json(stream.next(timeout))
     while True:
-        yield {"value": by_name.read(robot, attribute).result()}
+        yield {"value": _reading(robot, attribute, timeout)}
         time.sleep(every)
 
 
@@ -358,7 +401,7 @@ def hz(
 
 def _rate(stream: Any, window: float, last: float | None) -> tuple[dict[str, Any], float | None]:
     """Returns what a stream delivers within `window` seconds. `last` is the stamp of the previous
-    sample."""
+    sample. The first sample of all only begins the window, because it may be older."""
     start = time.monotonic()
     samples, lost, periods = 0, 0, []
     while (left := start + window - time.monotonic()) > 0:
@@ -366,9 +409,12 @@ def _rate(stream: Any, window: float, last: float | None) -> tuple[dict[str, Any
             sample = stream.next(left)
         except TimeoutError:
             break
+        if last is None:
+            last, start = sample.stamp, time.monotonic()
+            continue
         samples += 1
         lost += sample.lost
-        if last is not None and not sample.lost:
+        if not sample.lost:
             periods.append(sample.stamp - last)
         last = sample.stamp
     line = {
