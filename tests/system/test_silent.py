@@ -48,7 +48,9 @@ def test_a_server_that_stands_still_is_silent_and_comes_back(
     assert rail(lab)["answers"], "it runs"
     stopped = time.time()
     server.signal(signal.SIGSTOP)
-    assert not rail(lab)["answers"], "asked in vain, and within a bound"
+    asked = rail(lab)
+    assert not asked["answers"], "asked in vain, and within a bound"
+    assert asked["problem"] == "does not answer within 2 s" or SILENT.search(asked["problem"])
 
     until(lambda: rail(lab)["silent_since"] is not None, "the broker hears it no more")
     assert abs(rail(lab)["silent_since"] - stopped) < 5.0
@@ -75,6 +77,9 @@ def test_what_is_silent_is_not_stopped_and_the_user_is_told(lab_with_broker: Lab
     assert done.finish() == 4, str(done)
     shown = json.loads(done.lines[0])
     assert shown["stopped"] == []
+    assert shown["failed"][0]["name"] == "RAIL"
+    said = f"gecos: RAIL was not stopped: NO_SERVER: its server, .* pid {server.pid}, is silent"
+    assert any(re.match(said, line) for line in done.lines), str(done)
     assert abs(shown["failed"][0]["silent_since"] - time.time()) < 60
 
 

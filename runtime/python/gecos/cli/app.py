@@ -12,13 +12,11 @@ import json
 import math
 import sys
 import threading
-import time
 from importlib import import_module
-from typing import TYPE_CHECKING
 
 import click
 
-from gecos.cli.exit_codes import ExitCode, exit_code, failure_json
+from gecos.cli.exit_codes import ExitCode, InterruptedCommand, exit_code, failure_json
 from gecos.cli.options import (
     Number,
     broker_option,
@@ -31,12 +29,7 @@ from gecos.cli.options import (
     silent_names,
 )
 
-if TYPE_CHECKING:
-    from gecos.object_watch import ObjectWatch
-
-_STOP_WITHIN = 5.0  # s for the answer of a server
 _PATIENCE = 2.0  # s for one attempt to find an object
-_ASK_ANYWAY = 1.0  # s after which a server that did not answer is tried again
 
 
 _VERBS = {
@@ -126,8 +119,7 @@ def list_objects(interface: str, watching: bool, broker: str | None, as_json: bo
             return
         found = presences(lab, interface)
     if as_json:
-        states = [{"silent_since": one.silent_since, "answers": one.answers} for one in found]
-        print_json([plain(one.entry) | state for one, state in zip(found, states, strict=True)])
+        print_json([one.as_json() for one in found])
     else:
         from gecos.cli import report
 
@@ -164,7 +156,7 @@ def describe(name: str, broker: str | None, as_json: bool) -> None:
     """Shows the type and state of an object, and its operations, attributes and streams."""
     import gecos
     from gecos.dynamic_client import read_model
-    from gecos.dynamic_client.connect import find, served_models
+    from gecos.dynamic_client.connect import find, served_models, without_model
 
     with gecos.Lab(broker) as lab:
         found = find(lab, name)
@@ -177,7 +169,9 @@ def describe(name: str, broker: str | None, as_json: bool) -> None:
     from gecos.cli import report
 
     report.description(state)
-    if model is not None:
+    if model is None:
+        print(f"\n{without_model(name)}")
+    else:
         report.members(model)
 
 
@@ -207,42 +201,32 @@ def holders(name: str, broker: str | None, as_json: bool) -> None:
 @json_option
 def stop(names: tuple[str, ...], everything: bool, broker: str | None, as_json: bool) -> None:
     """Stops objects for all clients: ends all leases, drops the queues, interrupts handlers."""
-    from concurrent.futures import ThreadPoolExecutor
-
     import gecos
-    from gecos.dynamic_client.connect import entries, find, silent_objects
+    from gecos.cli.report import printable
+    from gecos.cli.stopping import stop_objects
 
     if bool(names) == everything:
         raise click.UsageError("give either the names of the objects to stop, or --all")
     with gecos.Lab(broker) as lab:
-        wanted = list(names)
-        if everything:
-            wanted = [entry.name for entry in entries(lab)]
-            # Silent objects cannot be stopped, but the user must know of them.
-            wanted += [one.entry.name for one in silent_objects(lab)]
-
-        def failure_of(name: str) -> Exception | None:
-            try:
-                gecos.stop(find(lab, name)).result(_STOP_WITHIN)
-            except (ConnectionError, RuntimeError, TimeoutError) as error:
-                return error
-            return None
-
-        # All objects are stopped at the same time, because an object that does not answer must not
-        # keep the others moving.
-        wanted = list(dict.fromkeys(wanted))
-        with ThreadPoolExecutor(max(1, len(wanted))) as threads:
-            outcomes = dict(zip(wanted, threads.map(failure_of, wanted), strict=True))
-    failures = [error for error in outcomes.values() if error is not None]
-    stopped = [name for name, error in outcomes.items() if error is None]
+        stopping = stop_objects(lab, None if everything else names)
+    unknown = stopping.silent_unknown
+    failures = {name: error for name, error in stopping.outcomes.items() if error is not None}
+    stopped = [name for name in stopping.outcomes if name not in failures]
     if as_json:
-        print_json({"stopped": stopped, "failed": [failure_json(e)["error"] for e in failures]})
+        failed = [{"name": n} | failure_json(error)["error"] for n, error in failures.items()]
+        more = {} if unknown is None else {"silent_unknown": failure_json(unknown)["error"]}
+        print_json({"stopped": stopped, "failed": failed} | more)
     else:
         print("\n".join(f"{name}: stopped" for name in stopped) or "nothing was stopped")
-    for failure in failures:
-        print(f"gecos: {failure}", file=sys.stderr)
-    if failures:
-        sys.exit(max(map(exit_code, failures)))
+    for name, error in failures.items():
+        why = str(error).removeprefix(f"{name}: ")
+        print(printable(f"gecos: {name} was not stopped: {why}"), file=sys.stderr)
+    if unknown is not None:
+        why = f"the broker did not say which other objects are silent: {unknown}"
+        print(printable(f"gecos: {why}"), file=sys.stderr)
+    errors = [*failures.values(), *([unknown] if unknown else [])]
+    if errors:
+        sys.exit(max(map(exit_code, errors)))
 
 
 @app.command()
@@ -251,32 +235,18 @@ def stop(names: tuple[str, ...], everything: bool, broker: str | None, as_json: 
 @broker_option
 @json_option
 def wait(name: str, timeout: float | None, broker: str | None, as_json: bool) -> None:
-    """Waits until an object is online. Ends at once if the object refuses this program."""
+    """Waits until an object is online. Ends at once if the object refuses this program, or if no
+    medium reaches it from here."""
     import gecos
     from gecos.dynamic_client.connect import find
 
-    end = math.inf if timeout is None else time.monotonic() + timeout
-    with gecos.Lab(broker) as lab, lab.watch() as changes:
-        while True:
-            left = max(0.0, end - time.monotonic())
-            try:
-                found = find(lab, name, patience=min(_PATIENCE, left))
-                break
-            except (gecos.CreateError, gecos.ConnectionFailed) as error:
-                if exit_code(error) is ExitCode.NO_ACCESS or time.monotonic() >= end:
-                    raise
-            _await_change(changes, name, min(end, time.monotonic() + _ASK_ANYWAY))
+    longest = math.inf if timeout is None else timeout
+    with gecos.Lab(broker) as lab:
+        found = find(lab, name, patience=min(_PATIENCE, longest), wait=longest)
     if as_json:
         print_json({"name": name, "type": found._gecos_interface.name})
     else:
         print(f"{name}: online")
-
-
-def _await_change(changes: ObjectWatch, name: str, until: float) -> None:
-    """Waits until the broker reports a change of the object called `name`."""
-    with contextlib.suppress(TimeoutError):
-        while changes.next(max(0.0, until - time.monotonic())).entry.name != name:
-            pass
 
 
 @app.command()
@@ -349,7 +319,7 @@ def _tell(error: Exception) -> None:
             return
     if isinstance(error, click.ClickException):
         error.show()
-    elif not isinstance(error, click.Abort):
+    elif not isinstance(error, click.Abort) or isinstance(error, InterruptedCommand):
         from gecos.cli.report import printable
 
         print(f"gecos: {printable(str(error))}", file=sys.stderr)

@@ -1,0 +1,79 @@
+"""Stops objects by name, for `gecos stop`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import gecos
+from gecos.dynamic_client.connect import (
+    connect_to,
+    entries,
+    not_online,
+    silence_of,
+    silent_objects,
+)
+
+if TYPE_CHECKING:
+    from gecos_idl.broker_types import Entry
+
+_STOP_WITHIN = 5.0  # s for the answer of a server
+
+
+@dataclass(slots=True)
+class Stopping:
+    """What became of a request to stop objects. `outcomes` has for each object the reason why it
+    was not stopped, or None. `silent_unknown` is the reason why the broker did not say which other
+    objects are silent."""
+
+    outcomes: dict[str, Exception | None]
+    silent_unknown: Exception | None = None
+
+
+def stop_objects(lab: gecos.Lab, names: Sequence[str] | None) -> Stopping:
+    """Stops the objects called `names`, or all that are online. Raises CreateError without a
+    broker."""
+    online = {entry.name: entry for entry in entries(lab)}
+    wanted = list(online if names is None else dict.fromkeys(names))
+    # All objects are stopped at the same time, because an object that does not answer must not keep
+    # the others moving.
+    with ThreadPoolExecutor(max(1, len(wanted))) as threads:
+        failures = threads.map(lambda name: _failure(lab, name, online), wanted)
+        stopping = Stopping(dict(zip(wanted, failures, strict=True)))
+    # Only now, because the question to the broker must not delay a stop.
+    outcomes = stopping.outcomes.values()
+    if names is None or any(isinstance(error, gecos.CreateError) for error in outcomes):
+        _find_silent(lab, stopping, every=names is None)
+    return stopping
+
+
+def _failure(lab: gecos.Lab, name: str, online: dict[str, Entry]) -> Exception | None:
+    if name not in online:
+        return not_online(name, list(online))
+    try:
+        gecos.stop(connect_to(lab, online[name])).result(_STOP_WITHIN)
+    except TimeoutError:
+        return TimeoutError(
+            f"its server has not confirmed the stop within {_STOP_WITHIN:g} s; it may still move"
+        )
+    except (ConnectionError, RuntimeError) as error:
+        return error
+    return None
+
+
+def _find_silent(lab: gecos.Lab, stopping: Stopping, every: bool) -> None:
+    """Notes of the objects that were not reached since when they are silent. With `every`, adds
+    those that the broker no longer lists: they cannot be stopped, but the user must know of
+    them."""
+    try:
+        silent = silent_objects(lab)
+    except (ConnectionError, RuntimeError) as error:
+        stopping.silent_unknown = error if every else None
+        return
+    for one in silent:
+        name = one.entry.name
+        unknown = every and name not in stopping.outcomes
+        if unknown or isinstance(stopping.outcomes.get(name), gecos.CreateError):
+            stopping.outcomes[name] = silence_of(one)
