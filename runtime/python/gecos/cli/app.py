@@ -1,59 +1,51 @@
-"""The verbs of `gecos` that concern whole objects, and the start of the command line.
+"""The start of the command line, and what it prints when a verb fails.
 
-Imports take most of the time of a short command. Therefore each verb imports the modules that only
-this verb needs at the start of its function. A verb in a module of its own is imported when it is
-used.
+Imports take most of the time of a short command. Therefore a verb is imported when it is used, and
+it imports the modules that only this verb needs at the start of its function.
 """
 
 from __future__ import annotations
 
 import contextlib
-import json
-import math
 import sys
-import threading
 from importlib import import_module
 
 import click
 
 from gecos.cli.exit_codes import ExitCode, InterruptedCommand, exit_code, failure_json
-from gecos.cli.options import (
-    Number,
-    broker_option,
-    interfaces,
-    json_option,
-    name_argument,
-    names_argument,
-    plain,
-    print_json,
-    silent_names,
-)
-
-_PATIENCE = 2.0  # s for one attempt to find an object
-
+from gecos.cli.options import print_json
 
 _VERBS = {
+    "broker": "broker.broker",
     "call": "members.call",
+    "completion": "completion.completion",
+    "describe": "describe.describe",
     "doctor": "doctor.verb.doctor",
+    "free": "free.free",
     "get": "members.get",
+    "holders": "holders.holders",
     "hz": "members.hz",
     "keys": "keys.keys",
+    "ls": "ls.ls",
+    "schema": "schema.schema",
     "set": "members.set_",
+    "stop": "stop.stop",
     "up": "up.up",
+    "wait": "wait.wait",
     "watch": "members.watch",
 }
-"""Maps each verb that has a module of its own to the module and the name of the function."""
+"""Maps each verb to its module and the name of its function."""
 
 
 class Verbs(click.Group):
-    """The verbs of this module, and those of `_VERBS`, which are imported when they are used."""
+    """The verbs of `_VERBS`, which are imported when they are used."""
 
     def list_commands(self, context: click.Context) -> list[str]:
-        return sorted({*super().list_commands(context), *_VERBS})
+        return sorted(_VERBS)
 
     def get_command(self, context: click.Context, name: str) -> click.Command | None:
         if name not in _VERBS:
-            return super().get_command(context, name)
+            return None
         module, _, function = _VERBS[name].rpartition(".")
         verb: click.Command = getattr(import_module(f"gecos.cli.{module}"), function)
         return verb
@@ -89,210 +81,6 @@ def app() -> None:
     Exit codes: 0 FINISHED, 1 the environment is wrong, 2 wrong usage, 3 COMMAND_FAILED, 4
     CONNECTION_FAILED, 5 access DENIED or REFUSED (instead of 3 and 4), 130 Ctrl-C.
     """
-
-
-@app.command("ls")
-@click.option(
-    "--interface",
-    metavar="NAME",
-    default="",
-    help="Only objects that have this interface or a derived one, e.g. robcl::Manipulator.",
-    shell_complete=interfaces,
-)
-@click.option("--watch", "watching", is_flag=True, help="Print each change until Ctrl-C.")
-@broker_option
-@json_option
-def list_objects(interface: str, watching: bool, broker: str | None, as_json: bool) -> None:
-    """Lists the objects that are online, and those whose servers are silent."""
-    import gecos
-    from gecos.cli.presence import changes, presences
-
-    with gecos.Lab(broker) as lab:
-        if watching:
-            for change in changes(lab, interface):
-                if as_json:
-                    print_json(change)
-                else:
-                    from gecos.cli import report
-
-                    report.change(change)
-            return
-        found = presences(lab, interface)
-    if as_json:
-        print_json([one.as_json() for one in found])
-    else:
-        from gecos.cli import report
-
-        report.objects(found)
-
-
-@app.command()
-@click.argument("name", shell_complete=silent_names)
-@broker_option
-@json_option
-def free(name: str, broker: str | None, as_json: bool) -> None:
-    """Gives the name of a silent object free, before the broker does.
-
-    Another server may then take the name. Make sure first that the silent server moves nothing: it
-    may be cut off, and still running.
-    """
-    from gecos_idl.broker import Broker
-
-    import gecos
-
-    with gecos.Lab(broker) as lab:
-        lab.broker(Broker).free(name).result()
-    if as_json:
-        print_json({"freed": name})
-    else:
-        print(f"{name}: free")
-
-
-@app.command()
-@name_argument
-@broker_option
-@json_option
-def describe(name: str, broker: str | None, as_json: bool) -> None:
-    """Shows the type and state of an object, and its operations, attributes and streams."""
-    import gecos
-    from gecos.dynamic_client import read_model
-    from gecos.dynamic_client.connect import find, served_models, without_model
-
-    with gecos.Lab(broker) as lab:
-        found = find(lab, name)
-        state = gecos.describe(found).result()
-        models = served_models(found)
-    model = read_model(models, state.interface_name) if models else None
-    if as_json:
-        print_json(plain(state) | {"models": [json.loads(text) for text in models]})
-        return
-    from gecos.cli import report
-
-    report.description(state)
-    if model is None:
-        print(f"\n{without_model(name)}")
-    else:
-        report.members(model)
-
-
-@app.command()
-@name_argument
-@broker_option
-@json_option
-def holders(name: str, broker: str | None, as_json: bool) -> None:
-    """Shows the clients that hold actor or master status of an object."""
-    import gecos
-    from gecos.dynamic_client.connect import find
-
-    with gecos.Lab(broker) as lab:
-        found = gecos.holders(find(lab, name)).result()
-    if as_json:
-        print_json([plain(holder) for holder in found])
-    else:
-        from gecos.cli import report
-
-        report.holders(name, found)
-
-
-@app.command()
-@names_argument
-@click.option("--all", "everything", is_flag=True, help="Stop every object that is online.")
-@broker_option
-@json_option
-def stop(names: tuple[str, ...], everything: bool, broker: str | None, as_json: bool) -> None:
-    """Stops objects for all clients: ends all leases, drops the queues, interrupts handlers."""
-    import gecos
-    from gecos.cli.report import printable
-    from gecos.cli.stopping import stop_objects
-
-    if bool(names) == everything:
-        raise click.UsageError("give either the names of the objects to stop, or --all")
-    with gecos.Lab(broker) as lab:
-        stopping = stop_objects(lab, None if everything else names)
-    unknown = stopping.silent_unknown
-    failures = {name: error for name, error in stopping.outcomes.items() if error is not None}
-    stopped = [name for name in stopping.outcomes if name not in failures]
-    if as_json:
-        failed = [{"name": n} | failure_json(error)["error"] for n, error in failures.items()]
-        more = {} if unknown is None else {"silent_unknown": failure_json(unknown)["error"]}
-        print_json({"stopped": stopped, "failed": failed} | more)
-    else:
-        print("\n".join(f"{name}: stopped" for name in stopped) or "nothing was stopped")
-    for name, error in failures.items():
-        why = str(error).removeprefix(f"{name}: ")
-        print(printable(f"gecos: {name} was not stopped: {why}"), file=sys.stderr)
-    if unknown is not None:
-        why = f"the broker did not say which other objects are silent: {unknown}"
-        print(printable(f"gecos: {why}"), file=sys.stderr)
-    errors = [*failures.values(), *([unknown] if unknown else [])]
-    if errors:
-        sys.exit(max(map(exit_code, errors)))
-
-
-@app.command()
-@name_argument
-@click.option("--timeout", type=Number(), help="Seconds to wait; the default is no limit.")
-@broker_option
-@json_option
-def wait(name: str, timeout: float | None, broker: str | None, as_json: bool) -> None:
-    """Waits until an object is online. Ends at once if the object refuses this program, or if no
-    medium reaches it from here."""
-    import gecos
-    from gecos.dynamic_client.connect import find
-
-    longest = math.inf if timeout is None else timeout
-    with gecos.Lab(broker) as lab:
-        found = find(lab, name, patience=min(_PATIENCE, longest), wait=longest)
-    if as_json:
-        print_json({"name": name, "type": found._gecos_interface.name})
-    else:
-        print(f"{name}: online")
-
-
-@app.command()
-def schema() -> None:
-    """Prints the JSON Schema of the output of `--json`, with a definition for each verb."""
-    from pathlib import Path
-
-    print((Path(__file__).parent / "output.schema.json").read_text(encoding="utf-8"), end="")
-
-
-@app.command()
-@click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
-def completion(shell: str) -> None:
-    """Prints the completion of `gecos` for a shell. For bash, use: eval "$(gecos completion
-    bash)"."""
-    from click.shell_completion import get_completion_class
-
-    kind = get_completion_class(shell)
-    assert kind is not None
-    print(kind(app, {}, "gecos", "_GECOS_COMPLETE").source())
-
-
-@app.command("broker")
-@click.option(
-    "--name-hold",
-    type=Number(),
-    default=10.0,
-    show_default=True,
-    help="Seconds for which a silent server of another host keeps its names.",
-)
-def run_broker(name_hold: float) -> None:
-    """Runs this host's broker until Ctrl-C."""
-    import gecos
-    from gecos import _core
-    from gecos.termination_signals import TerminationSignals
-
-    with (
-        TerminationSignals() as signals,
-        gecos.Lab() as lab,
-        gecos.Broker(lab, name_hold=name_hold),
-    ):
-        print("broker: ready", flush=True)
-        others = threading.Thread(target=_core.warn_of_other_brokers)
-        others.start()
-        signals.wait()
-        others.join()
 
 
 def run() -> int:
