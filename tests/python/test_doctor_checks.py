@@ -187,15 +187,18 @@ def test_a_key_that_cannot_be_used_is_mended_by_what_is_told(
 
 def test_a_lab_without_descriptors_is_no_wrong_setting(place: Path) -> None:
     assert readings.lab_problem() is None
+    readings.ask_broker("shm")  # imports what it needs
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     with (place / "last").open("w") as last:
         resource.setrlimit(resource.RLIMIT_NOFILE, (last.fileno() + 1, hard))
         try:
             problem = readings.lab_problem()
+            answer = readings.ask_broker("shm")
         finally:
             resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
     assert isinstance(problem, OSError)
     assert problem.errno == errno.EMFILE
+    assert "Too many open files" in (answer.reason or "")
     reason = problem.strerror or ""
     found = resources.exhausted(errno.EMFILE, reason, may_rise=True)
     said(found, Level.ERROR, "Too many open files", 'ulimit -n "$(ulimit -Hn)"')

@@ -59,7 +59,7 @@ def ask_broker(place: str | None) -> Answer:
             return Answer(None, gecos.reference(broker).boot, f"process {told.pid}", ours)
     except gecos.CreateError as error:
         return Answer(error.attempts[0].reason)
-    except (ConnectionError, RuntimeError, TimeoutError) as error:
+    except (OSError, RuntimeError) as error:
         return Answer(str(error))
 
 
