@@ -121,8 +121,8 @@ def key_finding(folder: Path) -> Finding:
     """The finding of the doctor about the folder of keys that GECOS_KEY_DIR names."""
     return own_key(
         readings.key_problem(),
-        readings.place(folder, follow_links=True),
-        readings.place(folder / "own.secret", follow_links=False),
+        readings.place(folder, follow_symlinks=True),
+        readings.place(folder / "own.secret", follow_symlinks=False),
     )
 
 

@@ -154,7 +154,7 @@ while :; do sleep 1; done
 
 @pytest.mark.parametrize("later", [signal.SIGHUP, signal.SIGTERM])
 @pytest.mark.parametrize("first", [signal.SIGHUP, signal.SIGTERM, signal.SIGINT])
-def test_only_ctrl_c_kills_programs_that_are_ending(
+def test_only_ctrl_c_kills_programs_that_are_to_end(
     lab: Laboratory, tmp_path: Path, first: int, later: int
 ) -> None:
     (tmp_path / "orderly.sh").write_text(ORDERLY)
@@ -263,7 +263,7 @@ def test_with_json_each_event_is_a_line(lab: Laboratory, tmp_path: Path) -> None
         validator.validate(event)
     shown = [(event["event"], event.get("program")) for event in events]
     order = [("ready", "BROKER"), ("output", "OVEN"), ("ready", "OVEN"), ("all_ready", None)]
-    places = [shown.index(event) for event in [*order, ("ending", None)]]
+    places = [shown.index(event) for event in [*order, ("closing", None)]]
     assert places == sorted(places), shown
     ended = next(event for event in events if event["event"] == "ended")
     assert (ended["program"], ended["status"], ended["restarts_in"]) == ("SHORT", 3, 0.5)

@@ -43,8 +43,8 @@ def up(file: Path | None, folders: tuple[Path, ...], restart: bool, as_json: boo
     signals = _Signals()
 
     def report(event: Event) -> None:
-        if event.event is What.ENDING:
-            signals.ending = True
+        if event.event is What.CLOSING:
+            signals.closing = True
         tell(event)
 
     try:
@@ -79,17 +79,17 @@ class _Signals:
     """
 
     def __init__(self) -> None:
-        self.ending = False
+        self.closing = False
         self.insisted = False  # SIGINT has come while the programs were being ended
         for number in _SIGNALS:
             if signal.getsignal(number) is not signal.SIG_IGN:
                 signal.signal(number, self._arrived)
 
     def _arrived(self, number: int, frame: FrameType | None) -> None:
-        if self.ending and number != signal.SIGINT:
+        if self.closing and number != signal.SIGINT:
             return
-        self.insisted = self.ending
-        self.ending = True
+        self.insisted = self.closing
+        self.closing = True
         raise KeyboardInterrupt
 
 

@@ -18,7 +18,7 @@ class What(StrEnum):
     NOT_READY = "not_ready"  # a program that was started again does not become ready
     KILLED = "killed"  # a program did not end when it was asked to
     ALL_READY = "all_ready"  # the laboratory is ready
-    ENDING = "ending"  # all programs are being ended, the last one first
+    CLOSING = "closing"  # all programs are being ended, the last one first
 
 
 @dataclass(frozen=True, slots=True)

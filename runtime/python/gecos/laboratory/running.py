@@ -232,7 +232,7 @@ class RunningLaboratory:
         """Ends all programs, the last one first. If this is interrupted, kills them."""
         processes = [*reversed(self._processes.values())]
         try:
-            self._report(Event(What.ENDING, "ending"))
+            self._report(Event(What.CLOSING, "ending"))
             for process in processes:
                 process.end()
         except BaseException:

@@ -60,8 +60,8 @@ def _of_the_runtime() -> Iterator[Finding]:
     folder = Path(_core.key_directory())
     yield own_key(
         readings.key_problem(),
-        readings.place(folder, follow_links=True),
-        readings.place(folder / _OWN_KEY, follow_links=False),
+        readings.place(folder, follow_symlinks=True),
+        readings.place(folder / _OWN_KEY, follow_symlinks=False),
     )
     yield from _of_brokers()
 

@@ -73,10 +73,10 @@ def key_problem() -> str | None:
     return None
 
 
-def place(path: Path, follow_links: bool) -> Place:
+def place(path: Path, follow_symlinks: bool) -> Place:
     """Returns what is at `path`."""
     try:
-        found = path.stat(follow_symlinks=follow_links)
+        found = path.stat(follow_symlinks=follow_symlinks)
     except OSError:
         return Place(str(path), Kind.MISSING)
     kinds = {stat.S_IFDIR: Kind.FOLDER, stat.S_IFREG: Kind.FILE}
