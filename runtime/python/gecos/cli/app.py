@@ -11,7 +11,6 @@ import contextlib
 import json
 import math
 import sys
-import threading
 import time
 from importlib import import_module
 from typing import TYPE_CHECKING
@@ -40,6 +39,7 @@ _ASK_ANYWAY = 1.0  # s after which a server that did not answer is tried again
 
 
 _VERBS = {
+    "broker": "broker.broker",
     "call": "members.call",
     "doctor": "doctor.verb.doctor",
     "get": "members.get",
@@ -297,32 +297,6 @@ def completion(shell: str) -> None:
     kind = get_completion_class(shell)
     assert kind is not None
     print(kind(app, {}, "gecos", "_GECOS_COMPLETE").source())
-
-
-@app.command("broker")
-@click.option(
-    "--name-hold",
-    type=Number(),
-    default=10.0,
-    show_default=True,
-    help="Seconds for which a silent server of another host keeps its names.",
-)
-def run_broker(name_hold: float) -> None:
-    """Runs this host's broker until Ctrl-C."""
-    import gecos
-    from gecos import _core
-    from gecos.termination_signals import TerminationSignals
-
-    with (
-        TerminationSignals() as signals,
-        gecos.Lab() as lab,
-        gecos.Broker(lab, name_hold=name_hold),
-    ):
-        print("broker: ready", flush=True)
-        others = threading.Thread(target=_core.warn_of_other_brokers)
-        others.start()
-        signals.wait()
-        others.join()
 
 
 def run() -> int:
