@@ -116,3 +116,13 @@ def test_what_gecos_imports_is_required_and_documented() -> None:
     for page in ("docs/ci.md", "docs/deploying.md"):
         (installed,) = re.findall(r"pip install ((?:jinja2 )?numpy[\w ]*)`", text_of(TREE / page))
         assert set(installed.split()) - {"jinja2"} == imported, page
+
+
+def test_systemd_leaves_the_order_of_the_end_to_gecos_up() -> None:
+    """Without this line, systemd sends SIGTERM to all programs of the unit at once."""
+    units = re.findall(
+        r"```ini\n(\[Unit\]\n.*?)```", text_of(TREE / "docs/deploying.md"), re.DOTALL
+    )
+    of_laboratories = [unit for unit in units if "bin/gecos up" in unit]
+    assert of_laboratories
+    assert all("\nKillMode=mixed\n" in unit for unit in of_laboratories)

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+import errno
+import os
+import resource
+import shlex
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
 import pytest
-from gecos.cli.doctor import network, places, real_time, settings
+from gecos.cli.doctor import network, places, readings, real_time, resources, settings
 from gecos.cli.doctor.broker import Answer, broker, one_broker, over_lcm
 from gecos.cli.doctor.extension import extension
 from gecos.cli.doctor.finding import Finding, Level
+from gecos.cli.doctor.keys import Kind, Place, own_key
 
 NO_ROUTE = (
     "no broker answers; start `gecos broker`, or say where it is in GECOS_BROKER (tried lcm: "
@@ -92,6 +101,114 @@ def test_left_over_sockets_are_a_warning_and_a_file_in_the_way_an_error() -> Non
     said(places.stale_sockets([]), Level.OK)
     said(places.occupied(["/tmp/gecos-0/BROKER.sock"]), Level.ERROR, "not a socket", "rm -r /tmp")
     assert places.occupied([]) is None
+
+
+def test_a_path_is_quoted_for_the_shell() -> None:
+    odd = "/tmp/Ann's files; reboot"
+    left, other = f"{odd}/A.sock", f"{odd}/B.sock"
+    assert shlex.split(places.stale_sockets([left, other]).mend) == ["rm", left, other]
+    in_the_way = places.occupied([left])
+    assert in_the_way is not None
+    assert shlex.split(in_the_way.mend) == ["rm", "-r", left]
+    problem = f"shm: other users may write to {odd} and could listen in; run:  chmod go-w {odd}"
+    assert shlex.split(places.runtime_directory(problem, odd).mend) == ["chmod", "go-w", odd]
+    folder = Place(odd, Kind.FOLDER, shared=True)
+    mend = own_key("…", folder, Place(f"{odd}/own.secret", Kind.MISSING)).mend
+    assert shlex.split(mend) == ["chmod", "700", odd]
+
+
+def key_finding(folder: Path) -> Finding:
+    """The finding of the doctor about the folder of keys that GECOS_KEY_DIR names."""
+    return own_key(
+        readings.key_problem(),
+        readings.place(folder, follow_symlinks=True),
+        readings.place(folder / "own.secret", follow_symlinks=False),
+    )
+
+
+def open_folder(folder: Path) -> None:
+    folder.chmod(0o755)
+
+
+def open_key(folder: Path) -> None:
+    (folder / "own.secret").chmod(0o644)
+
+
+def damaged_key(folder: Path) -> None:
+    (folder / "own.secret").write_text("gecos-secret-1 9f3c21aa")
+
+
+def folder_for_a_key(folder: Path) -> None:
+    (folder / "own.secret").unlink()
+    (folder / "own.secret").mkdir()
+
+
+def file_for_a_folder(folder: Path) -> None:
+    folder.rename(folder.with_name("elsewhere"))
+    folder.touch(0o600)
+
+
+def key_of_another(folder: Path) -> None:
+    if os.geteuid() != 0:
+        pytest.skip("needs root, to give a file to another user")
+    os.chown(folder / "own.secret", 65534, -1)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "begin"),
+    [
+        (open_folder, "chmod 700 "),
+        (open_key, "chmod 600 "),
+        (damaged_key, "rm -r "),
+        (folder_for_a_key, "rm -r "),
+        (file_for_a_folder, "mkdir -m 700 "),
+        (key_of_another, "mkdir -m 700 "),
+    ],
+)
+def test_a_key_that_cannot_be_used_is_mended_by_what_is_told(
+    spoil: Callable[[Path], None], begin: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "Ann's keys"
+    monkeypatch.setenv("GECOS_KEY_DIR", str(folder))
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert readings.key_problem() is None
+    said(key_finding(folder), Level.OK)
+    spoil(folder)
+    found = key_finding(folder)
+    said(found, Level.ERROR, str(folder))
+    assert found.mend.startswith(begin)
+
+    mended = f'{found.mend.removesuffix(" && gecos keys")} && echo "$GECOS_KEY_DIR"'
+    done = subprocess.run(mended, shell=True, stdout=subprocess.PIPE, text=True, check=True)
+    folder = Path(done.stdout.removesuffix("\n"))
+    monkeypatch.setenv("GECOS_KEY_DIR", str(folder))
+    said(key_finding(folder), Level.OK)
+
+
+def test_a_lab_without_descriptors_is_no_wrong_setting(place: Path) -> None:
+    assert readings.lab_problem() is None
+    readings.ask_broker("shm")  # imports what it needs
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    with (place / "last").open("w") as last:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (last.fileno() + 1, hard))
+        try:
+            problem = readings.lab_problem()
+            answer = readings.ask_broker("shm")
+        finally:
+            resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+    assert isinstance(problem, OSError)
+    assert problem.errno == errno.EMFILE
+    assert "Too many open files" in (answer.reason or "")
+    reason = problem.strerror or ""
+    found = resources.exhausted(errno.EMFILE, reason, may_rise=True)
+    said(found, Level.ERROR, "Too many open files", 'ulimit -n "$(ulimit -Hn)"')
+    for_ever = resources.exhausted(errno.EMFILE, reason, may_rise=False)
+    said(for_ever, Level.ERROR, "nofile 65536", "limits.d/gecos.conf")
+    said(resources.exhausted(errno.ENOMEM, "…", may_rise=False), Level.ERROR, "end programs")
+
+
+def test_a_refusal_that_names_no_variable_does_not_unset_the_environment() -> None:
+    assert settings.refused("", "why").mend == "unset the variables that begin with GECOS_"
 
 
 def test_without_sealed_memory_shm_is_not_usable() -> None:

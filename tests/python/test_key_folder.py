@@ -57,7 +57,7 @@ def test_an_added_key_is_admitted_and_a_removed_one_is_not(
     place = folder / f"{KEY}.public"
     assert json.loads(out) == {"key": KEY, "fingerprint": grouped(KEY), "file": str(place)}
     assert place.stat().st_mode & 0o777 == 0o600
-    assert run("keys", "add", str(received))[0] == 0, "again"
+    assert run("keys", "--json", "add", str(received)) == (0, out, ""), "again"
 
     code, out, _ = run("keys", "--json")
     assert code == 0

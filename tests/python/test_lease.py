@@ -87,6 +87,24 @@ def test_a_released_lease_may_be_released_again(lamp: Lamp) -> None:
     lease.release_now()
 
 
+def test_a_lease_shows_what_is_known_of_it(lamp: Lamp, other: Lamp, server: gecos.Server) -> None:
+    with gecos.actor(lamp) as first:
+        assert f"ACTOR of LAMP: acquired, not released, epoch {first.epoch:#x}" in repr(first)
+        gecos.stop(lamp).result()
+        assert ": acquired, not released," in repr(first), "it has stopped the object itself"
+        gecos.stop(other).result()
+        with gecos.actor(lamp) as second:
+            assert ": lost," in repr(first)
+            assert ": acquired, not released," in repr(second)
+        assert ": released," in repr(second)
+    assert ": released," in repr(first)
+
+    last = gecos.actor(lamp)
+    server.close()
+    lamp.label().wait()
+    assert ": lost," in repr(last)
+
+
 def test_a_status_is_waited_for_in_line(lamp: Lamp, other: Lamp) -> None:
     places: list[int] = []
     lease = gecos.actor(lamp)

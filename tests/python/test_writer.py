@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -96,6 +97,59 @@ def test_the_newest_sample_passes_over_older_ones(dancer: Any, servant: Any) -> 
     assert speed.lost, "it is closed"
     with pytest.raises(gecos.ConnectionFailed, match="the writer is closed"):
         speed.send(1.0)
+
+
+def test_a_command_that_was_canceled_takes_no_more_samples(
+    lab: gecos.Lab, served: gecos.Server, feeder: Any, servant: Any
+) -> None:
+    del served
+    stopped = threading.Event()
+    seen = threading.Event()
+    after: list[Any] = []
+
+    def follow(run: gecos.Execution[Any]) -> float:
+        with servant.alter.feeds(run):
+            run.progress(0, feeder.Step())
+            while not run.wait_interrupted(1):
+                pass
+            stopped.set()
+            assert seen.wait(10), "the sample was sent"
+            after.append(servant.alter.next())
+        return 0.0
+
+    servant.follow = follow
+    dancer = lab.create(feeder.Dancer, "DANCER")
+    with gecos.actor(dancer), dancer.alter.writer() as alter:
+        run = dancer.follow()
+        assert settles(lambda: run.feedback() is not None)
+        alter.feeds(run)
+        alter.send(feeder.Step(x=0.01, count=1))
+        run.cancel()
+        assert stopped.wait(10), "the handler was interrupted"
+        seen.set()
+        run.exception()
+    assert after == [None]
+    assert settles(lambda: servant.alter.report().command_not_running == 1)
+
+
+def test_samples_that_do_not_decode_keep_no_reader_for_long(
+    dancer: Any, servant: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Flooded:
+        refused = 0
+
+        def next_inward(self, code: int, only_commands: bool) -> tuple[Any, ...]:
+            return b"", 1, 0, 0, 1, 0
+
+        def unreadable(self, code: int, session: int, why: str) -> None:
+            self.refused += 1
+
+    del dancer
+    flood = Flooded()
+    monkeypatch.setattr(servant, "_gecos_core", flood)
+    assert servant.speed.next() is None
+    assert 100 < flood.refused < 10_000
+    assert servant.speed.newest() is None
 
 
 def test_a_sample_outside_its_range_or_type_is_not_sent(

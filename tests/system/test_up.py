@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
+import pty
 import re
 import signal
 import subprocess
@@ -11,6 +13,7 @@ import uuid
 from pathlib import Path
 
 import pytest
+from gecos import cli
 from gecos.laboratory import (
     LaboratoryDescription,
     LaboratoryError,
@@ -19,10 +22,12 @@ from gecos.laboratory import (
     read_laboratory,
     running,
 )
-from processes import Laboratory, await_ends
+from jsonschema import Draft202012Validator
+from processes import Laboratory, await_ends, until
 from test_demo import alive_with
 
 GECOS = [sys.executable, "-m", "gecos.cli"]
+SCHEMA = json.loads((Path(cli.__file__).parent / "output.schema.json").read_text())
 
 
 def test_the_simulated_laboratory_in_one_command(lab: Laboratory) -> None:
@@ -134,9 +139,151 @@ def test_a_second_interrupt_kills_what_does_not_end(lab: Laboratory, tmp_path: P
     up.signal(signal.SIGINT)
     up.wait_for("up: ending")
     up.signal(signal.SIGINT)
-    up.finish()
+    assert up.finish() == 130, str(up)
     await_ends(alive_with(marker))
     assert alive_with(marker) == {}
+
+
+ORDERLY = """
+trap 'echo braking; read word <go; echo stands; touch stands; exit 0' TERM
+echo serving X
+while :; do sleep 1; done
+"""
+"""A program that needs time to end: after SIGTERM it waits for a word from the test."""
+
+
+@pytest.mark.parametrize("later", [signal.SIGHUP, signal.SIGTERM])
+@pytest.mark.parametrize("first", [signal.SIGHUP, signal.SIGTERM, signal.SIGINT])
+def test_only_ctrl_c_kills_programs_that_are_to_end(
+    lab: Laboratory, tmp_path: Path, first: int, later: int
+) -> None:
+    (tmp_path / "orderly.sh").write_text(ORDERLY)
+    file = tmp_path / "lab.toml"
+    file.write_text('[programs.ARM]\nrun = ["sh", "orderly.sh"]\n')
+    os.mkfifo(tmp_path / "go")
+    go = os.open(tmp_path / "go", os.O_RDWR)  # does not wait for a reader
+    up = lab.start(*GECOS, "up", file)
+    up.wait_for("up: ARM is ready")
+    up.signal(first)
+    up.wait_for("[ARM] braking")
+    up.signal(later)
+    until(lambda: not pending_signals(up.pid), "the second signal has arrived")
+    with os.fdopen(go, "w") as word:
+        word.write("go\n")
+        word.flush()
+        assert up.finish() == 0, str(up)
+    assert "[ARM] stands" in up.output()
+
+
+def pending_signals(pid: int) -> int:
+    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    return sum(int(line.split()[1], 16) for line in lines if line.startswith(("SigPnd", "ShdPnd")))
+
+
+def test_a_closed_terminal_ends_all_programs_in_order(lab: Laboratory, tmp_path: Path) -> None:
+    """Although one of them must be killed, which nobody can be told any more."""
+    marker = f"up-{uuid.uuid4()}"
+    lab.env["GECOS_TEST_MARKER"] = marker
+    (tmp_path / "orderly.sh").write_text(ORDERLY.replace("read word <go; ", ""))
+    file = tmp_path / "lab.toml"
+    file.write_text(
+        '[programs.ARM]\nrun = ["sh", "orderly.sh"]\n'
+        "[programs.DEAF]\n"
+        'run = ["sh", "-c", "trap \'\' TERM; echo serving X; while :; do sleep 1; done"]\n'
+    )
+    ours, terminal = pty.openpty()
+    up = subprocess.Popen(
+        ["setsid", "--ctty", *GECOS, "up", str(file)],
+        env=lab.env,
+        stdin=terminal,
+        stdout=terminal,
+        stderr=terminal,
+    )
+    os.close(terminal)
+    said = b""
+    while b"are ready" not in said:
+        said += os.read(ours, 4096)
+    os.close(ours)
+    assert up.wait(30) == 0
+    assert (tmp_path / "stands").exists()
+    assert alive_with(marker) == {}
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_start_that_is_interrupted_ends_in_order_too(
+    lab: Laboratory, tmp_path: Path, number: int
+) -> None:
+    marker = f"up-{uuid.uuid4()}"
+    lab.env["GECOS_TEST_MARKER"] = marker
+    file = tmp_path / "lab.toml"
+    file.write_text('[programs.SLOW]\nrun = ["sh", "-c", "echo warming up; exec sleep 1000"]\n')
+    up = lab.start(*GECOS, "up", file)
+    up.wait_for("[SLOW] warming up")
+    up.signal(number)
+    assert up.finish() == 0, str(up)
+    assert "up: ending" in up.output()
+    assert alive_with(marker) == {}
+
+
+@pytest.mark.parametrize("named", ["lcm:239.255.76.67:7668/OTHER", "lcm"])
+def test_a_broker_that_its_programs_would_not_use_is_not_started(
+    lab: Laboratory, tmp_path: Path, named: str
+) -> None:
+    lab.env["GECOS_BROKER"] = named
+    file = tmp_path / "lab.toml"
+    text = '[programs.OVEN]\nrun = ["sh", "-c", "echo serving $GECOS_BROKER; exec sleep 1000"]\n'
+    file.write_text(text)
+    up = lab.run(*GECOS, "up", file)
+    assert up.finish() == 1, str(up)
+    assert f"gecos: GECOS_BROKER is '{named}', so the programs would not use" in up.output()
+    assert "[BROKER]" not in up.output()
+
+    file.write_text(f"{text}[broker]\nstart = false\n")
+    up = lab.start(*GECOS, "up", file)
+    up.wait_for(f"[OVEN] serving {named}")
+    up.wait_for("up: OVEN is ready")
+    up.signal(signal.SIGINT)
+    assert up.finish() == 0, str(up)
+
+
+def test_with_json_each_event_is_a_line(lab: Laboratory, tmp_path: Path) -> None:
+    file = tmp_path / "lab.toml"
+    file.write_text(
+        '[programs.OVEN]\nrun = ["sh", "-c", "echo serving \\u001b[2J; exec sleep 1000"]\n'
+        '[programs.SHORT]\nrun = ["sh", "-c", "exit 3"]\nready = ""\nrestart = true\n'
+    )
+    up = lab.start(*GECOS, "up", "--json", file)
+    up.wait_for('"event": "restarted"')
+    up.wait_for('"restarts_in": 1.0')
+    up.signal(signal.SIGINT)
+    assert up.finish() == 0, str(up)
+    validator = Draft202012Validator(SCHEMA | {"$ref": "#/$defs/up"})
+    events = [json.loads(line) for line in up.lines]
+    for event in events:
+        validator.validate(event)
+    shown = [(event["event"], event.get("program")) for event in events]
+    order = [("ready", "BROKER"), ("output", "OVEN"), ("ready", "OVEN"), ("all_ready", None)]
+    places = [shown.index(event) for event in [*order, ("closing", None)]]
+    assert places == sorted(places), shown
+    ended = next(event for event in events if event["event"] == "ended")
+    assert (ended["program"], ended["status"], ended["restarts_in"]) == ("SHORT", 3, 0.5)
+
+
+def test_with_json_a_failure_is_the_last_line(lab: Laboratory, tmp_path: Path) -> None:
+    file = tmp_path / "lab.toml"
+    file.write_text('[programs.ARM]\nrun = ["sh", "-c", "exit 7"]\n')
+    up = lab.run(*GECOS, "up", "--json", file)
+    assert up.finish() == 1, str(up)
+    *events, failure = map(json.loads, up.lines)
+    assert all("event" in event for event in events)
+    assert failure["error"]["text"] == "ARM ended with status 7 before it was ready"
+
+
+def test_the_broker_says_as_json_that_it_is_ready(lab: Laboratory) -> None:
+    broker = lab.start(*GECOS, "broker", "--json")
+    line = broker.wait_for("ready")
+    Draft202012Validator(SCHEMA | {"$ref": "#/$defs/broker"}).validate(json.loads(line))
+    assert broker.terminate() == 0, str(broker)
 
 
 def test_a_death_is_told_although_a_child_keeps_the_output_open(

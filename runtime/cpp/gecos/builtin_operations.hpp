@@ -37,6 +37,10 @@ class [[nodiscard("keep the lease: its destructor releases the status")]] Lease 
   /// Returns true when the lease was acquired less than 100 ms ago and the program has issued no
   /// call since.
   bool fresh() const;
+  /// Returns whether the status is certainly lost: the session has ended, or has acquired another
+  /// status since. False after a release, and while the program cannot know: that another client
+  /// has stopped the object shows only at the end of a command.
+  bool lost() const;
 
  private:
   void send_release(bool now);

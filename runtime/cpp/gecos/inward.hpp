@@ -35,6 +35,8 @@ struct InwardSample {
 
 namespace session {
 
+class CallCore;
+
 /// What happens to samples that feed no command while no command takes samples.
 enum class Unfed : std::uint8_t { Taken, Refused };
 
@@ -59,10 +61,11 @@ class InwardCore {
   virtual void unreadable(const RawInward& sample, const std::string& why) = 0;
   virtual bool expired() = 0;
   virtual FeedReport report() = 0;
-  /// From now on only samples that feed the command `counter` of `session` are admitted.
-  virtual void feed_command(std::uint64_t session, std::uint64_t counter) = 0;
-  /// Ends what `feed_command` began.
-  virtual void feed_no_command() = 0;
+  /// From now on only samples that feed the command `call` are admitted, and none once `call` is
+  /// interrupted. If several commands take samples, only the one that began last gets them. Returns
+  /// the number for `end_feeding`.
+  virtual std::uint64_t begin_feeding(std::shared_ptr<const CallCore> call) = 0;
+  virtual void end_feeding(std::uint64_t feeding) = 0;
 };
 
 /// Calls `use` with the core of the stream; does nothing while no server serves `servant`.
@@ -78,8 +81,9 @@ void with_inward(const Servant& servant, const InwardDescription& stream,
 /// Each sample is judged when it is read: its session must be open, its sender must have the status
 /// that the stream needs under the present epoch, the sample must not be older than the watchdog,
 /// and the command that it feeds must take samples (Feeding). Other samples have no effect and are
-/// counted. Samples of one client come in order; a client that sends more than the stream's depth
-/// between two reads loses the oldest.
+/// counted. After a pause of this process samples wait as long as commands do. Samples of one
+/// client come in order; a client that sends more than the stream's depth between two reads loses
+/// the oldest.
 template <class T>
 class Inward {
  public:
@@ -92,31 +96,14 @@ class Inward {
 
   /// Returns the oldest unread sample; nullopt when there is none. Never waits.
   std::optional<InwardSample<T>> next() {
-    std::optional<InwardSample<T>> sample;
-    with([&](session::InwardCore& core) {
-      while (core.next(raw_, unfed_)) {
-        wire::Decoder from(raw_.value);
-        if (decode_(from, sample.emplace().value)) return;
-        core.unreadable(raw_, from.error().message());
-        sample.reset();
-      }
-    });
-    if (!sample) return sample;
-    sample->sequence = raw_.sample.sequence;
-    sample->stamp = static_cast<double>(raw_.sample.stamp_ns) * 1e-9;
-    sample->age = raw_.age;
-    sample->session = raw_.session;
-    sample->command = raw_.command;
-    return sample;
+    int looks = most_looks;
+    return next_within(looks);
   }
   /// Returns the newest unread sample and passes over the older ones; nullopt when there is none.
   std::optional<InwardSample<T>> newest() {
     std::optional<InwardSample<T>> sample;
-    for (int passed = 0; passed < most_passed_over; ++passed) {
-      auto later = next();
-      if (!later) break;
-      sample = std::move(later);
-    }
+    int looks = most_looks;
+    while (auto later = next_within(looks)) sample = std::move(later);
     return sample;
   }
   /// Returns true when no sample that next() or newest() has returned is younger than the watchdog
@@ -136,31 +123,54 @@ class Inward {
   /// From now on, samples that feed no command are refused also while no command takes samples.
   void need_command() { unfed_ = session::Unfed::Refused; }
 
-  /// While this object lives, the stream takes only the samples that feed one command.
+  /// While this object lives, the stream takes only the samples that feed one command, and none
+  /// once the command is interrupted.
   class [[nodiscard]] Feeding {
    public:
-    Feeding(Inward& inward, std::uint64_t session, std::uint64_t counter) : stream_(inward) {
-      stream_.with([&](session::InwardCore& core) { core.feed_command(session, counter); });
+    Feeding(Inward& inward, const std::shared_ptr<const session::CallCore>& call)
+        : stream_(inward) {
+      stream_.with([&](session::InwardCore& core) { number_ = core.begin_feeding(call); });
     }
     ~Feeding() {
-      stream_.with([](session::InwardCore& core) { core.feed_no_command(); });
+      stream_.with([&](session::InwardCore& core) { core.end_feeding(number_); });
     }
     Feeding(const Feeding&) = delete;
     Feeding& operator=(const Feeding&) = delete;
 
    private:
     Inward& stream_;
+    std::uint64_t number_ = 0;
   };
   /// Lets the command of a running handler take the samples: `const auto feeding =
   /// alter().feeds(run);`. Samples of other commands and of none are then refused.
   template <class Feedback>
   Feeding feeds(const Execution<Feedback>& run) {
-    return {*this, run.caller().session, run.counter()};
+    return {*this, run.core()};
   }
 
  private:
-  static constexpr int most_passed_over = 1024;
+  /// How many samples one call of next() or newest() reads at most, so that a client that floods
+  /// the stream does not keep the servant in it.
+  static constexpr int most_looks = 1024;
 
+  std::optional<InwardSample<T>> next_within(int& looks) {
+    std::optional<InwardSample<T>> sample;
+    with([&](session::InwardCore& core) {
+      while (looks-- > 0 && core.next(raw_, unfed_)) {
+        wire::Decoder from(raw_.value);
+        if (decode_(from, sample.emplace().value)) return;
+        core.unreadable(raw_, from.error().message());
+        sample.reset();
+      }
+    });
+    if (!sample) return sample;
+    sample->sequence = raw_.sample.sequence;
+    sample->stamp = static_cast<double>(raw_.sample.stamp_ns) * 1e-9;
+    sample->age = raw_.age;
+    sample->session = raw_.session;
+    sample->command = raw_.command;
+    return sample;
+  }
   template <class Use>
   void with(const Use& use) const {
     session::with_inward(servant_, stream_, use);

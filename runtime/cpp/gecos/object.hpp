@@ -57,6 +57,9 @@ class ClientSession {
   /// Tells the session that a lease was released. When the last lease of a status is released, the
   /// session issues later commands without an epoch.
   virtual void lease_released(std::uint64_t held) = 0;
+  /// Returns whether the status of a lease is certainly lost: the session has ended, or has
+  /// acquired another status since. False does not mean that the server still grants the status.
+  virtual bool lease_lost(std::uint64_t /*held*/) const { return false; }
   /// Returns the number of calls that were issued and of samples that were sent so far.
   virtual std::uint64_t issued() = 0;
 };

@@ -130,6 +130,8 @@ class IncomingCall {
   ByteView arguments() const { return core_->arguments(); }
   const Caller& caller() const { return core_->caller(); }
   std::uint64_t counter() const { return core_->counter_in_session(); }
+  /// For the runtime.
+  std::shared_ptr<const session::CallCore> core() const { return core_; }
   bool interrupted() const { return core_->interrupted(); }
   bool wait_interrupted_until(TimePoint deadline) const {
     return core_->wait_interrupted_until(deadline);
@@ -228,6 +230,8 @@ class Execution {
   const Caller& caller() const { return call_.caller(); }
   /// Returns the number of the command in its caller's session.
   std::uint64_t counter() const { return call_.counter(); }
+  /// For the runtime.
+  std::shared_ptr<const session::CallCore> core() const { return call_.core(); }
 
  private:
   IncomingCall& call_;

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     from gecos.servant import Servant
 
 T = TypeVar("T")
-_MOST_PASSED_OVER = 1024
+# How many samples one call of `next` or `newest` reads at most, so that a client that floods the
+# stream does not keep the servant in it.
+_MOST_LOOKS = 1024
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,30 +57,31 @@ class Inward(Generic[T]):
 
     def next(self) -> InwardSample[T] | None:
         """Returns the oldest unread sample; None when there is none."""
+        return next(self._unread(), None)
+
+    def newest(self) -> InwardSample[T] | None:
+        """Returns the newest unread sample and passes over the older ones; None when there is
+        none."""
+        sample = None
+        for later in self._unread():
+            sample = later
+        return sample
+
+    def _unread(self) -> Iterator[InwardSample[T]]:
         core = self._servant._gecos_core
-        while core is not None:
+        if core is None:
+            return
+        for _ in range(_MOST_LOOKS):
             raw = core.next_inward(self._code, self._only_commands)
             if raw is None:
-                break
+                return
             value, sequence, stamp_ns, age_ns, session, command = raw
             try:
                 decoded = self._inward.result(Decoder(value))
             except DecodeError as error:
                 core.unreadable(self._code, session, str(error))
                 continue
-            return InwardSample(decoded, sequence, stamp_ns * 1e-9, age_ns * 1e-9, session, command)
-        return None
-
-    def newest(self) -> InwardSample[T] | None:
-        """Returns the newest unread sample and passes over the older ones; None when there is
-        none."""
-        sample = None
-        for _ in range(_MOST_PASSED_OVER):
-            later = self.next()
-            if later is None:
-                break
-            sample = later
-        return sample
+            yield InwardSample(decoded, sequence, stamp_ns * 1e-9, age_ns * 1e-9, session, command)
 
     @property
     def expired(self) -> bool:
@@ -104,13 +107,14 @@ class Inward(Generic[T]):
     @contextmanager
     def feeds(self, run: Execution[Any]) -> Iterator[None]:
         """Lets the command of a running handler take the samples in a `with` block. Samples of
-        other commands and of none are refused in it."""
+        other commands and of none are refused in it, and all samples once the command is
+        interrupted. If several commands take samples, only the one that began last gets them."""
         core = self._served()
-        core.feed_command(self._code, run._core)
+        feeding = core.begin_feeding(self._code, run._core)
         try:
             yield
         finally:
-            core.feed_command(self._code, None)
+            core.end_feeding(self._code, feeding)
 
     def _served(self) -> _core.PulledServant:
         core = self._servant._gecos_core

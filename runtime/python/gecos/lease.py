@@ -65,8 +65,14 @@ class Lease:
 
     def __repr__(self) -> str:
         status = Access(self._core.status).name
-        state = "released" if self._released else "acquired"
-        return f"<Lease {status} of {self._object_name}: {state}, epoch {self.epoch:#x}>"
+        return f"<Lease {status} of {self._object_name}: {self._state()}, epoch {self.epoch:#x}>"
+
+    def _state(self) -> str:
+        """Returns what this program knows of the status. That another client has stopped the object
+        shows only at the end of a command."""
+        if self._released:
+            return "released"
+        return "lost" if self._core.lost() else "acquired, not released"
 
 
 class _Untouched(Lease):

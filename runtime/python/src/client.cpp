@@ -369,6 +369,7 @@ void bind_client(nb::module_& module) {
       .def_prop_ro("status", &LeaseHandle::status)
       .def_prop_ro("epoch", &LeaseHandle::epoch)
       .def("fresh", &LeaseHandle::fresh)
+      .def("lost", &LeaseHandle::lost)
       .def("release", &LeaseHandle::release)
       .def("release_now", &LeaseHandle::release_now);
 }

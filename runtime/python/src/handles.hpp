@@ -218,6 +218,8 @@ class LeaseHandle {
   /// Returns whether the lease was acquired less than 100 ms ago and no command was issued under
   /// it.
   bool fresh() const { return lease_ != nullptr && !owner_.inherited() && lease_->fresh(); }
+  /// Returns whether the status is certainly lost; see Lease::lost.
+  bool lost() const { return lease_ != nullptr && !owner_.inherited() && lease_->lost(); }
   /// Releases the lease. A second call has no effect.
   void release() {
     if (owner_.inherited()) return drop(lease_, owner_);

@@ -100,11 +100,14 @@ class ServantHandle {
     return to_python(wire::to_bytes(report));
   }
 
-  void feed_command(std::uint32_t code, CallHandle* call) {
-    with_inward(code, [&](session::InwardCore& core) {
-      if (call == nullptr) return core.feed_no_command();
-      core.feed_command(call->call().caller().session, call->call().counter());
-    });
+  std::uint64_t begin_feeding(std::uint32_t code, CallHandle& call) {
+    std::uint64_t feeding = 0;
+    with_inward(
+        code, [&](session::InwardCore& core) { feeding = core.begin_feeding(call.call().core()); });
+    return feeding;
+  }
+  void end_feeding(std::uint32_t code, std::uint64_t feeding) {
+    with_inward(code, [&](session::InwardCore& core) { core.end_feeding(feeding); });
   }
 
   void publish(std::uint32_t code, const nb::bytes& sample, std::optional<std::int64_t> stamp_ns) {
@@ -301,7 +304,8 @@ void bind_server(nb::module_& module) {
            nb::arg("why"))
       .def("inward_expired", &ServantHandle::inward_expired, nb::arg("code"))
       .def("inward_report", &ServantHandle::inward_report, nb::arg("code"))
-      .def("feed_command", &ServantHandle::feed_command, nb::arg("code"), nb::arg("call").none());
+      .def("begin_feeding", &ServantHandle::begin_feeding, nb::arg("code"), nb::arg("call"))
+      .def("end_feeding", &ServantHandle::end_feeding, nb::arg("code"), nb::arg("feeding"));
 
   nb::class_<CallHandle>(module, "IncomingCall")
       .def_prop_ro("code", &CallHandle::code)

@@ -140,8 +140,10 @@ TEST(NotInTime, SaysWhichTermWasMissed) {
   turn.name = "turn";
   turn.quality.start_by = 1500ms;
   EXPECT_EQ(not_in_time(turn, true).text,
-            "'turn' did not start within its start_by of 1500 ms, because earlier calls took "
-            "longer; the call was not carried out");
+            "'turn' did not start within its start_by of 1500 ms; the call was not carried out");
+  turn.quality.start_by = 500us;
+  EXPECT_EQ(not_in_time(turn, true).text,
+            "'turn' did not start within its start_by of 0.5 ms; the call was not carried out");
   EXPECT_EQ(not_in_time(turn, false).text,
             "the deadline of 'turn' passed before the call started; the call was not carried out");
   EXPECT_EQ(not_in_time(turn, true).detail, Detail::Expired);

@@ -6,6 +6,7 @@
 #include "../inward/in_words.hpp"
 #include "../robcl/allocations.hpp"
 #include "gecos/media/sealed/inward.hpp"
+#include "gecos/servant.hpp"
 #include "gecos/session/protocol/sample_time.hpp"
 
 namespace gecos::session {
@@ -45,6 +46,25 @@ struct Sender {
   std::shared_ptr<FeedStanding> standing = std::make_shared<FeedStanding>();
 };
 
+/// A command of session 9 whose handler runs.
+struct Running final : CallCore {
+  explicit Running(std::uint64_t its_counter) : counter(its_counter) { client.session = 9; }
+  const OperationDescription& operation() const override { return described; }
+  ByteView arguments() const override { return {}; }
+  const Caller& caller() const override { return client; }
+  std::uint64_t counter_in_session() const override { return counter; }
+  bool interrupted() const override { return told_to_stop; }
+  bool wait_interrupted_until(TimePoint) override { return told_to_stop; }
+  void progress(double, ByteView) override {}
+  void finish(ByteView) override {}
+  void fail(Failure) override {}
+
+  const OperationDescription described{};
+  Caller client;
+  const std::uint64_t counter;
+  bool told_to_stop = false;
+};
+
 class Port : public ::testing::Test {
  protected:
   std::optional<double> next(Unfed unfed = Unfed::Taken) {
@@ -54,8 +74,18 @@ class Port : public ::testing::Test {
     EXPECT_TRUE(from.get(value, "value"));
     return value;
   }
+  std::uint64_t feed(std::uint64_t counter) {
+    return port_.begin_feeding(std::make_shared<Running>(counter));
+  }
+  /// Sends a sample of `ada_` that feeds her command `counter`.
+  void send_for(std::uint64_t counter, double value) {
+    ada_.send({SessionId{9}, Epoch{3}, counter}, value, clock_.since_boot());
+  }
+
   FakeClock clock_;
-  InwardPort port_{stream, clock_};
+  PauseWatch pauses_;
+  NameClaim claim_;
+  InwardPort port_{stream, clock_, pauses_, claim_};
   Sender ada_{9};
   RawInward raw_;
 };
@@ -117,7 +147,7 @@ TEST_F(Port, AgesAreJudgedByTheDifferenceOfTheClocks) {
 TEST_F(Port, ABeginningCommandHasOneWatchdogForItsFirstSample) {
   port_.add(ada_.feeder());
   clock_.advance(1s);
-  port_.feed_command(9, 4);
+  feed(4);
   clock_.advance(48ms);
   EXPECT_FALSE(port_.expired());
   clock_.advance(1ns);
@@ -129,7 +159,7 @@ TEST_F(Port, OnlyTheCommandThatTakesSamplesIsFed) {
   port_.add(ada_.feeder());
   port_.add(bob.feeder());
   const auto now = clock_.since_boot();
-  port_.feed_command(9, 4);
+  const auto feeding = feed(4);
   ada_.send(1, now);
   ada_.send({SessionId{9}, Epoch{3}, 3}, 2, now);
   bob.send({SessionId{10}, Epoch{3}, 4}, 3, now);
@@ -140,12 +170,96 @@ TEST_F(Port, OnlyTheCommandThatTakesSamplesIsFed) {
             "admitted 1, command_not_running 3; its command does not run");
   EXPECT_EQ(in_words(port_.report_of(SessionId{10})),
             "admitted 0, command_not_running 1; its command does not run");
-  port_.feed_no_command();
+  port_.end_feeding(feeding);
   ada_.send({SessionId{9}, Epoch{3}, 4}, 5, now);
   ada_.send(6, now);
   EXPECT_EQ(next(), 6);
   ada_.send(7, now);
   EXPECT_EQ(next(Unfed::Refused), std::nullopt) << "the servant wants samples of commands alone";
+}
+
+TEST_F(Port, ACommandThatIsToldToStopTakesNoMoreSamples) {
+  port_.add(ada_.feeder());
+  const auto follow = std::make_shared<Running>(4);
+  const auto feeding = port_.begin_feeding(follow);
+  send_for(4, 1);
+  send_for(4, 2);
+  EXPECT_EQ(next(), 1);
+  follow->told_to_stop = true;
+  EXPECT_EQ(next(), std::nullopt);
+  send_for(0, 3);
+  EXPECT_EQ(next(), std::nullopt) << "its handler still reads";
+  port_.end_feeding(feeding);
+  send_for(0, 4);
+  EXPECT_EQ(next(), 4);
+}
+
+TEST_F(Port, TheEndOfAnEarlierFeedingLeavesTheLaterOne) {
+  port_.add(ada_.feeder());
+  const auto first = feed(4);
+  const auto second = feed(5);
+  send_for(4, 1);
+  send_for(5, 2);
+  EXPECT_EQ(next(), 2);
+  port_.end_feeding(first);
+  send_for(0, 3);
+  send_for(5, 4);
+  EXPECT_EQ(next(), 4);
+  const auto third = feed(6);
+  port_.end_feeding(third);
+  send_for(5, 5);
+  EXPECT_EQ(next(), 5) << "the command before takes samples again";
+  port_.end_feeding(second);
+  send_for(0, 6);
+  EXPECT_EQ(next(), 6);
+}
+
+TEST_F(Port, SamplesWaitUntilAPauseIsJudged) {
+  port_.add(ada_.feeder());
+  ASSERT_TRUE(pauses_.due(clock_.since_boot(), clock_.since_boot()));
+  clock_.advance(PauseWatch::longest_gap + 1ms);
+  ada_.send(1, clock_.since_boot());
+  EXPECT_EQ(next(), std::nullopt) << "the maintenance thread has not seen the pause";
+  ASSERT_TRUE(pauses_.tick(clock_.since_boot()));
+  EXPECT_EQ(next(), std::nullopt) << "the pause is not judged";
+  pauses_.judged(clock_.since_boot());
+  EXPECT_EQ(next(), 1);
+  EXPECT_EQ(in_words(port_.report()), "admitted 1");
+}
+
+TEST_F(Port, SamplesOfASilentClientWaitForItsHeartbeatAndThoseOfOthersDoNot) {
+  Sender bob(10);
+  port_.add(ada_.feeder());
+  port_.add(bob.feeder());
+  ada_.standing->set_unheard(true);
+  ada_.send(1, clock_.since_boot());
+  bob.send(2, clock_.since_boot());
+  EXPECT_EQ(next(), 2);
+  EXPECT_EQ(next(), std::nullopt);
+  ada_.standing->set_unheard(false);
+  EXPECT_EQ(next(), 1);
+}
+
+TEST_F(Port, SamplesWaitWhileTheBrokerIsAskedForTheNameAndAreRefusedWhenItDoesNotAnswer) {
+  port_.add(ada_.feeder());
+  claim_.ask();
+  ada_.send(1, clock_.since_boot());
+  EXPECT_EQ(next(), std::nullopt);
+  ASSERT_TRUE(claim_.held(claim_.question()));
+  EXPECT_EQ(next(), 1);
+  claim_.ask();
+  ada_.send(2, clock_.since_boot());
+  ASSERT_TRUE(claim_.unanswered(claim_.question(), "no broker answers"));
+  EXPECT_EQ(next(), std::nullopt);
+  EXPECT_EQ(in_words(port_.report()),
+            "admitted 1, no_status 1; the broker does not confirm the name of the object");
+  constexpr InwardDescription remarks{
+      .code = FunctionCode{301}, .name = "remark", .status = access::Status::Sensor};
+  InwardPort harmless(remarks, clock_, pauses_, claim_);
+  ada_.standing->set(access::Status::Sensor, Epoch{3});
+  harmless.add(ada_.feeder());
+  ada_.send(3, clock_.since_boot());
+  EXPECT_TRUE(harmless.next(raw_, Unfed::Taken)) << "moves nothing";
 }
 
 TEST_F(Port, EachSampleNeedsTheStatusOfItsEpochWhenItIsRead) {

@@ -20,7 +20,10 @@ TEST(LeaseState, HasNoEpochAfterTheLastLeaseOfTheStatus) {
 TEST(LeaseState, KeepsTheNewerStatusWhenALeaseOfAnOlderOneIsReleased) {
   LeaseState state;
   const auto older = state.acquired(5);
+  EXPECT_FALSE(state.lost(older));
   const auto newer = state.acquired(6);
+  EXPECT_TRUE(state.lost(older));
+  EXPECT_FALSE(state.lost(newer));
   state.released(older);
   EXPECT_EQ(state.epoch(), Epoch{6});
   state.released(newer);
@@ -34,6 +37,7 @@ TEST(LeaseState, TakesTheEpochOfARenewedStatusOnlyWhileALeaseIsHeld) {
   const auto held = state.acquired(5);
   state.renewed(Epoch{7});
   EXPECT_EQ(state.epoch(), Epoch{7});
+  EXPECT_FALSE(state.lost(held));
   state.released(held);
   EXPECT_EQ(state.epoch(), Epoch{});
 }

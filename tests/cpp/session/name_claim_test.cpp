@@ -7,11 +7,10 @@ namespace {
 
 using Standing = NameClaim::Standing;
 
-NameClaim asked() {
-  NameClaim claim;
-  claim.ask();
-  return claim;
-}
+/// The claim of an object whose server has asked the broker.
+struct Asked : NameClaim {
+  Asked() { ask(); }
+};
 
 TEST(NameClaim, OfAnObjectThatNobodyElseFindsNeedsNoAnswer) {
   NameClaim claim;
@@ -22,7 +21,7 @@ TEST(NameClaim, OfAnObjectThatNobodyElseFindsNeedsNoAnswer) {
 }
 
 TEST(NameClaim, WaitsUntilItIsConfirmed) {
-  NameClaim claim = asked();
+  Asked claim;
   EXPECT_TRUE(claim.waits());
   EXPECT_TRUE(claim.held(claim.question()));
   EXPECT_FALSE(claim.waits());
@@ -31,7 +30,7 @@ TEST(NameClaim, WaitsUntilItIsConfirmed) {
 }
 
 TEST(NameClaim, AnAnswerFromBeforeAPauseDoesNotConfirmIt) {
-  NameClaim claim = asked();
+  Asked claim;
   const auto before = claim.question();
   claim.ask();
   EXPECT_FALSE(claim.held(before));
@@ -41,7 +40,7 @@ TEST(NameClaim, AnAnswerFromBeforeAPauseDoesNotConfirmIt) {
 }
 
 TEST(NameClaim, IsNotOpenedByABrokerThatMayStillGiveTheNameAway) {
-  NameClaim claim = asked();
+  Asked claim;
   EXPECT_FALSE(claim.provisional());
   EXPECT_TRUE(claim.waits());
   ASSERT_TRUE(claim.unanswered(claim.question(), "no broker answers"));
@@ -51,7 +50,7 @@ TEST(NameClaim, IsNotOpenedByABrokerThatMayStillGiveTheNameAway) {
 }
 
 TEST(NameClaim, RefusesWhileNoBrokerAnswersAndSaysWhy) {
-  NameClaim claim = asked();
+  Asked claim;
   EXPECT_TRUE(claim.unanswered(claim.question(), "no broker answers"));
   EXPECT_TRUE(claim.refuses());
   EXPECT_NE(claim.text().find("(no broker answers); the server goes on asking"), std::string::npos);
@@ -61,7 +60,7 @@ TEST(NameClaim, RefusesWhileNoBrokerAnswersAndSaysWhy) {
 }
 
 TEST(NameClaim, TheDeathOfABrokerWithoutAPauseChangesNothing) {
-  NameClaim claim = asked();
+  Asked claim;
   claim.held(claim.question());
   EXPECT_FALSE(claim.unanswered(claim.question(), "no broker answers"));
   EXPECT_FALSE(claim.provisional());
@@ -69,7 +68,7 @@ TEST(NameClaim, TheDeathOfABrokerWithoutAPauseChangesNothing) {
 }
 
 TEST(NameClaim, IsLostWheneverABrokerSaysSoAndComesBackOnlyByAnAnswer) {
-  NameClaim claim = asked();
+  Asked claim;
   claim.held(claim.question());
   EXPECT_TRUE(claim.taken("a robcl::Rx90 of ada on lab1, pid 4711"));
   EXPECT_FALSE(claim.taken("a robcl::Rx90 of ada on lab1, pid 4711")) << "no news";

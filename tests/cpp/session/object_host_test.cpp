@@ -59,6 +59,18 @@ TEST_F(ServedObjects, BeginNothingAfterAPauseBeforeWhatCameAheadOfTheHeartbeatIs
   EXPECT_TRUE(servant_.kept.at(1).begin());
 }
 
+TEST_F(ServedObjects, LetNoSampleOfAClientActAfterAPauseBeforeTheClientIsHeard) {
+  EXPECT_FALSE(session_->standing->unheard());
+  object_->await_sign_of_life(*session_);
+  EXPECT_TRUE(session_->standing->unheard());
+  connection_->unread = true;
+  ASSERT_FALSE(object_->check_liveness(session_));
+  EXPECT_TRUE(session_->standing->unheard());
+  connection_->unread = false;
+  ASSERT_FALSE(object_->check_liveness(session_));
+  EXPECT_FALSE(session_->standing->unheard());
+}
+
 TEST_F(ServedObjects, BeginNothingThatWaitsForItsThreadAndWasWithdrawn) {
   servant_.queues = servant_.keep = true;
   call(1, probe::read_code);

@@ -6,7 +6,7 @@ import threading
 
 import click
 
-from gecos.cli.options import Number
+from gecos.cli.options import Number, json_option, print_json
 
 
 @click.command()
@@ -17,7 +17,8 @@ from gecos.cli.options import Number
     show_default=True,
     help="Seconds for which a silent server of another host keeps its names.",
 )
-def broker(name_hold: float) -> None:
+@json_option
+def broker(name_hold: float, as_json: bool) -> None:
     """Runs this host's broker until Ctrl-C."""
     import gecos
     from gecos import _core
@@ -28,7 +29,10 @@ def broker(name_hold: float) -> None:
         gecos.Lab() as lab,
         gecos.Broker(lab, name_hold=name_hold),
     ):
-        print("broker: ready", flush=True)
+        if as_json:
+            print_json({"event": "ready", "text": "broker: ready"})
+        else:
+            print("broker: ready", flush=True)
         others = threading.Thread(target=_core.warn_of_other_brokers)
         others.start()
         signals.wait()

@@ -28,6 +28,8 @@ def keys(context: click.Context, as_json: bool) -> None:
     """
     if context.invoked_subcommand is None:
         _show(as_json)
+    elif as_json:  # written before the name of the verb below
+        context.default_map = {context.invoked_subcommand: {"as_json": True}}
 
 
 def _show(as_json: bool) -> None:

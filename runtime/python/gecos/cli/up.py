@@ -3,10 +3,20 @@
 from __future__ import annotations
 
 import signal
+from contextlib import suppress
 from pathlib import Path
+from threading import Lock
 from types import FrameType
+from typing import TYPE_CHECKING
 
 import click
+
+from gecos.cli.options import json_option, print_json
+
+if TYPE_CHECKING:
+    from gecos.laboratory import Event, LaboratoryDescription
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # SIGHUP: a terminal was closed
 
 
 @click.command()
@@ -19,38 +29,92 @@ import click
     help="Folder with programs, for example the build folder of robcl; may be given several times.",
 )
 @click.option("--restart", is_flag=True, help="Start each program again when it ends by itself.")
-def up(file: Path | None, folders: tuple[Path, ...], restart: bool) -> None:
+@json_option
+def up(file: Path | None, folders: tuple[Path, ...], restart: bool, as_json: bool) -> None:
     """Starts a laboratory: the broker and the programs of FILE, or the simulated devices of robcl.
 
     Without FILE, lab.toml in the current folder is used if there is one. Ctrl-C ends all programs,
-    the last one first.
+    the last one first; a second Ctrl-C kills those that have not ended yet.
     """
+    from gecos.laboratory import Event, What, running
+
+    laboratory = _described(file)
+    tell = _OneLine().tell if as_json else _show
+    signals = _Signals()
+
+    def report(event: Event) -> None:
+        if event.event is What.CLOSING:
+            signals.closing = True
+        tell(event)
+
+    try:
+        with running(laboratory, None, folders, restart, report) as started:
+            names = ", ".join(program.name for program in laboratory.programs)
+            verb = "is" if len(laboratory.programs) == 1 else "are"
+            report(Event(What.ALL_READY, f"{names} {verb} ready; Ctrl-C ends them"))
+            started.watch()
+    except KeyboardInterrupt:
+        if signals.insisted:
+            raise
+
+
+def _described(file: Path | None) -> LaboratoryDescription:
     from gecos.cli.exit_codes import UsageFailure
-    from gecos.laboratory import (
-        LaboratoryFileError,
-        read_laboratory,
-        running,
-        simulated_laboratory,
-    )
+    from gecos.laboratory import LaboratoryFileError, read_laboratory, simulated_laboratory
 
     if file is None and Path("lab.toml").exists():
         file = Path("lab.toml")
     try:
-        laboratory = simulated_laboratory() if file is None else read_laboratory(file)
+        return simulated_laboratory() if file is None else read_laboratory(file)
     except LaboratoryFileError as error:
         raise UsageFailure(str(error)) from None
-    for number in (signal.SIGTERM, signal.SIGHUP):  # SIGHUP arrives when a terminal is closed
-        if signal.getsignal(number) is not signal.SIG_IGN:  # as under nohup
-            signal.signal(number, _interrupt)
-    with running(laboratory, folders=folders, restart=restart) as started:
-        names = ", ".join(program.name for program in laboratory.programs)
-        verb = "is" if len(laboratory.programs) == 1 else "are"
-        try:
-            print(f"up: {names} {verb} ready; Ctrl-C ends them", flush=True)
-            started.watch()
-        except KeyboardInterrupt:
-            print("up: ending", flush=True)
 
 
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    raise KeyboardInterrupt
+class _Signals:
+    """Raises KeyboardInterrupt at the first SIGINT, SIGTERM or SIGHUP. While the programs are being
+    ended, only SIGINT raises it again, and so kills them: a terminal that is closed may send SIGHUP
+    several times, and a service manager SIGTERM after it.
+
+    A signal that this process was started to ignore, as by nohup, stays ignored.
+    """
+
+    def __init__(self) -> None:
+        self.closing = False
+        self.insisted = False  # SIGINT has come while the programs were being ended
+        for number in _SIGNALS:
+            if signal.getsignal(number) is not signal.SIG_IGN:
+                signal.signal(number, self._arrived)
+
+    def _arrived(self, number: int, frame: FrameType | None) -> None:
+        if self.closing and number != signal.SIGINT:
+            return
+        self.insisted = self.closing
+        self.closing = True
+        raise KeyboardInterrupt
+
+
+def _show(event: Event) -> None:
+    from gecos.laboratory import say, show
+
+    if event.program:
+        show(event)
+    else:
+        say(f"up: {event.text}")
+
+
+class _OneLine:
+    """Prints each event as one line of JSON, also if several threads report at the same time. The
+    programs continue when nobody reads the output any more."""
+
+    def __init__(self) -> None:
+        self._lock = Lock()
+
+    def tell(self, event: Event) -> None:
+        about = {
+            "program": event.program or None,
+            "status": event.status,
+            "restarts_in": event.restarts_in,
+        }
+        known = {name: value for name, value in about.items() if value is not None}
+        with self._lock, suppress(OSError, ValueError):
+            print_json({"event": event.event, "text": event.text, **known})

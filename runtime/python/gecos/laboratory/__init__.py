@@ -7,14 +7,19 @@ from gecos.laboratory.description import (
     read_laboratory,
     simulated_laboratory,
 )
+from gecos.laboratory.events import Event, What, say, show
 from gecos.laboratory.running import LaboratoryError, running
 
 __all__ = [
+    "Event",
     "LaboratoryDescription",
     "LaboratoryError",
     "LaboratoryFileError",
     "Program",
+    "What",
     "read_laboratory",
     "running",
+    "say",
+    "show",
     "simulated_laboratory",
 ]

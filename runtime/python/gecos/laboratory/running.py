@@ -18,6 +18,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 
 from gecos.laboratory.description import LaboratoryDescription, Program
+from gecos.laboratory.events import Event, Report, What, show
 
 READY_WITHIN = 60.0  # s
 END_WITHIN = 5.0  # s after SIGTERM, before SIGKILL
@@ -34,7 +35,7 @@ class LaboratoryError(RuntimeError):
 
 class _Process:
     """One run of a program, in a session and process group of its own. Each line of its output is
-    printed after the name of the program."""
+    reported."""
 
     def __init__(
         self,
@@ -43,8 +44,10 @@ class _Process:
         environment: Mapping[str, str],
         folder: Path,
         ended: Callable[[_Process], None],
+        report: Report,
     ) -> None:
         self.program = program
+        self._report = report
         self.since = time.monotonic()
         self._is_ready = program.ready == ""
         self._ready_or_ended = threading.Event()
@@ -73,13 +76,17 @@ class _Process:
         output open for longer than the program runs."""
         assert self._process.stdout is not None
         if self._is_ready:
-            self._ready_or_ended.set()
+            self._tell_ready()
         with self._process.stdout as output:
             while line := output.readline(_LONGEST_LINE):
-                _show(f"  [{self.program.name}] {line.rstrip()}")
-                if _is_ready(line, self.program):
+                self._report(Event(What.OUTPUT, line.rstrip(), self.program.name))
+                if not self._is_ready and _is_ready(line, self.program):
                     self._is_ready = True
-                    self._ready_or_ended.set()
+                    self._tell_ready()
+
+    def _tell_ready(self) -> None:
+        self._report(Event(What.READY, f"{self.program.name} is ready", self.program.name))
+        self._ready_or_ended.set()
 
     def _await_end(self) -> None:
         # The process is not reaped before kill(), so that its process group keeps its number.
@@ -100,9 +107,9 @@ class _Process:
             raise LaboratoryError(f"{self.program.name} {self.how_ended()} before it was ready")
 
     def complain_if_not_ready(self) -> None:
-        """Prints that the program is not ready. Called READY_WITHIN s after its start."""
+        """Reports that the program is not ready. Called READY_WITHIN s after its start."""
         if not self._ready_or_ended.is_set():
-            _show(self._not_ready())
+            self._report(Event(What.NOT_READY, self._not_ready(), self.program.name))
 
     def _not_ready(self) -> str:
         ready = self.program.ready
@@ -114,9 +121,13 @@ class _Process:
             "in lab.toml"
         )
 
-    def how_ended(self) -> str:
+    def status(self) -> int:
+        """Waits for the end, and returns the exit status; the negative number of a signal."""
         self._over.wait()
-        status = self._status
+        return self._status
+
+    def how_ended(self) -> str:
+        status = self.status()
         return f"was ended by signal {-status}" if status < 0 else f"ended with status {status}"
 
     def end(self) -> None:
@@ -127,7 +138,8 @@ class _Process:
             # A process that the program has started may still say goodbye.
             self._reader.join(END_WITHIN)
         else:
-            print(f"{self.program.name} did not end after SIGTERM and was killed", file=sys.stderr)
+            text = f"{self.program.name} did not end after SIGTERM and was killed"
+            self._report(Event(What.KILLED, text, self.program.name))
         self.kill()
         self._reader.join(END_WITHIN)
 
@@ -148,7 +160,8 @@ class _Process:
 class RunningLaboratory:
     """The processes of a laboratory. They run in `folder`."""
 
-    def __init__(self, environment: Mapping[str, str], folder: Path) -> None:
+    def __init__(self, environment: Mapping[str, str], folder: Path, report: Report) -> None:
+        self._report = report
         self._environment = dict(environment)
         self._folder = folder
         self._processes: dict[str, _Process] = {}
@@ -164,13 +177,15 @@ class RunningLaboratory:
 
     def _launch(self, program: Program) -> _Process:
         command = self._commands[program.name]
-        process = _Process(program, command, self._environment, self._folder, self._events.put)
+        process = _Process(
+            program, command, self._environment, self._folder, self._events.put, self._report
+        )
         self._processes[program.name] = process
         return process
 
     def watch(self, timeout: float | None = None) -> None:
-        """Watches the programs. When a program ends, starts it again if it is to be restarted, and
-        otherwise prints that it has ended. Returns after `timeout` s, or else only by an exception
+        """Watches the programs. When a program ends, reports it, and starts it again if it is to be
+        restarted. Returns after `timeout` s, or else only by an exception
         such as KeyboardInterrupt."""
         end = None if timeout is None else time.monotonic() + timeout
         while end is None or time.monotonic() < end:
@@ -185,17 +200,21 @@ class RunningLaboratory:
 
     def _after(self, ended: _Process) -> None:
         program = ended.program
+        told = Event(
+            What.ENDED, f"{program.name} {ended.how_ended()}", program.name, ended.status()
+        )
         if not program.restart:
-            _show(f"{program.name} {ended.how_ended()}; the other programs continue")
+            self._report(replace(told, text=f"{told.text}; the other programs continue"))
             return
         if time.monotonic() - ended.since >= _LONG_RUN:
             self._pauses.pop(program.name, None)
-        self._start_later(program, f"{program.name} {ended.how_ended()}")
+        self._start_later(program, told)
 
-    def _start_later(self, program: Program, why: str) -> None:
+    def _start_later(self, program: Program, why: Event) -> None:
         pause = min(max(_FIRST_PAUSE, 2 * self._pauses.get(program.name, 0.0)), _LONGEST_PAUSE)
         self._pauses[program.name] = pause
-        _show(f"{why}; it is started again in {pause:g} s")
+        text = f"{why.text}; it is started again in {pause:g} s"
+        self._report(replace(why, text=text, restarts_in=pause))
         self._later.enter(pause, 0, self._start_again, (program,))
 
     def _start_again(self, program: Program) -> None:
@@ -203,14 +222,17 @@ class RunningLaboratory:
         try:
             process = self._launch(program)
         except OSError as error:  # for example while its file is written anew
-            self._start_later(program, f"{program.name} cannot be started: {error}")
+            text = f"{program.name} cannot be started: {error}"
+            self._start_later(program, Event(What.NOT_STARTED, text, program.name))
             return
+        self._report(Event(What.RESTARTED, f"{program.name} is started again", program.name))
         self._later.enter(READY_WITHIN, 0, process.complain_if_not_ready)
 
     def end(self) -> None:
         """Ends all programs, the last one first. If this is interrupted, kills them."""
         processes = [*reversed(self._processes.values())]
         try:
+            self._report(Event(What.CLOSING, "ending"))
             for process in processes:
                 process.end()
         except BaseException:
@@ -225,16 +247,20 @@ def running(
     environment: Mapping[str, str] | None = None,
     folders: Sequence[Path] = (),
     restart: bool = False,
+    report: Report = show,
 ) -> Iterator[RunningLaboratory]:
     """Starts a laboratory, and ends all its programs when the block ends. Programs are searched in
     `folders`, in the folder of this command, and in PATH. With `restart`, each program is started
-    again when it ends by itself. If a program is missing or does not become ready, all running
-    programs are ended, and LaboratoryError is raised."""
+    again when it ends by itself. `report` is called with each event, from several threads. If a
+    program is missing or does not become ready, all running programs are ended, and LaboratoryError
+    is raised; also if the programs would not use the broker that the laboratory starts."""
     commands = [(p, _command(laboratory, p, folders)) for p in laboratory.programs]
     variables = dict(os.environ if environment is None else environment)
     if laboratory.broker_address:
         variables["GECOS_BROKER"] = laboratory.broker_address
-    started = RunningLaboratory(variables, laboratory.folder)
+    elif laboratory.starts_broker:
+        _refuse_another_broker(variables.get("GECOS_BROKER", ""), laboratory.file)
+    started = RunningLaboratory(variables, laboratory.folder, report)
     try:
         if laboratory.starts_broker:
             started.start(*_broker(variables, restart))
@@ -243,6 +269,18 @@ def running(
         yield started
     finally:
         started.end()
+
+
+def _refuse_another_broker(named: str, file: str) -> None:
+    """Raises LaboratoryError if GECOS_BROKER leads the programs to another broker than the one of
+    this laboratory, which is at the place `shm` of its host."""
+    if named in ("", "shm"):
+        return
+    raise LaboratoryError(
+        f"GECOS_BROKER is {named!r}, so the programs would not use the broker that this laboratory "
+        f"starts; unset GECOS_BROKER, or write `start = false` below [broker] in "
+        f"{file or 'a lab.toml'} if the programs are to use that broker"
+    )
 
 
 def _broker(environment: Mapping[str, str], restart: bool) -> tuple[Program, Sequence[str]]:
@@ -281,13 +319,6 @@ def _command(
         f"{where}{program.name}: there is no program {name}; name the folder that has it by "
         "--programs, for example --programs <robcl>/build"
     )
-
-
-def _show(line: str) -> None:
-    """Prints a line. The programs continue when nobody reads the output any more."""
-    encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
-    with suppress(OSError, ValueError):
-        print(line.encode(encoding, "backslashreplace").decode(encoding), flush=True)
 
 
 def _is_ready(line: str, program: Program) -> bool:

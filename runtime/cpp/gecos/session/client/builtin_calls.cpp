@@ -88,6 +88,8 @@ bool Lease::fresh() const {
          session::system_clock().now() - since_ < at_once;
 }
 
+bool Lease::lost() const { return session_ != nullptr && session_->lease_lost(held_); }
+
 void Lease::release() { send_release(false); }
 
 void Lease::release_now() { send_release(true); }

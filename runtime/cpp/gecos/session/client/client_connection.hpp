@@ -52,6 +52,9 @@ class ClientConnection final : public ClientSession,
   ObjectRef reference() const override;
   std::uint64_t lease_acquired(std::uint64_t epoch) override { return leases_.acquired(epoch); }
   void lease_released(std::uint64_t held) override { leases_.released(held); }
+  bool lease_lost(std::uint64_t held) const override {
+    return lost() || closed() || leases_.lost(held);
+  }
   std::uint64_t issued() override { return calls_.issued() + writers_.sent(); }
 
   /// See SessionEnd::close.

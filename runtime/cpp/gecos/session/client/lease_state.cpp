@@ -18,6 +18,11 @@ void LeaseState::released(std::uint64_t held) {
   epoch_.store(0, std::memory_order_relaxed);
 }
 
+bool LeaseState::lost(std::uint64_t held) const {
+  const MutexLock lock(mutex_);
+  return held != statuses_;
+}
+
 void LeaseState::renewed(Epoch epoch) {
   const MutexLock lock(mutex_);
   if (leases_ != 0) epoch_.store(number(epoch), std::memory_order_relaxed);

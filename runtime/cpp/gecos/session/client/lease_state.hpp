@@ -19,13 +19,15 @@ class LeaseState {
   /// Removes one lease from the count. When the last lease of the newest status is removed, the
   /// session has no status any more.
   void released(std::uint64_t held);
+  /// Returns whether the session has acquired another status since `held`.
+  bool lost(std::uint64_t held) const;
   /// Must be called when the server has given the status a new epoch: later commands are issued
   /// under `epoch`. Does nothing without a lease.
   void renewed(Epoch epoch);
 
  private:
   std::atomic<std::uint64_t> epoch_{0};  // orders no other memory
-  FutexMutex mutex_;
+  mutable FutexMutex mutex_;
   /// The number of statuses acquired so far; `leases_` counts the leases of the newest status.
   std::uint64_t statuses_ GECOS_GUARDED_BY(mutex_) = 0;
   /// Number of leases of the newest status that are not released yet.

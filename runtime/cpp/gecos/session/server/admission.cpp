@@ -1,5 +1,6 @@
 #include "gecos/session/server/admission.hpp"
 
+#include <cstdio>
 #include <string>
 
 namespace gecos::session {
@@ -22,6 +23,14 @@ Failure refused(Detail detail, const CallRequest& call, const AdmittingObject& o
           "'" + std::string(call.operation.name) + "' of " + std::string(object.name) + " " + why,
           {},
           {}};
+}
+
+/// Returns a text such as "0.5 ms".
+std::string in_ms(Duration duration) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g ms",
+                std::chrono::duration<double, std::milli>(duration).count());
+  return text;
 }
 
 }  // namespace
@@ -80,10 +89,9 @@ std::optional<Failure> refusal_to_start(const CallRequest& call, const Admitting
 Failure not_in_time(const OperationDescription& operation, bool missed_start) {
   const std::string name = "'" + std::string(operation.name) + "'";
   const std::string why =
-      missed_start ? name + " did not start within its start_by of " +
-                         std::to_string(operation.quality.start_by / std::chrono::milliseconds(1)) +
-                         " ms, because earlier calls took longer"
-                   : "the deadline of " + name + " passed before the call started";
+      missed_start
+          ? name + " did not start within its start_by of " + in_ms(operation.quality.start_by)
+          : "the deadline of " + name + " passed before the call started";
   return {Detail::Expired, why + "; the call was not carried out", {}, {}};
 }
 

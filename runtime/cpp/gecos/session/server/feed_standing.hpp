@@ -10,9 +10,9 @@
 
 namespace gecos::session {
 
-/// Under which epoch a session may feed inward streams now. The object writes it with its mutex
-/// held whenever a status begins or ends; the ports of inward streams read it for each sample
-/// without that mutex.
+/// Under which epoch a session may feed inward streams now, and whether its samples must wait. The
+/// object writes it with its mutex held, whenever a status begins or ends or a heartbeat is
+/// awaited; the ports of inward streams read it for each sample without that mutex.
 class FeedStanding {
  public:
   /// The epoch under which samples of a stream that needs `needed` are admitted; nullopt when none
@@ -25,6 +25,9 @@ class FeedStanding {
   void set(access::Status needed, std::optional<Epoch> epoch) {
     epochs_[index(needed)].store(epoch ? number(*epoch) : 0, std::memory_order_release);
   }
+  /// True while samples of the session must wait, as its calls do, for a heartbeat of the client.
+  bool unheard() const { return unheard_.load(std::memory_order_acquire); }
+  void set_unheard(bool unheard) { unheard_.store(unheard, std::memory_order_release); }
 
  private:
   static constexpr std::size_t index(access::Status status) {
@@ -32,6 +35,7 @@ class FeedStanding {
   }
   // 0: no samples are admitted. No epoch is 0. Each publishes only itself.
   std::array<std::atomic<std::uint64_t>, 3> epochs_{};
+  std::atomic<bool> unheard_{false};
 };
 
 }  // namespace gecos::session

@@ -12,6 +12,8 @@ std::string_view describe(InwardVerdict verdict) {
       return "its session has ended";
     case InwardVerdict::OtherEpoch:
       return "its sender does not have the status, or the status has ended";
+    case InwardVerdict::NameUnconfirmed:
+      return "the broker does not confirm the name of the object";
     case InwardVerdict::CommandNotRunning:
       return "its command does not run";
     case InwardVerdict::TooOld:
@@ -27,6 +29,7 @@ InwardVerdict InwardAdmission::judge(const InwardHeader& sample, std::uint64_t s
   if (sample.session != sender.session) return InwardVerdict::OtherSession;
   if (!sender.alive) return InwardVerdict::SessionEnded;
   if (sample.epoch != sender.epoch) return InwardVerdict::OtherEpoch;
+  if (sender.name_unconfirmed) return InwardVerdict::NameUnconfirmed;
   if (sample.command != sender.feeding) return InwardVerdict::CommandNotRunning;
   if (age.age > age.limit) return InwardVerdict::TooOld;
   if (sequence <= newest_) return InwardVerdict::NotNewer;

@@ -15,6 +15,7 @@ enum class InwardVerdict {
   OtherSession,       ///< the header names another session than that of the connection
   SessionEnded,       ///< the session ended, or is lost
   OtherEpoch,         ///< the client's status has ended, or is another one
+  NameUnconfirmed,    ///< the broker does not confirm the name of the object
   CommandNotRunning,  ///< the command does not run: it waits, has ended, or takes no samples
   TooOld,             ///< older than the watchdog of the stream
   NotNewer,           ///< an admitted sample of this stream is as new, or newer
@@ -32,6 +33,8 @@ struct InwardSender {
   /// counter of the command of this session that runs and takes samples of this stream; 0 when
   /// samples that feed no command are admitted
   std::optional<std::uint64_t> feeding{};
+  /// the stream moves the object, and another server may have its name (NameClaim)
+  bool name_unconfirmed = false;
 };
 
 /// How old a sample is, and the age from which on samples have no effect.

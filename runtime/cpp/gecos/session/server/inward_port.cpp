@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "gecos/servant.hpp"
 #include "gecos/session/protocol/inward_sample.hpp"
 #include "gecos/session/protocol/sample_time.hpp"
 
@@ -17,46 +18,65 @@ std::size_t most_refused_at_once(const InwardDescription& stream) {
   return 2 * (stream.quality.depth != 0 ? stream.quality.depth : usual_depth);
 }
 
-void count(FeedReport& counts, InwardVerdict verdict) {
+}  // namespace
+
+void InwardPort::count(Counts& counts, InwardVerdict verdict) {
+  FeedReport& numbers = counts.numbers;
+  if (verdict != InwardVerdict::Admitted) {
+    counts.last_refusal = verdict;
+    counts.unreadable = nullptr;
+  }
   switch (verdict) {
     case InwardVerdict::Admitted:
-      ++counts.admitted;
+      ++numbers.admitted;
       return;
     case InwardVerdict::OtherSession:
-      ++counts.other_session;
+      ++numbers.other_session;
       return;
     case InwardVerdict::SessionEnded:
-      ++counts.session_ended;
+      ++numbers.session_ended;
       return;
     case InwardVerdict::OtherEpoch:
-      ++counts.no_status;
+    case InwardVerdict::NameUnconfirmed:
+      ++numbers.no_status;
       return;
     case InwardVerdict::CommandNotRunning:
-      ++counts.command_not_running;
+      ++numbers.command_not_running;
       return;
     case InwardVerdict::TooOld:
-      ++counts.too_old;
+      ++numbers.too_old;
       return;
     case InwardVerdict::NotNewer:
-      ++counts.not_newer;
+      ++numbers.not_newer;
       return;
   }
 }
 
-void add(FeedReport& to, const FeedReport& more) {
-  to.admitted += more.admitted;
-  to.lost += more.lost;
-  to.other_session += more.other_session;
-  to.session_ended += more.session_ended;
-  to.no_status += more.no_status;
-  to.command_not_running += more.command_not_running;
-  to.too_old += more.too_old;
-  to.not_newer += more.not_newer;
-  to.unreadable += more.unreadable;
-  if (!more.last_refusal.empty()) to.last_refusal = more.last_refusal;
+void InwardPort::add(Counts& to, const Counts& more) {
+  to.numbers.admitted += more.numbers.admitted;
+  to.numbers.lost += more.numbers.lost;
+  to.numbers.other_session += more.numbers.other_session;
+  to.numbers.session_ended += more.numbers.session_ended;
+  to.numbers.no_status += more.numbers.no_status;
+  to.numbers.command_not_running += more.numbers.command_not_running;
+  to.numbers.too_old += more.numbers.too_old;
+  to.numbers.not_newer += more.numbers.not_newer;
+  to.numbers.unreadable += more.numbers.unreadable;
+  if (more.last_refusal == InwardVerdict::Admitted && !more.unreadable) return;
+  to.last_refusal = more.last_refusal;
+  to.unreadable = more.unreadable;
 }
 
-}  // namespace
+/// Makes the text. Must be called without the mutex, for which the reader would wait.
+FeedReport InwardPort::in_words(const Counts& counts) {
+  FeedReport report = counts.numbers;
+  if (counts.unreadable) {
+    report.last_refusal = *counts.unreadable;
+  } else if (counts.last_refusal != InwardVerdict::Admitted) {
+    report.last_refusal = describe(counts.last_refusal);
+  }
+  return report;
+}
 
 InwardPort::Source* InwardPort::find(SessionId session) {
   const auto found = std::ranges::find_if(
@@ -73,7 +93,7 @@ void InwardPort::add(Feeder feeder) {
   }
   if (earlier->feeder.reader != nullptr) {
     if (media::StreamSample newest; earlier->feeder.reader->latest(earlier->after, newest)) {
-      earlier->counts.lost += newest.sequence - earlier->after;
+      earlier->counts.numbers.lost += newest.sequence - earlier->after;
     }
   }
   earlier->feeder = std::move(feeder);
@@ -100,50 +120,49 @@ void InwardPort::depart(SessionId session) {
   if (source == nullptr) return;
   source->feeder.standing = nullptr;  // the session has ended
   RawInward unread;
-  while (next_of(*source, unread, Unfed::Refused)) {
+  while (next_of(*source, unread, {clock_.since_boot(), Unfed::Refused})) {
   }
-  gecos::session::add(gone_, counts_of(*source));
+  add(gone_, source->counts);
   std::erase_if(sources_, [&](const auto& each) { return each.get() == source; });
 }
 
 bool InwardPort::next(RawInward& into, Unfed unfed) {
   const MutexLock lock(mutex_);
+  const Look look{clock_.since_boot(), unfed};
+  if (pauses_.suspected(look.now) || (moves_the_object() && claim_.waits())) return false;
   for (std::size_t looked = 0; looked < sources_.size(); ++looked) {
     Source& source = *sources_[turn_++ % sources_.size()];
-    if (next_of(source, into, unfed)) return true;
+    if (!source.feeder.standing->unheard() && next_of(source, into, look)) return true;
   }
   return false;
 }
 
-bool InwardPort::next_of(Source& source, RawInward& into, Unfed unfed) {
+bool InwardPort::next_of(Source& source, RawInward& into, const Look& look) {
   if (source.feeder.reader == nullptr) return false;
   for (std::size_t read = 0; read < most_refused_at_once(stream_); ++read) {
     if (!source.feeder.reader->next(source.after, into.sample)) {
       if (source.ended) source.feeder.reader = nullptr;
       return false;
     }
-    source.counts.lost += into.sample.sequence - source.after - 1;
+    source.counts.numbers.lost += into.sample.sequence - source.after - 1;
     source.after = into.sample.sequence;
-    const InwardVerdict verdict = judge(source, into, unfed);
+    const InwardVerdict verdict = judge(source, into, look);
     count(source.counts, verdict);
     if (verdict == InwardVerdict::Admitted) return true;
-    source.last_refusal = verdict;
-    source.counts.last_refusal.clear();
   }
   return false;
 }
 
-InwardVerdict InwardPort::judge(Source& source, RawInward& into, Unfed unfed) {
+InwardVerdict InwardPort::judge(Source& source, RawInward& into, const Look& look) {
   const auto measured = take_measured(into.sample.bytes);
   const auto sample = read_inward_sample(into.sample.bytes);
   // Only a defective or hostile client sends a sample without a header.
   if (!measured || !sample) return InwardVerdict::OtherSession;
-  const TimePoint now = clock_.since_boot();
-  const TimePoint by_our_clock = std::min(*measured + source.feeder.clock_difference(), now);
-  InwardAge age{now - by_our_clock};
+  const TimePoint by_our_clock = std::min(*measured + source.feeder.clock_difference(), look.now);
+  InwardAge age{look.now - by_our_clock};
   if (stream_.watchdog > Duration{}) age.limit = stream_.watchdog;
   const InwardVerdict verdict = source.admission.judge(
-      sample->header, into.sample.sequence, sender_of(source, sample->header, unfed), age);
+      sample->header, into.sample.sequence, sender_of(source, sample->header, look.unfed), age);
   if (verdict != InwardVerdict::Admitted) return verdict;
   fresh_before_ = fresh_at_;
   fresh_at_ = fresh_at_ ? std::max(*fresh_at_, by_our_clock) : by_our_clock;
@@ -161,23 +180,30 @@ InwardSender InwardPort::sender_of(const Source& source, const InwardHeader& hea
   sender.alive = source.feeder.standing != nullptr;
   if (sender.alive) sender.epoch = source.feeder.standing->epoch(stream_.status);
   // A stream that needs no status is not fenced by an epoch.
-  if (sender.epoch && stream_.status == access::Status::Sensor) sender.epoch = header.epoch;
-  if (fed_) {
-    if (fed_->session == sender.session) sender.feeding = fed_->counter;
-  } else if (unfed == Unfed::Taken) {
-    sender.feeding = 0;
-  }
+  if (sender.epoch && !moves_the_object()) sender.epoch = header.epoch;
+  sender.name_unconfirmed = moves_the_object() && claim_.refuses();
+  sender.feeding = fed_by(sender.session, unfed);
   return sender;
 }
 
+/// Returns the counter of the command that takes samples of `session`, 0 for samples without a
+/// command, and nullopt when none are taken.
+std::optional<std::uint64_t> InwardPort::fed_by(SessionId session, Unfed unfed) const {
+  if (fed_.empty()) return unfed == Unfed::Taken ? std::optional(std::uint64_t{0}) : std::nullopt;
+  const CallCore& call = *fed_.back().call;
+  if (call.interrupted() || SessionId{call.caller().session} != session) return std::nullopt;
+  return call.counter_in_session();
+}
+
 void InwardPort::unreadable(const RawInward& sample, const std::string& why) {
+  auto text = std::make_shared<const std::string>(why);
   const MutexLock lock(mutex_);
   fresh_at_ = fresh_before_;
   Source* const source = find(SessionId{sample.session});
-  FeedReport& counts = source != nullptr ? source->counts : gone_;
-  --counts.admitted;
-  ++counts.unreadable;
-  counts.last_refusal = why;
+  Counts& counts = source != nullptr ? source->counts : gone_;
+  --counts.numbers.admitted;
+  ++counts.numbers.unreadable;
+  counts.unreadable.swap(text);
 }
 
 bool InwardPort::expired_now() const {
@@ -190,39 +216,39 @@ bool InwardPort::expired() {
   return expired_now();
 }
 
-/// The text of a refusal is made only here, so that refusing allocates nothing.
-FeedReport InwardPort::counts_of(const Source& source) const {
-  FeedReport report = source.counts;
-  if (report.last_refusal.empty() && source.last_refusal != InwardVerdict::Admitted) {
-    report.last_refusal = describe(source.last_refusal);
-  }
-  report.expired = expired_now();
-  return report;
-}
-
 FeedReport InwardPort::report_of(SessionId session) {
-  const MutexLock lock(mutex_);
-  const Source* const source = find(session);
-  return source != nullptr ? counts_of(*source) : FeedReport{};
+  Counts counts;
+  {
+    const MutexLock lock(mutex_);
+    const Source* const source = find(session);
+    if (source == nullptr) return {};
+    counts = source->counts;
+    counts.numbers.expired = expired_now();
+  }
+  return in_words(counts);
 }
 
 FeedReport InwardPort::report() {
-  const MutexLock lock(mutex_);
-  FeedReport report = gone_;
-  for (const auto& source : sources_) gecos::session::add(report, counts_of(*source));
-  report.expired = expired_now();
-  return report;
+  Counts counts;
+  {
+    const MutexLock lock(mutex_);
+    counts = gone_;
+    for (const auto& source : sources_) add(counts, source->counts);
+    counts.numbers.expired = expired_now();
+  }
+  return in_words(counts);
 }
 
-void InwardPort::feed_command(std::uint64_t session, std::uint64_t counter) {
+std::uint64_t InwardPort::begin_feeding(std::shared_ptr<const CallCore> call) {
   const MutexLock lock(mutex_);
-  fed_ = Command{SessionId{session}, counter};
+  fed_.push_back({++feedings_, std::move(call)});
   fresh_at_ = clock_.since_boot();
+  return feedings_;
 }
 
-void InwardPort::feed_no_command() {
+void InwardPort::end_feeding(std::uint64_t feeding) {
   const MutexLock lock(mutex_);
-  fed_.reset();
+  std::erase_if(fed_, [&](const Feeding& each) { return each.number == feeding; });
 }
 
 }  // namespace gecos::session

@@ -10,8 +10,10 @@
 #include "gecos/base/clock.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/inward.hpp"
+#include "gecos/session/process/pause_watch.hpp"
 #include "gecos/session/server/feed_standing.hpp"
 #include "gecos/session/server/inward_admission.hpp"
+#include "gecos/session/server/name_claim.hpp"
 
 namespace gecos::session {
 
@@ -27,12 +29,15 @@ struct Feeder {
 };
 
 /// Reads the samples of one inward stream of an object from all sessions that feed it, and judges
-/// each sample when the servant reads it. Uses no mutex of the object. Thread-safe.
+/// each sample when the servant reads it. Samples wait when commands would: while a pause of this
+/// process is not judged, while a heartbeat of the client is awaited and, if the stream moves the
+/// object, while the broker has not confirmed its name. Uses no mutex of the object. Thread-safe.
 class InwardPort final : public InwardCore {
  public:
-  /// Both arguments must outlive the port.
-  InwardPort(const InwardDescription& stream, const Clock& clock)
-      : stream_(stream), clock_(clock) {}
+  /// All arguments must outlive the port.
+  InwardPort(const InwardDescription& stream, const Clock& clock, const PauseWatch& pauses,
+             const NameClaim& claim)
+      : stream_(stream), clock_(clock), pauses_(pauses), claim_(claim) {}
 
   const InwardDescription& stream() const { return stream_; }
   /// Takes the place of an earlier stream of the same session, whose unread samples are lost.
@@ -50,39 +55,57 @@ class InwardPort final : public InwardCore {
   void unreadable(const RawInward& sample, const std::string& why) override;
   bool expired() override;
   FeedReport report() override;
-  void feed_command(std::uint64_t session, std::uint64_t counter) override;
-  void feed_no_command() override;
+  std::uint64_t begin_feeding(std::shared_ptr<const CallCore> call) override;
+  void end_feeding(std::uint64_t feeding) override;
 
  private:
   /// A command that takes samples.
-  struct Command {
-    SessionId session{};
-    std::uint64_t counter = 0;
+  struct Feeding {
+    std::uint64_t number = 0;
+    std::shared_ptr<const CallCore> call;
+  };
+  /// What became of samples. Copying it allocates nothing.
+  struct Counts {
+    FeedReport numbers;  ///< without the text
+    InwardVerdict last_refusal = InwardVerdict::Admitted;
+    std::shared_ptr<const std::string> unreadable{};  ///< text of the last refusal, if that did not
+                                                      ///< decode
   };
   struct Source {
     Feeder feeder;
     bool ended = false;       ///< no more samples will come on the stream of `feeder`
     std::uint64_t after = 0;  ///< sequence number of the sample that was read last
     InwardAdmission admission{};
-    FeedReport counts{};
-    InwardVerdict last_refusal = InwardVerdict::Admitted;
+    Counts counts{};
+  };
+  /// The moment at which a sample is judged, and whether samples without a command are admitted.
+  struct Look {
+    TimePoint now{};
+    Unfed unfed{};
   };
 
-  bool next_of(Source& source, RawInward& into, Unfed unfed) GECOS_REQUIRES(mutex_);
-  InwardVerdict judge(Source& source, RawInward& into, Unfed unfed) GECOS_REQUIRES(mutex_);
+  static void count(Counts& counts, InwardVerdict verdict);
+  static void add(Counts& to, const Counts& more);
+  static FeedReport in_words(const Counts& counts);
+  bool moves_the_object() const { return stream_.status != access::Status::Sensor; }
+  bool next_of(Source& source, RawInward& into, const Look& look) GECOS_REQUIRES(mutex_);
+  InwardVerdict judge(Source& source, RawInward& into, const Look& look) GECOS_REQUIRES(mutex_);
   InwardSender sender_of(const Source& source, const InwardHeader& header, Unfed unfed) const
       GECOS_REQUIRES(mutex_);
+  std::optional<std::uint64_t> fed_by(SessionId session, Unfed unfed) const GECOS_REQUIRES(mutex_);
   bool expired_now() const GECOS_REQUIRES(mutex_);
-  FeedReport counts_of(const Source& source) const GECOS_REQUIRES(mutex_);
   Source* find(SessionId session) GECOS_REQUIRES(mutex_);
 
   const InwardDescription& stream_;
   const Clock& clock_;
+  const PauseWatch& pauses_;
+  const NameClaim& claim_;
   Mutex mutex_;
   std::vector<std::unique_ptr<Source>> sources_ GECOS_GUARDED_BY(mutex_);
-  std::size_t turn_ GECOS_GUARDED_BY(mutex_) = 0;  ///< the source that is read first
-  FeedReport gone_ GECOS_GUARDED_BY(mutex_);       ///< counts of sources that are gone
-  std::optional<Command> fed_ GECOS_GUARDED_BY(mutex_);
+  std::size_t turn_ GECOS_GUARDED_BY(mutex_) = 0;      ///< the source that is read first
+  Counts gone_ GECOS_GUARDED_BY(mutex_);               ///< counts of sources that are gone
+  std::vector<Feeding> fed_ GECOS_GUARDED_BY(mutex_);  ///< the last one takes the samples
+  std::uint64_t feedings_ GECOS_GUARDED_BY(mutex_) = 0;
   /// When the newest sample was measured that the servant took, or when a command began to take
   /// samples.
   std::optional<TimePoint> fresh_at_ GECOS_GUARDED_BY(mutex_);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <string>
 
@@ -13,6 +14,8 @@ namespace gecos::session {
 /// question, because an answer to an older question says nothing about the time after the pause. A
 /// time-out never permits commands. This class only records questions and answers; it does no I/O
 /// and reads no clock.
+///
+/// Any thread may call standing(), waits() and refuses(). The object's mutex guards the rest.
 class NameClaim {
  public:
   enum class Standing : std::uint8_t {
@@ -23,26 +26,26 @@ class NameClaim {
     Taken,  ///< another server has the name
   };
 
-  Standing standing() const { return standing_; }
+  Standing standing() const { return standing_.load(std::memory_order_acquire); }
   /// Returns the number of the current question to the broker. Only an answer to this question
   /// counts.
   std::uint64_t question() const { return question_; }
   /// Begins a new question; answers to earlier questions are ignored.
   void ask() {
     ++question_;
-    if (standing_ != Standing::Taken) standing_ = Standing::Asked;
+    if (standing() != Standing::Taken) change(Standing::Asked);
   }
 
   // These functions record an answer of the broker. Each returns whether the standing changed.
   bool held(std::uint64_t question) {
-    if (question != question_ || standing_ == Standing::Unregistered) return false;
+    if (question != question_ || standing() == Standing::Unregistered) return false;
     why_.clear();
     return change(Standing::Held);
   }
   /// A broker answered, but may still assign the name to another object.
-  bool provisional() { return standing_ == Standing::Unanswered && change(Standing::Asked); }
+  bool provisional() { return standing() == Standing::Unanswered && change(Standing::Asked); }
   bool unanswered(std::uint64_t question, std::string why) {
-    const bool needed = standing_ == Standing::Asked || standing_ == Standing::Unanswered;
+    const bool needed = waits() || standing() == Standing::Unanswered;
     if (question != question_ || !needed) return false;
     why_ = std::move(why);
     return change(Standing::Unanswered);
@@ -53,20 +56,19 @@ class NameClaim {
   }
 
   /// True when actor commands must stay in the queue.
-  bool waits() const { return standing_ == Standing::Asked; }
+  bool waits() const { return standing() == Standing::Asked; }
   /// True when actor commands must end as NOT_STARTED.
-  bool refuses() const { return standing_ == Standing::Unanswered || standing_ == Standing::Taken; }
+  bool refuses() const {
+    const Standing now = standing();
+    return now == Standing::Unanswered || now == Standing::Taken;
+  }
   /// Returns a text for people. It says why actor commands do not start, or that they may start.
   std::string text() const;
 
  private:
-  bool change(Standing to) {
-    const bool news = standing_ != to;
-    standing_ = to;
-    return news;
-  }
+  bool change(Standing to) { return standing_.exchange(to, std::memory_order_acq_rel) != to; }
 
-  Standing standing_ = Standing::Unregistered;
+  std::atomic<Standing> standing_{Standing::Unregistered};  // publishes only itself
   std::uint64_t question_ = 0;
   std::string why_;
 };

@@ -16,7 +16,7 @@ ObjectHost::ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Serva
       waits_(state_),
       name_confirmation_(state_),
       streams_(state_.setup.name, state_.setup.interface),
-      inward_(state_.setup.interface, state_.setup.clock()),
+      inward_(state_.setup, state_.claim),
       runner_(state_) {}
 
 PeerLiveness::Bounds ObjectHost::bounds_of_clients() const {

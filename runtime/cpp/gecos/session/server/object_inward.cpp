@@ -7,9 +7,9 @@
 
 namespace gecos::session {
 
-ObjectInward::ObjectInward(const InterfaceDescription& interface, const Clock& clock) {
-  for (const InwardDescription* stream : interface.all_inward_streams()) {
-    ports_.push_back(std::make_unique<InwardPort>(*stream, clock));
+ObjectInward::ObjectInward(const ObjectSetup& setup, const NameClaim& claim) {
+  for (const InwardDescription* stream : setup.interface.all_inward_streams()) {
+    ports_.push_back(std::make_unique<InwardPort>(*stream, setup.clock(), setup.pauses(), claim));
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "gecos/base/result.hpp"
 #include "gecos/session/server/inward_port.hpp"
+#include "gecos/session/server/object_setup.hpp"
 
 namespace gecos::session {
 
@@ -15,7 +16,8 @@ class ServerSession;
 /// The inward streams of one object, each with its own InwardPort. Thread-safe.
 class ObjectInward {
  public:
-  ObjectInward(const InterfaceDescription& interface, const Clock& clock);
+  /// The pauses and the name of the object, for InwardPort.
+  ObjectInward(const ObjectSetup& setup, const NameClaim& claim);
 
   /// Returns the port of the stream with this code; null when the interface has no such stream.
   InwardPort* find(FunctionCode code) const;

@@ -57,11 +57,13 @@ bool StartGate::may_start(ServerCall& call) {
 void StartGate::await_heartbeat(ServerSession& session) {
   if (session.closed) return;  // no heartbeat can arrive any more to end the wait
   session.heartbeats.before = session.connection().beats_seen();
+  session.standing->set_unheard(true);
   if (!std::exchange(session.heartbeats.awaited, true)) ++awaited_;
 }
 
 void StartGate::await_no_more(ServerSession& session) {
   if (!std::exchange(session.heartbeats.awaited, false)) return;
+  session.standing->set_unheard(false);
   --awaited_;
   calls_.note_ready();
 }

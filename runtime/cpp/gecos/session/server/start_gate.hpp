@@ -35,9 +35,10 @@ class StartGate {
   /// Returns whether `call` may still start. Ends the call when it may not.
   bool may_start(ServerCall& call);
 
-  /// Prevents the calls of `session` from starting before the next heartbeat of its client.
+  /// Prevents the calls of `session` from starting, and its samples from being read, before the
+  /// next heartbeat of its client.
   void await_heartbeat(ServerSession& session);
-  /// Lets the calls of `session` start again. Must be called when a heartbeat arrived, or when none
+  /// Ends what await_heartbeat() began. Must be called when a heartbeat arrived, or when none
   /// can arrive any more.
   void await_no_more(ServerSession& session);
 

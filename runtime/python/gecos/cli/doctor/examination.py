@@ -9,11 +9,13 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from gecos.cli.doctor import network, places, readings, real_time, settings
+from gecos.cli.doctor import network, places, readings, real_time, resources, settings
 from gecos.cli.doctor.broker import Answer, broker, one_broker, over_lcm
 from gecos.cli.doctor.extension import NEEDED, extension
-from gecos.cli.doctor.finding import Finding, Level, fine, wrong
+from gecos.cli.doctor.finding import Finding, Level
+from gecos.cli.doctor.keys import own_key
 
+_OWN_KEY = "own.secret"  # in the folder of keys
 # This matches only the error, not the advice "GECOS_LCM_TTL is 0, so …"
 _REFUSED_TTL = re.compile(r"GECOS_LCM_TTL is '.*")
 
@@ -41,8 +43,11 @@ def _of_the_runtime() -> Iterator[Finding]:
     from gecos import _core
 
     unusable = readings.lab_problem()
+    if isinstance(unusable, OSError):
+        yield _exhausted(unusable)
+        return
     if unusable is not None:
-        yield settings.refused(_variable_in(unusable), unusable)
+        yield settings.refused(_variable_in(str(unusable)), str(unusable))
         return
     directory = _core.runtime_directory()
     problem = _core.runtime_directory_problem()
@@ -52,12 +57,20 @@ def _of_the_runtime() -> Iterator[Finding]:
         yield blocked
     if problem is None:
         yield places.stale_sockets(readings.stale_sockets(Path(directory)))
-    keys = readings.key_problem()
-    if keys is None:
-        yield fine("keys", "this user has a key", _core.key_directory())
-    else:
-        yield wrong("keys", keys, _core.key_directory(), "gecos keys")
+    folder = Path(_core.key_directory())
+    yield own_key(
+        readings.key_problem(),
+        readings.place(folder, follow_symlinks=True),
+        readings.place(folder / _OWN_KEY, follow_symlinks=False),
+    )
     yield from _of_brokers()
+
+
+def _exhausted(error: OSError) -> Finding:
+    number = error.errno or 0
+    limit = resources.LIMITS.get(number)
+    rises = limit is not None and readings.may_rise(limit.number)
+    return resources.exhausted(number, error.strerror or str(error), rises)
 
 
 def _of_brokers() -> Iterator[Finding]:
@@ -92,4 +105,4 @@ def _of_lcm(answer: Answer, named: str) -> Iterator[Finding]:
 
 def _variable_in(text: str) -> str:
     found = re.search(r"GECOS_\w+", text)
-    return found[0] if found else "the environment"
+    return found[0] if found else ""

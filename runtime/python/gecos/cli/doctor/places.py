@@ -3,6 +3,7 @@ whether memory can be shared."""
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 
 from gecos.cli.doctor.finding import Finding, fine, warning, wrong
@@ -16,9 +17,11 @@ def runtime_directory(problem: str | None, where: str) -> Finding:
     if problem is None:
         return fine("runtime directory", "only this user can write to it", where)
     text = problem.removeprefix("shm: ")
-    _, _, command = text.partition("; run:  ")
-    what, _, _ = text.partition("; ")
-    return wrong("runtime directory", what, where, command or _ANOTHER)
+    what, closing, _ = text.partition("; run:  chmod ")
+    if closing:  # the runtime does not quote the path in its command
+        return wrong("runtime directory", what, where, shlex.join(["chmod", "go-w", where]))
+    what, advice, _ = text.rpartition("; ")
+    return wrong("runtime directory", what if advice else text, where, _ANOTHER)
 
 
 def stale_sockets(left: Sequence[str]) -> Finding:
@@ -27,7 +30,7 @@ def stale_sockets(left: Sequence[str]) -> Finding:
     if not left:
         return fine("sockets", "no socket is left over")
     what = "programs that were killed left these sockets; the next server or broker removes them"
-    return warning("sockets", what, ", ".join(left), f"rm {' '.join(left)}")
+    return warning("sockets", what, ", ".join(left), shlex.join(["rm", *left]))
 
 
 def occupied(others: Sequence[str]) -> Finding | None:
@@ -36,7 +39,7 @@ def occupied(others: Sequence[str]) -> Finding | None:
     if not others:
         return None
     what = "this file is in the place of the broker's socket, but is not a socket"
-    return wrong("sockets", what, ", ".join(others), f"rm -r {' '.join(others)}")
+    return wrong("sockets", what, ", ".join(others), shlex.join(["rm", "-r", *others]))
 
 
 def shared_memory(problem: str | None) -> Finding:

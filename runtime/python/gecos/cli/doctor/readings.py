@@ -9,11 +9,11 @@ import re
 import resource
 import socket
 import stat
-from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
 from gecos.cli.doctor.broker import Answer
+from gecos.cli.doctor.keys import Kind, Place
 
 _ASKED_FOR = 1.0  # s for which a broker is asked
 _SEALS = ["F_SEAL_SHRINK", "F_SEAL_GROW", "F_SEAL_SEAL"]
@@ -33,15 +33,15 @@ def extension(needed: list[str]) -> tuple[str | None, list[str], str]:
     return None, [name for name in needed if not hasattr(found, name)], str(found.__file__)
 
 
-def lab_problem() -> str | None:
-    """Returns the reason why this process cannot have a Lab, for example a setting that is not
-    valid, or None."""
+def lab_problem() -> RuntimeError | OSError | None:
+    """Returns the reason why this process cannot have a Lab, or None: a RuntimeError for a setting
+    that is not valid, an OSError if threads or descriptors are missing."""
     import gecos
 
     try:
         gecos.Lab("shm").close()
-    except RuntimeError as error:
-        return str(error)
+    except (RuntimeError, OSError) as error:
+        return error
     return None
 
 
@@ -59,22 +59,34 @@ def ask_broker(place: str | None) -> Answer:
             return Answer(None, gecos.reference(broker).boot, f"process {told.pid}", ours)
     except gecos.CreateError as error:
         return Answer(error.attempts[0].reason)
-    except (ConnectionError, RuntimeError, TimeoutError) as error:
+    except (OSError, RuntimeError) as error:
         return Answer(str(error))
 
 
 def key_problem() -> str | None:
     from gecos import _core
 
-    return _text_of(_core.own_key)
-
-
-def _text_of(tried: Callable[[], object]) -> str | None:
     try:
-        tried()
+        _core.own_key()
     except RuntimeError as error:
         return str(error)
     return None
+
+
+def place(path: Path, follow_symlinks: bool) -> Place:
+    """Returns what is at `path`."""
+    try:
+        found = path.stat(follow_symlinks=follow_symlinks)
+    except OSError:
+        return Place(str(path), Kind.MISSING)
+    kinds = {stat.S_IFDIR: Kind.FOLDER, stat.S_IFREG: Kind.FILE}
+    return Place(
+        str(path),
+        kinds.get(stat.S_IFMT(found.st_mode), Kind.OTHER),
+        ours=found.st_uid == os.geteuid(),
+        shared=bool(found.st_mode & (stat.S_IRWXG | stat.S_IRWXO)),
+        readable=os.access(path, os.R_OK),
+    )
 
 
 def stale_sockets(directory: Path) -> list[str]:
@@ -146,6 +158,12 @@ def capabilities() -> int:
     """Returns the capabilities of this process, as bits."""
     lines = Path("/proc/self/status").read_text().splitlines()
     return int(next(line.split()[1] for line in lines if line.startswith("CapEff:")), 16)
+
+
+def may_rise(limit: int) -> bool:
+    """Returns whether this process may raise its limit `limit` of the module `resource`."""
+    soft, hard = resource.getrlimit(limit)
+    return soft != resource.RLIM_INFINITY and (hard == resource.RLIM_INFINITY or soft < hard)
 
 
 def limit(name: int) -> int:

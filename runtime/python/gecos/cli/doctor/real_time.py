@@ -10,7 +10,8 @@ _LEAST_LOCKED = 64 * 1024 * 1024  # bytes that the server of an arm and its libr
 _LIMITS = "/etc/security/limits.d/gecos.conf"
 
 
-def _mend(limit: str) -> str:
+def raised(limit: str) -> str:
+    """Returns what raises a limit of this user for ever, for example "rtprio 80"."""
     return f'echo "$USER - {limit}" | sudo tee -a {_LIMITS}, and log in again'
 
 
@@ -20,7 +21,7 @@ def priority(limit: int, capabilities: int) -> Finding:
     if limit != 0 or capabilities >> _CAP_SYS_NICE & 1:
         return fine("real-time priority", "SCHED_FIFO is permitted")
     what = "SCHED_FIFO is not permitted: only a program that moves hardware in real time needs it"
-    return warning("real-time priority", what, "ulimit -r", _mend("rtprio 80"))
+    return warning("real-time priority", what, "ulimit -r", raised("rtprio 80"))
 
 
 def locked_memory(limit: int, capabilities: int) -> Finding:
@@ -29,4 +30,4 @@ def locked_memory(limit: int, capabilities: int) -> Finding:
     if limit < 0 or limit >= _LEAST_LOCKED or capabilities >> _CAP_IPC_LOCK & 1:
         return fine("locked memory", "mlockall is permitted")
     what = f"only {limit} bytes may be locked: only a program that runs in real time needs more"
-    return warning("locked memory", what, "ulimit -l", _mend("memlock unlimited"))
+    return warning("locked memory", what, "ulimit -l", raised("memlock unlimited"))

@@ -16,7 +16,10 @@ _FOR_THE_TREE = ("GECOS_PYTHON", "GECOS_BUILD", "GECOS_WERROR", "GECOS_HOSTILE_P
 
 
 def refused(variable: str, reason: str) -> Finding:
-    """Returns the finding for a variable whose value the runtime refuses for `reason`."""
+    """Returns the finding for a variable whose value the runtime refuses for `reason`. `variable`
+    is empty if the reason names none."""
+    if not variable:
+        return wrong("settings", reason, "GECOS_*", "unset the variables that begin with GECOS_")
     return wrong("settings", reason, variable, _MENDS.get(variable, f"unset {variable}"))
 
 
@@ -29,7 +32,7 @@ def unknown(environment: Mapping[str, str]) -> list[Finding]:
             continue
         near = get_close_matches(name, _FOR_PROGRAMS, n=1)
         what = "no program reads this variable" + (f"; did you mean {near[0]}?" if near else "")
-        mend = f"unset {name}" if not near else f"export {near[0]}=${name}; unset {name}"
+        mend = f"unset {name}" if not near else f'export {near[0]}="${name}"; unset {name}'
         found.append(warning("settings", what, name, mend))
     return found
 

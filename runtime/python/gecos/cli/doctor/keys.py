@@ -1,0 +1,51 @@
+"""Checks whether this user has a key that programs can use."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import dataclass
+from enum import Enum, auto
+
+from gecos.cli.doctor.finding import Finding, fine, wrong
+
+_ANOTHER = 'mkdir -m 700 "$HOME/.gecos-keys" && export GECOS_KEY_DIR="$HOME/.gecos-keys"'
+
+
+class Kind(Enum):
+    MISSING = auto()
+    FOLDER = auto()
+    FILE = auto()
+    OTHER = auto()
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """What is at a path. `ours`: it belongs to this user. `shared`: other users may read or write
+    it."""
+
+    path: str
+    kind: Kind
+    ours: bool = True
+    shared: bool = False
+    readable: bool = True
+
+
+def own_key(problem: str | None, folder: Place, file: Place) -> Finding:
+    """Checks the key of this user. `problem` says why programs cannot use it; None if they can.
+    `file` is the file of the secret key in `folder`."""
+    if problem is None:
+        return fine("keys", "this user has a key", folder.path)
+    return wrong("keys", problem, folder.path, _mend(folder, file))
+
+
+def _mend(folder: Place, file: Place) -> str:
+    if folder.kind is not Kind.FOLDER or not folder.ours:
+        return _ANOTHER
+    if folder.shared:
+        return shlex.join(["chmod", "700", folder.path])
+    if file.kind is Kind.MISSING or not file.ours:  # the key cannot be written, or is another's
+        return _ANOTHER
+    if file.kind is Kind.FILE and (file.shared or not file.readable):
+        return shlex.join(["chmod", "600", file.path])
+    # `gecos keys` makes a new key, and says how users exchange it.
+    return f"{shlex.join(['rm', '-r', file.path])} && gecos keys"

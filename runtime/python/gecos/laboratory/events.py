@@ -1,0 +1,56 @@
+"""What happens in a running laboratory, and how people read it."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class What(StrEnum):
+    OUTPUT = "output"  # a program has printed a line
+    READY = "ready"  # a program is ready
+    ENDED = "ended"  # a program has ended by itself
+    RESTARTED = "restarted"  # a program that had ended has been started again
+    NOT_STARTED = "not_started"  # a program cannot be started again now
+    NOT_READY = "not_ready"  # a program that was started again does not become ready
+    KILLED = "killed"  # a program did not end when it was asked to
+    ALL_READY = "all_ready"  # the laboratory is ready
+    CLOSING = "closing"  # all programs are being ended, the last one first
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that has happened. `text` is for people; it is the line of an OUTPUT."""
+
+    event: What
+    text: str
+    program: str = ""  # "" for the whole laboratory
+    status: int | None = None  # of a program that has ENDED; the negative number of a signal
+    restarts_in: float | None = None  # s; None if the program is not started again
+
+
+Report = Callable[[Event], None]
+
+_QUIET = (What.READY, What.RESTARTED)  # the program itself says so
+
+
+def show(event: Event) -> None:
+    """Prints an event of a program for people."""
+    if event.event is What.OUTPUT:
+        say(f"  [{event.program}] {event.text}")
+    elif event.program and event.event not in _QUIET:
+        say(event.text)
+
+
+def say(line: str) -> None:
+    """Prints a line. The programs continue when nobody reads the output any more."""
+    if sys.stdout is None:
+        return
+    encoding = sys.stdout.encoding or "utf-8"
+    with suppress(OSError, ValueError):
+        # With one write, the lines of several threads are not mixed.
+        sys.stdout.write(line.encode(encoding, "backslashreplace").decode(encoding) + "\n")
+        sys.stdout.flush()
