@@ -533,6 +533,14 @@ def test_stop_names_an_object_that_may_still_move(
     assert err == f"gecos: STUCK was not stopped: {said}\n"
 
 
+def test_stop_without_a_broker_names_the_objects(place: object, run: Run) -> None:
+    code, out, err = run("stop", "ARM", "--json")
+    assert code == 4
+    assert valid(out, "stop")
+    assert [failure["name"] for failure in json.loads(out)["failed"]] == ["ARM"]
+    assert err.startswith("gecos: ARM was not stopped: BROKER: NO_SERVER: no broker answers")
+
+
 def test_stop_lists_the_objects_once(arm: Arm, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
     listed = connect.entries

@@ -33,9 +33,14 @@ class Stopping:
 
 
 def stop_objects(lab: gecos.Lab, names: Sequence[str] | None) -> Stopping:
-    """Stops the objects called `names`, or all that are online. Raises CreateError without a
-    broker."""
-    online = {entry.name: entry for entry in entries(lab)}
+    """Stops the objects called `names`, or all that are online. Without `names`, raises CreateError
+    if no broker answers."""
+    try:
+        online = {entry.name: entry for entry in entries(lab)}
+    except (ConnectionError, RuntimeError) as error:
+        if names is None:
+            raise
+        return Stopping(dict.fromkeys(names, error))
     wanted = list(online if names is None else dict.fromkeys(names))
     # All objects are stopped at the same time, because an object that does not answer must not keep
     # the others moving.
