@@ -87,10 +87,15 @@ def _refusals() -> Iterator[tuple[str, dict[str, Any], str]]:
         "Limits.share: 101 is outside [0, 100]; give at most 100",
     )
     yield "Limits", {"few": 0}, "Limits.few: 0 is outside [1, 3]; give at least 1"
-    yield "Limits", {"few": "1"}, "Limits.few: '1' is not a whole number from 0 to 65535"
+    yield (
+        "Limits",
+        {"few": "1"},
+        "Limits.few: '1' is not a whole number from 0 to 65535; write the number without quotes "
+        "and unit",
+    )
     yield "Numbers", {"u8": 256}, "Numbers.u8: 256 is not a whole number from 0 to 255"
     yield "Numbers", {"letter": "ab"}, "Numbers.letter: 'ab' is not one character of Latin-1"
-    yield "Numbers", {"twice": None}, "Numbers.twice: None is not a number"
+    yield "Numbers", {"twice": None}, "Numbers.twice: None is not a number; give a number"
     yield (
         "Sequences",
         {"few": np.zeros(4, "f4")},
