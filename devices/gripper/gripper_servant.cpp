@@ -13,8 +13,10 @@ using namespace std::chrono_literals;
 constexpr auto beat = 10ms;              // period at which the jaws are polled
 constexpr auto world_takes_notice = 2s;  // longest delay until the world shows a held body
 
-gecos::Fault out_of_range(const SimulatedGripper::OutOfRange& refused) {
-  return robcl::OutOfRange{refused.what, refused.value, refused.lower, refused.upper};
+/// `Exception` is robcl::WidthOutOfRange or robcl::ForceOutOfRange.
+template <class Exception>
+gecos::Fault fault(const SimulatedGripper::OutOfRange& refused) {
+  return Exception{refused.value, refused.lower, refused.upper};
 }
 
 gecos::Fault as_fault(const gecos::Failure& failure) {
@@ -113,7 +115,7 @@ gecos::Result<void> GripperServant::open(double width, Run& run) {
     met = std::move(*asked);
   }
   if (const auto opening = gripper_.open(width, met); !opening) {
-    return tl::unexpected(out_of_range(opening.error()));
+    return tl::unexpected(fault<robcl::WidthOutOfRange>(opening.error()));
   }
   if (auto moved = let_jaws_move(run); !moved) return moved;
   if (!before.holding || world_.name().empty()) return {};
@@ -124,7 +126,7 @@ gecos::Result<void> GripperServant::close(double force, Run& run) {
   auto met = contact();
   if (!met) return tl::unexpected(met.error());
   if (const auto closing = gripper_.close(force, *met); !closing) {
-    return tl::unexpected(out_of_range(closing.error()));
+    return tl::unexpected(fault<robcl::ForceOutOfRange>(closing.error()));
   }
   if (auto moved = let_jaws_move(run); !moved) return moved;
   const SimulatedGripper::State now = gripper_.state();

@@ -18,7 +18,7 @@ SimulatedGripper::State SimulatedGripper::state() const {
 tl::expected<void, SimulatedGripper::OutOfRange> SimulatedGripper::open(
     double width, const std::optional<Contact>& contact) {
   if (!(width >= 0 && width <= settings_.max_width)) {  // this comparison also refuses NaN
-    return tl::unexpected(OutOfRange{"width in m", width, 0, settings_.max_width});
+    return tl::unexpected(OutOfRange{width, 0, settings_.max_width});
   }
   const gecos::MutexLock lock(guard_);
   const bool narrows = width < state_.width;
@@ -32,7 +32,7 @@ tl::expected<void, SimulatedGripper::OutOfRange> SimulatedGripper::open(
 tl::expected<void, SimulatedGripper::OutOfRange> SimulatedGripper::close(
     double force, const std::optional<Contact>& contact) {
   if (!(force > 0 && force <= settings_.max_force)) {
-    return tl::unexpected(OutOfRange{"force in N", force, 0, settings_.max_force});
+    return tl::unexpected(OutOfRange{force, 0, settings_.max_force});
   }
   const gecos::MutexLock lock(guard_);
   if (state_.holding) {  // only the force changes: the jaws do not let go

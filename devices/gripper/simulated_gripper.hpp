@@ -30,8 +30,8 @@ class SimulatedGripper {
     double width = 0;
     std::string body;
   };
+  /// The refused width in m, or the refused force in N, and the limits.
   struct OutOfRange {
-    std::string what;
     double value = 0, lower = 0, upper = 0;
   };
 

@@ -17,11 +17,18 @@ def test_the_simulated_laboratory(reader: Reader) -> None:
 @pytest.mark.timeout(300)
 def test_a_program_of_ones_own(reader: Reader) -> None:
     reader.follow("docs/own-program.md")
+    mine = reader.terminals["2"]
+    did(mine, "gecos call LDS power on=false")
+    said = did(mine, "python approach.py", status=1)
+    assert said[0].startswith("robcl::SensorFault("), "a failed measurement is no failed move"
 
 
 @pytest.mark.timeout(300)
 def test_a_server_in_cpp(reader: Reader) -> None:
     reader.follow("docs/cpp-server.md")
+    mine = reader.terminals["3"]
+    did(mine, f"cat > stopped.py <<'END'\n{STOPPED_WHILE_THE_BRAKE_OPENS}END")
+    assert "REJECTED: the motor is off: call power_on" in did(mine, "python stopped.py")
 
 
 @pytest.mark.timeout(300)
@@ -63,6 +70,19 @@ def test_continuous_integration(reader: Reader) -> None:
     assert "ci: passed" in did(runner, last)
 
 
+STOPPED_WHILE_THE_BRAKE_OPENS = """
+import gecos
+lift = gecos.dynamic("LIFT")
+with gecos.actor(lift):
+    power_on = lift.power_on()
+    while power_on.progress().detail in (gecos.Detail.SENT, gecos.Detail.QUEUED):
+        pass
+    gecos.stop(lift).result()
+with gecos.actor(lift):  # its first call begins when the handler of power_on has returned
+    move = lift.move_to(0.05)
+    move.wait()
+    print(move.exception())
+"""
 THERE = "~/../home/projects/thermometer"
 STEP = re.compile(r"^( +)run: (?:\|\n((?:\1  .*\n)+)|(.*)\n)", re.MULTILINE)
 

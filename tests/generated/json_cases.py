@@ -63,8 +63,12 @@ REFUSED = [
     ("Maps", '{"counts": [["a", 1], ["a", 2]]}', "counts[1]: the map already has this key"),
     ("Maps", '{"counts": [["a"]]}', "counts[0]: a pair of key and value is expected"),
     ("Arrays", '{"grid": [[1, 2, 3], [1, 2]]}', "grid[1]: 3 elements are expected, 2 are there"),
-    ("Limits", '{"few": 0}', "Limits.few: 0 is outside [1, 3]"),
-    ("Limits", '{"few": 1, "share": 101}', "Limits.share: 101 is outside [0, 100]"),
+    ("Limits", '{"few": 0}', "Limits.few: 0 is outside [1, 3]; give at least 1"),
+    (
+        "Limits",
+        '{"few": 1, "share": 101}',
+        "Limits.share: 101 is outside [0, 100]; give at most 100",
+    ),
 ]
 
 BOTH_REFUSE = [

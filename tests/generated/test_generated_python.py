@@ -61,16 +61,41 @@ def types(everything: Path) -> Any:
 
 
 def _refusals() -> Iterator[tuple[str, dict[str, Any], str]]:
-    yield "Limits", {"few": 1, "both": 1.5}, "Limits.both: 1.5 is outside [-1.0, 1.0]"
-    yield "Limits", {"few": 1, "both": float("nan")}, "Limits.both: nan is outside [-1.0, 1.0]"
-    yield "Limits", {"few": 1, "lower": -0.5}, "Limits.lower: -0.5 is outside [0.0, inf]"
-    yield "Limits", {"few": 1, "upper": 11}, "Limits.upper: 11 is outside [-inf, 10]"
-    yield "Limits", {"few": 1, "share": 101}, "Limits.share: 101 is outside [0, 100]"
-    yield "Limits", {"few": 0}, "Limits.few: 0 is outside [1, 3]"
-    yield "Limits", {"few": "1"}, "Limits.few: '1' is not a whole number from 0 to 65535"
+    yield (
+        "Limits",
+        {"few": 1, "both": 1.5},
+        "Limits.both: 1.5 is outside [-1.0, 1.0]; give at most 1.0",
+    )
+    yield (
+        "Limits",
+        {"few": 1, "both": float("nan")},
+        "Limits.both: nan is outside [-1.0, 1.0]; give a number",
+    )
+    yield (
+        "Limits",
+        {"few": 1, "lower": -0.5},
+        "Limits.lower: -0.5 is outside [0.0, inf]; give at least 0.0",
+    )
+    yield (
+        "Limits",
+        {"few": 1, "upper": 11},
+        "Limits.upper: 11 is outside [-inf, 10]; give at most 10",
+    )
+    yield (
+        "Limits",
+        {"few": 1, "share": 101},
+        "Limits.share: 101 is outside [0, 100]; give at most 100",
+    )
+    yield "Limits", {"few": 0}, "Limits.few: 0 is outside [1, 3]; give at least 1"
+    yield (
+        "Limits",
+        {"few": "1"},
+        "Limits.few: '1' is not a whole number from 0 to 65535; write the number without quotes "
+        "and unit",
+    )
     yield "Numbers", {"u8": 256}, "Numbers.u8: 256 is not a whole number from 0 to 255"
     yield "Numbers", {"letter": "ab"}, "Numbers.letter: 'ab' is not one character of Latin-1"
-    yield "Numbers", {"twice": None}, "Numbers.twice: None is not a number"
+    yield "Numbers", {"twice": None}, "Numbers.twice: None is not a number; give a number"
     yield (
         "Sequences",
         {"few": np.zeros(4, "f4")},
@@ -84,7 +109,7 @@ def _refusals() -> Iterator[tuple[str, dict[str, Any], str]]:
     yield (
         "Sequences",
         {"percents": np.array([1, 101])},
-        "Sequences.percents[1]: 101 is outside [0, 100]",
+        "Sequences.percents[1]: 101 is outside [0, 100]; give at most 100",
     )
     yield "Sequences", {"short_text": "a\0"}, "Sequences.short_text: 'a\\x00' contains NUL"
     yield (
@@ -95,11 +120,11 @@ def _refusals() -> Iterator[tuple[str, dict[str, Any], str]]:
     yield (
         "Arrays",
         {"grid": np.zeros((3, 2), "i4")},
-        ("Arrays.grid: the array has shape (3, 2), but the declared shape is (2, 3)"),
+        ("Arrays.grid: the array has shape (3, 2); give an array of the declared shape (2, 3)"),
     )
     yield "Arrays", {"names": ["a"]}, "Arrays.names: 1 elements, but 2 are declared"
     yield "Arrays", {"block": b"\0"}, "Arrays.block: 1 bytes, but 3 are declared"
-    yield "Optionals", {"part": 2.0}, "Optionals.part: 2.0 is outside [0.0, 1.0]"
+    yield "Optionals", {"part": 2.0}, "Optionals.part: 2.0 is outside [0.0, 1.0]; give at most 1.0"
     yield "Shape", {"value": None}, f"Shape: {NOT_OF_TAG}"
 
 

@@ -63,7 +63,7 @@ def test_bytes_are_checked_like_arrays(types: Any) -> None:
     for value, words in (
         (
             types.Bytes(a=b"ab"),
-            r"Bytes\.a: the array has shape \(2,\), but the declared shape is \(3,\)",
+            r"Bytes\.a: the array has shape \(2,\); give an array of the declared shape \(3,\)",
         ),
         (types.Bytes(few=b"12345"), r"Bytes\.few: 5 elements, at most 4"),
         (types.Limited(b"\x09\x0a"), r"Limited\.s\[1\]: 10 is outside \[-inf, 9\]"),

@@ -6,7 +6,7 @@ from typing import Any
 
 import gecos
 from robcl.frames import Frame
-from robcl.gripper import GripperServant, GripperState, OutOfRange
+from robcl.gripper import GripperServant, GripperState, WidthOutOfRange
 from robcl.laser_distance_sensor import Distance, LaserDistanceSensorServant, SensorFault
 
 
@@ -40,7 +40,7 @@ class Jaws(GripperServant):
         if self.wrong is not None:
             self.wrong(run)
         if width > 0.08:
-            raise OutOfRange("width [m]", width, 0.0, 0.08)
+            raise WidthOutOfRange(width, 0.0, 0.08)
 
     def close(self, force: float, run: gecos.Execution[GripperState]) -> None: ...
 

@@ -6,7 +6,8 @@ Each table is a TOML file with entries `[[mistake]]`:
     python | gecos | gidl | program | cpp | compile | cmake   what makes the mistake; see `KINDS`
     says     the golden message; <…> stands for what differs between two runs
     what, where, do   the parts of `says` that tell what is wrong, where, and what to do;
-             empty where the message does not tell it
+             empty where the message does not tell it. `do` begins as an instruction does, or asks
+             what was meant; the limits of a value or the names of what there is are none.
     files    of `gidl` and `gecos`: the files that the command finds in its folder
 """
 
@@ -32,6 +33,13 @@ cpp_mistakes; `compile`: C++ that the compiler refuses or warns of; `cmake`: a p
 CMakeLists.txt. What compilers and CMake say differs between their versions, so `says` has only the
 parts of lines that are ours, in their order."""
 PARTS = ("what", "where", "do")
+INSTRUCTION = re.compile(
+    r"(add|allow|ask|call|catch|check|choose|convert|create|declare|get|give|install|keep|make"
+    r"|move|name|rename|run|say|send|serve|set|shorten|start|swap|try|use|write)\b"
+    r"|must (be|have|catch|outlive) |is missing|expects|-I adds|did you mean|is the \w+ in ",
+    re.IGNORECASE,
+)
+"""How the part `do` of a message begins."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ import gecos
 import gidl.cli.main
 import pytest
 from gecos.cli import main as gecos_main
-from mistakes import KINDS, Mistake, all_mistakes, of_kind, settled, write_files
+from mistakes import INSTRUCTION, KINDS, Mistake, all_mistakes, of_kind, settled, write_files
 
 
 def each(kind: str) -> pytest.MarkDecorator:
@@ -90,6 +90,12 @@ def test_each_part_of_a_grade_stands_in_its_message() -> None:
     for mistake in all_mistakes():
         for part, words in mistake.parts.items():
             assert words in mistake.says, f"{mistake.table}.toml, {mistake.name}: {part}"
+
+
+def test_what_to_do_is_an_instruction_or_asks_what_was_meant() -> None:
+    for mistake in all_mistakes():
+        do = mistake.parts["do"]
+        assert not do or INSTRUCTION.match(do), f"{mistake.table}.toml, {mistake.name}: {do}"
 
 
 def test_no_grade_is_below_two_and_nine_of_ten_are_three() -> None:

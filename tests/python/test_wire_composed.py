@@ -63,7 +63,8 @@ def test_every_element_of_a_sequence_is_held_to_its_range() -> None:
 def test_an_array_has_its_declared_shape() -> None:
     assert bytes(wire.fixed(np.eye(2), "d", (2, 2))) == struct.pack(">4d", 1, 0, 0, 1)
     with pytest.raises(
-        EncodeError, match=r"v: the array has shape \(3,\), but the declared shape is \(2, 2\)"
+        EncodeError,
+        match=r"v: the array has shape \(3,\); give an array of the declared shape \(2, 2\)",
     ):
         wire.fixed([1, 2, 3], "d", (2, 2), "v")
     with pytest.raises(EncodeError, match=r"v\[1\]: -1 is outside \[0, 9\]"):
@@ -94,13 +95,16 @@ def test_a_range_error_names_unit_and_value() -> None:
     assert str(sent.value) == "v: 90.0 is outside [-2.0, 2.0] rad; is the value in degrees?"
     with pytest.raises(DecodeError) as received:
         turned.take(Decoder(struct.pack(">d", 3.0)), "v")
-    assert str(received.value) == "field 'v' at byte 0: 3.0 is outside [-2.0, 2.0] rad"
+    assert (
+        str(received.value)
+        == "field 'v' at byte 0: 3.0 is outside [-2.0, 2.0] rad; give at most 2.0 rad"
+    )
     assert str(pickle.loads(pickle.dumps(received.value))) == str(received.value)
     turns = layout.numbers("d", low=-2.0, high=2.0, unit="rad")
     with pytest.raises(DecodeError, match=r"at byte 4: 90.0 is outside \[-2.0, 2.0\] rad; is the"):
         turns.take(Decoder(struct.pack(">id", 1, 90.0)), "v")  # type: ignore[union-attr]
     octets = layout.octets(low=2, high=9, unit="m")
-    with pytest.raises(DecodeError, match=r"at byte 5: 1 is outside \[2, 9\] m$"):
+    with pytest.raises(DecodeError, match=r"byte 5: 1 is outside \[2, 9\] m; give at least 2 m$"):
         octets.take(Decoder(struct.pack(">iBB", 2, 2, 1)), "v")
 
 

@@ -17,7 +17,9 @@ from robcl.world_types import Body
 
 def test_a_number_that_is_no_enumerator_is_refused_by_name() -> None:
     how = Trajectory(path=7)  # type: ignore[arg-type]
-    with pytest.raises(EncodeError, match=r"^Trajectory\.path: 7 is no PathType; there are \w+, "):
+    with pytest.raises(
+        EncodeError, match=r"^Trajectory\.path: 7 is no PathType; give one of \w+, "
+    ):
         wire.to_bytes(how)
 
 

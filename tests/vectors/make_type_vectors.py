@@ -78,7 +78,8 @@ CASES: list[tuple[str, str, Any]] = [
     ("robcl::Frame", "a grip", FRAME),
     ("robcl::MountRefused", "why", {"reason": "moving"}),
     ("robcl::GripperState", "holding", {"width": 0.05, "force": 20.0, "holding": True}),
-    ("robcl::OutOfRange", "too wide", {"what": "width", "value": 0.2, "upper": 0.1}),
+    ("robcl::WidthOutOfRange", "too wide", {"value": 0.2, "upper": 0.1}),
+    ("robcl::ForceOutOfRange", "too strong", {"value": 200.0, "upper": 100.0}),
     ("robcl::Distance", "measured", {
         "value": 0.731, "valid": True, "lower": 0.1, "upper": 2.0, "stamp": 1700000000.25}),
     ("robcl::SensorFault", "off", {"reason": "the laser is off"}),

@@ -74,7 +74,8 @@ def _languages(text: str) -> tuple[str, ...]:
     chosen = tuple(part.strip() for part in text.split(","))
     for language in chosen:
         if language not in LANGUAGES:
-            raise argparse.ArgumentTypeError(f"'{language}' is not one of {', '.join(LANGUAGES)}")
+            known = ", ".join(LANGUAGES)
+            raise argparse.ArgumentTypeError(f"'{language}' is no language; choose from {known}")
     return chosen
 
 

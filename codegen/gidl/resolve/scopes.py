@@ -156,7 +156,7 @@ class Names:
                 "G0101",
                 name.span,
                 f"'{name.text}' is already declared as {_a(known.kind)}",
-                _overload_help(known.kind, kind),
+                _overload_help(known.kind, kind) or "rename one of the two declarations",
                 notes=(note,),
             )
         else:

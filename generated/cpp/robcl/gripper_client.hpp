@@ -39,12 +39,12 @@ class Gripper : public virtual ::robcl::Device {
 
   /// Opens (or narrows) to `width`.
   /// @param width [m, at least 0.0]
-  /// May fail with robcl::OutOfRange.
+  /// May fail with robcl::WidthOutOfRange.
   gecos::Command<void, ::robcl::GripperState> open(double width) const;
 
   /// Closes until the jaws meet something with `force`, or each other.
   /// @param force [N, at least 0.0]
-  /// May fail with robcl::OutOfRange.
+  /// May fail with robcl::ForceOutOfRange.
   gecos::Command<void, ::robcl::GripperState> close(double force) const;
 };
 

@@ -8,10 +8,10 @@ namespace robcl {
 constinit const gecos::OperationDescription GripperInterface::operations[] = {
     gecos::getter(0x2ba48834, "max_force", 0xf34ee4dadaad5d51U),
     gecos::getter(0x6755a361, "jaws", 0x0fb970ac2bfd2f26U),
-    gecos::operation(0x7bc932d6, "open", 0x26b349e727725d66U, {.cancelable = true}),
+    gecos::operation(0x7bc932d6, "open", 0x0f1fb8f845c3ba69U, {.cancelable = true}),
     gecos::getter(0x8b02f9af, "max_width", 0xc9b12c311da8ff15U),
     gecos::getter(0x8bb8a207, "grip_point", 0xa38f858ffe2b47e6U),
-    gecos::operation(0xd12a65b2, "close", 0x432e6b27bbefba1aU, {.cancelable = true}),
+    gecos::operation(0xd12a65b2, "close", 0x94cf82396f1b86abU, {.cancelable = true}),
 };
 
 constinit const gecos::StreamDescription GripperInterface::streams[] = {
@@ -26,24 +26,25 @@ constinit const gecos::InterfaceDescription* const GripperInterface::inherits[] 
 constinit const gecos::InterfaceDescription GripperInterface::description{
     .name = "robcl::Gripper",
     .version = "1.0",
-    .hash = 0xa2cb25259a928f38U,
+    .hash = 0x95a0ea23ecab72f5U,
     .bases = bases,
     .inherits = inherits,
     .operations = operations,
     .streams = streams,
-    .model = R"json({"interface":{"kind":"interface","name":"robcl::Gripper","doc":"Two parallel jaws.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"hash":"0xa2cb25259a928f38","members":[
+    .model = R"json({"interface":{"kind":"interface","name":"robcl::Gripper","doc":"Two parallel jaws.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"hash":"0x95a0ea23ecab72f5","members":[
 {"kind":"attribute","name":"jaws","type":"robcl::GripperState","readonly":true,"stream":{"direction":"out","rate_hz":50.0},"read_access":"sensor","codes":{"get":1733665633,"stream":1733665633},"hash":"0x0fb970ac2bfd2f26"},
 {"kind":"attribute","name":"grip_point","doc":"Point between the finger tips, in the world: approach along z, jaws close along y.","type":"robcl::Frame","readonly":true,"read_access":"sensor","codes":{"get":2344133127},"hash":"0xa38f858ffe2b47e6"},
 {"kind":"attribute","name":"max_width","type":"double","readonly":true,"unit":"m","read_access":"sensor","codes":{"get":2332228015},"hash":"0xc9b12c311da8ff15"},
 {"kind":"attribute","name":"max_force","type":"double","readonly":true,"unit":"N","read_access":"sensor","codes":{"get":732203060},"hash":"0xf34ee4dadaad5d51"},
-{"kind":"operation","name":"open","doc":"Opens (or narrows) to `width`.","parameters":[{"name":"width","direction":"in","type":"double","unit":"m","range":{"min":0.0}}],"raises":["robcl::OutOfRange"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::GripperState","on_new":"queue","on_loss":"stop","code":2076783318,"hash":"0x26b349e727725d66"},
-{"kind":"operation","name":"close","doc":"Closes until the jaws meet something with `force`, or each other.","parameters":[{"name":"force","direction":"in","type":"double","unit":"N","range":{"min":0.0}}],"raises":["robcl::OutOfRange"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::GripperState","on_new":"queue","on_loss":"stop","code":3509216690,"hash":"0x432e6b27bbefba1a"}]},
+{"kind":"operation","name":"open","doc":"Opens (or narrows) to `width`.","parameters":[{"name":"width","direction":"in","type":"double","unit":"m","range":{"min":0.0}}],"raises":["robcl::WidthOutOfRange"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::GripperState","on_new":"queue","on_loss":"stop","code":2076783318,"hash":"0x0f1fb8f845c3ba69"},
+{"kind":"operation","name":"close","doc":"Closes until the jaws meet something with `force`, or each other.","parameters":[{"name":"force","direction":"in","type":"double","unit":"N","range":{"min":0.0}}],"raises":["robcl::ForceOutOfRange"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::GripperState","on_new":"queue","on_loss":"stop","code":3509216690,"hash":"0x94cf82396f1b86ab"}]},
 "types":[
 {"kind":"struct","name":"robcl::Vector","extensibility":"final","members":[{"name":"x","type":"double","unit":"m"},{"name":"y","type":"double","unit":"m"},{"name":"z","type":"double","unit":"m"}],"wire":{"fingerprint":"0xae7e5fba5eeca11e","min_size":24,"fixed_size":24}},
 {"kind":"struct","name":"robcl::Quaternion","doc":"Unit quaternion, w + xi + yj + zk.","extensibility":"final","members":[{"name":"w","type":"double"},{"name":"x","type":"double"},{"name":"y","type":"double"},{"name":"z","type":"double"}],"wire":{"fingerprint":"0x365bdd4bf9100a1f","min_size":32,"fixed_size":32}},
 {"kind":"struct","name":"robcl::Frame","doc":"Position and orientation of a coordinate system, seen from another.","extensibility":"final","maps_to":{"cpp":["robcl::Frame","robcl/frames/frame.hpp"],"python":["robcl.frames","Frame"]},"members":[{"name":"position","type":"robcl::Vector"},{"name":"orientation","type":"robcl::Quaternion"}],"wire":{"fingerprint":"0x249634ce2aa17b5e","min_size":56,"fixed_size":56}},
 {"kind":"struct","name":"robcl::GripperState","doc":"What the jaws do and hold.","extensibility":"appendable","members":[{"name":"width","type":"double","unit":"m","doc":"between the jaws"},{"name":"force","type":"double","unit":"N","doc":"on what is held, 0 when nothing is"},{"name":"moving","type":"boolean"},{"name":"holding","type":"boolean"},{"name":"held","type":"string","doc":"name of the body that is held, where it is known"}],"wire":{"fingerprint":"0xe3695e149acaa4ea","min_size":23}},
-{"kind":"exception","name":"robcl::OutOfRange","doc":"The asked value is outside what this gripper can do.","extensibility":"final","members":[{"name":"what","type":"string"},{"name":"value","type":"double"},{"name":"lower","type":"double"},{"name":"upper","type":"double"}],"wire":{"fingerprint":"0x8809d953da8d5f46","min_size":29}}],
+{"kind":"exception","name":"robcl::WidthOutOfRange","doc":"The jaws of this gripper do not open so far.","extensibility":"final","members":[{"name":"value","type":"double","unit":"m"},{"name":"lower","type":"double","unit":"m"},{"name":"upper","type":"double","unit":"m"}],"wire":{"fingerprint":"0x1b4fb7bbdc826753","min_size":24,"fixed_size":24}},
+{"kind":"exception","name":"robcl::ForceOutOfRange","doc":"This gripper does not press so hard, or so little.","extensibility":"final","members":[{"name":"value","type":"double","unit":"N"},{"name":"lower","type":"double","unit":"N"},{"name":"upper","type":"double","unit":"N"}],"wire":{"fingerprint":"0x1b4fb7bbdc826753","min_size":24,"fixed_size":24}}],
 "references":[]})json",
 };
 

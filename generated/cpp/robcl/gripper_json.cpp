@@ -19,9 +19,19 @@ bool JsonStruct<::robcl::GripperState>::visit(JsonMembers& each, ::robcl::Grippe
 }
 
 template <>
-bool JsonStruct<::robcl::OutOfRange>::visit(JsonMembers& each, ::robcl::OutOfRange& value) {
-  return each.member("what", value.what) &&
-         each.member("value", value.value) &&
+bool JsonStruct<::robcl::WidthOutOfRange>::visit(
+    JsonMembers& each,
+    ::robcl::WidthOutOfRange& value) {
+  return each.member("value", value.value) &&
+         each.member("lower", value.lower) &&
+         each.member("upper", value.upper);
+}
+
+template <>
+bool JsonStruct<::robcl::ForceOutOfRange>::visit(
+    JsonMembers& each,
+    ::robcl::ForceOutOfRange& value) {
+  return each.member("value", value.value) &&
          each.member("lower", value.lower) &&
          each.member("upper", value.upper);
 }

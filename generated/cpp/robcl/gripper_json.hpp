@@ -13,8 +13,17 @@ template <>
 bool JsonStruct<::robcl::GripperState>::visit(JsonMembers& each, ::robcl::GripperState& value);
 
 template <>
-struct JsonShape<::robcl::OutOfRange> : JsonStruct<::robcl::OutOfRange> {};
+struct JsonShape<::robcl::WidthOutOfRange> : JsonStruct<::robcl::WidthOutOfRange> {};
 template <>
-bool JsonStruct<::robcl::OutOfRange>::visit(JsonMembers& each, ::robcl::OutOfRange& value);
+bool JsonStruct<::robcl::WidthOutOfRange>::visit(
+    JsonMembers& each,
+    ::robcl::WidthOutOfRange& value);
+
+template <>
+struct JsonShape<::robcl::ForceOutOfRange> : JsonStruct<::robcl::ForceOutOfRange> {};
+template <>
+bool JsonStruct<::robcl::ForceOutOfRange>::visit(
+    JsonMembers& each,
+    ::robcl::ForceOutOfRange& value);
 
 }  // namespace gecos::wire

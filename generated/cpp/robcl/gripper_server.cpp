@@ -28,7 +28,7 @@ bool GripperServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
           gecos::wire::within(from, width, {.low = 0.0}, "open.width", "[0.0, inf] m");
       if (!read) return call.refuse(from.error());
       gecos::Execution<::robcl::GripperState> run(call);
-      return call.answer(this->open(width, run), {"robcl::OutOfRange"});
+      return call.answer(this->open(width, run), {"robcl::WidthOutOfRange"});
     }
     case 0xd12a65b2: {  // close
       gecos::wire::Decoder from(call.arguments());
@@ -37,7 +37,7 @@ bool GripperServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
           gecos::wire::within(from, force, {.low = 0.0}, "close.force", "[0.0, inf] N");
       if (!read) return call.refuse(from.error());
       gecos::Execution<::robcl::GripperState> run(call);
-      return call.answer(this->close(force, run), {"robcl::OutOfRange"});
+      return call.answer(this->close(force, run), {"robcl::ForceOutOfRange"});
     }
   }
   return ::robcl::DeviceServant::gecos_answer(call);

@@ -33,12 +33,12 @@ class GripperServant : public virtual ::robcl::DeviceServant {
 
   /// Opens (or narrows) to `width`.
   /// @param width [m, at least 0.0]
-  /// May fail with robcl::OutOfRange.
+  /// May fail with robcl::WidthOutOfRange.
   virtual gecos::Result<void> open(double width, gecos::Execution<::robcl::GripperState>& run) = 0;
 
   /// Closes until the jaws meet something with `force`, or each other.
   /// @param force [N, at least 0.0]
-  /// May fail with robcl::OutOfRange.
+  /// May fail with robcl::ForceOutOfRange.
   virtual gecos::Result<void> close(double force, gecos::Execution<::robcl::GripperState>& run) = 0;
 
   bool gecos_answer(gecos::IncomingCall& call) override;

@@ -39,29 +39,36 @@ std::ostream& operator<<(std::ostream& out, const GripperState& value) {
       ", holding=", value.holding, ", held=", value.held, "}");
 }
 
-std::size_t OutOfRange::encoded_size() const { return 29 + what.size(); }
+std::size_t WidthOutOfRange::encoded_size() const { return 24; }
 
-void OutOfRange::encode(gecos::wire::Encoder& to) const {
-  to.put_string(what);
-  to.put(value, lower, upper);
+void WidthOutOfRange::encode(gecos::wire::Encoder& to) const { to.put(value, lower, upper); }
+
+bool WidthOutOfRange::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(value, "WidthOutOfRange.value") &&
+         from.get(lower, "WidthOutOfRange.lower") &&
+         from.get(upper, "WidthOutOfRange.upper");
 }
 
-bool OutOfRange::decode([[maybe_unused]] gecos::wire::Decoder& from) {
-  return from.get_string(what, gecos::wire::npos, "OutOfRange.what") &&
-         from.get(value, "OutOfRange.value") &&
-         from.get(lower, "OutOfRange.lower") &&
-         from.get(upper, "OutOfRange.upper");
-}
-
-std::string gecos_violation(const OutOfRange& value) {
-  if (!gecos::wire::valid_text(value.what)) return gecos::wire::bad_text("OutOfRange.what");
-  return {};
-}
-
-std::ostream& operator<<(std::ostream& out, const OutOfRange& value) {
+std::ostream& operator<<(std::ostream& out, const WidthOutOfRange& value) {
   return gecos::wire::print_all(out,
-      "OutOfRange{what=", value.what, ", value=", value.value, ", lower=", value.lower, ", upper=",
-      value.upper, "}");
+      "WidthOutOfRange{value=", value.value, " m, lower=", value.lower, " m, upper=", value.upper,
+      " m}", gecos::wire::mistaken_unit(value.value, value.lower, value.upper, "m"));
+}
+
+std::size_t ForceOutOfRange::encoded_size() const { return 24; }
+
+void ForceOutOfRange::encode(gecos::wire::Encoder& to) const { to.put(value, lower, upper); }
+
+bool ForceOutOfRange::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(value, "ForceOutOfRange.value") &&
+         from.get(lower, "ForceOutOfRange.lower") &&
+         from.get(upper, "ForceOutOfRange.upper");
+}
+
+std::ostream& operator<<(std::ostream& out, const ForceOutOfRange& value) {
+  return gecos::wire::print_all(out,
+      "ForceOutOfRange{value=", value.value, " N, lower=", value.lower, " N, upper=", value.upper,
+      " N}", gecos::wire::mistaken_unit(value.value, value.lower, value.upper, "N"));
 }
 
 }  // namespace robcl

@@ -35,23 +35,42 @@ std::ostream& operator<<(std::ostream& out, const GripperState& value);
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const GripperState& value);
 
-/// The asked value is outside what this gripper can do. [exception]
-struct OutOfRange {
-  std::string what{};
+/// The jaws of this gripper do not open so far. [exception]
+struct WidthOutOfRange {
+  /// [m]
   double value = 0;
+  /// [m]
   double lower = 0;
+  /// [m]
   double upper = 0;
 
-  static constexpr std::string_view type_name() { return "robcl::OutOfRange"; }
-  static constexpr std::int64_t fingerprint() { return std::int64_t(0x8809d953da8d5f46U); }
+  static constexpr std::string_view type_name() { return "robcl::WidthOutOfRange"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x1b4fb7bbdc826753U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
 
-  friend bool operator==(const OutOfRange&, const OutOfRange&) = default;
+  friend bool operator==(const WidthOutOfRange&, const WidthOutOfRange&) = default;
 };
-std::ostream& operator<<(std::ostream& out, const OutOfRange& value);
-/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
-std::string gecos_violation(const OutOfRange& value);
+std::ostream& operator<<(std::ostream& out, const WidthOutOfRange& value);
+
+/// This gripper does not press so hard, or so little. [exception]
+struct ForceOutOfRange {
+  /// [N]
+  double value = 0;
+  /// [N]
+  double lower = 0;
+  /// [N]
+  double upper = 0;
+
+  static constexpr std::string_view type_name() { return "robcl::ForceOutOfRange"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x1b4fb7bbdc826753U); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const ForceOutOfRange&, const ForceOutOfRange&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const ForceOutOfRange& value);
 
 }  // namespace robcl

@@ -9,8 +9,9 @@ from gecos.errors import DeclaredError as _DeclaredError
 from gecos.wire import layout as _layout
 
 __all__ = [
+    "ForceOutOfRange",
     "GripperState",
-    "OutOfRange",
+    "WidthOutOfRange",
 ]
 
 
@@ -29,12 +30,37 @@ class GripperState(_layout.Struct):
     """name of the body that is held, where it is known"""
 
 
-@_layout.exception("robcl::OutOfRange", 0x8809D953DA8D5F46, _layout.text(), "ddd")
+@_layout.exception(
+    "robcl::WidthOutOfRange",
+    0x1B4FB7BBDC826753,
+    "ddd",
+    units={"value": "m", "lower": "m", "upper": "m"},
+)
 @_dataclass(slots=True, eq=False)
-class OutOfRange(_layout.Struct, _DeclaredError):
-    """The asked value is outside what this gripper can do."""
+class WidthOutOfRange(_layout.Struct, _DeclaredError):
+    """The jaws of this gripper do not open so far."""
 
-    what: str = ""
     value: float = 0.0
+    """[m]"""
     lower: float = 0.0
+    """[m]"""
     upper: float = 0.0
+    """[m]"""
+
+
+@_layout.exception(
+    "robcl::ForceOutOfRange",
+    0x1B4FB7BBDC826753,
+    "ddd",
+    units={"value": "N", "lower": "N", "upper": "N"},
+)
+@_dataclass(slots=True, eq=False)
+class ForceOutOfRange(_layout.Struct, _DeclaredError):
+    """This gripper does not press so hard, or so little."""
+
+    value: float = 0.0
+    """[N]"""
+    lower: float = 0.0
+    """[N]"""
+    upper: float = 0.0
+    """[N]"""

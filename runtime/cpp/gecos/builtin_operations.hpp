@@ -79,7 +79,7 @@ actor(const Object& object, std::string password = {});
 /// server that was built before this option existed refuses at once.
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 actor(const Object& object, const LeaseOptions& options);
-void actor(std::string_view name) = delete;  // takes a proxy, from lab.create
+void actor(std::string_view name) = delete;  // give a proxy, from lab.create
 /// Acquires master status. It gives the rights of actor status, and the server refuses the calls of
 /// all other clients.
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>

@@ -144,7 +144,7 @@ class Lab {
     return create<Proxy>(std::vector<std::string>{reference.name}, std::move(options));
   }
   template <class Proxy, class... Rest>
-  requires(!ClientClass<Proxy>) void create(Rest&&...) = delete;  // takes a client class of gidl
+  requires(!ClientClass<Proxy>) void create(Rest&&...) = delete;  // name a client class of gidl
 
  private:
   friend struct session::LabAccess;

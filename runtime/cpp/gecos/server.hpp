@@ -49,8 +49,9 @@ class Server {
   /// Serves `servant` under `name` from now on. The servant must outlive the server. Fails when no
   /// other process could reach the object, unless `options.media` limits it to this process. Logs a
   /// warning for each medium that is not available.
-  [[nodiscard("the error says why the object is not served")]] tl::expected<void, ServeError> add(
-      std::string name, Servant& servant, ObjectOptions options = {});
+  [[nodiscard("check the result: its error says why the object is not served")]] tl::expected<
+      void, ServeError>
+  add(std::string name, Servant& servant, ObjectOptions options = {});
   void add(std::string, Servant&&, ObjectOptions = {}) = delete;  // must outlive the server
   /// Waits until any thread of the process gets SIGINT or SIGTERM, or until `shut_down()`. Logs an
   /// error and returns at once when the server could not be made.

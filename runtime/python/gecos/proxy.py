@@ -33,7 +33,7 @@ from typing import TYPE_CHECKING, ClassVar, Generic, NoReturn, TypeVar
 
 from gecos.command import Command
 from gecos.errors import CommandFailed, ConnectionFailed, Detail, State
-from gecos.interface import Interface, Method
+from gecos.interface import Interface, Kind, Method
 from gecos.stream import Stream
 from gecos.wire import Parts
 
@@ -81,7 +81,7 @@ class Object:
 
         def __setattr__(self, name: str, value: object) -> None:
             if not name.startswith("_gecos"):
-                setter = "attributes that can be set have a method set_…(…)"
+                setter = "call the method set_…(…) of an attribute that can be set"
                 if hasattr(self, f"set_{name}"):
                     setter = f"call set_{name}(…) instead"
                 raise AttributeError(f"{self!r}: {name} cannot be assigned; {setter}")
@@ -100,11 +100,17 @@ class Object:
 
 def _no_stream(kind: type[Object], name: str) -> NoReturn:
     """Raises the error for `.stream()` on a method of a proxy that is not a StreamAttribute."""
-    streams = ", ".join(each.name for each in kind._gecos_interface.streams)
+    about = kind._gecos_interface
+    streams = ", ".join(each.name for each in about.streams) or "none"
+    getters = [each.name for each in about.operations if each.kind is Kind.GETTER]
+    if name in getters:
+        why = "is not published as a stream"
+        advice = f"ask for its value with `.{name}().result()`, or add @stream to the attribute"
+    else:
+        why = "is an operation and has no stream"
+        advice = f"call it with `.{name}(…).result()`"
     raise TypeError(
-        f"{kind.__name__}.{name} is not published as a stream; ask for its value with "
-        f"`.{name}(…).result()`, or add @stream to its attribute in the interface. "
-        f"Streams of {kind.__name__}: {streams or 'none'}"
+        f"{kind.__name__}.{name} {why}; {advice}. Streams of {kind.__name__}: {streams}"
     )
 
 

@@ -51,7 +51,7 @@ nb::object create(LabHandle& self, nb::handle interface, const std::vector<std::
     options.medium = media::kind_from(*medium);
     if (!options.medium) {
       throw nb::value_error(
-          ("no medium is called '" + *medium + "'; there are inproc, shm and lcm").c_str());
+          ("no medium is called '" + *medium + "'; choose inproc, shm or lcm").c_str());
     }
   }
   const InterfaceDescription& wanted = description_of(interface);
@@ -116,8 +116,8 @@ CommandHandle outcome(SessionHandle& self, const std::string& command) {
   const auto id = command_id_from(command);
   if (!id) {
     throw nb::value_error(("'" + command +
-                           "' is not the id of a command: an id is three hexadecimal numbers "
-                           "joined by '-', as command.id returns it")
+                           "' is not the id of a command: give the three hexadecimal numbers, "
+                           "joined by '-', that command.id returns")
                               .c_str());
   }
   return CommandHandle(gecos::outcome(AnyObject(self.get()), *id).core());

@@ -163,7 +163,7 @@ class ServerHandle {
       const auto kind = media::kind_from(medium);
       if (!kind) {
         throw nb::value_error(
-            ("no medium is called '" + medium + "'; there are inproc, shm and lcm").c_str());
+            ("no medium is called '" + medium + "'; choose inproc, shm or lcm").c_str());
       }
       options.media.push_back(*kind);
     }

@@ -64,11 +64,10 @@ TEST_F(GripperTest, RefusesAForceThatItDoesNotHaveWithItsLimitsInTheTextToo) {
   const auto lease = gecos::actor(gripper_);
   const auto refused = get(gripper_.close(1000), cycle());
   ASSERT_FALSE(refused);
-  const auto why = refused.error().as<robcl::OutOfRange>();
+  const auto why = refused.error().as<robcl::ForceOutOfRange>();
   ASSERT_TRUE(why.has_value());
   EXPECT_EQ(why->upper, 100);
-  EXPECT_EQ(refused.error().text,
-            R"(OutOfRange{what="force in N", value=1000, lower=0, upper=100})");
+  EXPECT_EQ(refused.error().text, "ForceOutOfRange{value=1000 N, lower=0 N, upper=100 N}");
 }
 
 TEST_F(GripperTest, ThatIsStoppedStandsWithItsJawsWhereTheyAre) {

@@ -107,7 +107,7 @@ TEST(GeneratedRanges, HoldInArrays) {
   expect_refused(arrays, "Arrays.trims");
   arrays = {};
   arrays.duty[3] = 11;
-  EXPECT_EQ(gecos_violation(arrays), "Arrays.duty[3]: 11 is outside [0, 10]");
+  EXPECT_EQ(gecos_violation(arrays), "Arrays.duty[3]: 11 is outside [0, 10]; give at most 10");
   expect_refused(arrays, "Arrays.duty");
   arrays = {};
   arrays.shares[0] = std::numeric_limits<float>::infinity();
@@ -122,7 +122,7 @@ TEST(GeneratedRanges, SayWhereTheFirstNumberOutsideLies) {
   const auto decoded = gecos::wire::from_bytes<Arrays>(gecos::wire::to_bytes(arrays));
   ASSERT_FALSE(decoded);
   EXPECT_EQ(decoded.error().offset, 8u);
-  EXPECT_EQ(gecos_violation(arrays), "Arrays.pose[1]: 5 is outside [-3.0, 3.0]");
+  EXPECT_EQ(gecos_violation(arrays), "Arrays.pose[1]: 5 is outside [-3.0, 3.0]; give at most 3.0");
 }
 
 TEST(GeneratedRanges, HoldInSequencesAndOptionals) {
@@ -214,12 +214,12 @@ struct BoundedCalls : testing::Test {
 };
 
 TEST_F(BoundedCalls, RefuseArgumentsBeforeTheyAreSent) {
-  EXPECT_EQ(refusal(robot.go({0, 0, 4}, {})), "go.to[2]: 4 is outside [-3.0, 3.0]");
-  EXPECT_EQ(refusal(robot.go({}, {{10, 0}})), "go.by_level: 10 is outside [1, 9]");
-  EXPECT_EQ(refusal(robot.go({}, {{1, 4}})), "go.by_level: 4 is outside [-3.0, 3.0]");
-  EXPECT_EQ(refusal(robot.go({}, {}, Path{4})), "go.along[0]: 4 is outside [-3.0, 3.0]");
-  EXPECT_EQ(refusal(robot.set_plan({4})), "plan.value[0]: 4 is outside [-3.0, 3.0]");
-  EXPECT_EQ(refusal(robot.run(not_a_number)), "run.to: nan is outside [-3.0, 3.0]");
+  EXPECT_EQ(refusal(robot.go({0, 0, 4}, {})), "go.to[2]: 4 is outside [-3.0, 3.0]; give at most 3.0");
+  EXPECT_EQ(refusal(robot.go({}, {{10, 0}})), "go.by_level: 10 is outside [1, 9]; give at most 9");
+  EXPECT_EQ(refusal(robot.go({}, {{1, 4}})), "go.by_level: 4 is outside [-3.0, 3.0]; give at most 3.0");
+  EXPECT_EQ(refusal(robot.go({}, {}, Path{4})), "go.along[0]: 4 is outside [-3.0, 3.0]; give at most 3.0");
+  EXPECT_EQ(refusal(robot.set_plan({4})), "plan.value[0]: 4 is outside [-3.0, 3.0]; give at most 3.0");
+  EXPECT_EQ(refusal(robot.run(not_a_number)), "run.to: nan is outside [-3.0, 3.0]; give a number");
   EXPECT_EQ(session->sent, 0);
   EXPECT_EQ(refusal(robot.go({3, 3, 3}, {{9, 3}}, Path{3})), "accepted");
 }
@@ -254,7 +254,7 @@ TEST_F(BoundedCalls, DoNotRaiseWhatTheInterfaceForbids) {
   const auto gone = robot.go({}, {}).get();
   ASSERT_FALSE(gone);
   EXPECT_FALSE(gone.error().as<Broken>());
-  EXPECT_EQ(gone.error().text, "the handler raised Broken.at: 4 is outside [-3.0, 3.0]");
+  EXPECT_EQ(gone.error().text, "the handler raised Broken.at: 4 is outside [-3.0, 3.0]; give at most 3.0");
 }
 
 TEST_F(BoundedCalls, TellNoSecretOfAnException) {

@@ -49,28 +49,28 @@ TEST(GeneratedTypes, SayWhatMustNotBeSentByItsName) {
   robcl::Trajectory how;
   EXPECT_EQ(gecos_violation(how), "");
   how.speed = 3;
-  EXPECT_EQ(gecos_violation(how), "Trajectory.speed: 3 is outside [0.01, 1.0]");
+  EXPECT_EQ(gecos_violation(how), "Trajectory.speed: 3 is outside [0.01, 1.0]; give at most 1.0");
   how.speed = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(gecos_violation(how), "Trajectory.speed: nan is outside [0.01, 1.0]");
+  EXPECT_EQ(gecos_violation(how), "Trajectory.speed: nan is outside [0.01, 1.0]; give a number");
 
   Limits limits;
   limits.few = 1;
   EXPECT_EQ(gecos_violation(limits), "");
   limits.share = 101;
-  EXPECT_EQ(gecos_violation(limits), "Limits.share: 101 is outside [0, 100]");
+  EXPECT_EQ(gecos_violation(limits), "Limits.share: 101 is outside [0, 100]; give at most 100");
 
   Sequences many;
   many.few = {1, 2, 3, 4};
-  EXPECT_EQ(gecos_violation(many), "Sequences.few: 4 elements, at most 3 fit");
+  EXPECT_EQ(gecos_violation(many), "Sequences.few: 4 elements, at most 3 fit; shorten it");
   many.few.clear();
   many.words = {"abcde"};
-  EXPECT_EQ(gecos_violation(many), "Sequences.words: 5 bytes, at most 4 fit");
+  EXPECT_EQ(gecos_violation(many), "Sequences.words: 5 bytes, at most 4 fit; shorten it");
   many.words = {"\xff"};
   EXPECT_EQ(gecos_violation(many),
             "Sequences.words: the string is not UTF-8 or contains NUL; convert it to UTF-8");
   many.words.clear();
   many.percents = {100, 101};
-  EXPECT_EQ(gecos_violation(many), "Sequences.percents[1]: 101 is outside [0, 100]");
+  EXPECT_EQ(gecos_violation(many), "Sequences.percents[1]: 101 is outside [0, 100]; give at most 100");
 
   Holds nested;
   nested.many.resize(2);
@@ -88,7 +88,7 @@ TEST(GeneratedTypes, SayWhatMustNotBeSentByItsName) {
 
   Packed bits;
   bits.mode = 8;
-  EXPECT_EQ(gecos_violation(bits), "Packed.mode: 8 is outside [0, 7]");
+  EXPECT_EQ(gecos_violation(bits), "Packed.mode: 8 is outside [0, 7]; give at most 7");
 }
 
 TEST(GeneratedTypes, RefuseWhatIsOutOfRangeWhereItLies) {
@@ -98,7 +98,7 @@ TEST(GeneratedTypes, RefuseWhatIsOutOfRangeWhereItLies) {
   bytes.back() = std::byte{9};
   EXPECT_EQ(
       why_refused<Limits>(bytes),
-      "field 'Limits.few' at byte " + std::to_string(bytes.size() - 2) + ": 9 is outside [1, 3]");
+      "field 'Limits.few' at byte " + std::to_string(bytes.size() - 2) + ": 9 is outside [1, 3]; give at most 3");
 }
 
 TEST(GeneratedTypes, ReadAnUnknownEnumeratorAsTheDefaultLiteralOrRefuseIt) {

@@ -157,7 +157,8 @@ TEST_P(InwardStreams, OutOfRangeAreNotSent) {
     ASSERT_FALSE(sent) << wrong;
     EXPECT_EQ(sent.error().detail, Detail::BadParameter);
   }
-  EXPECT_EQ(speed->send(2.5).error().text, "speed: 2.5 is outside [0.0, 2.0] m/s");
+  EXPECT_EQ(speed->send(2.5).error().text,
+            "speed: 2.5 is outside [0.0, 2.0] m/s; give at most 2.0 m/s");
   EXPECT_FALSE(alter->send(Step{0.5, 1}));
   EXPECT_EQ(speeds(0), std::vector<double>{});
   EXPECT_EQ(in_words(speed->report().get().value()), "admitted 0");

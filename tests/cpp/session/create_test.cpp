@@ -34,7 +34,8 @@ TEST_F(Create, TakesTheFirstThatIsThereAndSaysWhyNotTheOthers) {
   ASSERT_EQ(created->passed_over.attempts.size(), 1u);
   EXPECT_EQ(created->passed_over.attempts[0].name, "REAL");
   EXPECT_EQ(created->passed_over.attempts[0].reason,
-            "no object is called REAL; the broker knows SIM");
+            "no object is called REAL; start its server, or choose a name that the broker knows: "
+            "SIM");
 }
 
 TEST_F(Create, WaitsForAnObjectThatComesOnline) {
@@ -127,7 +128,7 @@ TEST_F(Create, FailsOverAMediumThatTheServerDoesNotOfferThoughOthersExist) {
   ASSERT_EQ(error.attempts.size(), 1u);
   EXPECT_EQ(error.attempts[0].detail, Detail::QosUnavailable);
   EXPECT_EQ(error.attempts[0].reason,
-            "PROBE cannot be reached over lcm: its server does not offer this medium, it offers "
+            "PROBE cannot be reached over lcm: its server does not offer this medium; use "
             "inproc");
 }
 

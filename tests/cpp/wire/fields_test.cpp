@@ -153,32 +153,33 @@ TEST(Within, SaysWhichNumberIsOutsideWhichLimits) {
     return from.get(angle, "a") && within(from, angle, {-2.0, 2.0}, "a", "[-2.0, 2.0] rad");
   };
   EXPECT_EQ(verdict("4000000000000000", read), "accepted");
-  EXPECT_EQ(verdict("4008000000000000", read), "field 'a' at byte 0: 3 is outside [-2.0, 2.0] rad");
+  EXPECT_EQ(verdict("4008000000000000", read),
+            "field 'a' at byte 0: 3 is outside [-2.0, 2.0] rad; give at most 2.0 rad");
   EXPECT_EQ(verdict("4056800000000000", read),
             "field 'a' at byte 0: 90 is outside [-2.0, 2.0] rad; is the value in degrees?");
   EXPECT_EQ(verdict("7ff8000000000000", read),
-            "field 'a' at byte 0: nan is outside [-2.0, 2.0] rad");
+            "field 'a' at byte 0: nan is outside [-2.0, 2.0] rad; give a number");
   std::vector<std::uint64_t> counts;
   const auto read_all = [&](Decoder& from) {
     return get_numbers(from, counts, npos, "c") &&
            all_within(from, counts, {.low = 3}, "c", "[3, inf]");
   };
   EXPECT_EQ(verdict("0000000200000000000000030000000000000002", read_all),
-            "field 'c' at byte 12: 2 is outside [3, inf]");
+            "field 'c' at byte 12: 2 is outside [3, inf]; give at least 3");
 }
 
 TEST(OutsideLimits, AsksForTheUnitThatWouldFit) {
   EXPECT_EQ(out_of_range("open.width", 50.0, "[0.0, 0.08] m"),
             "open.width: 50 is outside [0.0, 0.08] m; is the value in millimetres?");
   EXPECT_EQ(out_of_range("open.width", 500.0, "[0.0, 0.08] m"),
-            "open.width: 500 is outside [0.0, 0.08] m");
+            "open.width: 500 is outside [0.0, 0.08] m; give at most 0.08 m");
   EXPECT_EQ(out_of_range("open.width", 0.09, "[0.0, 0.08] m"),
-            "open.width: 0.09 is outside [0.0, 0.08] m");
+            "open.width: 0.09 is outside [0.0, 0.08] m; give at most 0.08 m");
   EXPECT_EQ(out_of_range("turn", -3.0, "[-inf, 2.0] rad"), "turn: -3 is outside [-inf, 2.0] rad");
   EXPECT_EQ(out_of_range("turn", 90, "[-inf, 2.0] rad"),
             "turn: 90 is outside [-inf, 2.0] rad; is the value in degrees?");
   EXPECT_EQ(out_of_range("count", std::uint64_t{1} << 63U, "[0, 3]"),
-            "count: 9223372036854775808 is outside [0, 3]");
+            "count: 9223372036854775808 is outside [0, 3]; give at most 3");
 }
 
 TEST(GetTag, RefusesWhatTheTagsTypeLacks) {

@@ -16,12 +16,22 @@ double bound_of(std::string_view text) {
   return bound;
 }
 
-/// The question of `mistaken_unit` for a number outside `limits`, such as "[0.01, 1.0] m".
-std::string_view question(double number, std::string_view limits) {
-  const auto high = limits.find(", "), unit = limits.find("] ");
-  if (high == limits.npos || unit == limits.npos) return {};
-  return mistaken_unit(number, bound_of(limits.substr(1)), bound_of(limits.substr(high + 2)),
-                       limits.substr(unit + 2));
+/// What to do about a number outside `limits`, such as "[0.01, 1.0] m": the question of
+/// `mistaken_unit`, else "; give at least 0.01 m".
+std::string advice(double number, std::string_view limits) {
+  const auto comma = limits.find(", "), end = limits.find(']');
+  if (comma == limits.npos || end == limits.npos) return {};
+  const auto low = limits.substr(1, comma - 1), high = limits.substr(comma + 2, end - comma - 2);
+  const auto unit = limits.substr(end + 1);  // " m", or empty
+  const auto question =
+      mistaken_unit(number, bound_of(low), bound_of(high), unit.empty() ? unit : unit.substr(1));
+  if (!question.empty()) return std::string(question);
+  const auto give = [&](std::string text, std::string_view bound) {
+    return text.append(bound).append(unit);
+  };
+  if (number < bound_of(low)) return give("; give at least ", low);
+  if (number > bound_of(high)) return give("; give at most ", high);
+  return std::isnan(number) ? "; give a number" : "";
 }
 
 std::string shown(RefusedNumber number) {
@@ -49,7 +59,7 @@ std::string_view mistaken_unit(double value, double low, double high, std::strin
 
 std::string outside_limits(RefusedNumber number, std::string_view limits) {
   const double value = std::visit([](auto each) { return static_cast<double>(each); }, number);
-  return shown(number).append(" is outside ").append(limits).append(question(value, limits));
+  return shown(number).append(" is outside ").append(limits).append(advice(value, limits));
 }
 
 std::string none_of(RefusedNumber number, std::string_view known) {
@@ -70,7 +80,7 @@ std::string over_bound(std::string_view field, std::size_t size, std::size_t bou
                        std::string_view what) {
   std::string text(field);
   text.append(": ").append(std::to_string(size)).append(" ").append(what);
-  text.append(", at most ").append(std::to_string(bound)).append(" fit");
+  text.append(", at most ").append(std::to_string(bound)).append(" fit; shorten it");
   return text;
 }
 

@@ -29,13 +29,15 @@ RefusedNumber refused_number(T number) {
   }
 }
 
-/// The text "110 is outside [-2.0, 2.0] rad; is the value in degrees?".
+/// The text "110 is outside [-2.0, 2.0] rad; is the value in degrees?", or "…; give at most 2.0
+/// rad".
 std::string outside_limits(RefusedNumber number, std::string_view limits);
 
-/// The text "7 is no Speed; there are SLOW, FAST", for `known` "no Speed; there are SLOW, FAST".
+/// The text "7 is no Speed; give one of SLOW, FAST", for `known` "no Speed; give one of SLOW,
+/// FAST".
 std::string none_of(RefusedNumber number, std::string_view known);
 
-/// The text "Trajectory.speed: 3 is outside [0.01, 1.0] m/s".
+/// The text "Trajectory.speed: 3 is outside [0.01, 1.0] m/s; give at most 1.0 m/s".
 std::string out_of_range(std::string_view field, RefusedNumber number, std::string_view limits);
 
 template <class T>
@@ -43,7 +45,7 @@ std::string out_of_range(std::string_view field, T number, std::string_view limi
   return out_of_range(field, refused_number(number), limits);
 }
 
-/// The text "Joints.position[2]: 3 is outside [-2.0, 2.0] rad" for the element at `index`.
+/// The text "Joints.position[2]: 3 is outside [-2.0, 2.0] rad; …" for the element at `index`.
 std::string element_out_of_range(std::string_view field, std::ptrdiff_t index, RefusedNumber number,
                                  std::string_view limits);
 
@@ -55,7 +57,8 @@ std::string element_out_of_range(std::string_view field, const Numbers& numbers,
   return element_out_of_range(field, outlier - numbers.data(), refused_number(*outlier), limits);
 }
 
-/// The text "Scan.echoes: 500 elements, at most 360 fit". `what` is "elements" or "bytes".
+/// The text "Scan.echoes: 500 elements, at most 360 fit; shorten it". `what` is "elements" or
+/// "bytes".
 std::string over_bound(std::string_view field, std::size_t size, std::size_t bound,
                        std::string_view what);
 

@@ -43,7 +43,7 @@ struct DecodeError {
   const char* limits = "";
   RefusedNumber number{};
 
-  /// Returns a text such as "field 'speed' at byte 12: 3 is outside [0.01, 1.0] m/s"
+  /// Returns a text such as "field 'speed' at byte 12: 3 is outside [0.01, 1.0] m/s; …"
   std::string message() const;
 
   /// Compares problem, offset and field.

@@ -217,4 +217,6 @@ def _instead_of(name: str, known: Sequence[str]) -> str:
     near = get_close_matches(name.lower(), by_lower, n=1)
     if near:
         return f"did you mean {by_lower[near[0]]}?"
-    return f"the broker knows {', '.join(known) or 'no objects'}"
+    if not known:
+        return "start its server: the broker knows no object"
+    return f"start its server, or choose a name that the broker knows: {', '.join(known)}"

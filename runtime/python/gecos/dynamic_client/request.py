@@ -76,14 +76,15 @@ class Request:
         spelled = dict(zip(names, names, strict=True)) | dict(zip(self.spelled, names, strict=True))
         for key, each in named.items():
             if key not in spelled:
-                known = ", ".join(self.spelled) or "none"
-                raise TypeError(f"{self.name}() has no parameter {key}; its parameters: {known}")
+                known = "give one of " + ", ".join(self.spelled) if names else "it takes none"
+                raise TypeError(f"{self.name}() has no parameter {key}; {known}")
             if spelled[key] in bound:
                 raise TypeError(f"{self.name}() got two values for its parameter {key}")
             bound[spelled[key]] = each
         for i, name in enumerate(names):
             if name not in bound and i not in self._defaults:
-                raise TypeError(f"{self.name}() needs its parameter {self.spelled[i]}")
+                missing = self.spelled[i]
+                raise TypeError(f"{self.name}() needs its parameter {missing}; give `{missing}=…`")
         return bound
 
     def signature(self, gives: str) -> Signature:

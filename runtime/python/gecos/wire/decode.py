@@ -222,7 +222,7 @@ class Decoder:
             if default is not None:
                 return default
         problem, known = DecodeProblem.UNKNOWN_ENUMERATOR, ", ".join(kind.__members__)
-        why = f"{number} is no {kind.__name__}; there are {known}"
+        why = f"{number} is no {kind.__name__}; give one of {known}"
         raise DecodeError(problem, self.offset - width, field, why)
 
     def flags(

@@ -7,7 +7,15 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from gecos.wire.codes import CODE_MEANING, MAX_COUNT, WRITERS, arrays
-from gecos.wire.errors import HIDDEN, EncodeError, RangeError, brief, expect, expect_boolean
+from gecos.wire.errors import (
+    HIDDEN,
+    EncodeError,
+    RangeError,
+    brief,
+    expect,
+    expect_boolean,
+    unfit,
+)
 from gecos.wire.units import Range
 from gecos.wire.values import as_array, first
 
@@ -129,8 +137,8 @@ def number(value: Any, code: str, field: str = "") -> bytes:
         return WRITERS[code].pack(value)
     except (struct.error, OverflowError, TypeError) as error:
         too_large = isinstance(error, OverflowError) and code in "fd"
-        why = "too large" if too_large else f"not {CODE_MEANING[code]}"
-        raise EncodeError(field, f"{brief(value)} is {why}") from None
+        why = f"{brief(value)} is too large; give a smaller number"
+        raise EncodeError(field, why if too_large else unfit(value, CODE_MEANING[code])) from None
 
 
 def char(letter: str, field: str = "") -> bytes:
@@ -184,7 +192,7 @@ def fixed(
     given = as_array(values, code)
     if given.shape != shape:
         raise EncodeError(
-            field, f"the array has shape {given.shape}, but the declared shape is {shape}"
+            field, f"the array has shape {given.shape}; give an array of the declared shape {shape}"
         )
     return _array_within(given, code, low, high, field, limits)
 

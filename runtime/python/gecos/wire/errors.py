@@ -33,7 +33,7 @@ class DecodeProblem(Enum):
 
 class DecodeError(ValueError):
     """The bytes do not encode a valid value. The error names the field, the byte and the reason.
-    `why` replaces the general reason, for example by "3.0 is outside [0.01, 1.0] m/s"."""
+    `why` replaces the general reason, for example by "7 is no Speed; give one of SLOW, FAST"."""
 
     def __init__(self, problem: DecodeProblem, offset: int, field: str = "", why: str = "") -> None:
         named = f"field '{field}' " if field else ""
@@ -93,6 +93,14 @@ def brief(value: object) -> str:
         return f"a number of {value.bit_length()} bits"
 
 
+def unfit(value: object, meaning: str) -> str:
+    """The reason why `value` is not `meaning`, which is a kind of number, and what to do."""
+    advice = "" if hasattr(value, "__float__") else "; give a number"
+    if isinstance(value, str):
+        advice = "; write the number without quotes and unit"
+    return f"{brief(value)} is not {meaning}{advice}"
+
+
 def expect(value: object, kind: type, field: str) -> None:
     if not isinstance(value, kind):
         raise WrongTypeError(field, value, kind)
@@ -108,7 +116,7 @@ def expect_enumerator(value: Any, kind: type[IntEnum], field: str) -> None:
     """Accepts an enumerator of `kind`, or the number of an enumerator."""
     if type(value) is not kind and value not in kind.__members__.values():
         known = ", ".join(kind.__members__)
-        raise EncodeError(field, f"{value!r} is no {kind.__name__}; there are {known}")
+        raise EncodeError(field, f"{value!r} is no {kind.__name__}; give one of {known}")
 
 
 class RangeError(EncodeError):

@@ -8,7 +8,7 @@ from typing import Any, NoReturn
 
 from gecos.wire.codes import CODE_MEANING
 from gecos.wire.decode import Decoder
-from gecos.wire.errors import DecodeError, DecodeProblem, EncodeError, expect_boolean
+from gecos.wire.errors import DecodeError, DecodeProblem, EncodeError, expect_boolean, unfit
 
 
 class Fields:
@@ -81,7 +81,7 @@ class Fields:
             try:
                 struct.pack(">" + code, value)
             except (struct.error, OverflowError, TypeError):
-                return EncodeError(name, f"{value!r} is not {CODE_MEANING[code]}")
+                return EncodeError(name, unfit(value, CODE_MEANING[code]))
         raise AssertionError(
             "the values cannot be packed together, but each one can be packed alone"
         )

@@ -123,7 +123,11 @@ class Number(Kind):
             WRITERS[self.code].pack(data)
             return float(data)
         except (OverflowError, struct.error):  # struct.error for a whole number of 309 digits
-            wrong = "too large" if isinstance(data, int) else f"not {CODE_MEANING[self.code]}"
+            wrong = (
+                "too large; give a smaller number"
+                if isinstance(data, int)
+                else f"not {CODE_MEANING[self.code]}"
+            )
             raise JsonError(path, f"{brief(data)[:40]} is {wrong}") from None
 
 

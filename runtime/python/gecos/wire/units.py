@@ -36,10 +36,20 @@ class Range:
 
 
 def outside(value: Any, limits: Range) -> str:
-    """The reason why `limits` refuse `value`: "1.9 is outside [-1.5, 1.5] rad"."""
+    """The reason why `limits` refuse `value`, and what to do: "1.9 is outside [-1.5, 1.5] rad; give
+    at most 1.5 rad". C++ computes it in the same way."""
     low = -math.inf if limits.low is None else limits.low
     high = math.inf if limits.high is None else limits.high
-    return f"{value} is outside {limits}{mistaken_unit(value, low, high, limits.unit)}"
+    advice = mistaken_unit(value, low, high, limits.unit)
+    return f"{value} is outside {limits}{advice or _bound(value, low, high, limits.unit)}"
+
+
+def _bound(value: Any, low: Any, high: Any, unit: str) -> str:
+    """The bound that `value` exceeds, as an instruction."""
+    unit = f" {unit}" if unit else ""
+    if value < low:
+        return f"; give at least {low}{unit}"
+    return f"; give at most {high}{unit}" if value > high else "; give a number"
 
 
 def shown_members(values: Mapping[str, str], units: Mapping[str, str]) -> str:

@@ -143,7 +143,7 @@ class HandlerView:
     execution: str  # type of the last parameter of a cancelable handler; "" for others
     run: str
     passed: str  # arguments of the handler: "(a, b, run)"
-    declared: str  # exceptions that the handler may raise: '{"robcl::OutOfRange"}'
+    declared: str  # exceptions that the handler may raise: '{"robcl::WidthOutOfRange"}'
     result: ResultView | None
     whole_name: str  # scoped name: "robcl::Gripper::open"
 

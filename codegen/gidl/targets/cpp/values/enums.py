@@ -129,6 +129,6 @@ class Enums(ValueNames):
 
 
 def _known(enum: EnumDeclaration) -> str:
-    """ "no Speed; there are SLOW, FAST"; of many enumerators the first ones."""
+    """ "no Speed; give one of SLOW, FAST"; of many enumerators the first ones."""
     shown = textwrap.shorten(", ".join(e.name for e in enum.enumerators), 50, placeholder=" …")
-    return f"no {enum.simple_name}; there are {shown}"
+    return f"no {enum.simple_name}; give one of {shown}"

@@ -10,10 +10,12 @@
 namespace gecos::session {
 namespace {
 
-std::string listed(const std::vector<std::string>& names) {
+/// What to do when the broker does not know a name, only `names`.
+std::string advice(const std::vector<std::string>& names) {
   std::string text;
   for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? "the broker knows no object" : "the broker knows " + text;
+  if (text.empty()) return "start its server: the broker knows no object";
+  return "start its server, or choose a name that the broker knows: " + text;
 }
 
 /// Converts a duration that a broker sent. Returns at most one minute, because a longer duration is
@@ -58,7 +60,7 @@ tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name,
   }
   const Failure& failure = command->failure();
   if (const auto unknown = failure.as<UnknownName>()) {
-    return tl::unexpected("no object is called " + name + "; " + listed(unknown->known));
+    return tl::unexpected("no object is called " + name + "; " + advice(unknown->known));
   }
   return tl::unexpected("the broker did not answer: " + failure.text);
 }

@@ -88,10 +88,10 @@ tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, con
   }
   if (addresses.empty()) {
     const std::string asked_for = only ? " over " + std::string(media::to_string(*only)) : "";
-    return tl::unexpected(
-        "cannot be reached" + asked_for +
-        (reasons.empty() ? ": its server does not offer this medium, it offers " + offered(entry)
-                         : " (" + reasons + ")"));
+    return tl::unexpected("cannot be reached" + asked_for +
+                          (reasons.empty()
+                               ? ": its server does not offer this medium; use " + offered(entry)
+                               : " (" + reasons + ")"));
   }
   const qos::Quality demanded = demanded_of(asked, entry.simulated);
   if (const auto chosen = qos::choose(demanded, lines); !chosen) {
