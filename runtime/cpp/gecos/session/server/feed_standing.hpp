@@ -11,8 +11,8 @@
 namespace gecos::session {
 
 /// Under which epoch a session may feed inward streams now. The object writes it with its mutex
-/// held whenever a status begins or ends; the ports of inward streams read it for each sample
-/// without that mutex.
+/// held whenever a status begins or ends, or the session ends; the ports of inward streams read it
+/// for each sample without that mutex.
 class FeedStanding {
  public:
   /// The epoch under which samples of a stream that needs `needed` are admitted; nullopt when none
@@ -24,6 +24,11 @@ class FeedStanding {
   }
   void set(access::Status needed, std::optional<Epoch> epoch) {
     epochs_[index(needed)].store(epoch ? number(*epoch) : 0, std::memory_order_release);
+  }
+
+  /// From now on no samples are admitted.
+  void clear() {
+    for (auto& epoch : epochs_) epoch.store(0, std::memory_order_release);
   }
 
  private:
