@@ -68,7 +68,8 @@ CASES: list[tuple[str, str, Any]] = [
     ("gecos::ListChanges", "the whole list", {
         "revision": {"life": 7, "number": 3}, "whole": True, "running_for": 0.5,
         "changed": [{"entry": {"name": "RX90"}}, {"entry": {"name": "LDS"}, "epoch": 2}]}),
-    ("gecos::KeptObject", "an arm", {"entry": {"name": "RX90", "pid": 4711}, "process_start": 2**40}),
+    ("gecos::KeptObject", "an arm", {
+        "entry": {"name": "RX90", "pid": 4711}, "process_start": 2**40}),
     ("gecos::KeptList", "one", {"objects": [{"entry": {"name": "RX90"}, "process_start": 5}]}),
     ("gecos::NameInUse", "a process lives", {"name": "RX90", "why": "its process runs"}),
     ("gecos::ObjectRef", "nil", {}),
