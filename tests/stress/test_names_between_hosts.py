@@ -164,3 +164,5 @@ def test_a_server_in_a_container_counts_as_one_of_another_host(two: TwoHosts) ->
     freed = two.gecos(0, "free", "RAIL")
     assert freed.output() == "RAIL: free", str(freed)
     two.told("GONE")
+    os.kill(int(inside), signal.SIGKILL)
+    outside.finish()
