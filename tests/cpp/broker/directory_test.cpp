@@ -170,9 +170,9 @@ TEST(Directory, OfManyObjectsThatFallSilentAtOnceTheMostAreForgottenWhenTheirNam
   directory.end_session(bob, started + seconds(61));
   directory.end_session(ada, started + seconds(62));
   const TimePoint all_free = started + seconds(72);
-  EXPECT_EQ(directory.tend(started + seconds(63)), started + seconds(71)) << "the first is free";
+  EXPECT_EQ(directory.on_tick(started + seconds(63)), started + seconds(71)) << "the first is free";
   EXPECT_EQ(directory.silent(started + seconds(63)).size(), 1000u) << "their names are held";
-  directory.tend(all_free);
+  directory.on_tick(all_free);
   const auto names = names_of(directory.silent(all_free));
   EXPECT_EQ(names.size(), Directory::most_silent);
   for (const char* early : {"LAMP0", "LAMP1", "LAMP2"})
@@ -291,7 +291,7 @@ class ExpectedServer : public ::testing::Test {
 
 TEST_F(ExpectedServer, KeepsItsNameUntilItsProcessEnds) {
   for (const TimePoint now : {started, started + seconds(1), started + std::chrono::hours(99)}) {
-    directory_.tend(now);
+    directory_.on_tick(now);
     const auto refused = enlist(8, now);
     ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().by.find("its process still lives on this host"), std::string::npos);
@@ -302,19 +302,19 @@ TEST_F(ExpectedServer, KeepsItsNameUntilItsProcessEnds) {
 }
 
 TEST_F(ExpectedServer, IsSilentWhenItDoesNotReturnInTime) {
-  EXPECT_EQ(directory_.tend(started), back_by);
+  EXPECT_EQ(directory_.on_tick(started), back_by);
   EXPECT_TRUE(directory_.silent(started).empty());
   EXPECT_TRUE(directory_.changes({}, started).changed.empty()) << "of the whole list, too";
-  directory_.tend(back_by);
+  directory_.on_tick(back_by);
   EXPECT_EQ(names_of(directory_.silent(back_by)), std::vector<std::string>{"RX90"});
   EXPECT_EQ(told(back_by), std::vector<Presence>{Presence::SILENT});
-  directory_.tend(back_by + seconds(1));
+  directory_.on_tick(back_by + seconds(1));
   EXPECT_EQ(told(back_by).size(), 1u) << "told once";
 }
 
 TEST_F(ExpectedServer, IsNeverCalledSilentWhenItReturnsInTime) {
   EXPECT_TRUE(directory_.enlist({1, 7, seconds(5), Host::Same}, of_life(7), started + seconds(1)));
-  directory_.tend(back_by);
+  directory_.on_tick(back_by);
   EXPECT_EQ(told(back_by), std::vector<Presence>{Presence::ONLINE});
 }
 

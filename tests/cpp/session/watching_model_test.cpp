@@ -56,7 +56,7 @@ class World {
 
   void step() {
     now_ += milliseconds(below(4) == 0 ? below(4000) : below(200));
-    tend();
+    on_tick();
     switch (below(13)) {
       case 0:
       case 1:
@@ -84,7 +84,7 @@ class World {
   /// After it every watcher knows what is true.
   void settle() {
     now_ += ListView::servers_return_within;
-    tend();
+    on_tick();
     for (Watching& watcher : watchers_) {
       watch(watcher);
       std::map<std::string, Event> truth;
@@ -113,8 +113,8 @@ class World {
   }
   /// What the broker does when time has passed: silent servers of its host that it expected are
   /// told as silent.
-  void tend() {
-    directory_->tend(now_);
+  void on_tick() {
+    directory_->on_tick(now_);
     if (now_ < started_ + Directory::servers_return_within) return;
     std::map<std::string, const Life*> by_name;
     for (Life& life : lives_) {

@@ -88,7 +88,7 @@ void Broker::watch_processes() {
     if (ended_) return;
     remove_ended();
     rest = end_due_sessions(now);
-    rest = std::min(rest, directory_.tend(now) - now);
+    rest = std::min(rest, directory_.on_tick(now) - now);
     announce();
   }
 }

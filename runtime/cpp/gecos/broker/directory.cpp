@@ -167,7 +167,7 @@ tl::expected<void, std::variant<UnknownName, NameInUse>> Directory::free(const s
   return {};
 }
 
-TimePoint Directory::tend(TimePoint now) {
+TimePoint Directory::on_tick(TimePoint now) {
   const TimePoint back_by = started_ + servers_return_within;
   TimePoint next = TimePoint::max();
   for (auto at = silent_.begin(); at != silent_.end();) {

@@ -98,7 +98,7 @@ class Directory {
   /// Calls the expected servers silent that have not returned in time. Forgets the objects that
   /// have been silent for longer than `remembered`, and, of those whose names are free, the ones
   /// above `most_silent` that were heard longest ago. Returns when to call this again.
-  TimePoint tend(TimePoint now);
+  TimePoint on_tick(TimePoint now);
 
   tl::expected<Entry, UnknownName> look_up(const std::string& name) const;
   std::vector<Entry> list() const;
