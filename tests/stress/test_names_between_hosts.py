@@ -4,6 +4,7 @@ freezes, or is cut off, and what a watcher on either host is told."""
 from __future__ import annotations
 
 import json
+import os
 import signal
 import sys
 import tempfile
@@ -145,3 +146,23 @@ def test_a_server_of_the_brokers_host_frees_its_name_at_once_over_lcm(two: TwoHo
     two.told("GONE")
     two.serve(0)
     two.told("ONLINE")
+
+
+def test_a_server_in_a_container_counts_as_one_of_another_host(two: TwoHosts) -> None:
+    """It has the broker's runtime directory, but its process is number 1 of its own PID
+    namespace, which is another process of the broker's host."""
+    server = two.labs[0].build / "tests/system/rail/rail_server"
+    container = ("unshare", "--pid", "--fork", "--kill-child", "--mount-proc")
+    outside = two.start(0, *container, server)
+    outside.wait_for("serving RAIL")
+    two.told("ONLINE")
+    (found,) = json.loads(two.gecos(0, "ls", "--json").output())
+    assert found["pid"] == 1
+    (inside,) = Path(f"/proc/{outside.pid}/task/{outside.pid}/children").read_text().split()
+    os.kill(int(inside), signal.SIGSTOP)
+    two.told("SILENT")
+    freed = two.gecos(0, "free", "RAIL")
+    assert freed.output() == "RAIL: free", str(freed)
+    two.told("GONE")
+    os.kill(int(inside), signal.SIGKILL)
+    outside.finish()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 import sys
 import time
@@ -136,7 +137,9 @@ def test_a_frozen_server_of_this_host_keeps_its_name_until_its_process_ends(
         assert "its process still lives on this host" in other.output()
         freed = lab.run(*GECOS, "free", "RAIL")
         assert freed.finish() == 3, str(freed)
-        assert f"end it with `kill -KILL {frozen.pid}`" in freed.output()
+        (line,) = freed.lines
+        assert line.startswith("gecos: REJECTED: the name RAIL is not set free: the process of its")
+        assert f"end it with `kill -KILL {frozen.pid}`" in line
         with pytest.raises(NameInUse):
             client.broker(Broker).free("RAIL").result(PATIENCE)
         with pytest.raises(UnknownName):
@@ -145,6 +148,69 @@ def test_a_frozen_server_of_this_host_keeps_its_name_until_its_process_ends(
         assert next_of(watch) == "RAIL GONE"
         rails(lab, "RAIL")
         assert next_of(watch) == "RAIL ONLINE"
+
+
+def test_a_frozen_server_keeps_its_name_when_the_broker_is_killed_and_restarted(
+    lab: Laboratory, watching: Program
+) -> None:
+    frozen = rails(lab, "RAIL")
+    with gecos.Lab() as client, client.watch() as watch:
+        assert next_of(watch) == "RAIL ONLINE"
+        frozen.signal(signal.SIGSTOP)
+        watching.kill()
+        broker(lab)
+        other = lab.run(lab.build / "tests/system/rail/rail_server")
+        assert other.finish() != 0 and "its process still lives on this host" in other.output()
+        assert next_of(watch) == "RAIL SILENT"
+        assert lab.run(*GECOS, "free", "RAIL").finish() == 3
+        frozen.kill()
+        assert next_of(watch) == "RAIL GONE"
+        rails(lab, "RAIL")
+        assert next_of(watch) == "RAIL ONLINE"
+
+
+def test_a_silent_server_is_silent_at_the_next_broker_and_comes_back(
+    lab: Laboratory, watching: Program
+) -> None:
+    frozen = rails(lab, "RAIL")
+    with gecos.Lab() as client, client.watch() as watch:
+        assert next_of(watch) == "RAIL ONLINE"
+        frozen.signal(signal.SIGSTOP)
+        assert next_of(watch) == "RAIL SILENT"
+        watching.terminate()
+        broker(lab)
+
+        def listed() -> list[int]:
+            try:
+                return [one.entry.pid for one in client.broker(Broker).silent().result(PATIENCE)]
+            except gecos.CreateError:  # the client has not noticed yet that its broker is gone
+                return []
+
+        until(lambda: listed() == [frozen.pid], "the next broker calls it silent")
+        frozen.signal(signal.SIGCONT)
+        assert next_of(watch) == "RAIL ONLINE", "and nothing was told of it meanwhile"
+
+
+def test_the_command_line_says_which_name_cannot_be_set_free(
+    lab: Laboratory, watching: Program
+) -> None:
+    server = rails(lab, "RAIL")
+    heard = lab.run(*GECOS, "free", "RAIL")
+    assert heard.finish() == 3
+    assert re.fullmatch(
+        "gecos: REJECTED: the name RAIL is not set free: the broker hears its server, a "
+        rf"lab::RailSensor of \S+ on \S+, pid {server.pid}; end that server",
+        heard.output(),
+    )
+    unknown = lab.run(*GECOS, "free", "NOBODY", "--json")
+    assert unknown.finish() == 4
+    assert json.loads(unknown.output())["error"] == {
+        "exit_code": 4,
+        "text": "NOBODY: NO_SERVER: the broker has no silent object of this name; `gecos ls` shows "
+        "the silent objects",
+        "detail": "NO_SERVER",
+        "state": "CONNECTION_FAILED",
+    }
 
 
 def test_a_frozen_server_that_goes_on_has_its_name(lab: Laboratory, watching: Program) -> None:

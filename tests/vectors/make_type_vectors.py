@@ -53,9 +53,12 @@ CASES: list[tuple[str, str, Any]] = [
     ("gecos::Entry", "with places", {
         "name": "RX90", "bases": ["robcl::SixAxis", "robcl::Device"], "boot": 2**63,
         "addresses": ["shm:/run/gecos/1f3a.sock", "lcm:239.255.76.67:20017/RX90"]}),
+    ("gecos::Entry", "of a PID namespace", {"name": "RX90", "pid": 1, "pid_namespace": 4026531836}),
     ("gecos::SilentObject", "an arm", {
         "entry": {"name": "RX90", "interface_name": "robcl::Rx90", "pid": 4711},
         "silent_for": 4.25}),
+    ("gecos::SilentObject", "an arm of another host", {
+        "entry": {"name": "RX90"}, "silent_for": 4.25, "free_in": 5.75}),
     ("gecos::Registration", "as made", {}),
     ("gecos::Registration", "a silent arm", {
         "entry": {"name": "RX90", "pid": 4711}, "presence": "SILENT", "epoch": 2**63 + 5,
@@ -65,6 +68,9 @@ CASES: list[tuple[str, str, Any]] = [
     ("gecos::ListChanges", "the whole list", {
         "revision": {"life": 7, "number": 3}, "whole": True, "running_for": 0.5,
         "changed": [{"entry": {"name": "RX90"}}, {"entry": {"name": "LDS"}, "epoch": 2}]}),
+    ("gecos::KeptObject", "an arm", {
+        "entry": {"name": "RX90", "pid": 4711}, "process_start": 2**40}),
+    ("gecos::KeptList", "one", {"objects": [{"entry": {"name": "RX90"}, "process_start": 5}]}),
     ("gecos::NameInUse", "a process lives", {"name": "RX90", "why": "its process runs"}),
     ("gecos::ObjectRef", "nil", {}),
     ("gecos::ObjectRef", "an arm", {

@@ -97,7 +97,7 @@ gecos::Command<::gecos::ListRevision> Broker::revision() const {
 }
 
 tl::expected<gecos::Stream<::gecos::ListRevision>, gecos::Failure> Broker::revision(
-    gecos::StreamTag) const {
+    gecos::StreamAnnotation) const {
   return gecos_subscribe<::gecos::ListRevision>(
       BrokerInterface::revision_stream,
       [](auto& from, auto& value) { return value.decode(from); });

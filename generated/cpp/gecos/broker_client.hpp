@@ -62,23 +62,27 @@ class Broker : public virtual gecos::Object {
 
   /// The objects online that have this interface, or one that is derived from it, in the
   /// order of names.
+  /// Since 1.1.
   gecos::Command<std::vector<::gecos::Entry>> query(const std::string& interface_name) const;
 
   /// What has changed since revision `since`. The broker keeps the last 1024 changes; a
   /// caller that is further behind, or
   /// whose revision is of another life, gets the whole list.
+  /// Since 1.1.
   gecos::Command<::gecos::ListChanges> changes(const ::gecos::ListRevision& since) const;
 
   /// Published with each change. A reader that misses some of them asks for `changes`.
+  /// Since 1.1.
   gecos::Command<::gecos::ListRevision> revision() const;
 
   /// Samples of revision, 10 a second.
   tl::expected<gecos::Stream<::gecos::ListRevision>, gecos::Failure> revision(
-      gecos::StreamTag) const;
+      gecos::StreamAnnotation) const;
 
   /// Gives the name of a silent object free before `name_hold` has passed. Another server
   /// may then take the name, so the
   /// caller must know that the silent server moves nothing.
+  /// Since 1.1.
   /// May fail with gecos::UnknownName, gecos::NameInUse.
   gecos::Command<void> free(const std::string& name) const;
 };

@@ -21,13 +21,15 @@ bool JsonStruct<::gecos::Entry>::visit(JsonMembers& each, ::gecos::Entry& value)
          each.member("host", value.host) &&
          each.member("hostname", value.hostname) &&
          each.member("addresses", value.addresses) &&
-         each.member("simulated", value.simulated);
+         each.member("simulated", value.simulated) &&
+         each.member("pid_namespace", value.pid_namespace);
 }
 
 template <>
 bool JsonStruct<::gecos::SilentObject>::visit(JsonMembers& each, ::gecos::SilentObject& value) {
   return each.member("entry", value.entry) &&
-         each.member("silent_for", value.silent_for);
+         each.member("silent_for", value.silent_for) &&
+         each.member("free_in", value.free_in);
 }
 
 template <>
@@ -60,6 +62,17 @@ bool JsonStruct<::gecos::ListChanges>::visit(JsonMembers& each, ::gecos::ListCha
          each.member("whole", value.whole) &&
          each.member("running_for", value.running_for) &&
          each.member("changed", value.changed);
+}
+
+template <>
+bool JsonStruct<::gecos::KeptObject>::visit(JsonMembers& each, ::gecos::KeptObject& value) {
+  return each.member("entry", value.entry) &&
+         each.member("process_start", value.process_start);
+}
+
+template <>
+bool JsonStruct<::gecos::KeptList>::visit(JsonMembers& each, ::gecos::KeptList& value) {
+  return each.member("objects", value.objects);
 }
 
 template <>

@@ -37,6 +37,16 @@ template <>
 bool JsonStruct<::gecos::ListChanges>::visit(JsonMembers& each, ::gecos::ListChanges& value);
 
 template <>
+struct JsonShape<::gecos::KeptObject> : JsonStruct<::gecos::KeptObject> {};
+template <>
+bool JsonStruct<::gecos::KeptObject>::visit(JsonMembers& each, ::gecos::KeptObject& value);
+
+template <>
+struct JsonShape<::gecos::KeptList> : JsonStruct<::gecos::KeptList> {};
+template <>
+bool JsonStruct<::gecos::KeptList>::visit(JsonMembers& each, ::gecos::KeptList& value);
+
+template <>
 struct JsonShape<::gecos::UnknownName> : JsonStruct<::gecos::UnknownName> {};
 template <>
 bool JsonStruct<::gecos::UnknownName>::visit(JsonMembers& each, ::gecos::UnknownName& value);

@@ -59,19 +59,23 @@ class BrokerServant : public virtual gecos::Servant {
 
   /// The objects online that have this interface, or one that is derived from it, in the
   /// order of names.
+  /// Since 1.1.
   virtual gecos::Result<std::vector<::gecos::Entry>> query(const std::string& interface_name) = 0;
 
   /// What has changed since revision `since`. The broker keeps the last 1024 changes; a
   /// caller that is further behind, or
   /// whose revision is of another life, gets the whole list.
+  /// Since 1.1.
   virtual gecos::Result<::gecos::ListChanges> changes(const ::gecos::ListRevision& since) = 0;
 
   /// Published with each change. A reader that misses some of them asks for `changes`.
+  /// Since 1.1.
   virtual gecos::Result<::gecos::ListRevision> revision() = 0;
 
   /// Gives the name of a silent object free before `name_hold` has passed. Another server
   /// may then take the name, so the
   /// caller must know that the silent server moves nothing.
+  /// Since 1.1.
   /// May fail with gecos::UnknownName, gecos::NameInUse.
   virtual gecos::Result<void> free(const std::string& name) = 0;
 

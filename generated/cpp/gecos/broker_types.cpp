@@ -11,7 +11,7 @@
 namespace gecos {
 
 std::size_t Entry::encoded_size() const {
-  std::size_t size = 54 + name.size() + interface_name.size() + 5 * bases.size();
+  std::size_t size = 62 + name.size() + interface_name.size() + 5 * bases.size();
   for (const auto& item : bases) size += item.size();
   size += user.size();
   size += host.size();
@@ -32,10 +32,11 @@ void Entry::encode(gecos::wire::Encoder& to) const {
   to.put_string(hostname);
   to.put_count(addresses.size());
   for (const auto& item : addresses) to.put_string(item);
-  to.put(simulated);
+  to.put(simulated, pid_namespace);
 }
 
 bool Entry::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  pid_namespace = 0U;
   return from.get_string(name, gecos::wire::npos, "Entry.name") &&
          from.get_string(interface_name, gecos::wire::npos, "Entry.interface_name") &&
          gecos::wire::get_sequence(from, bases, 5, gecos::wire::npos, "Entry.bases",
@@ -53,6 +54,8 @@ bool Entry::decode([[maybe_unused]] gecos::wire::Decoder& from) {
                return from.get_string(item, gecos::wire::npos, "Entry.addresses");
              }) &&
          from.get(simulated, "Entry.simulated") &&
+         (from.at_end() ||
+          from.get(pid_namespace, "Entry.pid_namespace")) &&
          gecos::wire::skip_rest(from);
 }
 
@@ -80,20 +83,32 @@ std::ostream& operator<<(std::ostream& out, const Entry& value) {
       "Entry{name=", value.name, ", interface_name=", value.interface_name, ", bases=",
       value.bases, ", interface_hash=", value.interface_hash, ", boot=", value.boot, ", pid=",
       value.pid, ", user=", value.user, ", host=", value.host, ", hostname=", value.hostname,
-      ", addresses=", value.addresses, ", simulated=", value.simulated, "}");
+      ", addresses=", value.addresses, ", simulated=", value.simulated, ", pid_namespace=",
+      value.pid_namespace, "}");
 }
 
-std::size_t SilentObject::encoded_size() const { return 12 + entry.encoded_size(); }
+std::size_t SilentObject::encoded_size() const {
+  std::size_t size = 13 + entry.encoded_size();
+  if (free_in) size += 8;
+  return size;
+}
 
 void SilentObject::encode(gecos::wire::Encoder& to) const {
   to.put_count(entry.encoded_size());
   entry.encode(to);
-  to.put(silent_for);
+  to.put(silent_for, free_in.has_value());
+  if (free_in) to.put(*free_in);
 }
 
 bool SilentObject::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  free_in = std::nullopt;
   return gecos::wire::get_block(from, entry, "SilentObject.entry") &&
          from.get(silent_for, "SilentObject.silent_for") &&
+         (from.at_end() ||
+          gecos::wire::get_optional(from, free_in, "SilentObject.free_in",
+              [&](auto& value) {
+                return from.get(value, "SilentObject.free_in");
+              })) &&
          gecos::wire::skip_rest(from);
 }
 
@@ -104,7 +119,8 @@ std::string gecos_violation(const SilentObject& value) {
 
 std::ostream& operator<<(std::ostream& out, const SilentObject& value) {
   return gecos::wire::print_all(out,
-      "SilentObject{entry=", value.entry, ", silent_for=", value.silent_for, " s}");
+      "SilentObject{entry=", value.entry, ", silent_for=", value.silent_for, " s, free_in=",
+      value.free_in, " s}");
 }
 
 std::string_view to_string(Presence value) {
@@ -210,6 +226,64 @@ std::ostream& operator<<(std::ostream& out, const ListChanges& value) {
   return gecos::wire::print_all(out,
       "ListChanges{revision=", value.revision, ", whole=", value.whole, ", running_for=",
       value.running_for, " s, changed=", value.changed, "}");
+}
+
+std::size_t KeptObject::encoded_size() const { return 12 + entry.encoded_size(); }
+
+void KeptObject::encode(gecos::wire::Encoder& to) const {
+  to.put_count(entry.encoded_size());
+  entry.encode(to);
+  to.put(process_start);
+}
+
+bool KeptObject::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return gecos::wire::get_block(from, entry, "KeptObject.entry") &&
+         from.get(process_start, "KeptObject.process_start") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const KeptObject& value) {
+  if (auto why = ::gecos::gecos_violation(value.entry); !why.empty()) return why;
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const KeptObject& value) {
+  return gecos::wire::print_all(out,
+      "KeptObject{entry=", value.entry, ", process_start=", value.process_start, "}");
+}
+
+std::size_t KeptList::encoded_size() const {
+  std::size_t size = 4 + 4 * objects.size();
+  for (const auto& item : objects) size += item.encoded_size();
+  return size;
+}
+
+void KeptList::encode(gecos::wire::Encoder& to) const {
+  to.put_count(objects.size());
+  for (const auto& item : objects) {
+    to.put_count(item.encoded_size());
+    item.encode(to);
+  }
+}
+
+bool KeptList::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return gecos::wire::get_sequence(from, objects, 4, gecos::wire::npos, "KeptList.objects",
+             [&](auto& item) {
+               return gecos::wire::get_block(from, item, "KeptList.objects");
+             }) &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const KeptList& value) {
+  for (const auto& item : value.objects) {
+    if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
+  }
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const KeptList& value) {
+  return gecos::wire::print_all(out,
+      "KeptList{objects=", value.objects, "}");
 }
 
 std::size_t UnknownName::encoded_size() const {

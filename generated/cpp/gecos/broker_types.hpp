@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,16 +27,19 @@ struct Entry {
   std::uint64_t boot = 0;
   std::int32_t pid = 0;
   std::string user{};
-  /// life and network of the host: equal where shared memory reaches
+  /// "BOOT/DIRECTORY": the boot id of the machine, and its runtime directory if shm is
+  /// there
   std::string host{};
   /// for people
   std::string hostname{};
   /// "shm:/run/…", "lcm:239.255.76.67:20017/…", best first
   std::vector<std::string> addresses{};
   bool simulated = false;
+  /// in which `pid` is a number, by its inode on the machine; 0: unknown
+  std::uint64_t pid_namespace = 0U;
 
   static constexpr std::string_view type_name() { return "gecos::Entry"; }
-  static constexpr std::int64_t fingerprint() { return std::int64_t(0xa4b1e0e2e68ad9cdU); }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xedbd5c5fd96445b3U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -53,9 +57,11 @@ struct SilentObject {
   ::gecos::Entry entry{};
   /// since the broker last heard the server [s]
   double silent_for = 0;
+  /// from when on the name may go to another server; absent: when the process ends [s, optional]
+  std::optional<double> free_in{};
 
   static constexpr std::string_view type_name() { return "gecos::SilentObject"; }
-  static constexpr std::int64_t fingerprint() { return std::int64_t(0x34ca363abc7fc73aU); }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x917c2a0f7129468eU); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -137,6 +143,40 @@ struct ListChanges {
 std::ostream& operator<<(std::ostream& out, const ListChanges& value);
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const ListChanges& value);
+
+/// An object of a process on the broker's host, as the broker writes it down for the next
+/// broker.
+struct KeptObject {
+  ::gecos::Entry entry{};
+  /// of the server, in ticks since the boot of the machine
+  std::uint64_t process_start = 0;
+
+  static constexpr std::string_view type_name() { return "gecos::KeptObject"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x1c3a2e174c8edc25U); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const KeptObject&, const KeptObject&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const KeptObject& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const KeptObject& value);
+
+struct KeptList {
+  std::vector<::gecos::KeptObject> objects{};
+
+  static constexpr std::string_view type_name() { return "gecos::KeptList"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x902aa7b9b9cb77ceU); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const KeptList&, const KeptList&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const KeptList& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const KeptList& value);
 
 /// [exception]
 struct UnknownName {

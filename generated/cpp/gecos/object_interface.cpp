@@ -34,7 +34,7 @@ constinit const gecos::OperationDescription GecosObjectInterface::operations[] =
 
 constinit const gecos::InterfaceDescription GecosObjectInterface::description{
     .name = "gecos::GecosObject",
-    .version = "1.0",
+    .version = "1.1",
     .hash = 0x3768883bb80f4e5fU,
     .operations = operations,
 };

@@ -18,7 +18,7 @@ gecos::Command<::robcl::GripperState> Gripper::jaws() const {
 }
 
 tl::expected<gecos::Stream<::robcl::GripperState>, gecos::Failure> Gripper::jaws(
-    gecos::StreamTag) const {
+    gecos::StreamAnnotation) const {
   return gecos_subscribe<::robcl::GripperState>(
       GripperInterface::jaws_stream,
       [](auto& from, auto& value) { return gecos::wire::get_block(from, value, "jaws"); });

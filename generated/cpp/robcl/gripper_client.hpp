@@ -26,7 +26,8 @@ class Gripper : public virtual ::robcl::Device {
   gecos::Command<::robcl::GripperState> jaws() const;
 
   /// Samples of jaws, 50 a second.
-  tl::expected<gecos::Stream<::robcl::GripperState>, gecos::Failure> jaws(gecos::StreamTag) const;
+  tl::expected<gecos::Stream<::robcl::GripperState>, gecos::Failure> jaws(
+      gecos::StreamAnnotation) const;
 
   /// Point between the finger tips, in the world: approach along z, jaws close along y.
   gecos::Command<::robcl::Frame> grip_point() const;

@@ -18,7 +18,7 @@ gecos::Command<::robcl::Distance> LaserDistanceSensor::beam() const {
 }
 
 tl::expected<gecos::Stream<::robcl::Distance>, gecos::Failure> LaserDistanceSensor::beam(
-    gecos::StreamTag) const {
+    gecos::StreamAnnotation) const {
   return gecos_subscribe<::robcl::Distance>(
       LaserDistanceSensorInterface::beam_stream,
       [](auto& from, auto& value) { return value.decode(from); });

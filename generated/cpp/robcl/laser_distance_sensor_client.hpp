@@ -26,7 +26,8 @@ class LaserDistanceSensor : public virtual ::robcl::Device {
   gecos::Command<::robcl::Distance> beam() const;
 
   /// Samples of beam, 50 a second.
-  tl::expected<gecos::Stream<::robcl::Distance>, gecos::Failure> beam(gecos::StreamTag) const;
+  tl::expected<gecos::Stream<::robcl::Distance>, gecos::Failure> beam(
+      gecos::StreamAnnotation) const;
 
   /// Takes a measurement now.
   /// May fail with robcl::SensorFault.

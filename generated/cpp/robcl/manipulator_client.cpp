@@ -18,7 +18,7 @@ gecos::Command<::robcl::Frame> Manipulator::tool() const {
 }
 
 tl::expected<gecos::Stream<::robcl::Frame>, gecos::Failure> Manipulator::tool(
-    gecos::StreamTag) const {
+    gecos::StreamAnnotation) const {
   return gecos_subscribe<::robcl::Frame>(
       ManipulatorInterface::tool_stream,
       [](auto& from, auto& value) { return value.decode(from); });
@@ -31,7 +31,7 @@ gecos::Command<::robcl::Frame> Manipulator::flange() const {
 }
 
 tl::expected<gecos::Stream<::robcl::Frame>, gecos::Failure> Manipulator::flange(
-    gecos::StreamTag) const {
+    gecos::StreamAnnotation) const {
   return gecos_subscribe<::robcl::Frame>(
       ManipulatorInterface::flange_stream,
       [](auto& from, auto& value) { return value.decode(from); });

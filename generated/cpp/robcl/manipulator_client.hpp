@@ -28,13 +28,13 @@ class Manipulator : public virtual ::robcl::Device {
   gecos::Command<::robcl::Frame> tool() const;
 
   /// Samples of tool, 250 a second.
-  tl::expected<gecos::Stream<::robcl::Frame>, gecos::Failure> tool(gecos::StreamTag) const;
+  tl::expected<gecos::Stream<::robcl::Frame>, gecos::Failure> tool(gecos::StreamAnnotation) const;
 
   /// Flange in the world, as measured: where grippers and sensors are mounted.
   gecos::Command<::robcl::Frame> flange() const;
 
   /// Samples of flange, 250 a second.
-  tl::expected<gecos::Stream<::robcl::Frame>, gecos::Failure> flange(gecos::StreamTag) const;
+  tl::expected<gecos::Stream<::robcl::Frame>, gecos::Failure> flange(gecos::StreamAnnotation) const;
 
   /// Configuration that the arm is in.
   gecos::Command<::robcl::Configuration> posture() const;

@@ -18,7 +18,7 @@ gecos::Command<::robcl::Joints> SixAxis::joints() const {
 }
 
 tl::expected<gecos::Stream<::robcl::Joints>, gecos::Failure> SixAxis::joints(
-    gecos::StreamTag) const {
+    gecos::StreamAnnotation) const {
   return gecos_subscribe<::robcl::Joints>(
       SixAxisInterface::joints_stream,
       [](auto& from, auto& value) { return value.decode(from); });

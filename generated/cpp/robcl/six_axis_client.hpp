@@ -28,7 +28,8 @@ class SixAxis : public virtual ::robcl::Manipulator {
   gecos::Command<::robcl::Joints> joints() const;
 
   /// Samples of joints, 250 a second.
-  tl::expected<gecos::Stream<::robcl::Joints>, gecos::Failure> joints(gecos::StreamTag) const;
+  tl::expected<gecos::Stream<::robcl::Joints>, gecos::Failure> joints(
+      gecos::StreamAnnotation) const;
 
   /// Moves all joints to `target`, arriving together.
   /// May fail with robcl::JointLimit.

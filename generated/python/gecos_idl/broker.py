@@ -21,6 +21,8 @@ from gecos.servant import Servant as _Servant
 from gecos.wire import layout as _layout
 from gecos_idl.broker_types import (
     Entry,
+    KeptList,
+    KeptObject,
     ListChanges,
     ListRevision,
     NameInUse,
@@ -35,6 +37,8 @@ __all__ = [
     "Broker",
     "BrokerServant",
     "Entry",
+    "KeptList",
+    "KeptObject",
     "ListChanges",
     "ListRevision",
     "NameInUse",
@@ -127,19 +131,19 @@ _BROKER_FREE: _Method[None, None] = _method(
     raises=(UnknownName, NameInUse),
 )
 _list_ = list
-_BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broker","doc":"Knows where objects are. Stands at a well-known place; everything else is found through it.","version":"1.1","hash":"0x6bc3801566cc3996","members":[
+_BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broker","doc":"Knows where objects are. Stands at a well-known place; everything else is found through it.","version":"1.1","hash":"0xa2512cb1bc8f7497","members":[
 {"kind":"operation","name":"enlist","doc":"Makes an object findable until the calling session ends. Named enlist because `register` is a word of C++.\n`served_for` says how long its server has served it: an age, because hosts have clocks of their own.\nA broker that has just started may hear of an object that was served before it: within `settles_in` the\nname may go to an object that has been served for longer, so ask again. Absent: the name is the server\u0027s.","parameters":[{"name":"what","direction":"in","type":"gecos::Entry"},{"name":"served_for","direction":"in","type":"double","unit":"s","default":0.0},{"name":"settles_in","direction":"out","type":"double","unit":"s","optional":true}],"raises":["gecos::NameTaken"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":399774670,"hash":"0xff7a6020c83edd81"},
 {"kind":"operation","name":"withdraw","doc":"Takes an object of the calling session off the list.","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":3320558639,"hash":"0x8875f2f1fe455040"},
 {"kind":"operation","name":"lookup","doc":"Where an object is that was enlisted.","result":"gecos::Entry","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":1239667683,"hash":"0x5ed8113ab6d833d8"},
 {"kind":"operation","name":"list","doc":"All that is enlisted now, in the order of names.","result":"sequence<gecos::Entry>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":2364029209,"hash":"0xdf31bbf4a9abb156"},
 {"kind":"operation","name":"silent","doc":"Objects that left the list because their server fell silent, in the order of names. Such an object stays here until\na server takes its name, for an hour at most; an object whose process has ended on the broker\u0027s machine is left out.\nIts name stays its server\u0027s while its process lives on the broker\u0027s machine, else for the broker\u0027s `name_hold`.","result":"sequence<gecos::SilentObject>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":3378198028,"hash":"0x58ea4aaba68425da"},
-{"kind":"operation","name":"query","doc":"The objects online that have this interface, or one that is derived from it, in the order of names.","result":"sequence<gecos::Entry>","parameters":[{"name":"interface_name","direction":"in","type":"string"}],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":1122589723,"hash":"0x7f0d3aabff80efc7"},
-{"kind":"operation","name":"changes","doc":"What has changed since revision `since`. The broker keeps the last 1024 changes; a caller that is further behind, or\nwhose revision is of another life, gets the whole list.","result":"gecos::ListChanges","parameters":[{"name":"since","direction":"in","type":"gecos::ListRevision"}],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":4199633906,"hash":"0x0662b84c321bc2e1"},
-{"kind":"attribute","name":"revision","doc":"Published with each change. A reader that misses some of them asks for `changes`.","type":"gecos::ListRevision","readonly":true,"stream":{"direction":"out","rate_hz":10.0,"largest":16},"read_access":"sensor","codes":{"get":1522960,"stream":1522960},"hash":"0x078292c02a4087e3"},
-{"kind":"operation","name":"free","doc":"Gives the name of a silent object free before `name_hold` has passed. Another server may then take the name, so the\ncaller must know that the silent server moves nothing.","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName","gecos::NameInUse"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":4167330163,"hash":"0xf7120030af43b4dd"}]},
+{"kind":"operation","name":"query","doc":"The objects online that have this interface, or one that is derived from it, in the order of names.","since":"1.1","result":"sequence<gecos::Entry>","parameters":[{"name":"interface_name","direction":"in","type":"string"}],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":1122589723,"hash":"0x7f0d3aabff80efc7"},
+{"kind":"operation","name":"changes","doc":"What has changed since revision `since`. The broker keeps the last 1024 changes; a caller that is further behind, or\nwhose revision is of another life, gets the whole list.","since":"1.1","result":"gecos::ListChanges","parameters":[{"name":"since","direction":"in","type":"gecos::ListRevision"}],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":4199633906,"hash":"0x0662b84c321bc2e1"},
+{"kind":"attribute","name":"revision","doc":"Published with each change. A reader that misses some of them asks for `changes`.","since":"1.1","type":"gecos::ListRevision","readonly":true,"stream":{"direction":"out","rate_hz":10.0,"largest":16},"read_access":"sensor","codes":{"get":1522960,"stream":1522960},"hash":"0x078292c02a4087e3"},
+{"kind":"operation","name":"free","doc":"Gives the name of a silent object free before `name_hold` has passed. Another server may then take the name, so the\ncaller must know that the silent server moves nothing.","since":"1.1","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName","gecos::NameInUse"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":4167330163,"hash":"0xf7120030af43b4dd"}]},
 "types":[
-{"kind":"struct","name":"gecos::Entry","doc":"Where an object is and what it is: what a server tells the broker and a client asks for.","extensibility":"appendable","members":[{"name":"name","type":"string","doc":"\"RX90\""},{"name":"interface_name","type":"string","doc":"\"robcl::Rx90\""},{"name":"bases","type":"sequence<string>","doc":"every interface it also is, \"robcl::Manipulator\""},{"name":"interface_hash","type":"uint64"},{"name":"boot","type":"uint64","doc":"this life of the server process; a restart has another"},{"name":"pid","type":"int32"},{"name":"user","type":"string"},{"name":"host","type":"string","doc":"life and network of the host: equal where shared memory reaches"},{"name":"hostname","type":"string","doc":"for people"},{"name":"addresses","type":"sequence<string>","doc":"\"shm:/run/\u2026\", \"lcm:239.255.76.67:20017/\u2026\", best first"},{"name":"simulated","type":"boolean"}],"wire":{"fingerprint":"0xa4b1e0e2e68ad9cd","min_size":54}},
-{"kind":"struct","name":"gecos::SilentObject","doc":"An object whose server the broker no longer hears, although the server has not withdrawn the object.","extensibility":"appendable","members":[{"name":"entry","type":"gecos::Entry","doc":"as it was enlisted"},{"name":"silent_for","type":"double","unit":"s","doc":"since the broker last heard the server"}],"wire":{"fingerprint":"0x34ca363abc7fc73a","min_size":12}},
+{"kind":"struct","name":"gecos::Entry","doc":"Where an object is and what it is: what a server tells the broker and a client asks for.","extensibility":"appendable","members":[{"name":"name","type":"string","doc":"\"RX90\""},{"name":"interface_name","type":"string","doc":"\"robcl::Rx90\""},{"name":"bases","type":"sequence<string>","doc":"every interface it also is, \"robcl::Manipulator\""},{"name":"interface_hash","type":"uint64"},{"name":"boot","type":"uint64","doc":"this life of the server process; a restart has another"},{"name":"pid","type":"int32"},{"name":"user","type":"string"},{"name":"host","type":"string","doc":"\"BOOT/DIRECTORY\": the boot id of the machine, and its runtime directory if shm is there"},{"name":"hostname","type":"string","doc":"for people"},{"name":"addresses","type":"sequence<string>","doc":"\"shm:/run/\u2026\", \"lcm:239.255.76.67:20017/\u2026\", best first"},{"name":"simulated","type":"boolean"},{"name":"pid_namespace","type":"uint64","default":0,"doc":"in which `pid` is a number, by its inode on the machine; 0: unknown"}],"wire":{"fingerprint":"0xedbd5c5fd96445b3","min_size":62}},
+{"kind":"struct","name":"gecos::SilentObject","doc":"An object whose server the broker no longer hears, although the server has not withdrawn the object.","extensibility":"appendable","members":[{"name":"entry","type":"gecos::Entry","doc":"as it was enlisted"},{"name":"silent_for","type":"double","unit":"s","doc":"since the broker last heard the server"},{"name":"free_in","type":"double","unit":"s","optional":true,"doc":"from when on the name may go to another server; absent: when the process ends"}],"wire":{"fingerprint":"0x917c2a0f7129468e","min_size":13}},
 {"kind":"enum","name":"gecos::Presence","default_literal":"ONLINE","enumerators":[{"name":"ONLINE","value":0,"doc":"the broker hears its server"},{"name":"SILENT","value":1,"doc":"the broker no longer hears its server, which has not withdrawn it"},{"name":"GONE","value":2,"doc":"withdrawn, its process has ended, or its name was set free"}]},
 {"kind":"struct","name":"gecos::Registration","doc":"What the broker knows about one name.","extensibility":"appendable","members":[{"name":"entry","type":"gecos::Entry"},{"name":"presence","type":"gecos::Presence"},{"name":"epoch","type":"uint64","doc":"the change that gave the name to this life of the server; rises with each new holder"},{"name":"silent_for","type":"double","unit":"s","doc":"since the broker last heard the server; 0 unless SILENT"}],"wire":{"fingerprint":"0xba8ff783354e6879","min_size":24}},
 {"kind":"struct","name":"gecos::ListRevision","doc":"A state of the broker\u0027s list. Numbers of two lives have nothing in common.","extensibility":"final","members":[{"name":"life","type":"uint64","doc":"drawn by the broker at its start"},{"name":"number","type":"uint64","doc":"of changes since then"}],"wire":{"fingerprint":"0x9f8aa766a4495717","min_size":16,"fixed_size":16}},
@@ -151,7 +155,7 @@ _BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broke
 _BROKER = _interface(
     "gecos::Broker",
     "1.1",
-    0x6BC3801566CC3996,
+    0xA2512CB1BC8F7497,
     (),
     (
         _BROKER_ENLIST,
@@ -222,6 +226,7 @@ class Broker(_Object):
     def query(self, interface_name: str) -> _Command[_list_[Entry]]:
         """The objects online that have this interface, or one that is derived from it, in the
         order of names.
+        Since 1.1.
         """
         return self._gecos_call(_BROKER_QUERY, _BROKER_QUERY.request(interface_name))
 
@@ -229,12 +234,14 @@ class Broker(_Object):
         """What has changed since revision `since`. The broker keeps the last 1024 changes; a
         caller that is further behind, or
         whose revision is of another life, gets the whole list.
+        Since 1.1.
         """
         return self._gecos_call(_BROKER_CHANGES, _BROKER_CHANGES.request(since))
 
     @property
     def revision(self) -> _StreamAttribute[ListRevision]:
         """Published with each change. A reader that misses some of them asks for `changes`.
+        Since 1.1.
 
         Published 10 times a second.
         """
@@ -244,6 +251,7 @@ class Broker(_Object):
         """Gives the name of a silent object free before `name_hold` has passed. Another server
         may then take the name, so the
         caller must know that the silent server moves nothing.
+        Since 1.1.
 
         May raise UnknownName, NameInUse.
         """
@@ -306,6 +314,7 @@ class BrokerServant(_Servant):
     def query(self, interface_name: str) -> _list_[Entry]:
         """The objects online that have this interface, or one that is derived from it, in the
         order of names.
+        Since 1.1.
         """
 
     @_abstractmethod
@@ -313,17 +322,21 @@ class BrokerServant(_Servant):
         """What has changed since revision `since`. The broker keeps the last 1024 changes; a
         caller that is further behind, or
         whose revision is of another life, gets the whole list.
+        Since 1.1.
         """
 
     @_abstractmethod
     def revision(self) -> ListRevision:
-        """Published with each change. A reader that misses some of them asks for `changes`."""
+        """Published with each change. A reader that misses some of them asks for `changes`.
+        Since 1.1.
+        """
 
     @_abstractmethod
     def free(self, name: str) -> None:
         """Gives the name of a silent object free before `name_hold` has passed. Another server
         may then take the name, so the
         caller must know that the silent server moves nothing.
+        Since 1.1.
 
         May raise UnknownName, NameInUse.
         """

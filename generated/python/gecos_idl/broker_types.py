@@ -12,6 +12,8 @@ from gecos.wire import layout as _layout
 
 __all__ = [
     "Entry",
+    "KeptList",
+    "KeptObject",
     "ListChanges",
     "ListRevision",
     "NameInUse",
@@ -24,7 +26,7 @@ __all__ = [
 
 
 @_layout.struct(
-    0xA4B1E0E2E68AD9CD,
+    0xEDBD5C5FD96445B3,
     _layout.text(),
     _layout.text(),
     _layout.items(_layout.text()),
@@ -33,7 +35,8 @@ __all__ = [
     _layout.text(),
     _layout.text(),
     _layout.items(_layout.text()),
-    "?",
+    "?Q",
+    missing=1,
     open=True,
 )
 @_dataclass(slots=True)
@@ -54,15 +57,19 @@ class Entry(_layout.Struct):
     pid: int = 0
     user: str = ""
     host: str = ""
-    """life and network of the host: equal where shared memory reaches"""
+    """"BOOT/DIRECTORY": the boot id of the machine, and its runtime directory if shm is
+    there
+    """
     hostname: str = ""
     """for people"""
     addresses: list[str] = _field(default_factory=list)
     """"shm:/run/…", "lcm:239.255.76.67:20017/…", best first"""
     simulated: bool = False
+    pid_namespace: int = 0
+    """in which `pid` is a number, by its inode on the machine; 0: unknown"""
 
 
-@_layout.struct(0x34CA363ABC7FC73A, Entry, "d", open=True)
+@_layout.struct(0x917C2A0F7129468E, Entry, "d", _layout.optional("d"), missing=1, open=True)
 @_dataclass(slots=True)
 class SilentObject(_layout.Struct):
     """An object whose server the broker no longer hears, although the server has not
@@ -73,6 +80,8 @@ class SilentObject(_layout.Struct):
     """as it was enlisted"""
     silent_for: float = 0.0
     """since the broker last heard the server [s]"""
+    free_in: float | None = None
+    """from when on the name may go to another server; absent: when the process ends [s]"""
 
 
 @_layout.enumeration("i", "ONLINE")
@@ -120,6 +129,24 @@ class ListChanges(_layout.Struct):
     running_for: float = 0.0
     """how long the broker has run; at first it does not know all servers yet [s]"""
     changed: list[Registration] = _field(default_factory=list)
+
+
+@_layout.struct(0x1C3A2E174C8EDC25, Entry, "Q", open=True)
+@_dataclass(slots=True)
+class KeptObject(_layout.Struct):
+    """An object of a process on the broker's host, as the broker writes it down for the next
+    broker.
+    """
+
+    entry: Entry = _field(default_factory=Entry)
+    process_start: int = 0
+    """of the server, in ticks since the boot of the machine"""
+
+
+@_layout.struct(0x902AA7B9B9CB77CE, _layout.items(KeptObject), open=True)
+@_dataclass(slots=True)
+class KeptList(_layout.Struct):
+    objects: list[KeptObject] = _field(default_factory=list)
 
 
 @_layout.exception(

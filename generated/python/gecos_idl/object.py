@@ -152,7 +152,7 @@ _GECOS_OBJECT_FEED_REPORT: _Method[FeedReport, None] = _method(
 )
 _GECOS_OBJECT = _interface(
     "gecos::GecosObject",
-    "1.0",
+    "1.1",
     0x3768883BB80F4E5F,
     (),
     (
@@ -249,18 +249,23 @@ class GecosObject(_Object):
         `code`. FALSE: the
         stream has not been announced yet; ask again. It takes the place of an earlier one of
         this session.
+        Since 1.1.
         """
         return self._gecos_call(_GECOS_OBJECT_FEED, _GECOS_OBJECT_FEED.request(code, stream))
 
     def end_feed(self, code: int, stream: int) -> _Command[None]:
-        """Ends what `feed` opened."""
+        """Ends what `feed` opened.
+        Since 1.1.
+        """
         return self._gecos_call(
             _GECOS_OBJECT_END_FEED,
             _GECOS_OBJECT_END_FEED.request(code, stream),
         )
 
     def feed_report(self, code: int) -> _Command[FeedReport]:
-        """What became of the samples of this session on the inward stream of attribute `code`."""
+        """What became of the samples of this session on the inward stream of attribute `code`.
+        Since 1.1.
+        """
         return self._gecos_call(_GECOS_OBJECT_FEED_REPORT, _GECOS_OBJECT_FEED_REPORT.request(code))
 
 
@@ -331,12 +336,17 @@ class GecosObjectServant(_Servant):
         `code`. FALSE: the
         stream has not been announced yet; ask again. It takes the place of an earlier one of
         this session.
+        Since 1.1.
         """
 
     @_abstractmethod
     def end_feed(self, code: int, stream: int) -> None:
-        """Ends what `feed` opened."""
+        """Ends what `feed` opened.
+        Since 1.1.
+        """
 
     @_abstractmethod
     def feed_report(self, code: int) -> FeedReport:
-        """What became of the samples of this session on the inward stream of attribute `code`."""
+        """What became of the samples of this session on the inward stream of attribute `code`.
+        Since 1.1.
+        """

@@ -9,12 +9,21 @@
 #include "gecos/builtin_operations.hpp"
 #include "gecos/lab.hpp"
 
+namespace gecos {
+struct Entry;
+}
+
 /// Functions for language bindings and the broker program, in addition to the public headers.
 namespace gecos::session {
 
 /// The incarnation of this process: a random number, drawn at first use. A forked child draws its
 /// own.
 IncarnationId process_incarnation();
+
+/// Returns whether this process sees the server of `entry` as the process `entry.pid`: it runs on
+/// this machine, with this runtime directory, and in the PID namespace of this process. Otherwise
+/// `entry.pid` may be the number of another process here.
+bool sees_process(const Entry& entry);
 
 /// The parts of a Lab that its users do not need.
 struct LabAccess {

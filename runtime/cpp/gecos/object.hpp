@@ -190,7 +190,7 @@ Proxy with(Proxy proxy, CallOptions options) {
 //     Manipulator() = default;                                  // nil
 //     explicit Manipulator(std::shared_ptr<gecos::session::ClientSession> session);
 //     gecos::Command<robcl::Frame> tool() const;                                        // one-shot
-//     tl::expected<gecos::Stream<robcl::Frame>, gecos::Failure> tool(gecos::StreamTag) const;
+//     tl::expected<gecos::Stream<Frame>, gecos::Failure> tool(gecos::StreamAnnotation) const;
 //     gecos::Command<void> set_tool_offset(const robcl::Frame& value) const;
 //     gecos::Command<void, MotionProgress> move(const robcl::Frame& goal,
 //                                               const std::optional<Trajectory>& how = {}) const;

@@ -14,11 +14,10 @@
 namespace gecos {
 
 /// The type of `gecos::stream`, an argument that selects the overload of an attribute that
-/// subscribes to it. Example: `robot.tool(gecos::stream)`. An attribute without @stream has no such
-/// overload; then the compiler names this type in its error.
-struct only_attributes_with_the_annotation_stream {};
-using StreamTag = only_attributes_with_the_annotation_stream;
-inline constexpr only_attributes_with_the_annotation_stream stream{};
+/// subscribes to it. Example: `robot.tool(gecos::stream)`. Only an attribute with the annotation
+/// @stream has such an overload; for another one the compiler names this type in its error.
+struct StreamAnnotation {};
+inline constexpr StreamAnnotation stream{};
 
 /// One value of a stream.
 template <class T>

@@ -17,10 +17,10 @@
 namespace gecos {
 
 /// The type of `gecos::writer`, an argument that opens an inward stream. Example:
-/// `robot.alter(gecos::writer)`. Only an attribute with @stream(dir="in") takes it.
-struct only_attributes_with_an_inward_stream {};
-using WriterTag = only_attributes_with_an_inward_stream;
-inline constexpr only_attributes_with_an_inward_stream writer{};
+/// `robot.alter(gecos::writer)`. Only an attribute with the annotation @stream(dir="in") takes it;
+/// for another one the compiler names this type in its error.
+struct InwardStreamAnnotation {};
+inline constexpr InwardStreamAnnotation writer{};
 
 namespace session {
 

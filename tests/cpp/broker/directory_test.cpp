@@ -161,6 +161,26 @@ TEST(Directory, OfManySilentObjectsWithFreeNamesTheOnesHeardLastAreRemembered) {
   EXPECT_EQ(std::ranges::count(names, "LAMP0"), 0);
 }
 
+TEST(Directory, OfManyObjectsThatFallSilentAtOnceTheMostAreForgottenWhenTheirNamesAreFree) {
+  OldDirectory directory;
+  for (std::size_t i = 0; i < 1000; ++i) {
+    const Entry entry = named("LAMP" + std::to_string(i));
+    ASSERT_TRUE(directory.enlist(i < 3 ? bob : ada, 7, entry));
+  }
+  directory.end_session(bob, started + seconds(61));
+  directory.end_session(ada, started + seconds(62));
+  const TimePoint all_free = started + seconds(72);
+  EXPECT_EQ(directory.on_tick(started + seconds(63)), started + seconds(71)) << "the first is free";
+  EXPECT_EQ(directory.silent(started + seconds(63)).size(), 1000u) << "their names are held";
+  directory.on_tick(all_free);
+  const auto names = names_of(directory.silent(all_free));
+  EXPECT_EQ(names.size(), Directory::most_silent);
+  for (const char* early : {"LAMP0", "LAMP1", "LAMP2"})
+    EXPECT_EQ(std::ranges::count(names, early), 0);
+  const auto changes = directory.changes({0, 2000}, all_free).changed;
+  EXPECT_EQ(changes.size(), 1000 - Directory::most_silent) << "each is told as gone";
+}
+
 Entry of_life(std::uint64_t boot, std::int32_t pid = 4711) {
   Entry entry = named("RX90");
   entry.boot = boot;
@@ -189,6 +209,11 @@ TEST_F(SilentServer, OfAnotherHostKeepsItsNameForTenSeconds) {
   EXPECT_EQ(early.error().by,
             "a robcl::Rx90 of ada on lab1, pid 4711, which has been silent for 10.0 s; the name is "
             "free in 0.0 s, or after `gecos free RX90`");
+  const auto free_in = [&](TimePoint now) {
+    return directory_.free_in(directory_.silent(now).at(0), now);
+  };
+  EXPECT_EQ(free_in(heard + milliseconds(9999)), milliseconds(1));
+  EXPECT_EQ(free_in(heard + seconds(11)), Duration::zero());
   EXPECT_TRUE(enlist(8, heard + seconds(10)));
   EXPECT_TRUE(directory_.silent(heard + seconds(10)).empty());
 }
@@ -205,7 +230,9 @@ TEST_F(SilentServer, OfTheBrokersHostKeepsItsNameUntilItsProcessEnds) {
   const auto refused = enlist(8, heard + std::chrono::hours(99));
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().by.find("its process still lives on this host"), std::string::npos);
-  EXPECT_EQ(directory_.silent(heard + std::chrono::hours(99)).size(), 1u);
+  const auto silent = directory_.silent(heard + std::chrono::hours(99));
+  ASSERT_EQ(silent.size(), 1u);
+  EXPECT_EQ(directory_.free_in(silent[0], heard + std::chrono::hours(99)), std::nullopt);
   EXPECT_EQ(directory_.process_ended(4711), std::vector<std::string>{"RX90"});
   EXPECT_TRUE(enlist(8, heard + seconds(2)));
 }
@@ -244,6 +271,62 @@ TEST_F(SilentServer, CannotBeSetFreeWhileItIsHeardOrUnknown) {
   ASSERT_FALSE(heard_of);
   EXPECT_TRUE(std::holds_alternative<NameInUse>(heard_of.error()));
   EXPECT_TRUE(std::holds_alternative<UnknownName>(directory_.free("RX91").error()));
+}
+
+/// RX90 was registered with the broker before this one, and its process lives on this host.
+class ExpectedServer : public ::testing::Test {
+ protected:
+  ExpectedServer() { directory_.expect(of_life(7)); }
+  auto enlist(std::uint64_t life, TimePoint now) {
+    return directory_.enlist({life, life, seconds(5), Host::Same}, of_life(life, 4710), now);
+  }
+  std::vector<Presence> told(TimePoint now) const {
+    std::vector<Presence> all;
+    for (const auto& one : directory_.changes({9, 0}, now).changed) all.push_back(one.presence);
+    return all;
+  }
+  static constexpr TimePoint back_by = started + Directory::servers_return_within;
+  Directory directory_{started, {.life = 9}};
+};
+
+TEST_F(ExpectedServer, KeepsItsNameUntilItsProcessEnds) {
+  for (const TimePoint now : {started, started + seconds(1), started + std::chrono::hours(99)}) {
+    directory_.on_tick(now);
+    const auto refused = enlist(8, now);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().by.find("its process still lives on this host"), std::string::npos);
+    EXPECT_FALSE(directory_.free("RX90"));
+  }
+  EXPECT_EQ(directory_.process_ended(4711), std::vector<std::string>{"RX90"});
+  EXPECT_TRUE(enlist(8, started + std::chrono::hours(99)));
+}
+
+TEST_F(ExpectedServer, IsSilentWhenItDoesNotReturnInTime) {
+  EXPECT_EQ(directory_.on_tick(started), back_by);
+  EXPECT_TRUE(directory_.silent(started).empty());
+  EXPECT_TRUE(directory_.changes({}, started).changed.empty()) << "of the whole list, too";
+  directory_.on_tick(back_by);
+  EXPECT_EQ(names_of(directory_.silent(back_by)), std::vector<std::string>{"RX90"});
+  EXPECT_EQ(told(back_by), std::vector<Presence>{Presence::SILENT});
+  directory_.on_tick(back_by + seconds(1));
+  EXPECT_EQ(told(back_by).size(), 1u) << "told once";
+}
+
+TEST_F(ExpectedServer, IsNeverCalledSilentWhenItReturnsInTime) {
+  EXPECT_TRUE(directory_.enlist({1, 7, seconds(5), Host::Same}, of_life(7), started + seconds(1)));
+  directory_.on_tick(back_by);
+  EXPECT_EQ(told(back_by), std::vector<Presence>{Presence::ONLINE});
+}
+
+TEST_F(ExpectedServer, IsKnownToTheNextBroker) {
+  EXPECT_EQ(directory_.of_this_host(), std::vector<Entry>{of_life(7)});
+  ASSERT_TRUE(directory_.enlist({1, 7, {}, Host::Same}, of_life(7), started));
+  ASSERT_TRUE(directory_.enlist({2, 7, {}, Host::Other}, named("LAMP"), started));
+  EXPECT_EQ(directory_.of_this_host(), std::vector<Entry>{of_life(7)});
+  directory_.end_session(1, started);
+  EXPECT_EQ(directory_.of_this_host(), std::vector<Entry>{of_life(7)});
+  directory_.process_ended(4711);
+  EXPECT_TRUE(directory_.of_this_host().empty());
 }
 
 TEST(Directory, ADeathThatTheKernelReportsFreesTheNameOfALiveSession) {

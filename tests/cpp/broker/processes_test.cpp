@@ -5,41 +5,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "child.hpp"
+
 namespace gecos::broker {
 namespace {
-
-/// A process that waits until it is told to end.
-class Child {
- public:
-  Child() {
-    int ends[2];
-    EXPECT_EQ(pipe(ends), 0);
-    pid_ = fork();
-    if (pid_ == 0) {
-      close(ends[1]);
-      char none = 0;
-      _exit(read(ends[0], &none, 1) == 0 ? 0 : 1);
-    }
-    close(ends[0]);
-    line_ = ends[1];
-  }
-  ~Child() {
-    end();
-    waitpid(pid_, nullptr, 0);
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-  pid_t pid() const { return pid_; }
-  /// It has nobody yet who waits for it.
-  void end() {
-    if (line_ >= 0) close(line_);
-    line_ = -1;
-  }
-
- private:
-  pid_t pid_ = 0;
-  int line_ = -1;
-};
 
 TEST(Processes, ReportTheEndOfOneThatTheyWatchOnce) {
   Processes processes;

@@ -76,5 +76,31 @@ TEST(Open, HowFarLcmGoesIsANumberOfRouters) {
   unsetenv("GECOS_LCM_TTL");
 }
 
+TEST(HostIdentity, TellsWhoSharesTheMachineAndTheMemory) {
+  const std::string here = host_identity();
+  EXPECT_TRUE(share_memory(here, here)) << here;
+  EXPECT_TRUE(on_one_machine(here, here)) << here;
+  EXPECT_FALSE(share_memory(here, here + "0"));
+  EXPECT_TRUE(on_one_machine(here, here + "0")) << "another directory";
+  EXPECT_FALSE(on_one_machine(here, "0" + here));
+}
+
+TEST(HostIdentity, ThatIsNotKnownIsThatOfNoOtherHost) {
+  const char* const before = ::getenv("GECOS_RUNTIME_DIR");
+  const std::string directory = before == nullptr ? "" : before;
+  ASSERT_EQ(::setenv("GECOS_RUNTIME_DIR", "/proc/none", 1), 0);
+  const std::string without_memory = host_identity();
+  EXPECT_EQ(runtime_directory(), "");
+  ASSERT_EQ(::setenv("GECOS_RUNTIME_DIR", directory.c_str(), 1), 0);
+  EXPECT_FALSE(share_memory(without_memory, without_memory));
+  EXPECT_TRUE(on_one_machine(without_memory, host_identity()));
+  // What programs of other versions say when they cannot identify their host.
+  for (const std::string unknown :
+       {"", "/", "no shared memory: shm: cannot make /tmp/gecos-1000"}) {
+    EXPECT_FALSE(share_memory(unknown, unknown)) << unknown;
+    EXPECT_FALSE(on_one_machine(unknown, unknown)) << unknown;
+  }
+}
+
 }  // namespace
 }  // namespace gecos::media

@@ -42,13 +42,14 @@ TEST(RuntimeDirectory, IsRefusedWhereOthersCouldListenIn) {
   EXPECT_FALSE(shm::prepare_directory(link)) << "in /tmp somebody else may have made the link";
 }
 
-TEST(RuntimeDirectory, IdentifiesTheHostTogetherWithItsBoot) {
+TEST(RuntimeDirectory, IsIdentifiedOnItsMachine) {
   const ScratchDirectory one;
   const ScratchDirectory two;
-  const auto first = shm::host_identity(one.path());
+  const auto first = shm::directory_identity(one.path());
   ASSERT_TRUE(first);
-  EXPECT_EQ(*first, shm::host_identity(one.path()));
-  EXPECT_NE(*first, shm::host_identity(two.path()));
+  EXPECT_EQ(*first, shm::directory_identity(one.path()));
+  EXPECT_NE(*first, shm::directory_identity(two.path()));
+  EXPECT_EQ(shm::boot_id().size(), 36u);
 }
 
 TEST(RuntimeDirectory, HasAPathOfFiftyCharactersAtTheMost) {

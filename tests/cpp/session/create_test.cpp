@@ -4,6 +4,7 @@
 #include <future>
 
 #include "bench.hpp"
+#include "gecos/base/pid_namespace.hpp"
 #include "gecos/binding.hpp"
 #include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/client_connection.hpp"
@@ -269,11 +270,13 @@ TEST_F(Create, IsRefusedANameThatItsOwnServerHasAlready) {
   EXPECT_EQ(connect(lab_).read().get().value(), 7) << "the first one goes on";
 }
 
-/// Knows of a server that has ended, and drops it when it has been asked for the name
+/// Knows of a server that has ended or is silent, and drops it when it has been asked for the name
 /// `asked_before` times.
 class SlowBroker : public gecos::BrokerServant {
  public:
   SlowBroker(gecos::Entry dead, int asked_before) : dead_(std::move(dead)), left_(asked_before) {}
+  SlowBroker(gecos::SilentObject silent, int asked_before)
+      : silent_(std::move(silent)), left_(asked_before) {}
   int left() const { return left_; }
 
  private:
@@ -284,15 +287,23 @@ class SlowBroker : public gecos::BrokerServant {
     return tl::unexpected(gecos::Fault(gecos::NameTaken{what.name, "one that is dead"}));
   }
   gecos::Result<void> withdraw(const std::string&) override { return {}; }
-  gecos::Result<gecos::Entry> lookup(const std::string&) override { return dead_; }
+  gecos::Result<gecos::Entry> lookup(const std::string& name) override {
+    if (silent_) return tl::unexpected(gecos::Fault(gecos::UnknownName{name, {}}));
+    return dead_;
+  }
   gecos::Result<std::vector<gecos::Entry>> list() override { return {}; }
-  gecos::Result<std::vector<gecos::SilentObject>> silent() override { return {}; }
+  gecos::Result<std::vector<gecos::SilentObject>> silent() override {
+    std::vector<gecos::SilentObject> objects;
+    if (silent_) objects.push_back(*silent_);
+    return objects;
+  }
   gecos::Result<std::vector<gecos::Entry>> query(const std::string&) override { return {}; }
   gecos::Result<gecos::ListChanges> changes(const gecos::ListRevision&) override { return {}; }
   gecos::Result<gecos::ListRevision> revision() override { return {}; }
   gecos::Result<void> free(const std::string&) override { return {}; }
 
   const gecos::Entry dead_;
+  const std::optional<gecos::SilentObject> silent_;
   std::atomic<int> left_;  // publishes nothing but itself
 };
 
@@ -307,7 +318,8 @@ pid_t dead_process() {
 class Restarted : public probe::NothingLeftOpen {
  protected:
   /// What a server gets that asks for a name which `holder` has, until the third asking.
-  tl::expected<void, gecos::ServeError> add(gecos::Entry holder) {
+  template <class Holder>
+  tl::expected<void, gecos::ServeError> add(Holder holder) {
     SlowBroker broker(std::move(holder), 2);
     gecos::Lab broker_lab;
     gecos::Server broker_server(broker_lab);
@@ -330,6 +342,7 @@ class Restarted : public probe::NothingLeftOpen {
     holder.name = "PROBE";
     holder.host = LabAccess::context(lab_).value()->runtime()->host_identity();
     holder.pid = pid;
+    holder.pid_namespace = gecos::pid_namespace();
     return holder;
   }
 
@@ -346,11 +359,27 @@ TEST_F(Restarted, AServerWaitsForItsNameUntilTheBrokerHasNoticedTheDeathOfWhoHad
 TEST_F(Restarted, AServerIsRefusedAtOnceANameWhoseHolderMayLive) {
   gecos::Entry elsewhere = entry(dead_process());
   elsewhere.host = "another host";
-  for (const auto& holder : {entry(getpid()), elsewhere, entry(0)}) {
+  gecos::Entry in_a_container = entry(dead_process());
+  in_a_container.pid_namespace += 1;
+  for (const auto& holder : {entry(getpid()), elsewhere, in_a_container, entry(0)}) {
     const auto added = add(holder);
     ASSERT_FALSE(added);
     EXPECT_EQ(asked_, 1) << added.error().text;
   }
+}
+
+TEST_F(Restarted, AServerIsRefusedAtOnceANameThatASilentOneKeepsForLonger) {
+  for (const std::optional<double> free_in : {std::optional<double>(), std::optional(3600.0)}) {
+    const auto added = add(gecos::SilentObject{entry(getpid()), 4.2, free_in});
+    ASSERT_FALSE(added);
+    EXPECT_EQ(asked_, 1) << added.error().text;
+  }
+}
+
+TEST_F(Restarted, AServerWaitsForANameThatASilentOneLosesInTime) {
+  const auto added = add(gecos::SilentObject{entry(getpid()), 4.2, 0.1});
+  EXPECT_TRUE(added) << added.error().text;
+  EXPECT_EQ(asked_, 2);
 }
 
 TEST_F(Create, IsRefusedANameThatAnotherServerHas) {

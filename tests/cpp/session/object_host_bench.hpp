@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <functional>
 #include <vector>
 
 #include "gecos/session/protocol/packets.hpp"
@@ -23,6 +24,7 @@ class TestConnection final : public media::Connection {
   const media::Peer& peer() const override { return peer_; }
   tl::expected<std::uint64_t, media::SendProblem> send(ByteView head, ByteView) override {
     if (full) return tl::unexpected(media::SendProblem::Full);
+    if (on_send) on_send();
     sent.emplace_back(head.begin(), head.end());
     return sent.size();
   }
@@ -49,6 +51,7 @@ class TestConnection final : public media::Connection {
   bool silent = false;  ///< no more signs of life come
   bool unread = false;  ///< a packet that arrived before them all
   std::vector<Bytes> sent;
+  std::function<void()> on_send;
 
  private:
   media::Capabilities capabilities_;
@@ -155,11 +158,12 @@ class ServedObjects : public ::testing::Test {
     to.put(before);
     packet(wire::PacketKind::Call, counter, code, body, {}, sent_again);
   }
-  void acquire(std::uint64_t counter) {
-    Bytes body(4 + 1);
+  void acquire(std::uint64_t counter, double patience = 0) {
+    Bytes body(4 + 1 + 8);
     wire::Encoder to(body);
     to.put(static_cast<std::int32_t>(Status::ACTOR));
     to.put(false);
+    to.put(patience);
     call(counter, GecosObjectInterface::acquire.code, body);
   }
   void release(std::uint64_t counter, Epoch epoch, bool now = false) {

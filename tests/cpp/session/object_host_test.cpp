@@ -16,6 +16,20 @@ TEST_F(ServedObjects, TakesNothingMoreOfASessionThatHasEnded) {
   EXPECT_EQ(reply_to(3), std::nullopt);
 }
 
+TEST_F(ServedObjects, AdmitNoSampleOfALostSessionWhenAnotherOneGetsItsStatus) {
+  acquire(1);
+  session_->standing->set(access::Status::Actor, granted());  // it feeds an inward stream
+  const auto lost = connect();
+  acquire(1, 60);
+  EXPECT_EQ(reply_to(1), std::nullopt) << "it waits";
+  bool fed = true;
+  connection_->on_send = [&] { fed = lost->standing->epoch(access::Status::Actor).has_value(); };
+  object_->depart(lost, ObjectHost::Departure::Lost);
+  connection_->on_send = {};
+  EXPECT_EQ(reply_to(1), Detail::Done);
+  EXPECT_FALSE(fed);
+}
+
 TEST_F(ServedObjects, TellAHandlerWhenItsStartWasMarked) {
   const TimePoint before = system_clock().since_boot() - std::chrono::milliseconds(50);
   call(1, probe::read_code);

@@ -85,7 +85,8 @@ gecos::Command<std::int32_t> Probe::number(gecos::FunctionCode code, std::int32_
           &decode};
 }
 
-tl::expected<gecos::Stream<std::int32_t>, gecos::Failure> Probe::level(gecos::StreamTag) const {
+tl::expected<gecos::Stream<std::int32_t>, gecos::Failure> Probe::level(
+    gecos::StreamAnnotation) const {
   auto core = gecos_session_->subscribe(description().streams[0]);
   if (!core) return tl::unexpected(core.error());
   return gecos::Stream<std::int32_t>(std::move(*core), &decode);

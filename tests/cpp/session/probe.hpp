@@ -67,7 +67,7 @@ class Probe : public virtual gecos::Object {
   /// Goes on when its caller is lost.
   gecos::Command<std::int32_t> finish(std::int32_t goal) const { return number(finish_code, goal); }
   gecos::Command<std::int32_t> missing() const { return number(missing_code, 0); }
-  tl::expected<gecos::Stream<std::int32_t>, gecos::Failure> level(gecos::StreamTag) const;
+  tl::expected<gecos::Stream<std::int32_t>, gecos::Failure> level(gecos::StreamAnnotation) const;
 
   const std::shared_ptr<gecos::session::ClientSession>& session() const { return gecos_session_; }
 

@@ -28,6 +28,7 @@ struct Life {
   bool alive = true;               ///< its process
   std::uint64_t session = 0;       ///< with the present broker; 0: none
   std::optional<TimePoint> heard;  ///< when the broker heard it last, while it is silent
+  bool expected = false;           ///< silent; the present broker has not said so yet
 };
 
 /// What a watcher should be told.
@@ -55,6 +56,7 @@ class World {
 
   void step() {
     now_ += milliseconds(below(4) == 0 ? below(4000) : below(200));
+    on_tick();
     switch (below(13)) {
       case 0:
       case 1:
@@ -82,6 +84,7 @@ class World {
   /// After it every watcher knows what is true.
   void settle() {
     now_ += ListView::servers_return_within;
+    on_tick();
     for (Watching& watcher : watchers_) {
       watch(watcher);
       std::map<std::string, Event> truth;
@@ -108,14 +111,30 @@ class World {
         now_, DirectoryOptions{seconds(1), free_after, ++broker_lives_});
     started_ = now_;
   }
-  /// All servers that live and are heard find the next broker within its first second; the others
-  /// are unknown to it.
+  /// What the broker does when time has passed: silent servers of its host that it expected are
+  /// told as silent.
+  void on_tick() {
+    directory_->on_tick(now_);
+    if (now_ < started_ + Directory::servers_return_within) return;
+    std::map<std::string, const Life*> by_name;
+    for (Life& life : lives_) {
+      if (std::exchange(life.expected, false)) by_name[life.entry.name] = &life;
+    }
+    for (const auto& [name, life] : by_name) happened(*life, Presence::SILENT);
+  }
+  /// All servers that live and are heard find the next broker within its first second. Of the
+  /// others, it knows those of its host.
   void restart_broker() {
     new_broker();
+    for (Life& life : lives_) {
+      const bool known = life.session != 0 || life.heard;
+      life.expected = known && life.host == Host::Same;
+      if (life.expected) directory_->expect(life.entry);
+      if (life.host == Host::Other) life.heard.reset();
+    }
     for (Watching& watcher : watchers_) watcher.one_broker = false;
     for (std::size_t i = below(3); i > 0; --i) watch(watchers_[below(watchers_.size())]);
     for (Life& life : lives_) {
-      life.heard.reset();
       if (std::exchange(life.session, 0) == 0) continue;
       now_ += milliseconds(below(20));
       enlist(life, now_ - started_ + seconds(5));
@@ -160,6 +179,7 @@ class World {
     if (other) other->heard.reset();
     life.session = session;
     life.heard.reset();
+    life.expected = false;
     happened(life, Presence::ONLINE);
   }
 
@@ -199,7 +219,7 @@ class World {
     life->session = 0;
     life->heard.reset();
     life->alive = false;
-    happened(*life, Presence::GONE);
+    if (!std::exchange(life->expected, false)) happened(*life, Presence::GONE);
   }
   void come_back() {
     Life* life = some([](const Life& one) { return one.session == 0 && one.heard; });

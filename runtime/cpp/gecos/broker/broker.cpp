@@ -11,6 +11,7 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/base/thread.hpp"
+#include "gecos/binding.hpp"
 
 namespace gecos::broker {
 namespace {
@@ -39,9 +40,7 @@ std::uint64_t draw_life() {
   return std::uint64_t{random()} << 32U | random();
 }
 
-SilentObject shown(Silent one, TimePoint now) {
-  return {std::move(one.entry), std::chrono::duration<double>(now - one.since).count()};
-}
+double seconds(Duration length) { return std::chrono::duration<double>(length).count(); }
 
 }  // namespace
 
@@ -89,13 +88,13 @@ void Broker::watch_processes() {
     if (ended_) return;
     remove_ended();
     rest = end_due_sessions(now);
-    directory_.forget_silent(now);
+    rest = std::min(rest, directory_.on_tick(now) - now);
     announce();
   }
 }
 
 Duration Broker::end_due_sessions(TimePoint now) {
-  Duration rest = std::chrono::minutes(1);  // until it forgets servers that were silent for an hour
+  Duration rest = std::chrono::minutes(1);
   std::erase_if(ended_sessions_, [&](const EndedSession& one) {
     if (now < one.due) {
       rest = std::min(rest, one.due - now);
@@ -130,7 +129,19 @@ void Broker::forget_unused_processes() {
 
 void Broker::announce() {
   const ListRevision now = directory_.revision();
-  if (std::exchange(announced_, now.number) != now.number) publish_revision(now);
+  if (std::exchange(announced_, now.number) == now.number) return;
+  if (kept_) kept_->keep(directory_.of_this_host(), *processes_);
+  publish_revision(now);
+}
+
+void Broker::expect_known(const std::vector<media::Kind>& media) {
+  kept_.reset();
+  const auto over_shm = [](media::Kind kind) { return reach_of(kind) == media::Reach::Host; };
+  if (!media.empty() && std::ranges::none_of(media, over_shm)) return;
+  const std::string directory = media::runtime_directory();
+  if (directory.empty()) return;
+  kept_.emplace(directory + "/BROKER.names");
+  for (const Entry& entry : kept_->living(*processes_)) directory_.expect(entry);
 }
 
 Serving Broker::serving(std::vector<media::Kind> media) {
@@ -143,7 +154,9 @@ Serving Broker::serving(std::vector<media::Kind> media) {
   {
     const MutexLock lock(mutex_);
     directory_ = new_directory(alone ? Duration::zero() : DirectoryOptions().young);
+    expect_known(media);
   }
+  wake_watcher_->notify();
   options.media = std::move(media);
   return {"BROKER", *this, std::move(options)};
 }
@@ -165,7 +178,7 @@ void Broker::gecos_dispatch(IncomingCall call) {
 Result<std::optional<double>> Broker::enlist(const Entry& what, double served_for) {
   const MutexLock lock(mutex_);
   remove_ended();
-  const bool here = what.host == media::host_identity() && processes_->watch(what.pid);
+  const bool here = session::sees_process(what) && processes_->watch(what.pid);
   const Claim claim{calling_.session, calling_.incarnation, duration_of(served_for),
                     here ? Host::Same : Host::Other};
   const auto before = directory_.look_up(what.name);
@@ -183,7 +196,7 @@ Result<std::optional<double>> Broker::enlist(const Entry& what, double served_fo
                               what.hostname + ", which has served it for longer");
   }
   if (*provisional == Duration::zero()) return std::nullopt;
-  return std::chrono::duration<double>(*provisional).count();
+  return seconds(*provisional);
 }
 
 Result<void> Broker::withdraw(const std::string& name) {
@@ -246,7 +259,11 @@ Result<std::vector<SilentObject>> Broker::silent() {
   const MutexLock lock(mutex_);
   remove_ended();
   std::vector<SilentObject> objects;
-  for (Silent& one : directory_.silent(now)) objects.push_back(shown(std::move(one), now));
+  for (Silent& one : directory_.silent(now)) {
+    const auto free_in = directory_.free_in(one, now);
+    objects.push_back({std::move(one.entry), seconds(now - one.since),
+                       free_in ? std::optional(seconds(*free_in)) : std::nullopt});
+  }
   return objects;
 }
 
@@ -257,11 +274,11 @@ void Broker::gecos_session_ended(std::uint64_t session) {
   remove_ended();
   if (directory_.is_of_this_host(session)) {
     ended_sessions_.push_back({session, heard, now + death_is_reported_within});
-    wake_watcher_->notify();
   } else {
     end_session(session, heard);
     announce();
   }
+  wake_watcher_->notify();
 }
 
 }  // namespace gecos::broker

@@ -9,6 +9,7 @@
 #include "gecos/base/event_fd.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/broker/directory.hpp"
+#include "gecos/broker/kept_names.hpp"
 #include "gecos/broker/processes.hpp"
 #include "gecos/broker_server.hpp"
 #include "gecos/serve.hpp"
@@ -25,7 +26,8 @@ struct BrokerOptions {
 /// well-known address; `broker.serve(server)` does so in a program that has a server of its own.
 /// An object leaves the broker's list when the session that enlisted the object ends; a process of
 /// this host also when the kernel reports its end (directory.hpp). In its first second the broker
-/// prefers objects that were served before the broker started.
+/// prefers objects that were served before the broker started. A broker that is served over shm
+/// knows the objects of this host's processes that the broker before it had (kept_names.hpp).
 class Broker final : public BrokerServant {
  public:
   explicit Broker(const BrokerOptions& options = {});
@@ -54,6 +56,8 @@ class Broker final : public BrokerServant {
 
  private:
   Directory new_directory(Duration young) const;
+  /// Reads which objects the broker before this one had, if this one is served over `media`.
+  void expect_known(const std::vector<media::Kind>& media) GECOS_REQUIRES(mutex_);
   void start_watcher();
   void watch_processes();
   /// Ends the sessions whose `due` has come. Returns how long until the next one is due.
@@ -74,6 +78,7 @@ class Broker final : public BrokerServant {
   Directory directory_ GECOS_GUARDED_BY(mutex_);
   std::uint64_t announced_ GECOS_GUARDED_BY(mutex_) = 0;  ///< number of the last published change
   std::optional<Processes> processes_ GECOS_GUARDED_BY(mutex_);  ///< set while this is served
+  std::optional<KeptNames> kept_ GECOS_GUARDED_BY(mutex_);       ///< set while served over shm
   /// A session of a server on this host that has ended. The kernel closes the sockets of a process
   /// before it reports the end of the process, so the server is not called silent before `due`.
   struct EndedSession {

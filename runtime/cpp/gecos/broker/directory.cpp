@@ -26,6 +26,10 @@ bool is_a(const Entry& entry, std::string_view interface_name) {
 
 }  // namespace
 
+void Directory::expect(const Entry& entry) {
+  silent_.insert_or_assign(entry.name, Silent{entry, started_, 0, Host::Same, true});
+}
+
 tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const Entry& entry,
                                                     TimePoint now) {
   const TimePoint since = now - claim.served_for;
@@ -73,15 +77,21 @@ bool Directory::gives_way(const Place& place, const Entry& entry, TimePoint sinc
 }
 
 bool Directory::keeps_name(const Silent& one, TimePoint now) const {
-  return one.host == Host::Same || now < one.since + options_.name_hold;
+  return free_in(one, now) != Duration::zero();
+}
+
+std::optional<Duration> Directory::free_in(const Silent& one, TimePoint now) const {
+  if (one.host == Host::Same) return std::nullopt;
+  return std::max(one.since + options_.name_hold - now, Duration::zero());
 }
 
 std::string Directory::why_kept(const Silent& one, TimePoint now) const {
   const std::string who =
       described(one.entry) + ", which has been silent for " + in_seconds(now - one.since);
-  if (one.host == Host::Same) return who + "; its process still lives on this host";
-  return who + "; the name is free in " + in_seconds(one.since + options_.name_hold - now) +
-         ", or after `gecos free " + one.entry.name + "`";
+  const auto rest = free_in(one, now);
+  if (!rest) return who + "; its process still lives on this host";
+  return who + "; the name is free in " + in_seconds(*rest) + ", or after `gecos free " +
+         one.entry.name + "`";
 }
 
 tl::expected<void, UnknownName> Directory::withdraw(std::uint64_t session,
@@ -105,9 +115,11 @@ std::vector<std::string> Directory::end_session(std::uint64_t session, TimePoint
     }
     dropped.push_back(at->first);
     note(place.entry, Presence::SILENT, place.epoch, heard);
-    remember({std::move(place.entry), heard, place.epoch, place.host}, heard);
+    silent_.insert_or_assign(at->first,
+                             Silent{std::move(place.entry), heard, place.epoch, place.host});
     at = places_.erase(at);
   }
+  forget_most(heard);
   return dropped;
 }
 
@@ -155,13 +167,43 @@ tl::expected<void, std::variant<UnknownName, NameInUse>> Directory::free(const s
   return {};
 }
 
-void Directory::forget_silent(TimePoint now) {
-  std::erase_if(silent_, [&](const auto& named) {
-    const Silent& one = named.second;
-    if (keeps_name(one, now) || now - one.since < remembered) return false;
-    note(one.entry, Presence::GONE, one.epoch);
-    return true;
-  });
+TimePoint Directory::on_tick(TimePoint now) {
+  const TimePoint back_by = started_ + servers_return_within;
+  TimePoint next = TimePoint::max();
+  for (auto at = silent_.begin(); at != silent_.end();) {
+    Silent& one = at->second;
+    if (one.expected && now >= back_by) {
+      one.expected = false;
+      one.epoch = note(one.entry, Presence::SILENT, one.epoch, one.since);
+    }
+    const bool kept = keeps_name(one, now);
+    const TimePoint forget = one.since + remembered;
+    if (!kept && now >= forget) {
+      note(one.entry, Presence::GONE, one.epoch);
+      at = silent_.erase(at);
+      continue;
+    }
+    if (one.expected) next = std::min(next, back_by);
+    if (one.host == Host::Other)
+      next = std::min(next, kept ? one.since + options_.name_hold : forget);
+    ++at;
+  }
+  forget_most(now);
+  return next;
+}
+
+void Directory::forget_most(TimePoint now) {
+  std::vector<std::map<std::string, Silent>::iterator> is_free;
+  for (auto at = silent_.begin(); at != silent_.end(); ++at) {
+    if (!keeps_name(at->second, now)) is_free.push_back(at);
+  }
+  if (is_free.size() <= most_silent) return;
+  std::ranges::sort(is_free, {}, [](const auto& at) { return at->second.since; });
+  is_free.resize(is_free.size() - most_silent);
+  for (const auto& at : is_free) {
+    note(at->second.entry, Presence::GONE, at->second.epoch);
+    silent_.erase(at);
+  }
 }
 
 tl::expected<Entry, UnknownName> Directory::look_up(const std::string& name) const {
@@ -184,21 +226,10 @@ std::vector<Entry> Directory::query(std::string_view interface_name) const {
   return entries;
 }
 
-void Directory::remember(Silent one, TimePoint now) {
-  const std::string name = one.entry.name;
-  silent_.insert_or_assign(name, std::move(one));
-  const auto is_free = [&](const auto& named) { return !keeps_name(named.second, now); };
-  if (std::ranges::count_if(silent_, is_free) <= static_cast<std::ptrdiff_t>(most_silent)) return;
-  const auto oldest = std::ranges::min_element(silent_, {}, [&](const auto& named) {
-    return is_free(named) ? named.second.since : TimePoint::max();
-  });
-  note(oldest->second.entry, Presence::GONE, oldest->second.epoch);
-  silent_.erase(oldest);
-}
-
 std::vector<Silent> Directory::silent(TimePoint now) const {
   std::vector<Silent> found;
   for (const auto& [name, one] : silent_) {
+    if (one.expected) continue;
     if (keeps_name(one, now) || now - one.since < remembered) found.push_back(one);
   }
   return found;
@@ -244,6 +275,18 @@ bool Directory::uses_process(std::int32_t pid) const {
     return named.second.host == Host::Same && named.second.entry.pid == pid;
   };
   return std::ranges::any_of(places_, of_process) || std::ranges::any_of(silent_, of_process);
+}
+
+std::vector<Entry> Directory::of_this_host() const {
+  std::vector<Entry> entries;
+  const auto add = [&](const auto& list) {
+    for (const auto& [name, one] : list) {
+      if (one.host == Host::Same) entries.push_back(one.entry);
+    }
+  };
+  add(places_);
+  add(silent_);
+  return entries;
 }
 
 UnknownName Directory::unknown(const std::string& name) const {

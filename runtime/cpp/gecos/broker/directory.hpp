@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -35,6 +36,7 @@ struct Silent {
   TimePoint since;  ///< when the server was heard last
   std::uint64_t epoch = 0;
   Host host = Host::Other;
+  bool expected = false;  ///< see `Directory::expect`; the object is not listed as silent yet
 };
 
 struct DirectoryOptions {
@@ -55,19 +57,27 @@ struct DirectoryOptions {
 ///
 /// A registration ends with the session that made it. If the server has not withdrawn the object,
 /// it is then silent, and nobody else gets its name: on the broker's host until its process has
-/// ended, on another host for `name_hold`, or until `free` is called.
+/// ended, on another host for `name_hold`, or until `free` is called. The same is true of objects
+/// that the broker before this one had and that are `expect`ed.
 ///
 /// Each change has a number, and the last `most_changes` are kept, so that a watcher sees each
 /// change once. All moments are read from CLOCK_BOOTTIME.
 class Directory {
  public:
   static constexpr Duration remembered = std::chrono::hours(1);
+  /// Most silent objects that are remembered although their names are free.
   static constexpr std::size_t most_silent = 256;
   static constexpr std::size_t most_changes = 1024;
+  /// A server that is expected and has not returned so long after the start is silent. Watchers
+  /// wait longer before they report it as gone (`ListView::servers_return_within`).
+  static constexpr Duration servers_return_within = std::chrono::seconds(2);
 
   explicit Directory(TimePoint started, const DirectoryOptions& options = {})
       : started_(started), settled_(started + options.young), options_(options) {}
 
+  /// Keeps the name of `entry` for its server, which was registered with the broker before this one
+  /// and whose process lives on the broker's host. Must be called before the first claim.
+  void expect(const Entry& entry);
   /// Adds `entry` for the session of `claim`. The same incarnation of a server may enlist an entry
   /// again in a new session, even before the directory knows that its previous session has ended.
   /// Fails when another entry keeps the name. Returns how long the answer is still provisional; 0
@@ -85,23 +95,29 @@ class Directory {
   /// Gives the name of a silent object free. Fails when the directory does not have the name, and
   /// when its server is heard or its process lives on the broker's host.
   tl::expected<void, std::variant<UnknownName, NameInUse>> free(const std::string& name);
-  /// Forgets the objects that have been silent for longer than `remembered`.
-  void forget_silent(TimePoint now);
+  /// Calls the expected servers silent that have not returned in time. Forgets the objects that
+  /// have been silent for longer than `remembered`, and, of those whose names are free, the ones
+  /// above `most_silent` that were heard longest ago. Returns when to call this again.
+  TimePoint on_tick(TimePoint now);
 
   tl::expected<Entry, UnknownName> look_up(const std::string& name) const;
   std::vector<Entry> list() const;
   /// Returns the objects that have the interface or one that is derived from it, sorted by name.
   std::vector<Entry> query(std::string_view interface_name) const;
-  /// Returns the objects that are silent and were heard within `remembered`, sorted by name. Of
-  /// those whose name is free, the directory keeps at most `most_silent`, and forgets the one that
-  /// has been silent longest first.
+  /// Returns the objects that are silent and were heard within `remembered`, sorted by name.
   std::vector<Silent> silent(TimePoint now) const;
+
+  /// Returns how long the server of a silent object keeps the name; nullopt: until its process
+  /// ends.
+  std::optional<Duration> free_in(const Silent& one, TimePoint now) const;
 
   ListRevision revision() const { return {options_.life, number_}; }
   /// Returns the changes after `since`, or the whole list when some of them are not kept.
   ListChanges changes(const ListRevision& since, TimePoint now) const;
   /// Returns true when an object of this process of the broker's host is online or silent.
   bool uses_process(std::int32_t pid) const;
+  /// Returns the objects, online or silent, whose processes are on the broker's host.
+  std::vector<Entry> of_this_host() const;
 
  private:
   struct Place {
@@ -122,7 +138,7 @@ class Directory {
   bool keeps_name(const Silent& one, TimePoint now) const;
   std::string why_kept(const Silent& one, TimePoint now) const;
   UnknownName unknown(const std::string& name) const;
-  void remember(Silent one, TimePoint now);
+  void forget_most(TimePoint now);
   /// Numbers a change of the list. Returns the number.
   std::uint64_t note(const Entry& entry, Presence presence, std::uint64_t epoch,
                      TimePoint heard = {});

@@ -8,6 +8,7 @@
 #include <array>
 #include <cerrno>
 #include <fstream>
+#include <sstream>
 #include <string>
 
 #include "gecos/base/system_error.hpp"
@@ -15,12 +16,29 @@
 namespace gecos::broker {
 namespace {
 
+/// What the kernel tells of a process.
+struct Status {
+  char state = ' ';  ///< 'Z': ended, not yet waited for by its parent
+  std::uint64_t start = 0;
+};
+
+Status status_of(std::int32_t pid) {
+  std::string line;  // e.g. "4711 (name) S …", with the start as the 22nd word; see proc(5)
+  std::getline(std::ifstream("/proc/" + std::to_string(pid) + "/stat"), line);
+  const std::size_t name_end = line.rfind(") ");
+  if (name_end == std::string::npos) return {};
+  std::istringstream words(line.substr(name_end + 2));
+  Status status;
+  words >> status.state;
+  std::string other;
+  for (int word = 4; word < 22; ++word) words >> other;
+  words >> status.start;
+  return status;
+}
+
 bool has_ended(std::int32_t pid) {
   if (::kill(pid, 0) != 0) return errno == ESRCH;
-  std::string status;  // e.g. "4711 (name) S …"; state Z: ended, not yet waited for by its parent
-  std::getline(std::ifstream("/proc/" + std::to_string(pid) + "/stat"), status);
-  const std::size_t name_end = status.rfind(") ");
-  return name_end != std::string::npos && status.substr(name_end + 2, 1) == "Z";
+  return status_of(pid).state == 'Z';
 }
 
 int new_epoll() {
@@ -43,8 +61,13 @@ bool Processes::watch(std::int32_t pid) {
   event.data.u64 = static_cast<std::uint64_t>(pid);
   if (process && ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, process.get(), &event) != 0)
     process.reset();
-  watched_.emplace(pid, std::move(process));
+  watched_.emplace(pid, Watched{std::move(process), status_of(pid).start});
   return true;
+}
+
+std::uint64_t Processes::start_of(std::int32_t pid) const {
+  const auto found = watched_.find(pid);
+  return found == watched_.end() ? 0 : found->second.start;
 }
 
 std::vector<std::int32_t> Processes::take_ended() {
@@ -60,7 +83,7 @@ std::vector<std::int32_t> Processes::take_ended() {
     if (count < static_cast<int>(room.size())) break;
   }
   std::erase_if(watched_, [&](const auto& one) {
-    if (one.second || !has_ended(one.first)) return false;
+    if (one.second.process || !has_ended(one.first)) return false;
     ended.push_back(one.first);
     return true;
   });
@@ -69,7 +92,7 @@ std::vector<std::int32_t> Processes::take_ended() {
 
 std::vector<std::int32_t> Processes::watched() const {
   std::vector<std::int32_t> pids;
-  for (const auto& [pid, descriptor] : watched_) pids.push_back(pid);
+  for (const auto& [pid, process] : watched_) pids.push_back(pid);
   return pids;
 }
 

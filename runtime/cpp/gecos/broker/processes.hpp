@@ -17,6 +17,9 @@ class Processes {
   /// Begins to watch the process. Returns false when there is no such process: it has ended, or it
   /// is in another PID namespace. Does nothing when the process is watched already.
   bool watch(std::int32_t pid);
+  /// Returns when the watched process started, in ticks since the boot of the machine. A later
+  /// process with the same number has another start. Returns 0 when it is not known.
+  std::uint64_t start_of(std::int32_t pid) const;
   void forget(std::int32_t pid) { watched_.erase(pid); }
   /// Returns the watched processes that have ended, and forgets them. Never blocks.
   std::vector<std::int32_t> take_ended();
@@ -25,10 +28,14 @@ class Processes {
   int descriptor() const { return epoll_.get(); }
 
  private:
+  struct Watched {
+    /// A pidfd. Without one, because this process had no descriptor left, `take_ended` asks for the
+    /// process by its number.
+    Descriptor process;
+    std::uint64_t start = 0;
+  };
   const Descriptor epoll_;
-  /// The pidfd of each process. Without one, because this process had no descriptor left,
-  /// `take_ended` asks for the process by its number.
-  std::map<std::int32_t, Descriptor> watched_;
+  std::map<std::int32_t, Watched> watched_;
 };
 
 }  // namespace gecos::broker

@@ -28,6 +28,14 @@ const Registration& registration_of(Kind kind) {
   return *all.at(static_cast<std::size_t>(kind));
 }
 
+/// Returns the part of a host identity that identifies the machine. The result is empty for a text
+/// of another form: a boot id has no spaces, but the reason that an older program sends in place of
+/// its identity has.
+std::string_view boot_of(std::string_view identity) {
+  const std::string_view boot = identity.substr(0, identity.find('/'));
+  return boot.size() == identity.size() || boot.find(' ') != boot.npos ? std::string_view() : boot;
+}
+
 }  // namespace
 
 std::string_view to_string(Kind kind) { return registration_of(kind).capabilities.name; }
@@ -65,18 +73,24 @@ std::unique_ptr<Medium> with_layers(std::unique_ptr<Medium> medium, const Clock&
   return medium;
 }
 
+std::string runtime_directory() {
+  std::string directory = shm::default_runtime_directory();
+  return shm::prepare_directory(directory) ? directory : std::string();
+}
+
 std::string host_identity() {
-  const std::string directory = shm::default_runtime_directory();
-  if (const auto prepared = shm::prepare_directory(directory); !prepared) {
-    return "no shared memory: " + prepared.error().text;
-  }
-  const auto identity = shm::host_identity(directory);
-  return identity ? *identity : "no shared memory: " + identity.error().text;
+  std::string boot = shm::boot_id();
+  if (boot.empty()) return boot;
+  const auto directory = shm::directory_identity(shm::default_runtime_directory());
+  return std::move(boot) + "/" + directory.value_or("");
+}
+
+bool share_memory(std::string_view one, std::string_view other) {
+  return one == other && !boot_of(one).empty() && !one.ends_with('/');
 }
 
 bool on_one_machine(std::string_view one, std::string_view other) {
-  const auto boot = one.substr(0, one.find('/'));
-  return boot.size() < one.size() && other.starts_with(boot) && other.substr(boot.size(), 1) == "/";
+  return !boot_of(one).empty() && boot_of(one) == boot_of(other);
 }
 
 }  // namespace gecos::media

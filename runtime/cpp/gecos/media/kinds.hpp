@@ -50,12 +50,21 @@ tl::expected<std::unique_ptr<Medium>, MediumError> open(Kind kind, const WrapMed
 /// damaged, and in fragmentation if the session's largest packet does not fit.
 std::unique_ptr<Medium> with_layers(std::unique_ptr<Medium> medium, const Clock& clock);
 
-/// Returns a text that identifies this host. The texts of two programs are equal if and only if the
-/// programs can reach each other over shm. If shm cannot be used here, the text says why.
+/// Returns the directory in which the programs of this user meet. Returns an empty text when no
+/// directory can be used.
+std::string runtime_directory();
+
+/// Returns a text that identifies this host and its runtime directory: the boot id of the kernel,
+/// '/', and the directory by its inode. The directory is left out when shm cannot be used here. The
+/// text is empty when the kernel does not tell its boot id. Compare these texts only by the
+/// functions below.
 std::string host_identity();
 
+/// Returns whether programs with these host identities can reach each other over shm.
+bool share_memory(std::string_view one, std::string_view other);
+
 /// Returns whether two host identities belong to the same machine. Their runtime directories may
-/// differ.
+/// differ. Returns false when an identity is not known.
 bool on_one_machine(std::string_view one, std::string_view other);
 
 }  // namespace gecos::media

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
 from gecos.cli.options import broker_option, json_option, print_json, silent_names
+
+if TYPE_CHECKING:
+    from gecos.lab import Lab
 
 
 @click.command()
@@ -17,13 +22,29 @@ def free(name: str, broker: str | None, as_json: bool) -> None:
     Another server may then take the name. Make sure first that the silent server moves nothing: it
     may be cut off, and still running.
     """
-    from gecos_idl.broker import Broker
-
     import gecos
 
     with gecos.Lab(broker) as lab:
-        lab.broker(Broker).free(name).result()
+        _set_free(lab, name)
     if as_json:
         print_json({"freed": name})
     else:
         print(f"{name}: free")
+
+
+def _set_free(lab: Lab, name: str) -> None:
+    """Raises CommandFailed if the server of the object is heard or lives, and CreateError if the
+    broker does not know the object."""
+    from gecos_idl.broker import Broker
+    from gecos_idl.broker_types import NameInUse, UnknownName
+
+    from gecos.errors import Attempt, CommandFailed, CreateError, Detail
+
+    try:
+        lab.broker(Broker).free(name).result()
+    except NameInUse as kept:
+        text = f"the name {name} is not set free: {kept.why}"
+        raise CommandFailed(Detail.REJECTED, text) from None
+    except UnknownName:
+        reason = "the broker has no silent object of this name; `gecos ls` shows the silent objects"
+        raise CreateError([Attempt(name, Detail.NO_SERVER, reason)]) from None

@@ -97,18 +97,21 @@ tl::expected<void, MediumError> prepare_directory(const std::string& directory) 
   return {};
 }
 
-tl::expected<std::string, MediumError> host_identity(const std::string& directory) {
+std::string boot_id() {
+  std::string boot;
+  std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), boot);
+  return boot;
+}
+
+tl::expected<std::string, MediumError> directory_identity(const std::string& directory) {
   if (auto prepared = prepare_directory(directory); !prepared) {
     return tl::unexpected(std::move(prepared.error()));
   }
-  std::string boot;
-  std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), boot);
   struct stat found {};
-  if (boot.empty() || ::stat(directory.c_str(), &found) != 0) {
-    return error("cannot identify this host: /proc/sys/kernel/random/boot_id or " + directory +
-                 " is not readable");
+  if (::stat(directory.c_str(), &found) != 0) {
+    return error("cannot read the attributes of " + directory + ": " + system_text(errno));
   }
-  return boot + "/" + std::to_string(found.st_dev) + ":" + std::to_string(found.st_ino);
+  return std::to_string(found.st_dev) + ":" + std::to_string(found.st_ino);
 }
 
 tl::expected<DirectoryLock, MediumError> DirectoryLock::take(const std::string& directory) {

@@ -18,10 +18,13 @@ std::string default_runtime_directory();
 /// enough for the paths of sockets in it, and that no other user can replace the sockets.
 tl::expected<void, MediumError> prepare_directory(const std::string& directory);
 
-/// Returns a text that identifies this host and `directory`. The texts of two programs are equal if
-/// and only if the programs can reach each other over shm. The text consists of the boot id of the
-/// kernel and the inode of the directory, for example "6b0c…-…/2049:131".
-tl::expected<std::string, MediumError> host_identity(const std::string& directory);
+/// Returns the boot id of the kernel, for example "6b0c…-…"; an empty text when the kernel does not
+/// tell it.
+std::string boot_id();
+
+/// Prepares `directory`, and returns a text that identifies it on this machine by its inode, for
+/// example "2049:131".
+tl::expected<std::string, MediumError> directory_identity(const std::string& directory);
 
 /// The lock of a runtime directory. A process holds it while it makes or removes sockets in the
 /// directory. So no other process removes a socket between its bind() and its listen().

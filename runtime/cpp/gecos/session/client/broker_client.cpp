@@ -65,6 +65,18 @@ tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name,
   return tl::unexpected("the broker did not answer: " + failure.text);
 }
 
+std::optional<SilentObject> look_up_silent(Context& lab, const std::string& name,
+                                           TimePoint deadline) {
+  const auto broker = lab.broker(deadline);
+  if (!broker) return std::nullopt;
+  auto found = answer<Broker_silent_result, std::vector<SilentObject>>(
+      *own_call(**broker, BrokerInterface::silent), deadline);
+  if (!found) return std::nullopt;
+  const auto one =
+      std::ranges::find(*found, name, [](const auto& each) { return each.entry.name; });
+  return one == found->end() ? std::nullopt : std::optional(std::move(*one));
+}
+
 tl::expected<std::vector<Entry>, std::string> query(Context& lab, const std::string& interface_name,
                                                     TimePoint deadline) {
   const auto broker = lab.broker(deadline);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,11 @@ inline constexpr std::string_view broker_name = "BROKER";
 /// Looks up the object `name`. On failure returns a text such as "no object is called RX91; the
 /// broker knows LASER, RX90".
 tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name, TimePoint deadline);
+
+/// Returns the object `name` if its server is silent; nullopt when the broker has no such object,
+/// or does not answer.
+std::optional<SilentObject> look_up_silent(Context& lab, const std::string& name,
+                                           TimePoint deadline);
 
 /// Returns the objects online that have the interface or a derived one; all if it is empty. On
 /// failure returns why the broker gave no answer.

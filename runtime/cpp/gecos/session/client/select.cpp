@@ -24,12 +24,14 @@ qos::Quality demanded_of(qos::Quality asked, bool simulated) {
 
 namespace {
 
-std::string out_of_shared_memory(const std::string& here, const Entry& entry,
+std::string out_of_shared_memory(Runtime& runtime, const Entry& entry, media::Kind kind,
                                  const std::string& address) {
-  if (entry.host == here) return "";
+  const std::string& here = runtime.host_identity();
+  if (media::share_memory(entry.host, here)) return "";
   if (!media::on_one_machine(entry.host, here)) {
     return "it is on another host (" + entry.hostname + ")";
   }
+  if (const auto opened = runtime.medium(kind); !opened) return opened.error().text;
   return "it is on this host, in another runtime directory (" + address +
          "): for shm, both programs must run as one user with the same GECOS_RUNTIME_DIR";
 }
@@ -42,7 +44,7 @@ std::string out_of_reach(Runtime& runtime, const Entry& entry, media::Kind kind,
     case media::Reach::Process:
       return entry.boot == number(process_incarnation()) ? "" : "it is in another process";
     case media::Reach::Host:
-      return out_of_shared_memory(runtime.host_identity(), entry, address);
+      return out_of_shared_memory(runtime, entry, kind, address);
     case media::Reach::Network:
       return "";
   }

@@ -11,8 +11,8 @@
 namespace gecos::session {
 
 /// Under which epoch a session may feed inward streams now, and whether its samples must wait. The
-/// object writes it with its mutex held, whenever a status begins or ends or a heartbeat is
-/// awaited; the ports of inward streams read it for each sample without that mutex.
+/// object writes it with its mutex held, whenever a status begins or ends, the session ends, or a
+/// heartbeat is awaited; the ports of inward streams read it for each sample without that mutex.
 class FeedStanding {
  public:
   /// The epoch under which samples of a stream that needs `needed` are admitted; nullopt when none
@@ -24,6 +24,10 @@ class FeedStanding {
   }
   void set(access::Status needed, std::optional<Epoch> epoch) {
     epochs_[index(needed)].store(epoch ? number(*epoch) : 0, std::memory_order_release);
+  }
+  /// From now on no samples are admitted.
+  void clear() {
+    for (auto& epoch : epochs_) epoch.store(0, std::memory_order_release);
   }
   /// True while samples of the session must wait, as its calls do, for a heartbeat of the client.
   bool unheard() const { return unheard_.load(std::memory_order_acquire); }

@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/pid_namespace.hpp"
 #include "gecos/base/thread.hpp"
+#include "gecos/binding.hpp"
 #include "gecos/broker_interface.hpp"  // generated from idl/gecos/broker.gidl
 #include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/connect.hpp"
@@ -91,6 +93,7 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
   entry.boot = self.incarnation;
   entry.pid = self.pid;
   entry.user = self.user;
+  entry.pid_namespace = pid_namespace();
   entry.host = lab_->runtime()->host_identity();
   entry.hostname = self.host;
   entry.addresses = std::move(addresses);
@@ -108,7 +111,8 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
 
 /// Tries again when the broker is lost during the registration, because a restarted broker accepts
 /// the same entry again. Also tries again while the broker has not noticed that the previous holder
-/// of the name has ended: a killed server may be restarted before the broker notices the end.
+/// of the name has ended, because a killed server may be restarted before that, and while the name
+/// is held for a silent server that loses it before the deadline.
 tl::expected<Duration, std::string> Registrar::register_first(Registration& registration,
                                                               TimePoint deadline) {
   for (;;) {
@@ -127,18 +131,20 @@ tl::expected<Duration, std::string> Registrar::register_first(Registration& regi
       if (*enlisted == Duration::zero()) object.name_confirmation().held(question);
       return *enlisted;
     }
-    const bool later =
-        enlisted.error().unheard || (*broker)->lost() ||
-        (enlisted.error().taken && holder_has_ended(registration.entry.name, deadline));
+    const bool later = enlisted.error().unheard || (*broker)->lost() ||
+                       (enlisted.error().taken && becomes_free(registration.entry.name, deadline));
     if (!later || !rest(look_again_after, deadline)) return tl::unexpected(enlisted.error().text);
   }
 }
 
-bool Registrar::holder_has_ended(const std::string& name, TimePoint deadline) const {
+bool Registrar::becomes_free(const std::string& name, TimePoint deadline) const {
   const auto holder = session::look_up(*lab_, name, deadline);
-  if (!holder) return true;  // the entry was removed meanwhile
-  return holder->host == lab_->runtime()->host_identity() && holder->pid > 0 &&
-         ::kill(holder->pid, 0) != 0 && errno == ESRCH;
+  if (holder) return sees_process(*holder) && ::kill(holder->pid, 0) != 0 && errno == ESRCH;
+  const auto silent = look_up_silent(*lab_, name, deadline);
+  if (!silent) return true;  // it has left the list meanwhile, or the broker has just been lost
+  const double left =
+      std::chrono::duration<double>(deadline - lab_->runtime()->clock().now()).count();
+  return silent->free_in && *silent->free_in <= left;
 }
 
 void Registrar::look() {

@@ -66,10 +66,10 @@ class Registrar {
   /// Logs a warning, once, when no broker has answered for a while. `missing`: why no broker
   /// answers; empty when a broker answers.
   void note_broker(const std::string& missing);
-  /// Returns true when the process that holds `name` has ended. A holder on another host counts as
-  /// running, because its process cannot be checked; a pid that does not exist here counts as
-  /// ended.
-  bool holder_has_ended(const std::string& name, TimePoint deadline) const;
+  /// Returns whether `name`, which another object has, may become free before the deadline: the
+  /// process of that object has ended on this host, or the object has just left the list, or its
+  /// server is silent and loses the name in time.
+  bool becomes_free(const std::string& name, TimePoint deadline) const;
   /// Sleeps for `length`. Returns false when the deadline has passed or `end` was called.
   bool rest(Duration length, TimePoint deadline);
 

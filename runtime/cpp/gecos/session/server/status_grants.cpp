@@ -287,6 +287,7 @@ void StatusGrants::stop(SessionId by, const std::string& why) {
 
 void StatusGrants::depart(ServerSession& session, bool in_order) {
   leases_.forget(session.id());
+  session.standing->clear();  // before another client gets the status
   std::erase_if(feeders_, [&](const auto& feeder) { return feeder.get() == &session; });
   std::erase_if(line_, [&](const Request& waiting) { return waiting.session.get() == &session; });
   tell_places();

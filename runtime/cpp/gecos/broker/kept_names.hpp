@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "gecos/broker/processes.hpp"
+#include "gecos/broker_types.hpp"
+
+namespace gecos::broker {
+
+/// The file in which a broker keeps the objects of this host's processes, so that the next broker
+/// does not give away the name of a server that stands still and cannot register again. The file
+/// names each process together with its start, because a later process may get the same number.
+class KeptNames {
+ public:
+  explicit KeptNames(std::string path) : path_(std::move(path)) {}
+
+  /// Returns the objects in the file whose processes live, and watches these processes. Leaves out
+  /// the objects of this process: it runs, so they register again.
+  std::vector<Entry> living(Processes& processes) const;
+  /// Writes `entries` to the file unless it contains them already. Each process must be watched.
+  /// Logs a warning when the file cannot be written.
+  void keep(const std::vector<Entry>& entries, const Processes& processes);
+
+ private:
+  const std::string path_;
+  std::vector<Entry> kept_;
+  std::string reported_;  ///< why the file could not be written the last time
+};
+
+}  // namespace gecos::broker
