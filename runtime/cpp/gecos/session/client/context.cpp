@@ -137,8 +137,7 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::look_for_b
   }
   return tl::unexpected(
       "no broker answers; start `gecos up` (a laboratory on this machine) or `gecos broker`, or "
-      "set "
-      "GECOS_BROKER" +
+      "say where it is in GECOS_BROKER" +
       (tried.empty() ? std::string() : " (tried " + tried + ")"));
 }
 
