@@ -102,8 +102,8 @@ def test_without_a_broker_create_says_what_was_tried(place: Path) -> None:
     with gecos.Lab() as alone, pytest.raises(gecos.CreateError) as caught:
         alone.create(Lamp, "LAMP", patience=0.2)
     assert str(caught.value) == (
-        "LAMP: NO_SERVER: no broker answers; start `gecos broker`, or say where it is in "
-        "GECOS_BROKER (tried inproc:BROKER: no server in this process has this address; "
+        "LAMP: NO_SERVER: no broker answers; start `gecos up` (a laboratory on this machine) or "
+        "`gecos broker`, or say where it is in GECOS_BROKER (tried "
         f"shm:{place}/BROKER.sock: no server listens at this address (the directory is for "
         f"uid {os.getuid()} alone; programs of other users are reached by GECOS_BROKER=lcm))"
     )

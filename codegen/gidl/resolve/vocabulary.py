@@ -272,11 +272,11 @@ def _example(declared: Declared) -> str:
         return f"@{declared.name}"
     if len(declared.parameters) == 1:
         return f"@{declared.name}({_value_example(declared.parameters[0])})"
-    shown = ", ".join(f"{p.name}={_value_example(p)}" for p in declared.parameters[:3])
+    shown = ", ".join(f"{p.name}={_value_example(p, '...')}" for p in declared.parameters[:3])
     return f"@{declared.name}({shown}{', ...' if len(declared.parameters) > 3 else ''})"
 
 
-def _value_example(parameter: Parameter) -> str:
+def _value_example(parameter: Parameter, number: str = "1") -> str:
     if parameter.literals:
         return list(parameter.literals)[-1]
     match parameter.type:
@@ -285,7 +285,7 @@ def _value_example(parameter: Parameter) -> str:
         case PrimitiveType(Primitive.BOOLEAN):
             return "TRUE"
         case _:
-            return "1"
+            return number
 
 
 def _article(place: str) -> str:

@@ -140,7 +140,7 @@ TEST_F(Create, SaysWhatItTriedWhenThereIsNoBroker) {
   auto created = lab.create<probe::Probe>("PROBE");
   ASSERT_FALSE(created);
   const std::string text = created.error().to_string();
-  EXPECT_NE(text.find("start `gecos broker`, or say where it is in GECOS_BROKER"),
+  EXPECT_NE(text.find("start `gecos up` (a laboratory on this machine) or `gecos broker`"),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("tried inproc:nobody"), std::string::npos) << text;

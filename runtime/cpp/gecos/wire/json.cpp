@@ -202,6 +202,9 @@ bool JsonReader::get(std::string& text) const {
 }
 
 bool JsonReader::get_whole(std::int64_t& value, std::size_t bytes) const {
+  if (data_->is_number_float()) {
+    return fail(data_->dump() + " is not " + whole_numbers(true, bytes));
+  }
   if (!expect(data_->is_number_integer(), "a whole number")) return false;
   const auto most = std::numeric_limits<std::int64_t>::max() >> (64 - 8 * bytes);
   const bool fits = data_->is_number_unsigned()
@@ -214,6 +217,9 @@ bool JsonReader::get_whole(std::int64_t& value, std::size_t bytes) const {
 }
 
 bool JsonReader::get_whole(std::uint64_t& value, std::size_t bytes) const {
+  if (data_->is_number_float()) {
+    return fail(data_->dump() + " is not " + whole_numbers(false, bytes));
+  }
   if (!expect(data_->is_number_integer(), "a whole number")) return false;
   const auto most = std::numeric_limits<std::uint64_t>::max() >> (64 - 8 * bytes);
   const bool negative = !data_->is_number_unsigned() && data_->get<std::int64_t>() < 0;

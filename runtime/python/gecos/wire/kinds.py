@@ -108,9 +108,10 @@ class Number(Kind):
             return data
         if self.code in "fd":
             return self._floating(data, path)
-        expect_json(int, data, path, "a whole number")
+        if type(data) is not float:  # a fraction is refused below, with its value
+            expect_json(int, data, path, "a whole number")
         low, high = limits_of(self.code)
-        if not low <= data <= high:
+        if type(data) is float or not low <= data <= high:
             raise JsonError(path, f"{brief(data)} is not {CODE_MEANING[self.code]}")
         return data
 

@@ -125,13 +125,19 @@ void Context::note_broker(std::shared_ptr<ClientConnection> found, std::string m
 tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::look_for_broker(
     TimePoint deadline) {
   std::string tried;
-  for (const auto& address : broker_addresses(tried)) {
-    auto session = connect(*runtime_, address, BrokerInterface::description, deadline);
+  const auto addresses = broker_addresses(tried);
+  for (const auto& address : addresses) {
+    Detail why{};
+    auto session = connect(*runtime_, address, BrokerInterface::description, deadline, &why);
     if (session) return session;
-    append(tried, session.error());
+    // Few programs have a broker of their own: the reader is told only if it was named.
+    const bool expected = addresses.size() > 1 && why == Detail::NoServer &&
+                          media::kind_of(address) == media::Kind::Inproc;
+    if (!expected) append(tried, session.error());
   }
   return tl::unexpected(
-      "no broker answers; start `gecos broker`, or say where it is in GECOS_BROKER" +
+      "no broker answers; start `gecos up` (a laboratory on this machine) or `gecos broker`, or "
+      "say where it is in GECOS_BROKER" +
       (tried.empty() ? std::string() : " (tried " + tried + ")"));
 }
 
