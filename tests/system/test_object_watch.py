@@ -183,7 +183,7 @@ def test_a_silent_server_is_silent_at_the_next_broker_and_comes_back(
         def listed() -> list[int]:
             try:
                 return [one.entry.pid for one in client.broker(Broker).silent().result(PATIENCE)]
-            except gecos.CreateError:  # the client has not noticed yet that its broker is gone
+            except ConnectionError:  # the client has not noticed yet that its broker is gone
                 return []
 
         until(lambda: listed() == [frozen.pid], "the next broker calls it silent")

@@ -49,7 +49,7 @@ TEST(RuntimeDirectory, IsIdentifiedOnItsMachine) {
   ASSERT_TRUE(first);
   EXPECT_EQ(*first, shm::directory_identity(one.path()));
   EXPECT_NE(*first, shm::directory_identity(two.path()));
-  EXPECT_EQ(shm::boot_id().size(), 36u);
+  EXPECT_EQ(shm::kernel_boot().size(), 36u);
 }
 
 TEST(RuntimeDirectory, HasAPathOfFiftyCharactersAtTheMost) {

@@ -79,7 +79,7 @@ std::string runtime_directory() {
 }
 
 std::string host_identity() {
-  std::string boot = shm::boot_id();
+  std::string boot = shm::kernel_boot();
   if (boot.empty()) return boot;
   const auto directory = shm::directory_identity(shm::default_runtime_directory());
   return std::move(boot) + "/" + directory.value_or("");

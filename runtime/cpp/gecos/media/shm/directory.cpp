@@ -97,7 +97,7 @@ tl::expected<void, MediumError> prepare_directory(const std::string& directory) 
   return {};
 }
 
-std::string boot_id() {
+std::string kernel_boot() {
   std::string boot;
   std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), boot);
   return boot;

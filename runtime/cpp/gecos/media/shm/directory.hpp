@@ -20,7 +20,7 @@ tl::expected<void, MediumError> prepare_directory(const std::string& directory);
 
 /// Returns the boot id of the kernel, for example "6b0c…-…"; an empty text when the kernel does not
 /// tell it.
-std::string boot_id();
+std::string kernel_boot();
 
 /// Prepares `directory`, and returns a text that identifies it on this machine by its inode, for
 /// example "2049:131".
