@@ -346,7 +346,8 @@ def test_describe_shows_a_handler_that_runs_and_what_it_waits_for(
     assert main() == 0
     go_on.set()
     assert label.result() == "a lamp"
-    line = capsys.readouterr().out.splitlines()[-1]
+    lines = capsys.readouterr().out.splitlines()
+    (line,) = [line for line in lines if line.lstrip().startswith("handler")]
     assert re.fullmatch(
         rf" *handler +label for \d+\.\d s, called by .+ on .+ \(.+, pid {os.getpid()}\), "
         r"waits for OTHER.label",

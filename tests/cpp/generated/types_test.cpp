@@ -70,7 +70,8 @@ TEST(GeneratedTypes, SayWhatMustNotBeSentByItsName) {
             "Sequences.words: the string is not UTF-8 or contains NUL; convert it to UTF-8");
   many.words.clear();
   many.percents = {100, 101};
-  EXPECT_EQ(gecos_violation(many), "Sequences.percents[1]: 101 is outside [0, 100]; give at most 100");
+  EXPECT_EQ(gecos_violation(many),
+            "Sequences.percents[1]: 101 is outside [0, 100]; give at most 100");
 
   Holds nested;
   nested.many.resize(2);
@@ -96,9 +97,9 @@ TEST(GeneratedTypes, RefuseWhatIsOutOfRangeWhereItLies) {
   limits.few = 1;
   gecos::Bytes bytes = gecos::wire::to_bytes(limits);
   bytes.back() = std::byte{9};
-  EXPECT_EQ(
-      why_refused<Limits>(bytes),
-      "field 'Limits.few' at byte " + std::to_string(bytes.size() - 2) + ": 9 is outside [1, 3]; give at most 3");
+  EXPECT_EQ(why_refused<Limits>(bytes), "field 'Limits.few' at byte " +
+                                            std::to_string(bytes.size() - 2) +
+                                            ": 9 is outside [1, 3]; give at most 3");
 }
 
 TEST(GeneratedTypes, ReadAnUnknownEnumeratorAsTheDefaultLiteralOrRefuseIt) {
