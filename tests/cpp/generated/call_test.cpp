@@ -133,7 +133,8 @@ TEST_F(GeneratedCalls, RefuseBadParametersBeforeAnythingIsSent) {
   ASSERT_FALSE(far);
   EXPECT_EQ(far.error().detail, Detail::BadParameter);
   EXPECT_EQ(far.error().text, "paint.times: 10 is outside [0, 9]; give at most 9");
-  EXPECT_EQ(stage.set_level(6).get().error().text, "level.value: 6 is outside [0.0, 5.0]; give at most 5.0");
+  EXPECT_EQ(stage.set_level(6).get().error().text,
+            "level.value: 6 is outside [0.0, 5.0]; give at most 5.0");
   EXPECT_EQ(stage.paint(Colour::RED, {"abcde"}).wait(), State::CommandFailed);
   EXPECT_EQ(session->sent, 0);
 }
@@ -157,7 +158,8 @@ TEST_F(GeneratedCalls, DoNotPassOnAResultThatTheInterfaceForbids) {
   const auto level = stage.level().get();
   ASSERT_FALSE(level);
   EXPECT_EQ(level.error().detail, Detail::Fault);
-  EXPECT_NE(level.error().text.find("level: 99 is outside [0.0, 5.0]; give at most 5.0"), std::string::npos);
+  EXPECT_NE(level.error().text.find("level: 99 is outside [0.0, 5.0]; give at most 5.0"),
+            std::string::npos);
 }
 
 TEST_F(GeneratedCalls, AnswerAnOperationThatTheyLack) {

@@ -214,11 +214,15 @@ struct BoundedCalls : testing::Test {
 };
 
 TEST_F(BoundedCalls, RefuseArgumentsBeforeTheyAreSent) {
-  EXPECT_EQ(refusal(robot.go({0, 0, 4}, {})), "go.to[2]: 4 is outside [-3.0, 3.0]; give at most 3.0");
+  EXPECT_EQ(refusal(robot.go({0, 0, 4}, {})),
+            "go.to[2]: 4 is outside [-3.0, 3.0]; give at most 3.0");
   EXPECT_EQ(refusal(robot.go({}, {{10, 0}})), "go.by_level: 10 is outside [1, 9]; give at most 9");
-  EXPECT_EQ(refusal(robot.go({}, {{1, 4}})), "go.by_level: 4 is outside [-3.0, 3.0]; give at most 3.0");
-  EXPECT_EQ(refusal(robot.go({}, {}, Path{4})), "go.along[0]: 4 is outside [-3.0, 3.0]; give at most 3.0");
-  EXPECT_EQ(refusal(robot.set_plan({4})), "plan.value[0]: 4 is outside [-3.0, 3.0]; give at most 3.0");
+  EXPECT_EQ(refusal(robot.go({}, {{1, 4}})),
+            "go.by_level: 4 is outside [-3.0, 3.0]; give at most 3.0");
+  EXPECT_EQ(refusal(robot.go({}, {}, Path{4})),
+            "go.along[0]: 4 is outside [-3.0, 3.0]; give at most 3.0");
+  EXPECT_EQ(refusal(robot.set_plan({4})),
+            "plan.value[0]: 4 is outside [-3.0, 3.0]; give at most 3.0");
   EXPECT_EQ(refusal(robot.run(not_a_number)), "run.to: nan is outside [-3.0, 3.0]; give a number");
   EXPECT_EQ(session->sent, 0);
   EXPECT_EQ(refusal(robot.go({3, 3, 3}, {{9, 3}}, Path{3})), "accepted");
@@ -254,7 +258,8 @@ TEST_F(BoundedCalls, DoNotRaiseWhatTheInterfaceForbids) {
   const auto gone = robot.go({}, {}).get();
   ASSERT_FALSE(gone);
   EXPECT_FALSE(gone.error().as<Broken>());
-  EXPECT_EQ(gone.error().text, "the handler raised Broken.at: 4 is outside [-3.0, 3.0]; give at most 3.0");
+  EXPECT_EQ(gone.error().text,
+            "the handler raised Broken.at: 4 is outside [-3.0, 3.0]; give at most 3.0");
 }
 
 TEST_F(BoundedCalls, TellNoSecretOfAnException) {

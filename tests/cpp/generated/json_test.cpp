@@ -96,7 +96,8 @@ TEST(GeneratedJson, ArgumentsThatAreMissingOrUnknownOrOutsideTheirRangeAreNamed)
             "often: unknown member; the known members are what, words, times");
   EXPECT_EQ(why(R"({"what": "RED", "words": [], "times": 10})"),
             "paint.times: 10 is outside [0, 9]; give at most 9");
-  EXPECT_EQ(why(R"({"what": "RED", "words": ["12345"]})"), "paint.words: 5 bytes, at most 4 fit; shorten it");
+  EXPECT_EQ(why(R"({"what": "RED", "words": ["12345"]})"),
+            "paint.words: 5 bytes, at most 4 fit; shorten it");
 }
 
 TEST(GeneratedJson, ArgumentsAreReadFromTheBytesOfACall) {
