@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import IntFlag
 from typing import Any, Self
@@ -14,6 +14,7 @@ import pytest
 from gecos import wire
 from gecos.wire import DecodeError, DecodeProblem, Decoder, EncodeError, Parts, layout
 from gecos.wire.kinds import Kind
+from gecos.wire.members import Arguments
 
 
 class Axes(IntFlag):
@@ -208,3 +209,25 @@ def test_no_json_error_shows_a_secret(kind: Kind, data: Any, path: str) -> None:
         kind.made(data, "pin")
     assert caught.value.path == path
     assert "4711" not in str(caught.value) and "4.711" not in str(caught.value)
+
+
+def test_arguments_that_two_threads_use_first_are_read_whole() -> None:
+    """The other thread comes while the first one prepares the members."""
+    took: list[tuple[Any, ...]] = []
+    comes = [True]
+
+    class Interrupted(Arguments):
+        __slots__ = ()
+
+        def _each_group(self) -> Iterator[Any]:
+            for group in super()._each_group():
+                yield group
+                if comes:
+                    comes.clear()
+                    took.append(self.decode(Decoder(encoded)))
+
+    encoded = struct.pack(">d4sd", 0.5, b"\0\0\0\0", 1.5)
+    arguments = Interrupted("go", ("x", "words", "y"), ["d", layout.items("B"), "d"], ())
+    assert arguments.decode(Decoder(encoded)) == (0.5, [], 1.5)
+    assert took == [(0.5, [], 1.5)]
+    assert arguments.decode(Decoder(encoded)) == (0.5, [], 1.5)

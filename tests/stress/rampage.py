@@ -295,7 +295,12 @@ class Rampage:
                 if role.name == name:
                     role.end()
                     leftover(role)
-        left = [str(path) for path in self.place.rglob("*") if not path.is_dir()]
+        # The broker leaves the names of its host's servers to the broker after it.
+        left = [
+            str(path)
+            for path in self.place.rglob("*")
+            if not path.is_dir() and path.name != "BROKER.names"
+        ]
         assert not left, f"left behind: {left}"
 
     def _end_children(self) -> None:

@@ -32,8 +32,10 @@ class Suspended:
         self.broker = start_broker(self.lab)
 
     def start_another_server(self) -> Program:
-        """At a new broker, which does not know whose the name is."""
+        """At a new broker, which does not know whose the name is: the record of the one before it
+        is lost."""
         self.broker.kill()
+        (Path(self.lab.env["GECOS_RUNTIME_DIR"]) / "BROKER.names").unlink()
         self.start_broker()
         return self.lab.start(*self.server_command, ready="serving RAIL")
 

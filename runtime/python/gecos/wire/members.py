@@ -53,9 +53,9 @@ class Members:
         return any(kind.holds_array for kind in self.kinds)
 
     def _grouped(self) -> list[_Group]:
-        if not self._groups:
-            self._groups += self._each_group()
-        return self._groups
+        # Several threads may come here at once: none of them may see a part of the list.
+        self._groups = groups = list(self._each_group())
+        return groups
 
     def _each_group(self) -> Iterator[_Group]:
         kinds, labels = self.kinds, [f"{self.label}.{name}" for name in self.names]
