@@ -28,7 +28,7 @@ class Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
   pid_t pid() const { return pid_; }
-  /// It has nobody yet who waits for it.
+  /// Lets the process end. Does not wait for its end, so the process stays a zombie until then.
   void end() {
     if (line_ >= 0) close(line_);
     line_ = -1;

@@ -180,7 +180,7 @@ def _lab_of_process() -> Lab:
 
 
 def without_model(name: str) -> str:
-    """Returns what a user reads who asks for the members of an object that serves no model."""
+    """Returns the message for a user who asks for the members of an object without a model."""
     return (
         f"{name} serves no model; generate the code of its server again, with this version of gidl"
     )

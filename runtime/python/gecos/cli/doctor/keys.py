@@ -20,8 +20,8 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """What is at a path. `ours`: it belongs to this user. `shared`: other users may read or write
-    it."""
+    """A path and the file or folder there. `ours`: this user owns it. `shared`: other users may
+    read or write it."""
 
     path: str
     kind: Kind
