@@ -65,6 +65,15 @@ def compiles(folder: Path, text: str) -> None:
     assert run.returncode == 0, run.stderr[:4000]
 
 
+def mocked(interfaces: Path) -> Path:
+    """Writes a mock server of `interfaces` and returns its source."""
+    folder = interfaces.with_suffix(".mock")
+    command = [sys.executable, "-m", "gidl", "new", "--mock", interfaces]
+    command += ["--lang", "cpp", "--into", folder]
+    subprocess.run(command, check=True, env={**os.environ, "PYTHONPATH": str(TREE / "codegen")})
+    return folder / "server.cpp"
+
+
 def distinct(words: Iterable[str]) -> list[str]:
     """Names that IDL takes, which compares without regard to case."""
     lower = {word.lower(): word for word in sorted(words) if word.lower() not in USED_BY_LOWER}
@@ -134,15 +143,33 @@ def test_a_parameter_is_not_called_as_a_constant_or_an_alias_around_its_interfac
         """
     )
     generate(tmp_path, "--lang", "cpp", tmp_path / "around.gidl", tmp_path / "hidden.gidl")
-    command = [sys.executable, "-m", "gidl", "new", "--mock", str(tmp_path / "hidden.gidl")]
-    command += ["--lang", "cpp", "--into", str(tmp_path / "mock")]
-    subprocess.run(command, check=True, env={**os.environ, "PYTHONPATH": str(TREE / "codegen")})
+    mock = mocked(tmp_path / "hidden.gidl")
     client = " ".join((tmp_path / "cpp" / "hidden_client.hpp").read_text().split())
     assert "turn( double speed_, double speed__, std::int32_t depth_" in client
     assert "move(std::int32_t elsewhere, std::int32_t value)" in client
     sources = sorted((tmp_path / "cpp").glob("*.cpp"))
-    text = "".join(f'#include "{s.name}"\n' for s in sources)
-    compiles(tmp_path / "cpp", f'{text}#include "{tmp_path}/mock/server.cpp"\n')
+    compiles(tmp_path / "cpp", "".join(f'#include "{s}"\n' for s in [*sources, mock]))
+
+
+def test_a_parameter_may_be_called_as_a_class_of_its_interface(tmp_path: Path) -> None:
+    (tmp_path / "alike.gidl").write_text(
+        """
+        module alike {
+          interface Base {
+            void go(in long _Object, in long Servant, in long Base, in long ArmServant);
+            @cancelable void wait(in long _Object, in long BaseServant);
+          };
+          interface Arm : Base {
+            void turn(in long Base, in long Arm, in long ArmServant, out double BaseServant);
+            void _Object(out double Servant);
+          };
+        };
+        """
+    )
+    generate(tmp_path, "--lang", "cpp", tmp_path / "alike.gidl")
+    sources = sorted((tmp_path / "cpp").glob("*.cpp"))
+    mock = mocked(tmp_path / "alike.gidl")
+    compiles(tmp_path / "cpp", "".join(f'#include "{s}"\n' for s in [*sources, mock]))
 
 
 # What a mock needs itself.

@@ -47,6 +47,8 @@ _CPP_BASE_MEMBERS = words(
     """
 )
 CPP_METHOD_WORDS = CPP_WORDS | _CPP_BASE_MEMBERS
+# In a class that derives from gecos::Object or gecos::Servant, these names are members.
+CPP_PARAMETER_WORDS = CPP_METHOD_WORDS | {"Object", "Servant"}
 
 # Functions in the namespaces of generated types.
 _CPP_FUNCTIONS = words("decode_enum gecos_violation has to_string")

@@ -78,8 +78,8 @@ class TypeNames:
     # Key: name of the operation or attribute; "tool=" for the argument of a setter.
     arguments: dict[str, TypeName] = field(default_factory=dict)
     results: dict[str, TypeName] = field(default_factory=dict)
-    # Constants and aliases in the scopes around an interface. A parameter with such a name would
-    # hide them.
+    # Constants and aliases in the scopes around an interface, and the classes of the interface and
+    # its bases. A parameter with such a name would hide them.
     hidden: dict[str, frozenset[str]] = field(default_factory=dict)  # key: name of the interface
 
 
@@ -135,9 +135,10 @@ class _Naming:
         interfaces = [d for d in declared if isinstance(d, Interface)]
         for interface in interfaces:
             self._name_companions(interface, taken)
+        for interface in interfaces:
             around = self.names.types[interface.name].scope
-            hidden = (name for scope, name in values if scope == around[: len(scope)])
-            self.names.hidden[interface.name] = frozenset(hidden)
+            hidden = {name for scope, name in values if scope == around[: len(scope)]}
+            self.names.hidden[interface.name] = frozenset(hidden | self._classes(interface))
         for interface in interfaces:
             self._name_structs_of_calls(interface, taken)
         self._taken[file.path] = taken
@@ -151,6 +152,13 @@ class _Naming:
         if not self._language.file_is_scope:
             described = _fresh(own.scope, f"{own.name}Interface", taken, inside)
             self.names.descriptions[interface.name] = described
+
+    def _classes(self, interface: Interface) -> set[str]:
+        """Returns the names of the classes of an interface and of all its bases: a class is also a
+        member of itself and of each class that derives from it."""
+        tables = self.names.types, self.names.servants
+        family = self._model.with_bases(interface)
+        return {names[each.name].name for names in tables for each in family}
 
     def _name_structs_of_calls(self, interface: Interface, taken: set[_Place]) -> None:
         own, all_calls = self.names.types[interface.name], self._language.calls_are_structs

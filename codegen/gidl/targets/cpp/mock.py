@@ -125,8 +125,8 @@ interfaces."""
 def _words(lowering: Lowering, interface: Interface) -> set[str]:
     """Names of the methods and parameters of an interface."""
     found = CPP_TYPES.members(lowering.model, interface)
+    called = partial(names.parameter_name, lowering.layout, interface)
     for base in lowering.model.with_bases(interface):
-        called = partial(names.parameter_name, lowering.layout, base)
         found |= {called(p.name) for o in base.operations for p in o.parameters}
     return found
 
@@ -144,7 +144,7 @@ def _mock(
     )
     held, methods, streams = [], [], []
     for base in model.with_bases(interface):
-        facts = _Facts(lowering, base, own)
+        facts = _Facts(lowering, base, own, interface)
         for call in lowering.layout.interfaces[base.name].calls:
             member = facts._member(call)
             methods.append(facts.method(call, member))
@@ -175,9 +175,17 @@ def _mock(
 
 
 class _Facts(ServerSide):
-    def __init__(self, lowering: Lowering, interface: Interface, own: OwnNames) -> None:
+    """The methods of `interface` in the mock of `mocked`, which is the same or derives from it."""
+
+    def __init__(
+        self, lowering: Lowering, interface: Interface, own: OwnNames, mocked: Interface
+    ) -> None:
         super().__init__(lowering, interface)
         self._own = own
+        self._mocked = mocked
+
+    def _parameter(self, name: str) -> str:
+        return names.parameter_name(self._layout, self._mocked, name)
 
     def method(self, call: CallLayout, member: Operation | Attribute) -> MethodView:
         handler = self._handler(call)

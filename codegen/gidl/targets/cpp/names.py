@@ -5,7 +5,7 @@ Names of types are absolute, `::robcl::Frame`, so that no name in an enclosing s
 
 from __future__ import annotations
 
-from gidl.layout.languages import CPP_METHOD_WORDS, CPP_STRUCT_WORDS
+from gidl.layout.languages import CPP_METHOD_WORDS, CPP_PARAMETER_WORDS, CPP_STRUCT_WORDS
 from gidl.layout.type_names import TypeName, escaped
 from gidl.layout.wire_layout import Layout
 from gidl.model import AnyDeclaration, Interface, Model, Struct
@@ -70,7 +70,7 @@ def parameter_name(layout: Layout, interface: Interface, name: str) -> str:
     """The name of a parameter in the methods of its interface."""
     hidden = layout.cpp_names.hidden[interface.name]
     hides = name in hidden or name.rstrip("_") in hidden
-    return escaped(name, CPP_METHOD_WORDS | hidden if hides else CPP_METHOD_WORDS)
+    return escaped(name, CPP_PARAMETER_WORDS | hidden if hides else CPP_PARAMETER_WORDS)
 
 
 def method_names(model: Model, interface: Interface) -> set[str]:

@@ -1,0 +1,1 @@
+#include "/tmp/ob/mock_ob/server.cpp"
