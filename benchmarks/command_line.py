@@ -18,7 +18,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 TREE = Path(__file__).resolve().parents[1]
-GECOS = [sys.executable, "-m", "gecos.cli"]
+GECOS = [str(Path(sys.executable).with_name("gecos"))]
 CANDIDATES = {
     "an empty Python": [sys.executable, "-c", "pass"],
     "gecos --version": [*GECOS, "--version"],
