@@ -454,6 +454,8 @@ class Attribute:
     secret: bool = False
     bulk: bool = False
     id: int | None = None
+    # The event whose arguments are the samples of this stream; see gidl.layout.events.
+    event: Operation | None = None
 
     @property
     def scoped_name(self) -> str:
@@ -490,9 +492,9 @@ class Attribute:
 
     @property
     def has_getter(self) -> bool:
-        """False for an attribute with an inward stream, because clients cannot read it by a
-        call."""
-        return not self.streams_in
+        """False for an attribute with an inward stream and for an event, because clients cannot
+        read them by a call."""
+        return not self.streams_in and self.event is None
 
     @property
     def has_setter(self) -> bool:

@@ -218,7 +218,7 @@ class _Dumper:
     def _operation(self, operation: Operation) -> Json:
         call = self._layout.call(operation.scoped_name)
         return _said(
-            kind="event" if operation.is_event else "operation",
+            kind="operation",
             name=operation.name,
             **_facts(operation.facts),
             result=None if operation.result is None else type_text(operation.result),
@@ -259,7 +259,7 @@ class _Dumper:
             digest, largest = stream.hash, stream.sample.fixed_size
         writes = attribute.has_setter or attribute.streams_in
         return _said(
-            kind="attribute",
+            kind="attribute" if attribute.event is None else "event",
             name=attribute.name,
             **_facts(attribute.facts),
             type=type_text(attribute.type),

@@ -32,13 +32,13 @@ def _blends(declared: Declared) -> bool:
 
 
 def _is_stream(declared: Declared) -> bool:
+    if isinstance(declared, Operation):
+        return declared.is_event
     return isinstance(declared, Attribute) and declared.stream is not None
 
 
 def _is_call(declared: Declared) -> bool:
-    return isinstance(declared, Operation) or (
-        isinstance(declared, Attribute) and declared.stream is None
-    )
+    return isinstance(declared, Operation | Attribute) and not _is_stream(declared)
 
 
 def _is_member(declared: Declared) -> bool:

@@ -218,9 +218,10 @@ def texts_of(compiled: Compiled, languages: Collection[str]) -> dict[str, str]:
     Raises UnsupportedError."""
     from gidl.emit import render
     from gidl.layout import wire_layout
+    from gidl.layout.events import events_as_streams
     from gidl.model_json import file_text
 
-    model = compiled.model
+    model = events_as_streams(compiled.model)
     layout = wire_layout.build(model)
     texts = render(model, layout, [language for language in languages if language != "model"])
     if "model" in languages:

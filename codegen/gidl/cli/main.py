@@ -198,12 +198,14 @@ def _dump(chosen: argparse.Namespace) -> int:
 
 def _dumped(chosen: argparse.Namespace, compiled: Compiled, findings: Findings) -> str:
     from gidl.layout import wire_layout
+    from gidl.layout.events import events_as_streams
     from gidl.model_json import model_text
     from gidl.omg import omg_text
 
     if chosen.omg is not None:
         return omg_text(compiled.model, chosen.omg, chosen.whole, findings)
-    return model_text(compiled.model, wire_layout.build(compiled.model), chosen.whole)
+    model = events_as_streams(compiled.model)
+    return model_text(model, wire_layout.build(model), chosen.whole)
 
 
 def _explain(chosen: argparse.Namespace) -> int:

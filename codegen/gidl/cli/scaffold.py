@@ -12,6 +12,7 @@ from string import Template
 from gidl.compile import Compiled, compile_files
 from gidl.file_names import source_stem
 from gidl.layout import wire_layout
+from gidl.layout.events import events_as_streams
 from gidl.loader import absolute
 from gidl.model import Interface
 
@@ -67,20 +68,21 @@ def write_mock(
     gidl cannot generate."""
     from gidl.emit import render, render_mock
 
-    (file,) = (f for f in compiled.model.files if f.asked_for)
+    model = events_as_streams(compiled.model)
+    (file,) = (f for f in model.files if f.asked_for)
     there = [d for d in file.declarations if isinstance(d, Interface)]
     chosen = [i for i in there if wanted in (None, i.name, i.simple_name)]
     if not chosen:
         known = ", ".join(i.name for i in there) or "none at all"
         asked = f"no interface {wanted}" if wanted else "no interface to mock"
         raise ScaffoldRefusal(f"{file.path} declares {asked}; there is {known}")
-    layout = wire_layout.build(compiled.model)
-    render(compiled.model, layout, [language])  # raises if the interfaces cannot be generated
+    layout = wire_layout.build(model)
+    render(model, layout, [language])  # raises if the interfaces cannot be generated
     # Names of CMake targets cannot contain spaces.
     stem = re.sub(r"\W", "_", Path(source_stem(file.path)).name)
     folder = _new_folder(into if into is not None else Path(f"{stem}_mock"))
     source = "server.py" if language == "python" else "server.cpp"
-    texts = {source: render_mock(compiled.model, layout, language, chosen)}
+    texts = {source: render_mock(model, layout, language, chosen)}
     place = absolute(Path(compiled.sources[file.path].shown))
     root = place.parents[len(Path(file.path).parts) - 1]
     if language == "cpp":

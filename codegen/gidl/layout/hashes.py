@@ -55,6 +55,8 @@ def operation_hash(model: Model, operation: Operation) -> int:
 
 
 def attribute_hash(model: Model, attribute: Attribute) -> int:
+    if attribute.event is not None:
+        return operation_hash(model, attribute.event)
     return hash64(_Writer(model, whole=False).attribute(attribute))
 
 
@@ -70,6 +72,8 @@ def interface_text(model: Model, interface: Interface) -> str:
     for member in model.all_interface_members(interface):
         if isinstance(member, Operation):
             lines.append(writer.operation(member))
+        elif member.event is not None:
+            lines.append(writer.operation(member.event))
         else:
             lines.append(writer.attribute(member))
     name = hashed_name(model, interface.name, interface.facts)

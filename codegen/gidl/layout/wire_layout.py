@@ -113,14 +113,13 @@ class UnionLayout:
 
 class CallKind(Enum):
     OPERATION = "operation"
-    EVENT = "event"
     GETTER = "getter"
     SETTER = "setter"
 
 
 @dataclass(frozen=True, slots=True)
 class CallLayout:
-    """The encoding of one call. A call belongs to an operation, an event, a getter or a setter."""
+    """The encoding of one call. A call belongs to an operation, a getter or a setter."""
 
     kind: CallKind
     name: str  # scoped name; that of a setter has "=" at its end
@@ -175,7 +174,8 @@ class Layout:
 
 
 def build(model: Model) -> Layout:
-    """Lays out every type and interface of `model`. @pre the rules found no error in `model`."""
+    """Lays out every type and interface of `model`. @pre the rules found no error in `model`, and
+    it has no events: see `gidl.layout.events`."""
     return _Builder(model).build()
 
 
@@ -325,6 +325,7 @@ class _Builder:
         )
 
     def _operation(self, operation: Operation) -> CallLayout:
+        assert not operation.is_event, operation.scoped_name
         request, reply = (
             [self._field(p.name, p.type, p.optional, p.range, p.unit) for p in passed]
             for passed in (operation.inputs, operation.outputs)
@@ -342,7 +343,7 @@ class _Builder:
             )
             reply.insert(0, result)
         return CallLayout(
-            CallKind.EVENT if operation.is_event else CallKind.OPERATION,
+            CallKind.OPERATION,
             operation.scoped_name,
             function_codes.call_code(self._model, operation),
             tuple(request),

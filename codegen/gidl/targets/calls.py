@@ -151,10 +151,3 @@ def refuse_unsupported(interface: Interface) -> None:
             f"{interface.name}: every object answers the operations of {BUILT_IN}, so an interface"
             " must not inherit from it; leave it out of the bases",
         )
-    for member in interface.members:
-        if isinstance(member, Operation) and member.is_event:
-            raise UnsupportedError(
-                member.facts.location,
-                f"{member.scoped_name}: gidl does not generate events yet; use a @stream "
-                "attribute instead",
-            )

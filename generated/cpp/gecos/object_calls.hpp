@@ -100,7 +100,7 @@ using GecosObject_describe_result = gecos::layout::Result<
     ::gecos::Description,
     gecos::layout::Block>;
 using GecosObject_acquire_result = gecos::layout::Result<::gecos::Grant, gecos::layout::Block>;
-using GecosObject_subscribe_result = gecos::layout::Result<std::uint32_t>;
+using GecosObject_subscribe_result = gecos::layout::Result<::gecos::Subscription>;
 using GecosObject_outcome_result = gecos::layout::Result<
     ::gecos::OutcomeRecord,
     gecos::layout::Block>;

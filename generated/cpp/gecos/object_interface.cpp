@@ -16,7 +16,7 @@ constinit const gecos::OperationDescription GecosObjectInterface::operations[] =
         {.status = gecos::access::Status::Sensor, .presence = false}),
     gecos::operation(0x00000006, "release", 0xd6f3249e5e699d99U,
         {.status = gecos::access::Status::Sensor, .presence = false}),
-    gecos::operation(0x00000007, "subscribe", 0x58a229726f12910aU,
+    gecos::operation(0x00000007, "subscribe", 0x51157029036507e6U,
         {.status = gecos::access::Status::Sensor, .presence = false}),
     gecos::operation(0x00000008, "unsubscribe", 0x48017b544af97223U,
         {.status = gecos::access::Status::Sensor, .presence = false}),
@@ -35,7 +35,7 @@ constinit const gecos::OperationDescription GecosObjectInterface::operations[] =
 constinit const gecos::InterfaceDescription GecosObjectInterface::description{
     .name = "gecos::GecosObject",
     .version = "1.1",
-    .hash = 0x3768883bb80f4e5fU,
+    .hash = 0x5f78f029c028f6b2U,
     .operations = operations,
 };
 

@@ -72,6 +72,12 @@ bool JsonStruct<::gecos::Grant>::visit(JsonMembers& each, ::gecos::Grant& value)
 }
 
 template <>
+bool JsonStruct<::gecos::Subscription>::visit(JsonMembers& each, ::gecos::Subscription& value) {
+  return each.member("stream", value.stream) &&
+         each.member("newest", value.newest);
+}
+
+template <>
 bool JsonStruct<::gecos::OutcomeRecord>::visit(JsonMembers& each, ::gecos::OutcomeRecord& value) {
   return each.member("detail", value.detail) &&
          each.member("text", value.text);

@@ -37,6 +37,11 @@ template <>
 bool JsonStruct<::gecos::Grant>::visit(JsonMembers& each, ::gecos::Grant& value);
 
 template <>
+struct JsonShape<::gecos::Subscription> : JsonStruct<::gecos::Subscription> {};
+template <>
+bool JsonStruct<::gecos::Subscription>::visit(JsonMembers& each, ::gecos::Subscription& value);
+
+template <>
 struct JsonShape<::gecos::OutcomeRecord> : JsonStruct<::gecos::OutcomeRecord> {};
 template <>
 bool JsonStruct<::gecos::OutcomeRecord>::visit(JsonMembers& each, ::gecos::OutcomeRecord& value);

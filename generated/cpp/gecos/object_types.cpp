@@ -272,6 +272,20 @@ std::ostream& operator<<(std::ostream& out, const Grant& value) {
       "Grant{status=", value.status, ", epoch=", value.epoch, "}");
 }
 
+std::size_t Subscription::encoded_size() const { return 12; }
+
+void Subscription::encode(gecos::wire::Encoder& to) const { to.put(stream, newest); }
+
+bool Subscription::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(stream, "Subscription.stream") &&
+         from.get(newest, "Subscription.newest");
+}
+
+std::ostream& operator<<(std::ostream& out, const Subscription& value) {
+  return gecos::wire::print_all(out,
+      "Subscription{stream=", value.stream, ", newest=", value.newest, "}");
+}
+
 std::size_t OutcomeRecord::encoded_size() const { return 6 + text.size(); }
 
 void OutcomeRecord::encode(gecos::wire::Encoder& to) const {

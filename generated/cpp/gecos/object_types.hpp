@@ -144,6 +144,23 @@ struct Grant {
 };
 std::ostream& operator<<(std::ostream& out, const Grant& value);
 
+/// A stream that is open for the caller.
+struct Subscription {
+  /// its id on the connection
+  std::uint32_t stream = 0;
+  /// sequence number of its newest sample, 0 before the first
+  std::uint64_t newest = 0;
+
+  static constexpr std::string_view type_name() { return "gecos::Subscription"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x3b4166f3cad74759U); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const Subscription&, const Subscription&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const Subscription& value);
+
 /// What became of a command, or where it stands.
 struct OutcomeRecord {
   /// as in the flags of a reply

@@ -24,6 +24,7 @@ from gecos_idl.object_types import (
     RunningHandler,
     Status,
     StatusRefused,
+    Subscription,
 )
 
 __all__ = [
@@ -37,6 +38,7 @@ __all__ = [
     "RunningHandler",
     "Status",
     "StatusRefused",
+    "Subscription",
 ]
 
 _GECOS_OBJECT_HOLDERS: _Method[list[Holder], None] = _method(
@@ -97,10 +99,10 @@ _GECOS_OBJECT_RELEASE: _Method[None, None] = _method(
     _Operation(0x00000006, "release", _Access.SENSOR, presence=False, hash=0xD6F3249E5E699D99),
     takes=_values("epoch now", "Q?"),
 )
-_GECOS_OBJECT_SUBSCRIBE: _Method[int, None] = _method(
-    _Operation(0x00000007, "subscribe", _Access.SENSOR, presence=False, hash=0x58A229726F12910A),
+_GECOS_OBJECT_SUBSCRIBE: _Method[Subscription, None] = _method(
+    _Operation(0x00000007, "subscribe", _Access.SENSOR, presence=False, hash=0x51157029036507E6),
     takes=_values("code", "I"),
-    gives="I",
+    gives=Subscription,
 )
 _GECOS_OBJECT_UNSUBSCRIBE: _Method[None, None] = _method(
     _Operation(0x00000008, "unsubscribe", _Access.SENSOR, presence=False, hash=0x48017B544AF97223),
@@ -153,7 +155,7 @@ _GECOS_OBJECT_FEED_REPORT: _Method[FeedReport, None] = _method(
 _GECOS_OBJECT = _interface(
     "gecos::GecosObject",
     "1.1",
-    0x3768883BB80F4E5F,
+    0x5F78F029C028F6B2,
     (),
     (
         _GECOS_OBJECT_HOLDERS,
@@ -219,7 +221,7 @@ class GecosObject(_Object):
         """Gives status back. Queued commands of the holder finish first unless `now`."""
         return self._gecos_call(_GECOS_OBJECT_RELEASE, _GECOS_OBJECT_RELEASE.request(epoch, now))
 
-    def subscribe(self, code: int) -> _Command[int]:
+    def subscribe(self, code: int) -> _Command[Subscription]:
         """Opens the outward stream of attribute `code` for this session."""
         return self._gecos_call(_GECOS_OBJECT_SUBSCRIBE, _GECOS_OBJECT_SUBSCRIBE.request(code))
 
@@ -309,7 +311,7 @@ class GecosObjectServant(_Servant):
         """Gives status back. Queued commands of the holder finish first unless `now`."""
 
     @_abstractmethod
-    def subscribe(self, code: int) -> int:
+    def subscribe(self, code: int) -> Subscription:
         """Opens the outward stream of attribute `code` for this session."""
 
     @_abstractmethod

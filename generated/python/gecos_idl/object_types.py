@@ -19,6 +19,7 @@ __all__ = [
     "RunningHandler",
     "Status",
     "StatusRefused",
+    "Subscription",
 ]
 
 
@@ -148,6 +149,17 @@ class Grant(_layout.Struct):
 
     status: Status = Status.SENSOR
     epoch: int = 0
+
+
+@_layout.struct(0x3B4166F3CAD74759, "IQ")
+@_dataclass(slots=True)
+class Subscription(_layout.Struct):
+    """A stream that is open for the caller."""
+
+    stream: int = 0
+    """its id on the connection"""
+    newest: int = 0
+    """sequence number of its newest sample, 0 before the first"""
 
 
 @_layout.struct(0x5FDE1F5AF18CF320, "B", _layout.text(), open=True)

@@ -59,6 +59,9 @@ class StreamCore {
   /// before the loss. After the Lab was closed it returns none.
   virtual tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) = 0;
   virtual bool lost() const = 0;
+  /// Of an event: the sequence number of the last one before the subscription, with which the first
+  /// reading begins. Of a stream: nullopt; it begins with the newest sample.
+  virtual std::optional<std::uint64_t> after() const { return std::nullopt; }
   /// Time since the sample was measured; never negative.
   virtual Duration age(const RawSample& sample) const = 0;
 };
@@ -75,7 +78,9 @@ class Stream {
  public:
   using Decode = bool (*)(wire::Decoder&, T&);
   Stream(std::shared_ptr<session::StreamCore> core, Decode decode)
-      : core_(std::move(core)), decode_(decode) {}
+      : core_(std::move(core)), decode_(decode), read_(core_->after()) {
+    raw_.sequence = read_.value_or(0);
+  }
 
   /// Returns the newest sample, even if it was read before. Returns nullopt before the first
   /// sample, while the newest sample does not decode, and once the stream is lost(). Never waits.
@@ -113,7 +118,7 @@ class Stream {
       return std::nullopt;
     }
     sample.sequence = raw_.sequence;
-    sample.lost = raw_.sequence > read_ + 1 && read_ != 0 ? raw_.sequence - read_ - 1 : 0;
+    sample.lost = read_ && raw_.sequence > *read_ + 1 ? raw_.sequence - *read_ - 1 : 0;
     read_ = raw_.sequence;
     sample.stamp = static_cast<double>(raw_.stamp_ns) * 1e-9;
     sample.age = core_->age(raw_);
@@ -123,7 +128,7 @@ class Stream {
   std::shared_ptr<session::StreamCore> core_;
   Decode decode_;
   session::RawSample raw_;
-  std::uint64_t read_ = 0;
+  std::optional<std::uint64_t> read_;  ///< sequence number of the last sample that was read
   std::uint64_t last_unreadable_ = 0;
   std::uint64_t unreadable_ = 0;
 };

@@ -76,6 +76,10 @@ class Command:
     def descriptor(self) -> int: ...
 
 class Stream:
+    @property
+    def after(self) -> int | None:
+        """Of an event: the sequence number of the last one before the subscription. None for a
+        stream, which begins with its newest sample."""
     # Both methods return the encoded sample, its sequence number, its time stamp (Unix time in ns),
     # and its time of measurement (ns of this host's CLOCK_BOOTTIME).
     def latest(self) -> tuple[bytes, int, int, int] | str | None: ...

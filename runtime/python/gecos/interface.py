@@ -106,13 +106,16 @@ class Operation(Record):
 
 
 class OutwardStream(Record, kw_only=True):
-    """A stream of samples. The operation with the same function code reads a single value."""
+    """A stream of samples, or an event. The operation with the same function code reads a single
+    value; an event has no such operation."""
 
     code: int
     name: str
     access: Access = Access.SENSOR
     rate_hz: float = 0.0
     largest: int = 0  # bytes of the largest sample; 0 when unbounded
+    event: bool = False  # each sample is an occurrence: readers start after the subscription
+    hash: int = 0  # of an event; the hash of a stream is that of the operation
     quality: Quality = ASKED_NOTHING
 
 
@@ -136,7 +139,7 @@ class Interface(Record, kw_only=True, derived=("models", "handlers")):
     hash: int = 0
     bases: tuple[str, ...] = ()  # all direct and indirect bases
     operations: tuple[Operation, ...] = ()  # own and all inherited operations
-    streams: tuple[OutwardStream, ...] = ()  # own and all inherited streams
+    streams: tuple[OutwardStream, ...] = ()  # own and all inherited streams and events
     inward_streams: tuple[InwardStream, ...] = ()  # own and all inherited inward streams
     quality: Quality = ASKED_NOTHING
     # The object serves these texts: the JSON of the interface and of each of its bases.
@@ -321,6 +324,37 @@ def inward(
     return Inward(stream, *_answer(kind_of(gives), name))
 
 
+class Event(Record, Generic[T]):
+    """An event with the codec of its arguments."""
+
+    stream: OutwardStream
+    result: Callable[[Decoder], T]  # decodes the arguments
+    body: Callable[[T], Parts]  # encodes the arguments
+
+
+def event(
+    code: int,
+    name: str,
+    access: Access,
+    *,
+    gives: Step,
+    largest: int = 0,
+    quality: Quality = ASKED_NOTHING,
+    hash: int,
+) -> Event[Any]:
+    """Describes an event."""
+    stream = OutwardStream(
+        code=code,
+        name=name,
+        access=access,
+        largest=largest,
+        event=True,
+        hash=hash,
+        quality=quality,
+    )
+    return Event(stream, *_answer(kind_of(gives), name))
+
+
 def _answer(kind: Carried, label: str) -> tuple[Callable[[Decoder], Any], Callable[[Any], Parts]]:
     """Returns the functions that decode and encode a reply."""
 
@@ -373,6 +407,7 @@ def interface(
     quality: Quality = ASKED_NOTHING,
     model: str = "",
     inward: Iterable[Inward[Any]] = (),
+    events: Iterable[Event[Any]] = (),
 ) -> Interface:
     """Builds an interface with its own and all inherited members. `bases` are proxy classes, and
     `model` is the JSON of the interface itself."""
@@ -399,7 +434,11 @@ def interface(
         hash=hash,
         bases=tuple(names),
         operations=(*operations, *(each.operation for each in own)),
-        streams=(*streams, *(each.stream for each in own if each.stream is not None)),
+        streams=(
+            *streams,
+            *(each.stream for each in own if each.stream is not None),
+            *(each.stream for each in events),
+        ),
         inward_streams=(*inward_streams, *(each.stream for each in inward)),
         quality=quality,
         models=(*(m for base in inherited for m in base.models), *([model] if model else ())),

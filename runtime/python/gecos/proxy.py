@@ -27,15 +27,17 @@ from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Callable
 from functools import partial
 from types import FunctionType
 from typing import TYPE_CHECKING, ClassVar, Generic, NoReturn, TypeVar
 
+from gecos import interface
 from gecos.command import Command
 from gecos.errors import CommandFailed, ConnectionFailed, Detail, State
 from gecos.interface import Interface, Kind, Method
 from gecos.stream import Stream
-from gecos.wire import Parts
+from gecos.wire import Decoder, Parts
 
 if TYPE_CHECKING:
     from gecos_idl.object_ref_types import ObjectRef
@@ -130,15 +132,48 @@ class StreamAttribute(Generic[T]):
 
     def stream(self) -> Stream[T]:
         """Subscribes to the attribute. Raises ConnectionFailed or CommandFailed if this fails."""
-        session = self._object._gecos_session
-        opened = session.subscribe(self._method.operation.code)
-        name = f"{session.object_name}.{self._method.operation.name}"
-        if isinstance(opened, tuple):
-            detail, text = Detail(opened[0]), f"{name}: {opened[1]}"
-            if detail.state is State.CONNECTION_FAILED:
-                raise ConnectionFailed(detail, text)
-            raise CommandFailed(detail, text)
-        return Stream(opened, self._method.result, name)
+        operation = self._method.operation
+        return _subscribed(self._object, operation.code, operation.name, self._method.result)
+
+
+class Event(Generic[T]):
+    """An event of an object, for example `robot.touched`. `stream()` subscribes to it."""
+
+    __slots__ = ("_event", "_object")
+
+    def __init__(self, owner: Object, event: interface.Event[T]) -> None:
+        self._object = owner
+        self._event = event
+
+    def __call__(self) -> NoReturn:
+        """Raises TypeError: only the server can send the event."""
+        name = self._event.stream.name
+        raise TypeError(
+            f"{self._object!r}: {name} is an event, which the server sends; subscribe to it with "
+            f"`.{name}.stream()`"
+        )
+
+    def stream(self) -> Stream[T]:
+        """Subscribes to the event. The samples of the stream are the events that the server sends
+        after the subscription, each once and in order. A slow reader, and over lcm a reader whose
+        packets are lost, misses events, which `Sample.lost` of the next event counts. Raises
+        ConnectionFailed or CommandFailed if this fails."""
+        event = self._event
+        return _subscribed(self._object, event.stream.code, event.stream.name, event.result)
+
+
+def _subscribed(
+    owner: Object, code: int, name: str, decode: Callable[[Decoder], T]
+) -> Stream[T]:
+    session = owner._gecos_session
+    opened = session.subscribe(code)
+    name = f"{session.object_name}.{name}"
+    if isinstance(opened, tuple):
+        detail, text = Detail(opened[0]), f"{name}: {opened[1]}"
+        if detail.state is State.CONNECTION_FAILED:
+            raise ConnectionFailed(detail, text)
+        raise CommandFailed(detail, text)
+    return Stream(opened, decode, name)
 
 
 def reference(proxy: Object) -> ObjectRef:

@@ -60,7 +60,8 @@ class Stream(Generic[T]):
         self._turn: Turn[T] | None = None  # the awaiting reader in an `async for`
         self._closed = False
         self._is_lost = False
-        self._read = 0
+        self._after = core.after
+        self._read = self._after  # sequence number of the last sample that was read
         self._measured_ns = 0  # time stamp of the last sample that was read
         self._returned: deque[Sample[T]] = deque()  # samples whose readers were cancelled
         self._unread: Sample[T] | None = None  # the last sample, if a cancelled reader returned it
@@ -198,7 +199,8 @@ class Stream(Generic[T]):
 
     def __repr__(self) -> str:
         state = "closed" if self._closed else "lost" if self._is_lost else "open"
-        return f"<Stream {self._name}: {state}, last sample read: {self._read or 'none'}>"
+        read = "none" if self._read == self._after else self._read
+        return f"<Stream {self._name}: {state}, last sample read: {read}>"
 
     def _lost(self) -> StreamLost:
         self._is_lost = True
@@ -219,7 +221,7 @@ class Stream(Generic[T]):
         lost = self._unread.lost if self._unread is not None else 0
         if sequence != self._read:
             lost += self._missed + (self._unread is not None)
-            lost += sequence - self._read - 1 if self._read else 0
+            lost += 0 if self._read is None else sequence - self._read - 1
             self._missed = 0
         self._read, self._unread, self._measured_ns = sequence, None, measured_ns
         return Sample(

@@ -351,6 +351,7 @@ void bind_client(nb::module_& module) {
       .def("descriptor", [](const CommandHandle& c) { return c.core().descriptor(); });
 
   nb::class_<StreamHandle>(module, "Stream")
+      .def_prop_ro("after", [](const StreamHandle& self) { return self.get()->after(); })
       .def("latest", &latest)
       .def("next", &next, nb::arg("timeout").none())
       .def("close", &StreamHandle::close);

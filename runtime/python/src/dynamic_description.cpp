@@ -88,6 +88,8 @@ StreamDescription stream_of(nb::handle table, OwnedDescription& owner) {
   stream.status = enumerator(table, "access", access::Status::Master);
   stream.rate_hz = field<double>(table, "rate_hz");
   stream.largest = field<std::size_t>(table, "largest");
+  stream.event = field<bool>(table, "event");
+  stream.hash = field<std::uint64_t>(table, "hash");
   stream.quality = quality_of(table.attr("quality"));
   return stream;
 }

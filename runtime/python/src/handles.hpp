@@ -149,7 +149,9 @@ class CommandHandle {
 
 class StreamHandle {
  public:
-  explicit StreamHandle(std::shared_ptr<session::StreamCore> core) : core_(std::move(core)) {}
+  explicit StreamHandle(std::shared_ptr<session::StreamCore> core) : core_(std::move(core)) {
+    sample_.sequence = core_->after().value_or(0);
+  }
   StreamHandle(StreamHandle&&) = default;
   ~StreamHandle() { drop(core_, owner_); }
 

@@ -74,7 +74,7 @@ TEST(BuiltInOperations, KeepTheirBytes) {
   expect_bytes(GecosObject_acquire_result{{Status::ACTOR, 11}}, "0000000c00000001000000000000000b");
   expect_bytes(GecosObject_release_arguments{11, true}, "000000000000000b01");
   expect_bytes(GecosObject_subscribe_arguments{0x6755a361}, "6755a361");
-  expect_bytes(GecosObject_subscribe_result{3}, "00000003");
+  expect_bytes(GecosObject_subscribe_result{{3, 7}}, "000000030000000000000007");
   expect_bytes(GecosObject_unsubscribe_arguments{0x6755a361}, "6755a361");
   expect_bytes(GecosObject_outcome_arguments{5, 9, 4},
                "000000000000000500000000000000090000000000000004");

@@ -35,14 +35,18 @@ timeout_option = click.option(
     "--timeout", type=Number(), help="Seconds to wait; the default is no limit."
 )
 attribute_argument = click.argument(
-    "attribute", shell_complete=members(lambda m: m.kind == "attribute" and m.offered)
+    "attribute", shell_complete=members(lambda m: m.kind == "attribute" and m.can_be_read)
 )
 settable_argument = click.argument(
     "attribute", shell_complete=members(lambda m: m.kind == "attribute" and m.can_be_set)
 )
+watched_argument = click.argument(
+    "attribute",
+    shell_complete=members(lambda m: m.kind != "operation" and (m.can_be_read or m.can_be_watched)),
+)
 stream_argument = click.argument(
     "stream",
-    shell_complete=members(lambda m: m.kind == "attribute" and m.offered and m.stream is not None),
+    shell_complete=members(lambda m: m.kind != "operation" and m.can_be_watched),
 )
 operation_argument = click.argument(
     "operation", shell_complete=members(lambda m: m.kind == "operation")
@@ -284,7 +288,7 @@ def _ended_within(
 
 @click.command()
 @name_argument
-@attribute_argument
+@watched_argument
 @click.option("--count", type=click.IntRange(min=1), help="End after this number of values.")
 @click.option(
     "--every",
@@ -309,18 +313,21 @@ def watch(
     broker: str | None,
     as_json: bool,
 ) -> None:
-    """Shows an attribute again and again: the samples of its stream, or repeated readings.
+    """Shows an attribute again and again: the samples of its stream, or repeated readings. Shows
+    the arguments of an event each time it occurs.
 
-    On a terminal, each value replaces the previous one. Into a pipe, each value is a line.
+    On a terminal, each value of an attribute replaces the previous one. An event, and each value
+    into a pipe, is a line.
     """
     from gecos.cli import report
     from gecos.dynamic_client import by_name
 
     with ExitStack() as opened:
         robot = opened.enter_context(_connected(broker, name, attribute))
-        wanted = by_name.attribute(robot, attribute)
+        wanted = by_name.attribute_or_event(robot, attribute)
         opened.enter_context(_status(robot, wanted.access, password))
-        shown = opened.enter_context(report.Samples(as_json, wanted.result.unit))
+        samples = report.Samples(as_json, wanted.result.unit, replace=not wanted.event)
+        shown = opened.enter_context(samples)
         for number, sample in enumerate(_samples(robot, attribute, every, timeout), 1):
             shown.show(sample)
             if number == count:
@@ -334,7 +341,7 @@ def _samples(
     than `timeout`."""
     from gecos.dynamic_client import by_name
 
-    if by_name.attribute(robot, attribute).stream is not None:
+    if by_name.attribute_or_event(robot, attribute).stream is not None:
         with _subscribed(robot, attribute) as stream:
             while True:
                 yield _sample_json(stream.next(timeout))

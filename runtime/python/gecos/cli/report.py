@@ -113,7 +113,8 @@ def members(model: Model) -> None:
     from gecos.dynamic_client import Attribute
 
     shown = list(dict.fromkeys(model.members))
-    attributes = [each for each in shown if isinstance(each, Attribute)]
+    attributes = [each for each in shown if isinstance(each, Attribute) and not each.event]
+    events = [each for each in shown if isinstance(each, Attribute) and each.event]
     operations = [each for each in shown if not isinstance(each, Attribute)]
     if attributes:
         print("\nattributes")
@@ -121,6 +122,12 @@ def members(model: Model) -> None:
         line = f"{attribute.name}: {_typed(attribute.result)}{_how_read(attribute)}"
         print(f"  {printable(line)}")
         _doc(attribute)
+    if events:
+        print("\nevents")
+    for event in events:
+        line = f"{event.name}({', '.join(_arguments(model, event))}){_how_watched(event)}"
+        print(f"  {printable(line)}")
+        _doc(event)
     if operations:
         print("\noperations")
     for operation in operations:
@@ -133,9 +140,24 @@ def members(model: Model) -> None:
     _types(model)
 
 
+def _arguments(model: Model, event: Attribute) -> Iterator[str]:
+    declared = model.types.get(event.result.use.name)
+    return iter(()) if declared is None else _parts(model, declared)
+
+
+def _how_watched(event: Attribute) -> str:
+    return "" if event.access == 0 else f"  (watch: {event.access.name.lower()})"
+
+
 def _types(model: Model) -> None:
-    """Prints the members, enumerators, flags and arms of the types that the interface uses."""
-    shown = [(name, list(_parts(model, declared))) for name, declared in model.types.items()]
+    """Prints the members, enumerators, flags and arms of the types that the interface uses. Those
+    of events are printed with the events."""
+    of_events = {m.result.use.name for m in model.members if m.kind == "event" and m.result}
+    shown = [
+        (name, list(_parts(model, declared)))
+        for name, declared in model.types.items()
+        if name not in of_events
+    ]
     if shown:
         print("\ntypes")
     for name, parts in shown:
@@ -197,7 +219,7 @@ def _how_read(attribute: Attribute) -> str:
 
 
 def _how_called(operation: Operation) -> str:
-    words = ["event" if operation.kind == "event" else operation.access.name.lower()]
+    words = [operation.access.name.lower()]
     words += [word for word in ("safety", "cancelable", "idempotent") if getattr(operation, word)]
     if operation.feedback:
         words.append(f"feedback {operation.feedback}")
@@ -250,13 +272,14 @@ def rate(line: dict[str, Any]) -> None:
 
 
 class Samples:
-    """Shows one sample after another. On a terminal each sample replaces the previous one;
-    otherwise each sample is a line. `unit` is the unit of the values."""
+    """Shows one sample after another. With `replace`, on a terminal, each sample replaces the
+    previous one; otherwise each sample is a line. `unit` is the unit of the values."""
 
-    def __init__(self, as_json: bool, unit: str) -> None:
+    def __init__(self, as_json: bool, unit: str, replace: bool) -> None:
         self._unit = unit
         self._as_json = as_json
-        self._in_place = sys.stdout is not None and sys.stdout.isatty() and not as_json
+        terminal = sys.stdout is not None and sys.stdout.isatty()
+        self._in_place = terminal and replace and not as_json
         self._lines = 0
 
     def __enter__(self) -> Self:

@@ -6,7 +6,7 @@ read(robot, "tool").result()
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from gecos.dynamic_client.model import Attribute, Operation
@@ -26,24 +26,44 @@ def operation(robot: DynamicObject, name: str) -> Operation:
     """Returns the description of an operation. Raises UnknownMemberError if there is no such
     operation."""
     for member in robot._gecos_model.members:
-        if member.name == name and isinstance(member, Operation) and member.offered:
+        if member.name == name and isinstance(member, Operation):
             return member
-    raise _unknown(robot, "operation", name, _names(robot, Operation))
+    known = (m.name for m in robot._gecos_model.members if isinstance(m, Operation))
+    raise _unknown(robot, "operation", name, list(dict.fromkeys(known)))
 
 
 def attribute(robot: DynamicObject, name: str) -> Attribute:
     """Returns the description of an attribute. Raises UnknownMemberError if there is no such
     attribute."""
     for member in robot._gecos_model.members:
-        if member.name == name and isinstance(member, Attribute) and member.offered:
-            return member
         if member.name == name and isinstance(member, Attribute):
-            raise UnknownMemberError(
-                f"{robot._gecos_session.object_name}.{name} is an inward stream: clients send its"
-                " samples and nobody can read, set or watch it; in a program, send with"
-                f" `robot.{escaped(name, METHOD_WORDS)}.writer()`"
-            )
-    raise _unknown(robot, "attribute", name, _names(robot, Attribute))
+            if member.can_be_read:
+                return member
+            raise UnknownMemberError(_why_unreadable(robot, member))
+    raise _unknown(robot, "attribute", name, _names(robot, lambda m: m.can_be_read))
+
+
+def attribute_or_event(robot: DynamicObject, name: str) -> Attribute:
+    """Returns the description of an event, or of an attribute whose value can be read. Raises
+    UnknownMemberError if there is no such member."""
+    for member in robot._gecos_model.members:
+        if member.name == name and isinstance(member, Attribute) and member.event:
+            return member
+    return attribute(robot, name)
+
+
+def _why_unreadable(robot: DynamicObject, member: Attribute) -> str:
+    where = f"{robot._gecos_session.object_name}.{member.name}"
+    called = f"robot.{escaped(member.name, METHOD_WORDS)}"
+    if member.event:
+        return (
+            f"{where} is an event, which has no value to read or set; watch it, or in a program "
+            f"subscribe with `{called}.stream()`"
+        )
+    return (
+        f"{where} is an inward stream: clients send its samples and nobody can read, set or watch "
+        f"it; in a program, send with `{called}.writer()`"
+    )
 
 
 def call(robot: DynamicObject, name: str, arguments: Mapping[str, Any]) -> Command[Any, Any]:
@@ -68,11 +88,10 @@ def write(robot: DynamicObject, name: str, value: Any) -> Command[None, None]:
 
 
 def subscribe(robot: DynamicObject, name: str) -> Stream[Any]:
-    """Opens the stream of an attribute. Raises UnknownMemberError if the attribute has no
-    stream."""
-    if attribute(robot, name).stream is None:
-        streams = [n for n in _names(robot, Attribute) if attribute(robot, n).stream is not None]
-        raise _unknown(robot, "stream", name, streams)
+    """Subscribes to an event or to the stream of an attribute. Raises UnknownMemberError if there
+    is no such stream."""
+    if attribute_or_event(robot, name).stream is None:
+        raise _unknown(robot, "stream", name, _names(robot, lambda m: m.can_be_watched))
     opened: Stream[Any] = _member(robot, name).stream()
     return opened
 
@@ -81,9 +100,11 @@ def _member(robot: DynamicObject, name: str) -> Any:
     return getattr(robot, escaped(name, METHOD_WORDS))
 
 
-def _names(robot: DynamicObject, kind: type[Operation] | type[Attribute]) -> list[str]:
+def _names(robot: DynamicObject, wanted: Callable[[Attribute], bool]) -> list[str]:
+    """Returns the names of the attributes and events for which `wanted` is true."""
     members = robot._gecos_model.members
-    return list(dict.fromkeys(m.name for m in members if isinstance(m, kind) and m.offered))
+    found = (m.name for m in members if isinstance(m, Attribute) and wanted(m))
+    return list(dict.fromkeys(found))
 
 
 def _unknown(robot: DynamicObject, kind: str, name: str, known: list[str]) -> UnknownMemberError:

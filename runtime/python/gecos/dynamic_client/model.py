@@ -152,9 +152,6 @@ Declaration = Struct | Enumeration | Bitmask | Bitset | Union | Typedef
 
 
 class Operation(Record, kw_only=True):
-    """An operation or an event. Dynamic proxies do not offer events yet."""
-
-    kind: str  # "operation" or "event"
     name: str
     interface: str  # scoped name of the interface that declares the member
     doc: str = ""
@@ -175,6 +172,8 @@ class Operation(Record, kw_only=True):
     code: int = 0
     hash: int = 0
 
+    kind = "operation"
+
     @property
     def inputs(self) -> tuple[Value, ...]:
         return tuple(each for each in self.parameters if each.direction != "out")
@@ -185,10 +184,6 @@ class Operation(Record, kw_only=True):
         result = () if self.result is None else (self.result,)
         return result + tuple(each for each in self.parameters if each.direction != "in")
 
-    @property
-    def offered(self) -> bool:
-        return self.kind == "operation"
-
 
 class AttributeStream(Record):
     direction: str  # "out": the server publishes; "in": the server receives
@@ -198,7 +193,8 @@ class AttributeStream(Record):
 
 
 class Attribute(Record, kw_only=True):
-    """An attribute. Its value can be read unless clients send its samples (`inward`)."""
+    """An attribute or an event. The value of an attribute can be read unless clients send its
+    samples (`inward`). An event is a stream of structs, whose members are the parameters."""
 
     name: str
     interface: str
@@ -206,6 +202,7 @@ class Attribute(Record, kw_only=True):
     doc: str = ""
     readonly: bool = False
     stream: AttributeStream | None = None
+    event: bool = False
     access: Access = Access.SENSOR  # status needed to read the value and its stream
     write_access: Access = Access.ACTOR
     write_presence: bool = True
@@ -220,21 +217,28 @@ class Attribute(Record, kw_only=True):
     set_code: int = 0
     hash: int = 0
 
-    kind = "attribute"
     parameters = ()
     feedback = ""
+
+    @property
+    def kind(self) -> str:
+        return "event" if self.event else "attribute"
 
     @property
     def inward(self) -> bool:
         return self.stream is not None and self.stream.direction == "in"
 
     @property
-    def offered(self) -> bool:
-        return not self.inward
+    def can_be_read(self) -> bool:
+        return not self.inward and not self.event
 
     @property
     def can_be_set(self) -> bool:
-        return self.offered and not self.readonly
+        return self.can_be_read and not self.readonly
+
+    @property
+    def can_be_watched(self) -> bool:
+        return not self.inward and self.stream is not None
 
 
 Member = Operation | Attribute
@@ -264,7 +268,7 @@ class Model(Record):
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """All inherited and own members, including those that dynamic proxies do not offer."""
+        """All inherited and own members."""
         return tuple(m for each in self.interfaces.values() for m in each.members)
 
     def resolved(self, use: Type, limits: Limits | None = None) -> tuple[Type, Limits | None]:

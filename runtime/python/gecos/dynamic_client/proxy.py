@@ -19,9 +19,20 @@ from gecos.dynamic_client.read import read_model
 from gecos.dynamic_client.request import Request
 from gecos.dynamic_client.types import Types
 from gecos.errors import DeclaredError
-from gecos.interface import Interface, Inward, Kind, Method, getter, interface, inward, method
+from gecos.interface import Event as EventTable
+from gecos.interface import (
+    Interface,
+    Inward,
+    Kind,
+    Method,
+    event,
+    getter,
+    interface,
+    inward,
+    method,
+)
 from gecos.interface import Operation as OperationTable
-from gecos.proxy import Object, StreamAttribute
+from gecos.proxy import Event, Object, StreamAttribute
 from gecos.record import replace
 from gecos.wire import Decoder, layout
 from gecos.wire.kinds import kind_of
@@ -60,12 +71,13 @@ class _Builder:
         self._errors: dict[str, type[DeclaredError]] = {}
         self._methods: dict[str, list[Method[Any, Any]]] = {name: [] for name in model.interfaces}
         self._inward: dict[str, list[Inward[Any]]] = {name: [] for name in model.interfaces}
+        self._events: dict[str, list[EventTable[Any]]] = {name: [] for name in model.interfaces}
         self._entries: dict[str, Any] = {}
 
     def built(self, only: Collection[str] | None) -> type[DynamicObject]:
         model = self._model
         for member in model.members:
-            if member.kind != "event" and (only is None or member.name in only):
+            if only is None or member.name in only:
                 for name, entry in self._members(member):
                     if name in self._entries:
                         raise Malformed(f"two members of {model.interface} are called {name}")
@@ -90,6 +102,7 @@ class _Builder:
                 self._methods[each.name],
                 each.quality,
                 inward=self._inward[each.name],
+                events=self._events[each.name],
             )
         return known[self._model.interface]
 
@@ -101,6 +114,9 @@ class _Builder:
             return
         if member.inward:
             yield name, self._writer(member)
+            return
+        if member.event:
+            yield name, self._event(member)
             return
         yield name, self._getter(member, name)
         if member.can_be_set:
@@ -204,6 +220,22 @@ class _Builder:
         made = replace(made, body=lambda sample: request.encoded((sample,), {}))
         self._inward[member.interface].append(made)
         return property(lambda proxy: InwardAttribute(proxy, made), doc=attribute_doc(member))
+
+    def _event(self, member: Attribute) -> Any:
+        assert member.stream is not None
+        gives = self._types.step(member.result)
+        made = event(
+            member.code,
+            member.name,
+            member.access,
+            gives=gives,
+            largest=member.stream.largest,
+            quality=member.quality,
+            hash=member.hash,
+        )
+        made = replace(made, result=_plainly(made.result, kind_of(gives).plain))
+        self._events[member.interface].append(made)
+        return property(lambda proxy: Event(proxy, made), doc=attribute_doc(member))
 
     def _table(
         self,

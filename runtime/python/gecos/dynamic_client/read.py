@@ -295,7 +295,9 @@ def _interface(data: JsonObject) -> Interface:
 def _member(data: JsonObject, interface: str) -> Member:
     data.place = f"{interface}::{data.name()}"
     kind = data.one_of("kind", ("operation", "event", "attribute"))
-    return _attribute(data, interface) if kind == "attribute" else _operation(data, interface)
+    if kind == "operation":
+        return _operation(data, interface)
+    return _attribute(data, interface, event=kind == "event")
 
 
 def _operation(data: JsonObject, interface: str) -> Operation:
@@ -308,7 +310,6 @@ def _operation(data: JsonObject, interface: str) -> Operation:
             name += "_"
         result = _result(data, name, "result", "result_")
     return Operation(
-        kind=data.text("kind"),
         name=data.name(),
         interface=interface,
         doc=_doc(data),
@@ -331,7 +332,7 @@ def _operation(data: JsonObject, interface: str) -> Operation:
     )
 
 
-def _attribute(data: JsonObject, interface: str) -> Attribute:
+def _attribute(data: JsonObject, interface: str, event: bool) -> Attribute:
     declared = data.inner("stream")
     stream = None
     if declared is not None:
@@ -343,6 +344,8 @@ def _attribute(data: JsonObject, interface: str) -> Attribute:
         )
     readonly = data.flag("readonly")
     inward = stream is not None and stream.direction == "in"
+    if event and (stream is None or inward or not readonly):
+        raise Malformed(f"event {data.place} is not a stream that the server sends")
     codes = data.inner("codes") or JsonObject({}, f"'codes' of {data.place}")
     return Attribute(
         name=data.name(),
@@ -351,6 +354,7 @@ def _attribute(data: JsonObject, interface: str) -> Attribute:
         doc=_doc(data),
         readonly=readonly,
         stream=stream,
+        event=event,
         access=_access(data, "read_access", "sensor"),
         write_access=_access(data, "write_access", "actor"),
         write_presence=data.flag("write_needs_presence", True),
@@ -361,7 +365,7 @@ def _attribute(data: JsonObject, interface: str) -> Attribute:
         raises=data.scoped_names("get_raises"),
         set_raises=data.scoped_names("set_raises"),
         quality=_quality(data),
-        code=codes.whole("stream" if inward else "get", 0, _MAX_CODE),
+        code=codes.whole("stream" if inward or event else "get", 0, _MAX_CODE),
         set_code=0 if readonly or inward else codes.whole("set", 0, _MAX_CODE),
         hash=data.hash("hash"),
     )
@@ -437,7 +441,7 @@ def _check_members(model: Model) -> None:
         for value in values:
             _check_known(model, value.use.named(), place)
         raises = member.raises
-        own = [member.code] if member.kind != "event" else []
+        own = [member.code]
         if isinstance(member, Attribute):
             raises += member.set_raises
             own += [member.set_code] if member.can_be_set else []

@@ -77,8 +77,9 @@ class Client(CallFacts):
         rate = attribute.stream.rate_hz if attribute.stream else None
         note = f"Samples of {attribute.name}"
         note += f", {rate:g} a second." if rate else "."
+        event = doc_lines(attribute.facts) or (f"The events `{attribute.name}`.",)
         return MethodView(
-            (note,),
+            (note,) if attribute.event is None else event,
             f"tl::expected<gecos::Stream<{used}>, gecos::Failure>",
             names.method_name(attribute.name),
             group(["gecos::StreamAnnotation"]),

@@ -115,6 +115,7 @@ class _Interface(Tables, Client, ServerSide):
                 and member.streams_out
             ):
                 methods.append(self._subscribing(member))
+        methods += [self._subscribing(each) for each in interface.attributes if each.event]
         table = self._layout.cpp_names
         bases = [names.absolute(table.types[base]) for base in interface.bases]
         servants = tuple(names.absolute(table.servants[base]) for base in interface.bases)

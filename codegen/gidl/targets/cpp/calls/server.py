@@ -174,7 +174,9 @@ class ServerSide(CallFacts):
 
         return PublisherView(
             used.fresh(f"publish_{attribute.name}"),
-            attribute.name,
+            f"A new sample of `{attribute.name}`, measured at `stamp_ns`."
+            if attribute.event is None
+            else f"Sends the event `{attribute.name}`, which occurred at `stamp_ns`.",
             attribute.scoped_name,
             written(layout.sample.node),
             f"{self._lowering.parameter(value.type, value.optional)} value",

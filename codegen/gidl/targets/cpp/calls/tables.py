@@ -73,6 +73,8 @@ class Tables(CallFacts):
             terms.append(f".rate_hz = {float(attribute.stream.rate_hz)!r}")
         if layout.sample.fixed_size:
             terms.append(f".largest = {layout.sample.fixed_size}")
+        if attribute.event is not None:
+            terms += [".event = true", f".hash = {hex64(layout.hash)}"]
         return StreamRow(
             self._stream_constants[attribute.name], hex32(layout.code), attribute.name,
             filled([*terms, *asked(attribute.qos)]),

@@ -151,7 +151,7 @@ class HandlerView:
 @dataclass(frozen=True, slots=True)
 class PublisherView:
     name: str
-    stream: str  # name of the attribute in IDL
+    doc: str
     whole_name: str
     written: Written
     parameter: str  # type and name: "const T& value"

@@ -52,6 +52,9 @@ def interfaces_view(lowering: Lowering, file: File, types: tuple[str, ...]) -> I
         modules["gecos.interface"].update([*private(["inward"]), "Inward as _InwardTable"])
         modules.setdefault("gecos.writer", set()).update(private(["InwardAttribute"]))
         modules.setdefault("gecos.inward", set()).update(private(["Inward"]))
+    if any(view.events for view in views):
+        modules["gecos.interface"].update([*private(["event"]), "Event as _EventTable"])
+        modules["gecos.proxy"].update(private(["Event"]))
     if any(not member.is_stream for member in members):
         modules["gecos.command"].update(private(["Command"]))
     standard = {
@@ -91,6 +94,8 @@ def _texts(view: InterfaceView) -> Iterator[str]:
     yield from (publisher.hint for publisher in view.publishers)
     for inward in view.inward:
         yield from (inward.hint, inward.result, inward.table)
+    for event in view.events:
+        yield from (event.hint, event.result, event.table)
 
 
 def _uses(text: str, word: str) -> bool:
@@ -119,7 +124,9 @@ class _Interface(Members):
         refuse_unsupported(interface)
         calls = self._layout.interfaces[interface.name].calls
         getters = {call.name: call for call in calls if call.kind is CallKind.GETTER}
-        streamed = [a for a in interface.attributes if a.streams_out]
+        outward = [a for a in interface.attributes if a.streams_out]
+        events = [a for a in outward if a.event is not None]
+        streamed = [a for a in outward if a.event is None]
         derived_from = class_bases(self._model, interface)
         asked = quality(interface.qos)
         return InterfaceView(
@@ -139,7 +146,11 @@ class _Interface(Members):
             methods=tuple(self._table(call) for call in calls),
             members=tuple(self._proxy_member(call) for call in calls),
             handlers=tuple(self._handler(call) for call in calls),
-            publishers=tuple(self._publisher(a, getters[a.scoped_name]) for a in streamed),
+            publishers=(
+                *(self._publisher(a, getters[a.scoped_name]) for a in streamed),
+                *(self._event_publisher(a) for a in events),
+            ),
             inward=tuple(self._inward(a) for a in interface.attributes if a.streams_in),
+            events=tuple(self._event(a) for a in events),
             hidden=tuple(sorted(self.hidden)),
         )

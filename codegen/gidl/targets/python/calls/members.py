@@ -9,6 +9,7 @@ from gidl.targets.naming import LocalNames, doc_lines, value_note
 from gidl.targets.python import names
 from gidl.targets.python.calls.tables import Tables
 from gidl.targets.python.calls.views import (
+    EventView,
     HandlerView,
     InwardView,
     ParameterView,
@@ -116,9 +117,33 @@ class Members(Tables):
         hint = self._lowering.hint(self._outputs(getter)[0].node, sending=True)
         return PublisherView(
             names.publisher(attribute.name),
-            attribute.name,
+            f"Publishes a sample of `{attribute.name}`.",
             self._in_class(hint),
             self._in_class("float | None"),
             f"0x{getter.code:08X}",
             self._constant(getter),
         )
+
+    def _event(self, event: Attribute) -> EventView:
+        hint = self._lowering.hint(self._sample(event).node)
+        return EventView(
+            self._event_constant(event),
+            names.method_name(event.name),
+            hint,
+            self._in_class(hint),
+            self._event_table(event),
+            type_doc(event.facts) or (f"The events `{event.name}`.",),
+        )
+
+    def _event_publisher(self, event: Attribute) -> PublisherView:
+        return PublisherView(
+            names.publisher(event.name),
+            f"Sends the event `{event.name}` to all subscribers.",
+            self._in_class(self._lowering.hint(self._sample(event).node, sending=True)),
+            self._in_class("float | None"),
+            f"0x{self._layout.stream(event.scoped_name).code:08X}",
+            self._event_constant(event),
+        )
+
+    def _event_constant(self, event: Attribute) -> str:
+        return self.constants.name(self._name, event.name)

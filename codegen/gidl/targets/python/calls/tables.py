@@ -90,6 +90,17 @@ class Tables(CallFacts):
         terms.append(f"hash=0x{layout.hash & 0xFFFFFFFFFFFFFFFF:016X}")
         return call("_inward", *terms)
 
+    def _event_table(self, event: Attribute) -> str:
+        layout = self._layout.stream(event.scoped_name)
+        terms = [f"0x{layout.code:08X}", quoted(event.name), f"_Access.{event.read_access.name}"]
+        terms.append(f"gives={self._step(self._sample(event))}")
+        if layout.sample.fixed_size:
+            terms.append(f"largest={layout.sample.fixed_size}")
+        asked = quality(event.qos)
+        terms += [] if asked == _NO_TERMS else [f"quality={asked}"]
+        terms.append(f"hash=0x{layout.hash & 0xFFFFFFFFFFFFFFFF:016X}")
+        return call("_event", *terms)
+
     def _operation(self, layout: CallLayout, member: Operation | Attribute) -> str:
         """Returns the text of a gecos.interface.Operation: its code, name, access and hash, and
         those other arguments that differ from their defaults."""

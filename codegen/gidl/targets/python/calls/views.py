@@ -45,7 +45,7 @@ class HandlerView:
 @dataclass(frozen=True, slots=True)
 class PublisherView:
     name: str  # name of the method, for example "publish_tool"
-    attribute: str
+    doc: str
     hint: str
     stamp: str
     code: str
@@ -61,6 +61,18 @@ class InwardView:
     result: str  # type hint of the samples, as the module uses it
     hint: str  # the same in a class
     table: str  # "_inward(…)"
+    doc: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class EventView:
+    """An event: its constant, and the property of the proxy."""
+
+    constant: str
+    name: str
+    result: str  # type hint of the arguments, as the module uses it
+    hint: str  # the same in a class
+    table: str  # "_event(…)"
     doc: tuple[str, ...]
 
 
@@ -85,6 +97,7 @@ class InterfaceView:
     handlers: tuple[HandlerView, ...]
     publishers: tuple[PublisherView, ...]
     inward: tuple[InwardView, ...]
+    events: tuple[EventView, ...]
 
 
 @dataclass(frozen=True, slots=True)

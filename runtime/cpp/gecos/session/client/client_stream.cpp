@@ -36,8 +36,9 @@ std::ostream& operator<<(std::ostream& out, StreamEnd end) {
 namespace gecos::session {
 
 ClientStream::ClientStream(std::shared_ptr<ClientConnection> session, FunctionCode code,
-                           std::unique_ptr<media::StreamReader> reader)
-    : session_(std::move(session)), code_(code), reader_(std::move(reader)) {}
+                           std::unique_ptr<media::StreamReader> reader,
+                           std::optional<std::uint64_t> after)
+    : session_(std::move(session)), code_(code), reader_(std::move(reader)), after_(after) {}
 
 ClientStream::~ClientStream() { session_->subscriptions().unsubscribe(code_); }
 
@@ -54,7 +55,7 @@ void ClientStream::finish(RawSample& sample) const {
 bool ClientStream::latest(RawSample& into) {
   if (lost()) return false;  // after a loss the medium would still return old samples
   if (reader_->latest(into.sequence, into)) finish(into);
-  return into.sequence != 0;
+  return into.sequence != after_.value_or(0);
 }
 
 tl::expected<void, StreamEnd> ClientStream::next(RawSample& into, TimePoint deadline) {

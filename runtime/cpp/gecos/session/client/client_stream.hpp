@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "gecos/object.hpp"
 #include "gecos/stream.hpp"
@@ -12,13 +14,15 @@ class ClientConnection;
 /// The client side of a subscription to a stream.
 class ClientStream final : public StreamCore {
  public:
+  /// `after`: see StreamCore::after().
   ClientStream(std::shared_ptr<ClientConnection> session, FunctionCode code,
-               std::unique_ptr<media::StreamReader> reader);
+               std::unique_ptr<media::StreamReader> reader, std::optional<std::uint64_t> after);
   ~ClientStream() override;
 
   bool latest(RawSample& into) override;
   tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) override;
   bool lost() const override;
+  std::optional<std::uint64_t> after() const override { return after_; }
   Duration age(const RawSample& sample) const override;
 
  private:
@@ -27,6 +31,7 @@ class ClientStream final : public StreamCore {
   const std::shared_ptr<ClientConnection> session_;
   const FunctionCode code_;
   const std::unique_ptr<media::StreamReader> reader_;
+  const std::optional<std::uint64_t> after_;
 };
 
 }  // namespace gecos::session

@@ -33,6 +33,9 @@ std::vector<FunctionCode> differing_operations(const InterfaceDescription& wante
       names += (names.empty() ? "" : ", ") + std::string(ours->name);
     };
     differs(wanted.find(theirs.code));
+    if (const auto* ours = wanted.find_stream(theirs.code); ours != nullptr && ours->event) {
+      differs(ours);
+    }
     differs(wanted.find_inward_stream(theirs.code));
   }
   std::ranges::sort(differing);

@@ -1,5 +1,7 @@
 #include "gecos/session/client/subscriptions.hpp"
 
+#include <algorithm>
+
 #include "gecos/object_calls.hpp"      // generated from idl/gecos/object.gidl
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/client/client_connection.hpp"
@@ -8,6 +10,15 @@
 #include "gecos/session/process/runtime.hpp"
 
 namespace gecos::session {
+namespace {
+
+/// Returns the sequence number of the newest sample; 0 before the first one.
+std::uint64_t newest_of(media::StreamReader& reader) {
+  media::StreamSample sample;
+  return reader.latest(0, sample) ? sample.sequence : 0;
+}
+
+}  // namespace
 
 tl::expected<std::shared_ptr<StreamCore>, Failure> Subscriptions::subscribe(
     const StreamDescription& stream) {
@@ -27,14 +38,15 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> Subscriptions::open(
     const StreamDescription& stream, CommandCore& subscribed) {
   subscribed.wait_until(TimePoint::max());
   if (subscribed.progress().detail != Detail::Done) return tl::unexpected(subscribed.failure());
-  std::uint32_t id = 0;
+  Subscription answer;
   if (wire::Decoder from(subscribed.result());
-      !read_result<GecosObject_subscribe_result>(from, id)) {
+      !read_result<GecosObject_subscribe_result>(from, answer)) {
     return tl::unexpected(
         Failure{Detail::Fault, "the reply does not decode: " + from.error().message(), {}, {}});
   }
   media::Connection& connection = session_.connection();
   std::unique_ptr<media::StreamReader> reader;
+  const std::uint32_t id = answer.stream;
   std::string impossible;
   session_.reader().wait(
       nullptr,
@@ -56,8 +68,10 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> Subscriptions::open(
         {},
         {}});
   }
-  return std::make_shared<ClientStream>(session_.shared_from_this(), stream.code,
-                                        std::move(reader));
+  std::optional<std::uint64_t> after;
+  if (stream.event) after = std::max(answer.newest, newest_of(*reader));
+  return std::make_shared<ClientStream>(session_.shared_from_this(), stream.code, std::move(reader),
+                                        after);
 }
 
 void Subscriptions::unsubscribe(FunctionCode stream) {

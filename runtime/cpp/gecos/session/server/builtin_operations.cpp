@@ -133,7 +133,7 @@ void BuiltinOperations::subscribe(ServerSession& session, std::uint64_t counter,
   }
   const auto shared = session.share(*stream);
   if (!shared) return session.reply(counter, Failure{Detail::Rejected, shared.error(), {}, {}});
-  session.subscriptions[stream->code] = *shared;
+  session.subscriptions[stream->code] = shared->stream;
   session.reply(counter, layout::to_bytes(GecosObject_subscribe_result{*shared}));
 }
 

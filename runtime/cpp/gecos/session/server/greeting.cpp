@@ -68,6 +68,9 @@ Welcome welcome_to(const ObjectSetup& setup, bool operations) {
   for (const OperationDescription* operation : interface.all_operations()) {
     welcome.operations.push_back({operation->code, operation->hash});
   }
+  for (const StreamDescription* stream : interface.all_streams()) {
+    if (stream->event) welcome.operations.push_back({stream->code, stream->hash});
+  }
   for (const InwardDescription* stream : interface.all_inward_streams()) {
     welcome.operations.push_back({stream->code, stream->hash});
   }

@@ -30,8 +30,8 @@ std::size_t ObjectStreams::index_of(const StreamDescription& stream) const {
   return known ? static_cast<std::size_t>(place - ports_.begin()) : ports_.size();
 }
 
-tl::expected<std::uint32_t, std::string> ObjectStreams::share(const StreamDescription& stream,
-                                                              media::Connection& connection) {
+tl::expected<Subscription, std::string> ObjectStreams::share(const StreamDescription& stream,
+                                                             media::Connection& connection) {
   std::shared_ptr<media::Acceptor> acceptor;
   {
     const MutexLock lock(mutex_);
@@ -41,7 +41,9 @@ tl::expected<std::uint32_t, std::string> ObjectStreams::share(const StreamDescri
   }
   const std::size_t index = index_of(stream);
   const auto id = static_cast<std::uint32_t>(index + 1);
-  return ports_.at(index)->share(id, connection, *acceptor).map([&] { return id; });
+  return ports_.at(index)->share(id, connection, *acceptor).map([&](std::uint64_t newest) {
+    return Subscription{id, newest};
+  });
 }
 
 void ObjectStreams::publish(const StreamDescription& stream, ByteView sample,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gecos/base/mutex.hpp"
+#include "gecos/object_types.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/server/stream_port.hpp"
 
 namespace gecos::session {
@@ -21,8 +22,8 @@ class ObjectStreams {
   /// After this call, published samples reach no client.
   void close();
   /// Lets the client of `connection` read the stream. Returns the id of the stream on that
-  /// connection.
-  tl::expected<std::uint32_t, std::string> share(const StreamDescription& stream,
+  /// connection, and the sequence number of the newest sample.
+  tl::expected<Subscription, std::string> share(const StreamDescription& stream,
                                                  media::Connection& connection);
   /// Publishes `sample`; does nothing when the interface has no such stream.
   void publish(const StreamDescription& stream, ByteView sample, const SampleTime& time);

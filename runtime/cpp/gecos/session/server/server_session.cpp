@@ -82,7 +82,7 @@ bool ServerSession::send_progress(std::uint64_t counter, Detail detail, const Pr
                               [&](wire::Encoder& to) { body.encode(to); });
 }
 
-tl::expected<std::uint32_t, std::string> ServerSession::share(const StreamDescription& stream) {
+tl::expected<Subscription, std::string> ServerSession::share(const StreamDescription& stream) {
   tl::expected<std::uint32_t, std::string> shared;
   sender_.with_connection([&](media::Connection& connection) {
     shared = object_->streams().share(stream, connection);

@@ -63,7 +63,7 @@ class ServerSession {
   /// in order.
   void send(wire::PacketHeader header, ByteView body);
   PacketSender& sender() { return sender_; }
-  tl::expected<std::uint32_t, std::string> share(const StreamDescription& stream);
+  tl::expected<Subscription, std::string> share(const StreamDescription& stream);
   void unshare(std::uint32_t id);
 
   /// Used only by the thread that polls.

@@ -14,7 +14,7 @@
 namespace gecos::session {
 
 /// Publishes one stream of an object. At the first subscription over a medium, creates the writer
-/// for that medium. Before the first subscription, only the latest sample is kept.
+/// for that medium. Before the first subscription, only the latest sample is kept, and no event.
 ///
 /// `publish` locks no mutex of the object and uses no session. It allocates no memory when a sample
 /// of the same size was published before. Thread-safe.
@@ -27,22 +27,29 @@ class StreamPort {
   const StreamDescription& stream() const { return stream_; }
   void publish(ByteView sample, const SampleTime& time);
   /// Lets the client of `connection` read the stream under `id`. `acceptor`: the acceptor of
-  /// `connection`. On failure returns the reason.
-  tl::expected<void, std::string> share(std::uint32_t id, media::Connection& connection,
+  /// `connection`. Returns the sequence number of the newest sample, 0 before the first one. On
+  /// failure returns the reason.
+  tl::expected<std::uint64_t, std::string> share(std::uint32_t id, media::Connection& connection,
                                         media::Acceptor& acceptor);
   /// After this call, published samples reach no client.
   void close();
 
  private:
-  tl::expected<media::StreamWriter*, std::string> writer_for(media::Acceptor& acceptor)
+  struct Writer {
+    std::unique_ptr<media::StreamWriter> to;
+    std::uint64_t newest = 0;  ///< sequence number of its newest sample
+
+    bool publish(ByteView sample, std::int64_t stamp_ns);
+  };
+
+  tl::expected<Writer*, std::string> writer_for(media::Acceptor& acceptor)
       GECOS_REQUIRES(mutex_);
   std::string named() const;
 
   const std::string& object_;
   const StreamDescription& stream_;
   Mutex mutex_;
-  std::map<std::string_view, std::unique_ptr<media::StreamWriter>> writers_
-      GECOS_GUARDED_BY(mutex_);
+  std::map<std::string_view, Writer> writers_ GECOS_GUARDED_BY(mutex_);
   Bytes latest_ GECOS_GUARDED_BY(mutex_);  ///< the latest sample, with the measurement time
                                            ///< appended
   std::int64_t latest_stamp_ns_ GECOS_GUARDED_BY(mutex_) = 0;
