@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from gecos import wire
+from gecos.interface import Operation, method
 from gecos.wire import layout
 from type_values import TREE, cases
 
@@ -52,6 +53,14 @@ def test_results_are_values_with_json_both_ways(everything: Path) -> None:
     assert module._DEEP_REGISTER.made_result({}) is None
     with pytest.raises(wire.JsonError, match="result: unknown member"):
         module._DEEP_REGISTER.made_result({"result": 1})
+
+
+@pytest.mark.parametrize("hidden", [False, True])
+def test_an_optional_result_may_be_missing_in_json(hidden: bool) -> None:
+    step: layout.Step = layout.optional(layout.text())
+    run = method(Operation(256, "run"), gives=layout.secret(step) if hidden else step)
+    assert run.made_result({}) is None
+    assert run.made_result({"result": "x"}) == "x"
 
 
 def test_no_refusal_shows_a_secret_number_or_what_a_secret_list_holds() -> None:

@@ -20,7 +20,6 @@ from gecos.wire.kinds import Kind as Carried
 from gecos.wire.kinds import Nested, kind_of
 from gecos.wire.layout import Step
 from gecos.wire.members import Arguments, StructLayout
-from gecos.wire.several import Optional
 
 T = TypeVar("T")
 F = TypeVar("F")
@@ -211,7 +210,7 @@ class Method(Record, Generic[T, F]):
         else:
             single = _NO_VALUES
             if self.gives is not None:
-                missing = (None,) if isinstance(self.gives, Optional) else ()
+                missing = (None,) if self.gives.may_be_missing else ()
                 single = Arguments(self.operation.name, (self.named,), (self.gives,), missing)
             value = next(iter(single.made_values(data)), None)
         return value  # type: ignore[no-any-return]

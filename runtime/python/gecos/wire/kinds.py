@@ -56,6 +56,8 @@ class Kind(ABC):
     """Smallest size of a value in bytes."""
     holds_array = False
     """Whether values hold numpy arrays, which `same` must compare, because `==` gives an array."""
+    may_be_missing = False
+    """Whether there may be no value: None."""
 
     @abstractmethod
     def put(self, value: Any, out: Parts, label: str) -> None: ...
@@ -405,6 +407,10 @@ class Secret(Kind):
     @property
     def holds_array(self) -> bool:  # type: ignore[override]
         return self.inner.holds_array
+
+    @property
+    def may_be_missing(self) -> bool:  # type: ignore[override]
+        return self.inner.may_be_missing
 
     def put(self, value: Any, out: Parts, label: str) -> None:
         try:

@@ -26,6 +26,7 @@ from gecos.wire.values import as_array
 class Optional(Kind):
     __slots__ = ("inner",)
     least = 1
+    may_be_missing = True
 
     def __init__(self, inner: Kind) -> None:
         self.inner = inner
