@@ -32,6 +32,7 @@ def check(data: bytes, place: Path) -> None:
     from gidl.compile import compile_files
     from gidl.diagnostics import Findings, as_json, as_text
     from gidl.layout import hashes, wire_layout
+    from gidl.layout.events import events_as_streams
     from gidl.model_json import model_text
     from gidl.omg import DIALECTS, omg_text
 
@@ -41,7 +42,8 @@ def check(data: bytes, place: Path) -> None:
     as_text(list(compiled.findings), compiled.sources)
     as_json(list(compiled.findings), compiled.sources)
     if not compiled.has_errors:
-        model_text(compiled.model, wire_layout.build(compiled.model), whole=True)
+        model = events_as_streams(compiled.model)
+        model_text(model, wire_layout.build(model), whole=True)
         for interface in compiled.model.interfaces():
             hashes.interface_hash(compiled.model, interface)
         for dialect in DIALECTS:

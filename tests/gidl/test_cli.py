@@ -259,15 +259,6 @@ class TestGen:
         assert main(["gen"]) == 1
         assert "gidl: " in capsys.readouterr().err
 
-    def test_says_where_something_stands_that_is_not_generated_yet(
-        self, here: Path, capsys: pytest.CaptureFixture[str]
-    ) -> None:
-        (here / "idl" / "e.gidl").write_text("interface E { @event oneway void hit(); };\n")
-        assert main(["gen"]) == 100
-        said = capsys.readouterr().err
-        assert "e.gidl:1:34: error[G0801]: E::hit: gidl does not generate events" in said
-        assert not (here / "generated").exists()
-
     def test_refuses_an_interface_that_inherits_what_every_object_answers(
         self, here: Path, capsys: pytest.CaptureFixture[str]
     ) -> None:

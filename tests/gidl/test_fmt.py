@@ -18,6 +18,7 @@ from gidl.compile import compile_files, room_for_nesting
 from gidl.fmt import UnreadableError, layout
 from gidl.fmt.pieces import scan
 from gidl.layout import wire_layout
+from gidl.layout.events import events_as_streams
 from gidl.model_json import model_text
 from hypothesis import HealthCheck, given, reject, settings
 from hypothesis import strategies as st
@@ -41,7 +42,8 @@ def model_of(file: Path) -> str | None:
     compiled = compile_files([str(file)], [str(IDL), str(HERE / "good")])
     if compiled.has_errors:
         return None
-    return model_text(compiled.model, wire_layout.build(compiled.model))
+    model = events_as_streams(compiled.model)
+    return model_text(model, wire_layout.build(model))
 
 
 def assert_only_white_space_moves(place: Path, text: str, *, may_be_wrong: bool = False) -> None:

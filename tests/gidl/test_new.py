@@ -142,7 +142,6 @@ def test_or_for_the_one_that_is_named(here: Path, well: Path, wanted: str) -> No
         (["--mock", "-"], 2, "or --mock and a file"),
         (["tap", "--mock", "lab/well.gidl"], 2, "for example thermometer, or --mock"),
         ([], 2, "for example thermometer, or --mock"),
-        (["--mock", "event.gidl"], 100, "error[G0801]: Bell::rung: gidl does not generate events"),
         (["--mock", "types.gidl"], 2, "declares no interface to mock"),
         (["--mock", "lab/well.gidl", "--into", "lab"], 2, "exists already"),
     ],
@@ -155,7 +154,6 @@ def test_what_cannot_be_mocked_is_refused(
     said: str,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    (here / "event.gidl").write_text("interface Bell { @event oneway void rung(); };\n")
     (here / "types.gidl").write_text("struct S { long x; };\n")
     assert main(["new", *words]) == status
     assert said in capsys.readouterr().err

@@ -8,6 +8,7 @@ from gidl.cli.main import main
 from gidl.compile import Compiled, compile_files
 from gidl.diagnostics import as_json, as_text
 from gidl.layout import hashes, wire_layout
+from gidl.layout.events import events_as_streams
 from gidl.model_json import model_text
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -31,8 +32,8 @@ def compile_text(folder: Path, data: bytes) -> Compiled:
     assert as_text(list(compiled.findings), compiled.sources).count("error[") <= 100
     as_json(list(compiled.findings), compiled.sources)
     if not compiled.has_errors:
-        layout = wire_layout.build(compiled.model)
-        model_text(compiled.model, layout, whole=True)
+        model = events_as_streams(compiled.model)
+        model_text(model, wire_layout.build(model), whole=True)
         for interface in compiled.model.interfaces():
             hashes.interface_hash(compiled.model, interface)
     return compiled

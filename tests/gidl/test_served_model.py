@@ -8,6 +8,7 @@ from pathlib import Path
 
 from gidl.compile import compile_files
 from gidl.emit import render
+from gidl.layout.events import events_as_streams
 from gidl.layout.wire_layout import build
 from gidl.targets.served_model import served_model
 
@@ -39,9 +40,10 @@ def texts(tmp_path: Path) -> dict[str, str]:
     file.write_text(TEXT)
     compiled = compile_files([str(file)], [str(tmp_path)])
     assert not compiled.has_errors, compiled.findings
-    layout = build(compiled.model)
-    found = {i.name: served_model(compiled.model, layout, i) for i in compiled.model.interfaces()}
-    generated = render(compiled.model, layout, ["cpp", "python"])
+    model = events_as_streams(compiled.model)
+    layout = build(model)
+    found = {i.name: served_model(model, layout, i) for i in model.interfaces()}
+    generated = render(model, layout, ["cpp", "python"])
     cpp, python = generated["cpp/arm_interface.cpp"], generated["python/arm.py"]
     assert re.findall(r'R"json\((.*?)\)json"', cpp, re.DOTALL) == list(found.values())
     module = compile(python, "arm.py", "exec")

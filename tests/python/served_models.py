@@ -17,6 +17,7 @@ for folder in ("codegen", "tests/generated", "tests/generated/gate"):
 from generating import generate as generate  # noqa: E402  (found by the lines above)
 from gidl.compile import compile_files  # noqa: E402
 from gidl.file_names import python_module as python_module  # noqa: E402
+from gidl.layout.events import events_as_streams  # noqa: E402
 from gidl.layout.wire_layout import CallKind as CallKind  # noqa: E402
 from gidl.layout.wire_layout import CallLayout, Layout, build  # noqa: E402
 from gidl.model import (  # noqa: E402
@@ -56,7 +57,8 @@ def load() -> tuple[Model, Layout]:
     search = [str(TREE / "idl"), str(TREE / "tests/idl")]
     compiled = compile_files(map(str, FILES), search)
     assert not compiled.has_errors, compiled.findings
-    return compiled.model, build(compiled.model)
+    model = events_as_streams(compiled.model)
+    return model, build(model)
 
 
 # -- the texts that a server serves ----------------------------------------------------------------

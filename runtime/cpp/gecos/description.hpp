@@ -56,15 +56,15 @@ constexpr OperationDescription getter(std::uint32_t code, std::string_view name,
   return operation(code, name, hash, rest);
 }
 
-/// A stream that the server publishes. The operation with the same code reads the attribute once; an
-/// event has no such operation.
+/// A stream that the server publishes. The operation with the same code reads the attribute once;
+/// an event has no such operation.
 struct StreamDescription {
   FunctionCode code{};
   std::string_view name{};
   access::Status status = access::Status::Sensor;
   double rate_hz = 0;
   std::size_t largest = 0;  ///< bytes of the largest sample; 0: unbounded, up to 64 KiB are sent
-  bool event = false;  ///< each sample is an occurrence: readers start after their subscription
+  bool event = false;      ///< each sample is an occurrence: readers start after their subscription
   std::uint64_t hash = 0;  ///< of an event; the hash of a stream is that of the operation
   qos::Quality quality{};
 };

@@ -162,9 +162,7 @@ class Event(Generic[T]):
         return _subscribed(self._object, event.stream.code, event.stream.name, event.result)
 
 
-def _subscribed(
-    owner: Object, code: int, name: str, decode: Callable[[Decoder], T]
-) -> Stream[T]:
+def _subscribed(owner: Object, code: int, name: str, decode: Callable[[Decoder], T]) -> Stream[T]:
     session = owner._gecos_session
     opened = session.subscribe(code)
     name = f"{session.object_name}.{name}"

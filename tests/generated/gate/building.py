@@ -19,6 +19,7 @@ from gidl.compile import compile_files
 from gidl.emit import UnsupportedError, render
 from gidl.file_names import source_stem
 from gidl.layout import wire_layout
+from gidl.layout.events import events_as_streams
 from gidl.layout.wire_layout import Layout
 from gidl.model import Model
 
@@ -115,16 +116,17 @@ def generate(given: Set) -> Generated:
     if compiled.has_errors:
         errors = [f for f in compiled.findings if f.severity.value == "error"]
         raise Rejected("\n".join(f"{f.location}: {f.code} {f.message}" for f in errors))
-    layout = wire_layout.build(compiled.model)
+    model = events_as_streams(compiled.model)
+    layout = wire_layout.build(model)
     try:
-        texts = render(compiled.model, layout)
+        texts = render(model, layout)
     except UnsupportedError as error:
         raise Rejected(f"gen: {error}") from None
     broken = [e for p, text in texts.items() if p.endswith(".py") for e in _syntax_error(p, text)]
     if broken:
         raise Rejected("\n".join(broken))  # mypy would check no file after a syntax error
-    stems = [source_stem(f.path) for f in compiled.model.files if f.asked_for]
-    return Generated(given, compiled.model, layout, stems, texts)
+    stems = [source_stem(f.path) for f in model.files if f.asked_for]
+    return Generated(given, model, layout, stems, texts)
 
 
 def _syntax_error(path: str, text: str) -> list[str]:

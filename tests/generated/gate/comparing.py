@@ -12,7 +12,7 @@ from compare_json import changed
 from compare_verdicts import mutated
 from cpp_side import Asked, Program
 from gidl.layout.wire_layout import Layout
-from gidl.model import Interface, Model, NamedType, Operation
+from gidl.model import Attribute, Interface, Model, NamedType, Operation
 from making import TOKEN, Making
 from neutral import Slot, has_nan, raw
 from opinion import WRONG_ARM, WRONG_BITS, Opinion
@@ -24,7 +24,6 @@ class CallSlots:
     code: int
     inputs: list[Slot]
     outputs: list[Slot]
-    streamed: bool
 
 
 class Comparison:
@@ -184,6 +183,10 @@ class Comparison:
         for call in self._calls(interface):
             for index in range(values):
                 self._call(interface, calls, call, index % 5 >= 3, index % 2 == 0)
+        for member in self._model.all_interface_members(interface):
+            if isinstance(member, Attribute) and member.streams_out:
+                for index in range(values):
+                    self._publish(interface, calls, member, index % 5 >= 3)
 
     def _calls(self, interface: Interface) -> list[CallSlots]:
         found = []
@@ -199,18 +202,34 @@ class Comparison:
                         member.result_secret,
                     )
                     outputs.insert(0, result)
-                found.append(
-                    CallSlots(self._layout.call(member.scoped_name).code, inputs, outputs, False)
-                )
+                found.append(CallSlots(self._layout.call(member.scoped_name).code, inputs, outputs))
                 continue
             value = Slot(member.type, member.range, member.optional, member.secret)
             if member.has_getter:
                 code = self._layout.call(member.scoped_name).code
-                found.append(CallSlots(code, [], [value], member.streams_out))
+                found.append(CallSlots(code, [], [value]))
             if member.has_setter:
                 code = self._layout.call(f"{member.scoped_name}=").code
-                found.append(CallSlots(code, [value], [], False))
+                found.append(CallSlots(code, [value], []))
         return found
+
+    def _publish(
+        self, interface: Interface, calls: Calls, member: Attribute, spoiled: bool
+    ) -> None:
+        """Publishes a sample of a stream, or an event."""
+        slot = Slot(member.type, member.range, member.optional, member.secret)
+        values = self._making.values([slot], spoiled)
+        wrong = self._opinion.any_wrong([slot], values)
+        sample = self._opinion.fields([slot], values)
+        code = self._layout.stream(member.scoped_name).code
+        ours = calls.published(member.name, slot, values[0])
+
+        def publish(theirs: Verdict, _: Verdict) -> None:
+            what = f"publishing {interface.name} {member.name}"
+            self._same(what, values, wrong, {"Python": ours, "C++": theirs}, sample)
+
+        given = raw(self._model, slot, values[0])
+        self._ask("publish", f"{interface.name} {code}", given, b"", publish)
 
     def _call(
         self, interface: Interface, calls: Calls, call: CallSlots, spoiled: bool, of_request: bool
@@ -281,15 +300,6 @@ class Comparison:
                 self._no_secret(name, {"C++'s text of results": text, "C++'s refusal": theirs.why})
 
             self._ask("results", key, raw_out, b"", results)
-        if call.streamed:
-            ours = calls.published(call.code, call.outputs[0], outputs[0])
-
-            def publish(theirs: Verdict, _: Verdict) -> None:
-                self._same(
-                    f"publishing {name}", outputs, wrong_out, {"Python": ours, "C++": theirs}, reply
-                )
-
-            self._ask("publish", key, raw_out, b"", publish)
 
     def _values(self, calls: Calls, key: str, of: Values, wrong: str) -> None:
         """Arguments or results as a struct: bytes and JSON both ways, also of JSON that is

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import spelled
 from gidl.file_names import source_stem
-from gidl.layout.wire_layout import CallKind, Layout
+from gidl.layout.wire_layout import Layout
 from gidl.model import Bitset, Interface, Model, Struct, Union
 from gidl.targets.cpp.names import absolute, member_name
 from neutral import is_hand_written, named_fields
@@ -246,8 +246,6 @@ class Program:
                 methods[call.code] = f"{owner}::{virtual.name}"
         yield "};"
         for call in self._layout.all_calls(self._model, interface):
-            if call.kind is CallKind.EVENT:
-                continue
             key = f"{interface.name} {call.code}"
             method = f"&{methods[call.code]}"
             lambda_ = "[](gecos::ByteView a, gecos::ByteView b) { return "

@@ -1,4 +1,4 @@
-"""Interfaces of random files: operations, attributes, streams, types of their own, bases."""
+"""Interfaces of random files: operations, attributes, streams, events, types inside, bases."""
 
 from __future__ import annotations
 
@@ -74,6 +74,8 @@ class Interfaces(Declarations):
     def _call(self, here: Path, scope: Scope) -> str:
         if self.once_in(3):
             return self._attribute(here, scope)
+        if self.once_in(6):
+            return self._event(here, scope)
         return self._operation(here, scope)
 
     def _value(self, here: Path, depth: int, *more: Scope) -> Used:
@@ -107,9 +109,22 @@ class Interfaces(Declarations):
         name = written(scope.fresh(self.dice))
         return f"{marks}{result} {name}({', '.join(parameters)}){after};\n"
 
-    def _parameter(self, here: Path, inside: Scope) -> str:
+    def _event(self, here: Path, scope: Scope) -> str:
+        marks = self.dice.choice(("@sensor ", "@actor "))
+        inside = Scope((*here, "()"))
+        count = self.dice.choice((0, 1, 1, 2, 3))
+        parameters = [self._parameter(here, inside, ("in",)) for _ in range(count)]
+        name = written(scope.fresh(self.dice))
+        return f"{marks}@event oneway void {name}({', '.join(parameters)});\n"
+
+    def _parameter(
+        self,
+        here: Path,
+        inside: Scope,
+        ways: tuple[str, ...] = ("in", "in", "in", "out", "inout"),
+    ) -> str:
         used = self._value(here, 1, inside)
-        way = self.dice.choice(("in", "in", "in", "out", "inout"))
+        way = self.dice.choice(ways)
         marks = self.limits(used.number)[0]
         marks += "@secret " if used.is_string and self.once_in(2) else ""
         marks += "@optional " if self.once_in(6) else ""

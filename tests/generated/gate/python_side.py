@@ -387,9 +387,9 @@ class Calls:
             text = f"{result!r}\n{result}"
         return judged(lambda: b"".join(handler.result(result))), text
 
-    def published(self, code: int, slot: Slot, value: Any) -> Verdict:
-        """A value given to the servant as a sample of a stream."""
-        name = names.publisher(self._servant._gecos_handlers[code].operation.name)
+    def published(self, member: str, slot: Slot, value: Any) -> Verdict:
+        """A value given to the servant as a sample of a stream, or as an event."""
+        name = names.publisher(member)
         caught: list[bytes] = []
 
         class Probe(self._servant):  # type: ignore[misc, name-defined]

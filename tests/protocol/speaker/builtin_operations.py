@@ -120,7 +120,7 @@ def _subscribe(session: Session, body: Reader) -> Packet:
     stream = session.served.streams.get(body.u32())
     if stream is None:
         return failed(Detail.UNKNOWN_OPERATION, "there is no such stream")
-    return done(u32(session.share(stream)) + u64(stream.sequence))
+    return done(u32(session.share(stream)) + u64(stream.newest))
 
 
 def _unsubscribe(session: Session, body: Reader) -> Packet:

@@ -125,6 +125,11 @@ class StreamWriter:
         self.last = b""
         """The newest datagram."""
 
+    @property
+    def newest(self) -> int:
+        """The sequence number of the newest sample, 0 before the first."""
+        return self._counter
+
     def share(self, number: int) -> Share:
         return replace(self._shared, id=number)
 

@@ -24,7 +24,7 @@ class ObjectStreams {
   /// Lets the client of `connection` read the stream. Returns the id of the stream on that
   /// connection, and the sequence number of the newest sample.
   tl::expected<Subscription, std::string> share(const StreamDescription& stream,
-                                                 media::Connection& connection);
+                                                media::Connection& connection);
   /// Publishes `sample`; does nothing when the interface has no such stream.
   void publish(const StreamDescription& stream, ByteView sample, const SampleTime& time);
 

@@ -83,7 +83,7 @@ bool ServerSession::send_progress(std::uint64_t counter, Detail detail, const Pr
 }
 
 tl::expected<Subscription, std::string> ServerSession::share(const StreamDescription& stream) {
-  tl::expected<std::uint32_t, std::string> shared;
+  tl::expected<Subscription, std::string> shared;
   sender_.with_connection([&](media::Connection& connection) {
     shared = object_->streams().share(stream, connection);
   });

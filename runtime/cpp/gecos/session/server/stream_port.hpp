@@ -30,7 +30,7 @@ class StreamPort {
   /// `connection`. Returns the sequence number of the newest sample, 0 before the first one. On
   /// failure returns the reason.
   tl::expected<std::uint64_t, std::string> share(std::uint32_t id, media::Connection& connection,
-                                        media::Acceptor& acceptor);
+                                                 media::Acceptor& acceptor);
   /// After this call, published samples reach no client.
   void close();
 
@@ -42,8 +42,7 @@ class StreamPort {
     bool publish(ByteView sample, std::int64_t stamp_ns);
   };
 
-  tl::expected<Writer*, std::string> writer_for(media::Acceptor& acceptor)
-      GECOS_REQUIRES(mutex_);
+  tl::expected<Writer*, std::string> writer_for(media::Acceptor& acceptor) GECOS_REQUIRES(mutex_);
   std::string named() const;
 
   const std::string& object_;

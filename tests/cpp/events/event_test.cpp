@@ -1,0 +1,125 @@
+// Events from a generated server to a generated client, over every medium.
+#include <gtest/gtest.h>
+
+#include "../media/kind_names.hpp"
+#include "bell_client.hpp"
+#include "gecos/broker/broker.hpp"
+#include "gecos/gecos.hpp"
+#include "ringer.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+using gecos::Detail;
+using ringing::Alarm;
+
+class Events : public ::testing::TestWithParam<gecos::media::Kind> {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(broker_.serve(broker_server_, {gecos::media::Kind::Inproc}));
+    gecos::ObjectOptions served;
+    served.simulated = true;
+    served.media = {GetParam()};
+    const auto added = server_.add("ALARM", servant_, std::move(served));
+    ASSERT_TRUE(added) << added.error().text;
+    auto created = lab_.create<Alarm>("ALARM");
+    ASSERT_TRUE(created) << created.error();
+    alarm_ = *created;
+  }
+  void press(const std::string& who, double force, std::uint32_t times) {
+    const auto pressed = alarm_.press(who, force, times).get();
+    ASSERT_TRUE(pressed) << pressed.error();
+  }
+
+  gecos::Lab broker_lab_;
+  gecos::broker::Broker broker_;
+  gecos::Server broker_server_{broker_lab_};
+  gecos::Lab lab_;
+  ringing::Ringer servant_;
+  gecos::Server server_{lab_};
+  Alarm alarm_;
+};
+
+TEST_P(Events, ReachASubscriberOnceAndInOrder) {
+  auto pressed = alarm_.pressed(gecos::stream).value();
+  press("ann", 2.5, 2);
+  press("bob", 0.5, 1);
+  for (const std::string who : {"ann", "ann", "bob"}) {
+    const auto event = pressed.next(10s);
+    ASSERT_TRUE(event) << event.error();
+    EXPECT_EQ(event->value.who, who);
+    EXPECT_EQ(event->value.force, who == "ann" ? 2.5 : 0.5);
+    EXPECT_EQ(event->lost, 0U);
+  }
+  EXPECT_FALSE(pressed.next(0ms)) << "each once";
+  EXPECT_EQ(pressed.latest()->value.who, "bob");
+}
+
+TEST_P(Events, BeginAfterTheSubscription) {
+  auto early = alarm_.pressed(gecos::stream).value();
+  press("long ago", 1, 3);
+  ASSERT_TRUE(early.next(10s));
+  auto late = alarm_.pressed(gecos::stream).value();
+  EXPECT_FALSE(late.latest()) << "nothing has occurred";
+  EXPECT_FALSE(late.next(0ms));
+  press("now", 1, 1);
+  const auto event = late.next(10s);
+  ASSERT_TRUE(event) << event.error();
+  EXPECT_EQ(event->value.who, "now");
+  EXPECT_EQ(event->lost, 0U);
+}
+
+TEST_P(Events, BeginAfterTheFirstSubscriptionOfAll) {
+  press("long ago", 1, 3);  // nobody has ever subscribed
+  auto pressed = alarm_.pressed(gecos::stream).value();
+  EXPECT_FALSE(pressed.latest());
+  press("now", 1, 1);
+  const auto event = pressed.next(10s);
+  ASSERT_TRUE(event) << event.error();
+  EXPECT_EQ(event->value.who, "now");
+  EXPECT_EQ(event->lost, 0U);
+}
+
+TEST_P(Events, TheFirstReadingTellsHowManyWereMissed) {
+  auto let_go = alarm_.let_go(gecos::stream).value();
+  ASSERT_TRUE(alarm_.let(10).get());
+  std::uint64_t heard = 0, lost = 0;
+  while (heard + lost < 10) {
+    const auto event = let_go.next(10s);
+    ASSERT_TRUE(event) << event.error() << " after " << heard << " and " << lost;
+    ++heard;
+    lost += event->lost;
+  }
+  EXPECT_EQ(heard + lost, 10U);
+  if (GetParam() == gecos::media::Kind::Lcm) return;  // events may still come while they are read
+  EXPECT_EQ(heard, 4U) << "the depth of the event";
+}
+
+TEST_P(Events, AnEventOutOfRangeIsNotSent) {
+  auto pressed = alarm_.pressed(gecos::stream).value();
+  press("strong", 10.5, 1);
+  press("weak", 1, 1);
+  const auto event = pressed.next(10s);
+  ASSERT_TRUE(event) << event.error();
+  EXPECT_EQ(event->value.who, "weak");
+  EXPECT_EQ(event->lost, 0U);
+}
+
+TEST_P(Events, NeedTheStatusThatTheyDeclare) {
+  const auto refused = alarm_.silenced(gecos::stream);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().detail, Detail::Denied) << refused.error();
+  const auto lease = gecos::actor(alarm_);
+  auto silenced = alarm_.silenced(gecos::stream).value();
+  ASSERT_TRUE(alarm_.silence(7).get());
+  const auto event = silenced.next(10s);
+  ASSERT_TRUE(event) << event.error();
+  EXPECT_EQ(event->value.zone, 7);
+}
+
+INSTANTIATE_TEST_SUITE_P(Over, Events,
+                         ::testing::Values(gecos::media::Kind::Inproc, gecos::media::Kind::Shm,
+                                           gecos::media::Kind::Lcm),
+                         gecos::media::name_of);
+
+}  // namespace

@@ -1,0 +1,92 @@
+"""Events: every server to every client over every medium, clients without generated code, and the
+command line."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import gecos
+import pytest
+from bell import Alarm
+from processes import Laboratory, until
+
+HERE = Path(__file__).parent / "events"
+COMMAND = [sys.executable, "-m", "gecos.cli"]
+
+TRANSCRIPT = """\
+before: nothing
+ann with 2.5 N, missed 0
+ann with 2.5 N, missed 0
+let go: 40
+without a lease: DENIED
+silenced: 7
+"""
+
+
+def program(lab: Laboratory, language: str, role: str) -> list[str | Path]:
+    if language == "C++":
+        return [lab.build / "tests" / "system" / "events" / f"events_{role}"]
+    return [sys.executable, HERE / f"{role}.py"]
+
+
+@pytest.mark.parametrize("medium", ["shm", "lcm"])
+@pytest.mark.parametrize("client", ["C++", "Python"])
+@pytest.mark.parametrize("server", ["C++", "Python"])
+def test_events_of_every_server_reach_every_client(
+    server: str, client: str, medium: str, lab_with_broker: Laboratory
+) -> None:
+    lab = lab_with_broker
+    lab.start(*program(lab, server, "server"), ready="serving")
+    heard = lab.run(*program(lab, client, "client"), medium)
+    assert heard.output().splitlines() == TRANSCRIPT.splitlines(), str(heard)
+
+
+@pytest.mark.parametrize("medium", ["shm", "lcm"])
+@pytest.mark.parametrize("server", ["C++", "Python"])
+@pytest.mark.usefixtures("here")
+def test_a_client_without_generated_code_hears_them(
+    server: str, medium: str, lab_with_broker: Laboratory
+) -> None:
+    lab = lab_with_broker
+    lab.start(*program(lab, server, "server"), ready="serving")
+    with gecos.Lab() as mine:
+        alarm = mine.dynamic("ALARM", medium=medium)
+        assert type(alarm).pressed.__doc__ == "Somebody pressed the button."
+        with alarm.pressed.stream() as pressed, alarm.let_go.stream() as let_go:
+            alarm.press("ann", 2.5, 1).result()
+            alarm.let(1).result()
+            event = pressed.next(30)
+            assert (event.value, event.lost) == ({"who": "ann", "force": 2.5}, 0)
+            assert let_go.next(30).value == {}
+
+
+@pytest.mark.usefixtures("here")
+def test_an_event_has_neither_a_value_nor_a_caller(lab_with_broker: Laboratory) -> None:
+    lab = lab_with_broker
+    lab.start(*program(lab, "Python", "server"), ready="serving")
+    with gecos.Lab() as mine:
+        alarm = mine.create(Alarm, "ALARM")
+        with pytest.raises(TypeError, match=r"pressed is an event.*`\.pressed\.stream\(\)`"):
+            alarm.pressed()
+    read = lab.run(*COMMAND, "get", "ALARM", "pressed")
+    assert read.finish() == 2, str(read)
+    assert "ALARM.pressed is an event, which has no value to read or set" in read.output()
+
+
+def test_the_command_line_shows_events(lab_with_broker: Laboratory) -> None:
+    lab = lab_with_broker
+    lab.start(*program(lab, "Python", "server"), ready="serving")
+    told = lab.run(*COMMAND, "describe", "ALARM").output()
+    assert "pressed(who: string<20>, force: double [N, 0.0 to 10.0])" in told
+    assert "silenced(zone: int32 = 1)  (watch: actor)" in told
+    watch = lab.start(*COMMAND, "watch", "ALARM", "pressed", "--json", "--count", "1")
+
+    def is_shown() -> bool:
+        lab.run(*COMMAND, "call", "ALARM", "press", "who=ann", "force=2", "times=1")
+        return not watch.running()
+
+    until(is_shown, "the event is shown")
+    assert watch.finish() == 0, str(watch)
+    assert json.loads(watch.output())["value"] == {"who": "ann", "force": 2.0}
