@@ -105,7 +105,7 @@ def _fitting(values: npt.ArrayLike, code: str, field: str) -> Array:
     """Returns `values` as an array. Raises EncodeError unless `code` can represent all numbers."""
     import numpy as np
 
-    given = as_array(values, code)
+    given = _as_array(values, code, field)
     wanted = arrays(code)[1]
     if given.size == 0 or np.can_cast(given.dtype, wanted, "safe"):
         return given
@@ -171,7 +171,7 @@ def numbers(
     ):
         swapped: Any = values.astype(wanted)
         return [_pack_int32(size), swapped]
-    given = as_array(values, code)
+    given = _as_array(values, code, field)
     if given.ndim != 1:
         raise EncodeError(field, f"the array has {given.ndim} dimensions, but a sequence has one")
     number = count(len(given), most, field)
@@ -189,12 +189,21 @@ def fixed(
 ) -> memoryview:
     """Encodes an array of numbers of shape `shape`, each number from `low` to `high`, which
     messages show as `limits`."""
-    given = as_array(values, code)
+    given = _as_array(values, code, field)
     if given.shape != shape:
         raise EncodeError(
             field, f"the array has shape {given.shape}; give an array of the declared shape {shape}"
         )
     return _array_within(given, code, low, high, field, limits)
+
+
+def _as_array(values: npt.ArrayLike, code: str, field: str) -> Array:
+    try:
+        return as_array(values, code)
+    except ValueError:  # numpy makes no array of lists of different lengths
+        raise EncodeError(
+            field, "the lists in it have different lengths; give numbers, or lists of one length"
+        ) from None
 
 
 def _array_within(
