@@ -227,7 +227,8 @@ class TestReports:
         self, here: Path, capsys: pytest.CaptureFixture[str]
     ) -> None:
         (here / "e.gidl").write_text(
-            "@final struct Port { long x; };\ninterface E { @event oneway void hit(); };\n"
+            '#include "gecos/object.gidl"\n@final struct Port { long x; };\n'
+            "interface E : gecos::GecosObject { void hit(); };\n"
         )
         assert main(["gen", "--error-format", "json", "e.gidl"]) == 100
         found = json.loads(capsys.readouterr().out)

@@ -157,4 +157,4 @@ def test_what_cannot_be_mocked_is_refused(
     (here / "types.gidl").write_text("struct S { long x; };\n")
     assert main(["new", *words]) == status
     assert said in capsys.readouterr().err
-    assert {p.name for p in here.iterdir()} == {"lab", "event.gidl", "types.gidl"}
+    assert {p.name for p in here.iterdir()} == {"lab", "types.gidl"}

@@ -10,6 +10,7 @@ import pytest
 from gidl.compile import compile_files
 from gidl.emit import render
 from gidl.layout import function_codes, hashes, wire_layout
+from gidl.layout.events import events_as_streams
 from gidl.model import Attribute, Model, Operation, Struct, Union
 
 IDL = Path(__file__).resolve().parents[2] / "idl"
@@ -154,8 +155,9 @@ def test_fingerprints_are_those_of_lcm_gen(file: Path, tmp_path: Path) -> None:
     compiled = compile_files([str(file)], [str(IDL), str(GOOD)])
     everything = [str(IDL / f.path) for f in compiled.model.files if (IDL / f.path).exists()]
     compiled = compile_files([*everything, str(file)], [str(IDL), str(GOOD)])
-    layout = wire_layout.build(compiled.model)
-    for path, text in render(compiled.model, layout, ["lcm"]).items():
+    model = events_as_streams(compiled.model)
+    layout = wire_layout.build(model)
+    for path, text in render(model, layout, ["lcm"]).items():
         place = tmp_path / path
         place.parent.mkdir(parents=True, exist_ok=True)
         place.write_text(text)
@@ -187,7 +189,7 @@ def test_fingerprints_are_those_of_lcm_gen(file: Path, tmp_path: Path) -> None:
 
 def test_every_member_of_the_corpus_has_a_layout() -> None:
     files = [str(p) for p in sorted(GOOD.glob("*.gidl"))]
-    model = compile_files(files, [str(IDL), str(GOOD)]).model
+    model = events_as_streams(compile_files(files, [str(IDL), str(GOOD)]).model)
     layout = wire_layout.build(model)
     for declaration in model.declarations():
         if isinstance(declaration, Struct):
@@ -241,6 +243,7 @@ IDENTITIES = {
     "fingerprint of Goal": "e616c5296ba4a4b4",
     "fingerprint of Refused": "55b842c4e0ba6fe4",
     "fingerprint of Reading": "d1a253db6c0f0d29",
+    "fingerprint of Cart::bumped": "2d7621001617c962",
     "code of Base::look": "5b4367a1",
     "code of Cart::go": "4ba088ab",
     "code of Cart::place": "9dd1e3dc",
@@ -257,12 +260,14 @@ IDENTITIES = {
 
 def test_what_identifies_things_on_the_wire_never_changes(tmp_path: Path) -> None:
     """Programs that were built with an earlier gidl have these numbers in them."""
-    model = model_of(tmp_path, FROZEN)
+    model = events_as_streams(model_of(tmp_path, FROZEN))
     layout = wire_layout.build(model)
     cart = model.interface("frozen::Cart")
     types = {**layout.structs, **layout.unions}
     told = {f"fingerprint of {n}": f"{t.fingerprint % 2**64:016x}" for n, t in types.items()}
     told |= {f"code of {c.name}": f"{c.code:08x}" for c in layout.all_calls(model, cart)}
+    streams = layout.interfaces[cart.name].streams
+    told |= {f"code of {s.name}": f"{s.code:08x}" for s in streams}
     told["hash of frozen::Cart"] = f"{hashes.interface_hash(model, cart):016x}"
     for member in cart.members:
         if isinstance(member, Attribute):

@@ -34,7 +34,7 @@ def test_a_value_with_members_stays_valid_json(
 ) -> None:
     value = {"text": HOSTILE, "umlaut": "ü"}
     if indent is None:
-        report.Samples(as_json=False, unit="").show({"value": value})
+        report.Samples(as_json=False, unit="", replace=True).show({"value": value})
     else:
         report.value(value, "")
     text = printed(capsys)
@@ -50,7 +50,7 @@ def test_the_types_units_and_defaults_of_members(capsys: pytest.CaptureFixture[s
     )
     members = (
         Attribute(name="jaws", interface="a::B", result=width),
-        Operation(kind="operation", name="open", interface="a::B", parameters=(width,)),
+        Operation(name="open", interface="a::B", parameters=(width,)),
     )
     own = Interface(name="a::B", members=members)
     report.members(Model("a::B", {"a::B": own}, {}, frozenset()))

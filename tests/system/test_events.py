@@ -9,7 +9,7 @@ from pathlib import Path
 
 import gecos
 import pytest
-from bell import Alarm
+from button import Alarm
 from processes import Laboratory, until
 
 HERE = Path(__file__).parent / "events"
@@ -19,7 +19,7 @@ TRANSCRIPT = """\
 before: nothing
 ann with 2.5 N, missed 0
 ann with 2.5 N, missed 0
-let go: 40
+lifted: 40
 without a lease: DENIED
 silenced: 7
 """
@@ -54,12 +54,12 @@ def test_a_client_without_generated_code_hears_them(
     with gecos.Lab() as mine:
         alarm = mine.dynamic("ALARM", medium=medium)
         assert type(alarm).pressed.__doc__ == "Somebody pressed the button."
-        with alarm.pressed.stream() as pressed, alarm.let_go.stream() as let_go:
+        with alarm.pressed.stream() as pressed, alarm.lifted.stream() as lifted:
             alarm.press("ann", 2.5, 1).result()
-            alarm.let(1).result()
+            alarm.lift(1).result()
             event = pressed.next(30)
             assert (event.value, event.lost) == ({"who": "ann", "force": 2.5}, 0)
-            assert let_go.next(30).value == {}
+            assert lifted.next(30).value == {}
 
 
 @pytest.mark.usefixtures("here")

@@ -2,16 +2,16 @@
 #include <gtest/gtest.h>
 
 #include "../media/kind_names.hpp"
-#include "bell_client.hpp"
+#include "button_client.hpp"
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
-#include "ringer.hpp"
+#include "sender.hpp"
 
 namespace {
 
 using namespace std::chrono_literals;
+using buttons::Alarm;
 using gecos::Detail;
-using ringing::Alarm;
 
 class Events : public ::testing::TestWithParam<gecos::media::Kind> {
  protected:
@@ -35,7 +35,7 @@ class Events : public ::testing::TestWithParam<gecos::media::Kind> {
   gecos::broker::Broker broker_;
   gecos::Server broker_server_{broker_lab_};
   gecos::Lab lab_;
-  ringing::Ringer servant_;
+  buttons::Sender servant_;
   gecos::Server server_{lab_};
   Alarm alarm_;
 };
@@ -81,11 +81,11 @@ TEST_P(Events, BeginAfterTheFirstSubscriptionOfAll) {
 }
 
 TEST_P(Events, TheFirstReadingTellsHowManyWereMissed) {
-  auto let_go = alarm_.let_go(gecos::stream).value();
-  ASSERT_TRUE(alarm_.let(10).get());
+  auto lifted = alarm_.lifted(gecos::stream).value();
+  ASSERT_TRUE(alarm_.lift(10).get());
   std::uint64_t heard = 0, lost = 0;
   while (heard + lost < 10) {
-    const auto event = let_go.next(10s);
+    const auto event = lifted.next(10s);
     ASSERT_TRUE(event) << event.error() << " after " << heard << " and " << lost;
     ++heard;
     lost += event->lost;

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "bell_client.hpp"
+#include "button_client.hpp"
 #include "gecos/gecos.hpp"
 
 using namespace std::chrono_literals;
@@ -24,7 +24,7 @@ int main(int, char** argv) {
   gecos::Lab lab;
   gecos::CreateOptions over;
   over.medium = gecos::media::kind_from(argv[1]);
-  const auto alarm = lab.create<ringing::Alarm>("ALARM", over).value();
+  const auto alarm = lab.create<buttons::Alarm>("ALARM", over).value();
   demand(alarm.press("long ago", 1, 2));
   auto pressed = alarm.pressed(gecos::stream).value();
   std::printf("before: %s\n", pressed.latest() ? "an event" : "nothing");
@@ -34,11 +34,11 @@ int main(int, char** argv) {
     std::printf("%s with %g N, missed %d\n", event.value.who.c_str(), event.value.force,
                 static_cast<int>(event.lost));
   }
-  auto let_go = alarm.let_go(gecos::stream).value();
-  demand(alarm.let(40));
+  auto lifted = alarm.lifted(gecos::stream).value();
+  demand(alarm.lift(40));
   std::uint64_t told = 0;
-  while (told < 40) told += 1 + let_go.next(30s).value().lost;
-  std::printf("let go: %d\n", static_cast<int>(told));
+  while (told < 40) told += 1 + lifted.next(30s).value().lost;
+  std::printf("lifted: %d\n", static_cast<int>(told));
   const auto refused = alarm.silenced(gecos::stream);
   std::printf("without a lease: %s\n", std::string(to_string(refused.error().detail)).c_str());
   const auto lease = gecos::actor(alarm);

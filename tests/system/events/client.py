@@ -6,7 +6,7 @@ from __future__ import annotations
 import sys
 
 import gecos
-from bell import Alarm
+from button import Alarm
 
 
 def main(medium: str) -> None:
@@ -18,12 +18,12 @@ def main(medium: str) -> None:
         for _ in range(2):
             event = pressed.next(30)
             print(f"{event.value.who} with {event.value.force:g} N, missed {event.lost}")
-    with alarm.let_go.stream() as let_go:
-        alarm.let(40).result()
+    with alarm.lifted.stream() as lifted:
+        alarm.lift(40).result()
         told = 0
         while told < 40:
-            told += 1 + let_go.next(30).lost
-        print("let go:", told)
+            told += 1 + lifted.next(30).lost
+        print("lifted:", told)
     try:
         alarm.silenced.stream()
     except gecos.CommandFailed as refused:

@@ -1,9 +1,9 @@
 // Serves ALARM: the C++ half of the pairs in test_events.py.
 #include "gecos/gecos.hpp"
-#include "ringer.hpp"
+#include "sender.hpp"
 
 int main() {
   gecos::Lab lab;
-  ringing::Ringer alarm;
+  buttons::Sender alarm;
   return gecos::serve(lab, {{"ALARM", alarm, {.simulated = true}}});
 }

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import gecos
-from bell import Alarm_silenced, AlarmServant, Bell_let_go, Bell_pressed
+from button import Alarm_silenced, AlarmServant, Button_lifted, Button_pressed
 
 
-class Ringer(AlarmServant):
+class Sender(AlarmServant):
     def press(self, who: str, force: float, times: int) -> None:
         for _ in range(times):
-            self.publish_pressed(Bell_pressed(who, force))
+            self.publish_pressed(Button_pressed(who, force))
 
-    def let(self, times: int) -> None:
+    def lift(self, times: int) -> None:
         for _ in range(times):
-            self.publish_let_go(Bell_let_go())
+            self.publish_lifted(Button_lifted())
 
     def silence(self, zone: int) -> None:
         self.publish_silenced(Alarm_silenced(zone))
 
 
 if __name__ == "__main__":
-    gecos.serve({"ALARM": Ringer()}, simulated=True)
+    gecos.serve({"ALARM": Sender()}, simulated=True)

@@ -1,18 +1,18 @@
 // A servant that sends its events when it is asked to.
 #pragma once
 
-#include "bell_server.hpp"
+#include "button_server.hpp"
 
-namespace ringing {
+namespace buttons {
 
-class Ringer : public AlarmServant {
+class Sender : public AlarmServant {
  protected:
   gecos::Result<void> press(const std::string& who, double force, std::uint32_t times) override {
     for (std::uint32_t i = 0; i < times; ++i) publish_pressed({who, force});
     return {};
   }
-  gecos::Result<void> let(std::uint32_t times) override {
-    for (std::uint32_t i = 0; i < times; ++i) publish_let_go({});
+  gecos::Result<void> lift(std::uint32_t times) override {
+    for (std::uint32_t i = 0; i < times; ++i) publish_lifted({});
     return {};
   }
   gecos::Result<void> silence(std::int32_t zone) override {
@@ -21,4 +21,4 @@ class Ringer : public AlarmServant {
   }
 };
 
-}  // namespace ringing
+}  // namespace buttons
