@@ -1,6 +1,8 @@
 // Events from a generated server to a generated client, over every medium.
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "../media/kind_names.hpp"
 #include "button_client.hpp"
 #include "gecos/broker/broker.hpp"
@@ -93,6 +95,24 @@ TEST_P(Events, TheFirstReadingTellsHowManyWereMissed) {
   EXPECT_EQ(heard + lost, 10U);
   if (GetParam() == gecos::media::Kind::Lcm) return;  // events may still come while they are read
   EXPECT_EQ(heard, 4U) << "the depth of the event";
+}
+
+TEST_P(Events, MayBeSentByAnyThread) {
+  constexpr std::uint64_t of_each = 50;
+  auto pressed = alarm_.pressed(gecos::stream).value();
+  std::vector<std::jthread> senders;
+  for (const std::string who : {"ann", "bob", "eve"}) {
+    senders.emplace_back([this, who] {
+      for (std::uint64_t i = 0; i < of_each; ++i) servant_.publish_pressed({who, 1});
+    });
+  }
+  for (std::uint64_t told = 0; told < 3 * of_each;) {
+    const auto event = pressed.next(10s);
+    ASSERT_TRUE(event) << event.error() << " after " << told;
+    told += 1 + event->lost;
+    ASSERT_LE(told, 3 * of_each);
+    ASSERT_EQ(event->value.who.size(), 3U);
+  }
 }
 
 TEST_P(Events, AnEventOutOfRangeIsNotSent) {

@@ -174,9 +174,9 @@ class ServerSide(CallFacts):
 
         return PublisherView(
             used.fresh(f"publish_{attribute.name}"),
-            f"A new sample of `{attribute.name}`, measured at `stamp_ns`."
+            f"A new sample of `{attribute.name}`, measured at `stamp_ns`. One thread at a time."
             if attribute.event is None
-            else f"Sends the event `{attribute.name}`, which occurred at `stamp_ns`.",
+            else f"Sends the event `{attribute.name}`, which occurred at `stamp_ns`. Any thread.",
             attribute.scoped_name,
             written(layout.sample.node),
             f"{self._lowering.parameter(value.type, value.optional)} value",
