@@ -29,6 +29,7 @@ GROWN = {"first": -7, "second": 1.25, "third": "\u00e4", "fourth": ""}
 CASES: list[tuple[str, str, Any]] = [
     ("gecos::Grant", "as made", {}),
     ("gecos::Grant", "master", {"status": "MASTER", "epoch": 2**63 + 5}),
+    ("gecos::Subscription", "third stream", {"stream": 3, "newest": 2**63 + 7}),
     ("gecos::FeedReport", "as made", {}),
     (
         "gecos::FeedReport",
