@@ -10,7 +10,8 @@ from pathlib import Path
 import gecos
 import pytest
 from button import Alarm
-from processes import Laboratory, until
+from jsonschema import Draft202012Validator
+from processes import Laboratory, Program, until
 
 HERE = Path(__file__).parent / "events"
 COMMAND = [sys.executable, "-m", "gecos.cli"]
@@ -90,3 +91,61 @@ def test_the_command_line_shows_events(lab_with_broker: Laboratory) -> None:
     until(is_shown, "the event is shown")
     assert watch.finish() == 0, str(watch)
     assert json.loads(watch.output())["value"] == {"who": "ann", "force": 2.0}
+
+
+def test_events_are_printed_as_they_occur(lab_with_broker: Laboratory) -> None:
+    lab = lab_with_broker
+    lab.start(*program(lab, "C++", "server"), ready="serving")
+    shown = lab.start(*COMMAND, "events", "ALARM", "--json", "--count", "2")
+
+    def are_shown() -> bool:
+        lab.run(*COMMAND, "call", "ALARM", "lift", "times=1")
+        return not shown.running()
+
+    until(are_shown, "two events are shown")
+    assert shown.finish() == 0, str(shown)
+    first, second = map(json.loads, shown.output().splitlines())
+    schema = json.loads(lab.run(*COMMAND, "schema").output())
+    Draft202012Validator(schema | {"$ref": "#/$defs/events"}).validate(first)
+    assert (first["event"], first["value"]) == ("lifted", {})
+    assert second["sequence"] == first["sequence"] + 1
+    one = lab.start(*COMMAND, "events", "ALARM", "silenced", "--count", "1")
+    until(lambda: "zone" in heard_when_silenced(lab, one), "the event is shown")
+    assert '  silenced  {"zone": 3}' in one.output()
+
+
+def heard_when_silenced(lab: Laboratory, one: Program) -> str:
+    lab.run(*COMMAND, "call", "ALARM", "silence", "zone=3")
+    return one.output()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["ALARM", "rung"], "ALARM (buttons::Alarm) has no event 'rung'; it has pressed, lifted"),
+        (["NOBODY"], "NOBODY"),
+    ],
+)
+def test_events_that_there_are_not(
+    words: list[str], said: str, lab_with_broker: Laboratory
+) -> None:
+    lab = lab_with_broker
+    lab.start(*program(lab, "Python", "server"), ready="serving")
+    done = lab.run(*COMMAND, "events", *words)
+    assert done.finish() in (2, 4)
+    assert said in done.output()
+
+
+def test_the_end_of_the_server_ends_the_printing(lab_with_broker: Laboratory) -> None:
+    lab = lab_with_broker
+    server = lab.start(*program(lab, "C++", "server"), ready="serving")
+    shown = lab.start(*COMMAND, "events", "ALARM", "pressed")
+
+    def is_heard() -> bool:
+        lab.run(*COMMAND, "call", "ALARM", "press", "who=ann", "force=2", "times=1")
+        return "ann" in shown.output()
+
+    until(is_heard, "an event is shown")
+    server.terminate()
+    assert shown.finish() == 4, str(shown)
+    assert "its server is gone" in shown.output()

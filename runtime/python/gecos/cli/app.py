@@ -21,6 +21,7 @@ _VERBS = {
     "completion": "completion.completion",
     "describe": "describe.describe",
     "doctor": "doctor.verb.doctor",
+    "events": "events.events",
     "free": "free.free",
     "get": "members.get",
     "holders": "holders.holders",

@@ -70,7 +70,9 @@ def _connected(broker: str | None, name: str, member: str) -> Iterator[DynamicOb
             raise UsageFailure(str(error)) from None
 
 
-def _status(robot: DynamicObject, needed: Access, password: str) -> AbstractContextManager[object]:
+def with_status(
+    robot: DynamicObject, needed: Access, password: str
+) -> AbstractContextManager[object]:
     """Returns a context in which this program holds the status that a call needs."""
     import gecos
 
@@ -102,7 +104,7 @@ def get(
 
     with _connected(broker, name, attribute) as robot:
         wanted = by_name.attribute(robot, attribute)
-        with _status(robot, wanted.access, password):
+        with with_status(robot, wanted.access, password):
             value = _reading(robot, attribute, timeout)
         unit = wanted.result.unit
     if as_json:
@@ -146,7 +148,7 @@ def set_(
 
     with _connected(broker, name, attribute) as robot:
         needed = by_name.attribute(robot, attribute).write_access
-        with _status(robot, needed, password):
+        with with_status(robot, needed, password):
             command = by_name.write(robot, attribute, value_of(value))
             _ends(command, f"{name}.{attribute}", timeout, shows=False).result(0)
     if as_json:
@@ -185,7 +187,7 @@ def call(
     with _connected(broker, name, operation) as robot:
         called = by_name.operation(robot, operation)
         needed = Access.SENSOR if called.safety else called.access
-        with _status(robot, needed, password):
+        with with_status(robot, needed, password):
             try:
                 command = by_name.call(robot, operation, given)
             except TypeError as error:  # a parameter is missing or unknown
@@ -325,7 +327,7 @@ def watch(
     with ExitStack() as opened:
         robot = opened.enter_context(_connected(broker, name, attribute))
         wanted = by_name.attribute_or_event(robot, attribute)
-        opened.enter_context(_status(robot, wanted.access, password))
+        opened.enter_context(with_status(robot, wanted.access, password))
         samples = report.Samples(as_json, wanted.result.unit, replace=not wanted.event)
         shown = opened.enter_context(samples)
         for number, sample in enumerate(_samples(robot, attribute, every, timeout), 1):
@@ -344,7 +346,7 @@ def _samples(
     if by_name.attribute_or_event(robot, attribute).stream is not None:
         with _subscribed(robot, attribute) as stream:
             while True:
-                yield _sample_json(stream.next(timeout))
+                yield sample_json(stream.next(timeout))
     while True:
         yield {"value": _reading(robot, attribute, timeout)}
         time.sleep(every)
@@ -361,7 +363,7 @@ def _subscribed(robot: DynamicObject, attribute: str) -> Iterator[Any]:
         stream.close()
 
 
-def _sample_json(sample: Sample[Any]) -> dict[str, Any]:
+def sample_json(sample: Sample[Any]) -> dict[str, Any]:
     return {
         "value": sample.value,
         "sequence": sample.sequence,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterator, Sequence
+from datetime import datetime
 from shutil import get_terminal_size
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from gecos.cli.presence import Presence
     from gecos.dynamic_client import Attribute, Member, Model, Operation, Value
     from gecos.dynamic_client.model import Declaration
+    from gecos.stream import Sample
 
 
 def objects(found: Sequence[Presence]) -> None:
@@ -269,6 +271,13 @@ def rate(line: dict[str, Any]) -> None:
         shortest, longest = line["min_period"] * 1e3, line["max_period"] * 1e3
         periods = f", period {shortest:.2f} to {longest:.2f} ms"
     print(f"{line['rate']:.1f} Hz{periods}{lost}", flush=True)
+
+
+def event(name: str, sample: Sample[Any]) -> None:
+    """Prints an event on a line: when it occurred, its name and its arguments."""
+    at = datetime.fromtimestamp(sample.stamp).isoformat(sep=" ", timespec="milliseconds")
+    missed = f"  ({sample.lost} missed before)" if sample.lost else ""
+    print(f"{at}  {printable(name)}  {_json(sample.value)}{missed}", flush=True)
 
 
 class Samples:
