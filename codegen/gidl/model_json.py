@@ -256,7 +256,7 @@ class _Dumper:
         if attribute.stream is not None:
             stream = self._layout.stream(attribute.scoped_name)
             codes["stream"] = stream.code
-            digest, largest = stream.hash, stream.sample.fixed_size
+            digest, largest = stream.hash, stream.largest
         writes = attribute.has_setter or attribute.streams_in
         return _said(
             kind="attribute" if attribute.event is None else "event",

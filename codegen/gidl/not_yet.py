@@ -79,6 +79,7 @@ NOT_YET = (
     Term("qos", "latency", _always, _UNMEASURED),
     Term("qos", "lifespan", _always, "a sample is delivered even if it is too old"),
     Term("qos", "liveliness", _always, "a session lives as long as its connection"),
+    Term("qos", "start_by", _is_stream, "only a call has a start"),
     Term("qos", "deadline", _is_stream, "a gap between samples is not detected"),
     Term("qos", "depth", _is_call, "only streams keep samples"),
     Term("qos", "reliability", _is_member, _ALL_RELIABLE),

@@ -204,7 +204,7 @@ def test_a_frame_without_its_orientation_is_refused_with_the_reason(arm: Arm, ru
     [
         (("get", "ARM", "toool"), "has no attribute 'toool'; did you mean tool?"),
         (("call", "ARM", "fly"), "has no operation 'fly'; it has mount, move"),
-        (("watch", "ARM", "tol"), "has no attribute 'tol'; did you mean tool?"),
+        (("watch", "ARM", "tol"), "has no attribute or event 'tol'; did you mean tool?"),
         (("hz", "ARM", "posture"), "has no stream 'posture'; it has tool, flange"),
         (("call", "ARM", "move", "{"), "not JSON: Expecting property name"),
         (("call", "ARM", "move", "fast"), "'fast' is neither a JSON object nor PARAMETER=VALUE"),

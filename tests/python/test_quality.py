@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gecos
 import pytest
-from gecos.interface import Media, Quality
+from gecos.interface import Media, Quality, QualityClass
 from gecos.record import replace
 from lamp import LAMP, Lamp
 
@@ -44,3 +44,49 @@ def test_over_a_medium_that_meets_it_all_is_well(lab: gecos.Lab) -> None:
     lamp = lab.create(DemandingLamp, "LAMP", medium="shm")
     assert lamp.label().result() == "a lamp"
     lamp.level.stream().close()
+
+
+class RealTimeLamp(Lamp):
+    _gecos_interface = replace(LAMP, quality=Quality(line=QualityClass.HARD_REALTIME))
+
+
+class LampOverCan(Lamp):
+    _gecos_interface = replace(LAMP, quality=Quality(media=Media.CAN))
+
+
+@pytest.mark.usefixtures("server")
+def test_explain_says_what_speaks_against_each_medium(lab: gecos.Lab) -> None:
+    told = lab.explain(Lamp, "LAMP")
+    assert (told.name, told.interface_name, told.simulated) == ("LAMP", LAMP.name, True)
+    best = told.media[0]
+    assert best.suitable and not best.members
+    assert lab.create(Lamp, "LAMP")._gecos_session.medium == best.medium
+    lcm = next(each for each in told.media if each.medium == "lcm")
+    assert lcm.suitable and "  lcm: used if those before it do not answer" in str(told)
+
+    told = lab.explain(LampOverCan, "LAMP")
+    assert not any(each.suitable for each in told.media)
+    assert "  lcm: media=can: lcm is not one of these media" in str(told)
+
+
+@pytest.mark.usefixtures("server")
+def test_explain_names_the_members_that_a_medium_does_not_suit(lab: gecos.Lab) -> None:
+    told = lab.explain(DemandingLamp, "LAMP")
+    by_name = {each.medium: each for each in told.media}
+    assert not by_name["shm"].members
+    assert {each.name for each in by_name["lcm"].members} == {"label", "level"}
+    assert "    not label: media=shm: lcm is not one of these media" in str(told)
+
+
+@pytest.mark.usefixtures("server")
+def test_real_time_of_a_simulated_lamp_is_soft(lab: gecos.Lab) -> None:
+    """A simulated device is not harmed by a late packet."""
+    assert all(
+        each.suitable or each.unreachable for each in lab.explain(RealTimeLamp, "LAMP").media
+    )
+
+
+@pytest.mark.usefixtures("server")
+def test_explain_fails_as_create_does(lab: gecos.Lab) -> None:
+    with pytest.raises(gecos.CreateError, match="NOBODY: NO_SERVER"):
+        lab.explain(Lamp, "NOBODY")

@@ -6,10 +6,13 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 import gecos
 import pytest
 from button import Alarm
+from gecos.proxy import Event
+from gecos.record import replace
 from jsonschema import Draft202012Validator
 from processes import Laboratory, Program, until
 
@@ -71,9 +74,54 @@ def test_an_event_has_neither_a_value_nor_a_caller(lab_with_broker: Laboratory) 
         alarm = mine.create(Alarm, "ALARM")
         with pytest.raises(TypeError, match=r"pressed is an event.*`\.pressed\.stream\(\)`"):
             alarm.pressed()
+        with pytest.raises(TypeError, match="is an event"):
+            alarm.pressed("ann", force=2.5)
+        assert repr(alarm.pressed).startswith("<event pressed of <buttons::Alarm 'ALARM' over ")
     read = lab.run(*COMMAND, "get", "ALARM", "pressed")
     assert read.finish() == 2, str(read)
-    assert "ALARM.pressed is an event, which has no value to read or set" in read.output()
+    assert "ALARM.pressed is an event, which can neither be called nor read or set" in read.output()
+
+
+@pytest.mark.usefixtures("here")
+def test_an_event_that_the_server_defines_otherwise_is_refused_and_the_rest_works(
+    lab_with_broker: Laboratory,
+) -> None:
+    lab = lab_with_broker
+    lab.start(*program(lab, "C++", "server"), ready="serving")
+    known = Alarm._gecos_interface
+    other = [replace(s, hash=1) if s.name == "pressed" else s for s in known.streams]
+
+    class Older(Alarm):
+        _gecos_interface = replace(known, streams=tuple(other), hash=2)
+
+    with gecos.Lab() as mine:
+        alarm = mine.create(Older, "ALARM")
+        with pytest.raises(gecos.ConnectionFailed, match="'pressed' of ALARM was not opened: "):
+            alarm.pressed.stream()
+        with alarm.lifted.stream() as lifted:
+            alarm.lift(1).result()
+            assert lifted.next(30).lost == 0
+
+
+@pytest.mark.usefixtures("here")
+def test_an_event_that_the_server_does_not_know_is_named(lab_with_broker: Laboratory) -> None:
+    lab = lab_with_broker
+    lab.start(*program(lab, "C++", "server"), ready="serving")
+    known = Alarm._gecos_interface
+    other = [replace(s, code=4711) if s.name == "pressed" else s for s in known.streams]
+
+    class Newer(Alarm):
+        _gecos_interface = replace(known, streams=tuple(other), hash=2)
+
+        @property
+        def pressed(self) -> Event[Any]:
+            table = super().pressed._event
+            return Event(self, replace(table, stream=replace(table.stream, code=4711)))
+
+    with gecos.Lab() as mine:
+        alarm = mine.create(Newer, "ALARM")
+        with pytest.raises(gecos.CommandFailed, match="no stream 'pressed' of ALARM; it is older"):
+            alarm.pressed.stream()
 
 
 def test_the_command_line_shows_events(lab_with_broker: Laboratory) -> None:

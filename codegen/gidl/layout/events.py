@@ -1,4 +1,4 @@
-"""Turns each event into a stream of its arguments, so that layout and targets know streams only.
+"""Turns each event into a stream of its parameters, so that layout and targets know streams only.
 
 The event `touched(in Pose where)` of the interface `Arm` becomes the stream `touched`, which cannot
 be read by a call, and the struct `Arm::touched` of its samples. The struct is appendable, so
@@ -61,7 +61,7 @@ def _arguments(event: Operation) -> Struct:
         )
         for p in event.parameters
     )  # fmt: skip
-    facts = replace(event.facts, doc=f"The arguments of the event `{event.name}`.", hash_as=None)
+    facts = replace(event.facts, doc=f"The parameters of the event `{event.name}`.", hash_as=None)
     return Struct(event.scoped_name, facts, members, None, Extensibility.APPENDABLE)
 
 

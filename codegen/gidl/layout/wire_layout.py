@@ -138,6 +138,7 @@ class StreamLayout:
     name: str
     code: int
     sample: FieldLayout
+    largest: int | None  # bytes of the largest sample of this declaration; None: not limited
     fingerprint: int | None  # fingerprint of a struct sample, sent first on an @open_stream
     hash: int
 
@@ -394,9 +395,18 @@ class _Builder:
             attribute.scoped_name,
             function_codes.call_code(self._model, attribute),
             sample,
+            self._largest(sample),
             None if struct is None else fingerprint(self._lowering, struct),
             hashes.attribute_hash(self._model, attribute),
         )
+
+    def _largest(self, sample: FieldLayout) -> int | None:
+        """The sender of a stream makes its samples by its own declaration. Therefore an appendable
+        sample is not larger than this declaration says."""
+        if not isinstance(sample.node, AppendableNode):
+            return sample.fixed_size
+        members = _sum_fixed(self._struct_fields(self._model.struct(sample.node.name)))
+        return None if members is None else 4 + members
 
     def _exceptions(self, names: tuple[str, ...]) -> tuple[tuple[str, int], ...]:
         found = []

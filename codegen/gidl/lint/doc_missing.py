@@ -18,9 +18,12 @@ def check(model: Model, findings: Findings) -> None:
         for operation in (*interface.operations, *interface.events):
             if not operation.facts.doc:
                 what = "event" if operation.is_event else "operation"
+                about = (
+                    "when it occurs" if operation.is_event else "its effect, and when it is refused"
+                )
                 findings.warning(
                     "G0907",
                     operation.facts.location,
                     f"{what} '{operation.name}' has no comment",
-                    "write before it a comment /** ... */ with its effect, and when it is refused",
+                    f"write before it a comment /** ... */ that says {about}",
                 )

@@ -12,7 +12,8 @@ def check(model: Model, findings: Findings) -> None:
     for member in members(model):
         if not (isinstance(member, Operation) and member.oneway):
             continue
-        name = f"oneway operation '{member.name}'"
+        name = f"{'event' if member.is_event else 'oneway operation'} '{member.name}'"
+        advice = "leave it out" if member.is_event else "leave out 'oneway'"
         if member.result is not None:
             findings.error(
                 "G0404", member.facts.location, f"{name} cannot have a result", "write void"
@@ -24,16 +25,14 @@ def check(model: Model, findings: Findings) -> None:
                     parameter.facts.location,
                     f"{name} cannot have the {parameter.direction.value} parameter "
                     f"'{parameter.name}'",
-                    "there is no reply: write 'in', or leave out 'oneway'",
+                    f"there is no reply: write 'in', or {advice}",
                 )
         if member.raises:
-            findings.error(
-                "G0404", member.facts.location, f"{name} cannot raise", "leave out 'oneway'"
-            )
+            findings.error("G0404", member.facts.location, f"{name} cannot raise", advice)
         if member.cancelable:
             findings.error(
                 "G0404",
                 member.facts.place_of("cancelable"),
                 f"{name} cannot be cancelable, because its caller gets no reply",
-                "leave out 'oneway'",
+                advice,
             )

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "gecos/base/checked_result.hpp"
+#include "gecos/explanation.hpp"
 #include "gecos/media/kinds.hpp"
 #include "gecos/object.hpp"
 
@@ -84,6 +85,10 @@ tl::expected<Created, CreateError> create(const LabOrWhyNot& lab,
                                           const InterfaceDescription& wanted,
                                           const std::vector<std::string>& names,
                                           const CreateOptions& options);
+tl::expected<Explanation, CreateError> explain(const LabOrWhyNot& lab,
+                                               const InterfaceDescription& wanted,
+                                               const std::string& name,
+                                               const CreateOptions& options);
 }  // namespace session
 
 /// The class of an interface's proxies, as gidl generates it.
@@ -145,6 +150,17 @@ class Lab {
   }
   template <class Proxy, class... Rest>
   requires(!ClientClass<Proxy>) void create(Rest&&...) = delete;  // name a client class of gidl
+
+  /// Tells over which media `create<Proxy>(name)` would reach the object, and what speaks against
+  /// each of the others. Asks the broker, and opens no session with the object. Fails as `create`
+  /// does when the object is not online or has another interface. Of `options` only `patience` and
+  /// `incarnation` count.
+  template <ClientClass Proxy>
+  Checked<Explanation, CreateError> explain(const std::string& name, CreateOptions options = {}) {
+    auto told = session::explain(core_, Proxy::gecos_description(), name, options);
+    if (!told) return tl::unexpected(std::move(told.error()));
+    return *std::move(told);
+  }
 
  private:
   friend struct session::LabAccess;

@@ -152,6 +152,7 @@ class ReconnectingStream {
   }
   bool alive() GECOS_REQUIRES(mutex_) {
     if (!stream_) return false;
+    if (stream_->is_event()) return !stream_->lost();  // silence between two events is no loss
     if (const auto sample = stream_->latest()) return sample->age <= options_.silence;
     return !stream_->lost() && std::chrono::steady_clock::now() - since_ < options_.silence;
   }

@@ -14,8 +14,8 @@
 namespace gecos {
 
 /// The type of `gecos::stream`, an argument that selects the overload of an attribute that
-/// subscribes to it. Example: `robot.tool(gecos::stream)`. Only an attribute with the annotation
-/// @stream has such an overload; for another one the compiler names this type in its error.
+/// subscribes to it. Example: `robot.tool(gecos::stream)`. Only an event and an attribute with the
+/// annotation @stream have such an overload; otherwise the compiler names this type in its error.
 struct StreamAnnotation {};
 inline constexpr StreamAnnotation stream{};
 
@@ -24,8 +24,8 @@ template <class T>
 struct Sample {
   T value{};
   std::uint64_t sequence = 0;  ///< rises by one per published sample
-  std::uint64_t lost = 0;      ///< number of unread samples between the previously read sample and
-                               ///< this one
+  std::uint64_t lost = 0;      ///< number of unread samples between the previously read sample (of
+                               ///< an event, the subscription) and this one
   double stamp = 0;  ///< when the value was measured, in s of Unix time by the server's clock; for
                      ///< display
   Duration age{};    ///< time from measuring to reading; setting a clock does not change it. On one
@@ -71,8 +71,8 @@ class StreamCore {
 /// A subscription to a stream. Only one thread may read at a time. The subscription ends when its
 /// last copy is destroyed. A slow reader misses old samples and learns how many (Sample::lost); the
 /// server never waits for a reader. A sample that does not decode is skipped and counted in
-/// `unreadable`. If it was published after the first sample that was read, it also counts in
-/// Sample::lost.
+/// `unreadable`. If it was published after the first sample that was read, or belongs to an event,
+/// it also counts in Sample::lost.
 template <class T>
 class Stream {
  public:
@@ -104,6 +104,8 @@ class Stream {
   /// closed. Then latest() returns nullopt, and next() returns only the samples that had arrived
   /// before, or none if the Lab was closed.
   bool lost() const { return core_->lost(); }
+  /// Returns whether the samples are the occurrences of an event.
+  bool is_event() const { return core_->after().has_value(); }
   /// Returns the number of samples that did not decode. The number rises only when the server is
   /// defective, because the opening of a stream fails when the server has another sample type.
   std::uint64_t unreadable() const { return unreadable_; }

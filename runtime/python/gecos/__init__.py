@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     from gecos.lease import actor as actor
     from gecos.lease import master as master
     from gecos.object_watch import ObjectWatch as ObjectWatch
+    from gecos.proxy import Event as Event
     from gecos.proxy import Object as Object
     from gecos.proxy import StreamAttribute as StreamAttribute
     from gecos.proxy import reference as reference
@@ -88,7 +89,7 @@ _NAMES = {
     "lab": "Lab",
     "lease": "Lease actor master",
     "object_watch": "ObjectWatch",
-    "proxy": "Object StreamAttribute reference with_deadline",
+    "proxy": "Event Object StreamAttribute reference with_deadline",
     "builtin_operations": "Outcome describe holders model outcome ping stop",
     "servant": "Servant",
     "server": "Server serve",

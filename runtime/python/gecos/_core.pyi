@@ -6,6 +6,8 @@ from typing import Literal
 
 from gecos.interface import Interface
 
+_Violations = list[tuple[str, str]]
+
 class Lab:
     def __init__(self, broker: str, program: str) -> None: ...
     def create(
@@ -18,6 +20,20 @@ class Lab:
         wait: float,
     ) -> Session | list[tuple[str, int, str]]:
         """Returns a session, or the name, detail and reason of each failed attempt."""
+    def explain(
+        self, interface: Interface, name: str, patience: float
+    ) -> (
+        tuple[
+            str,
+            str,
+            bool,
+            list[tuple[str, str, str, _Violations, list[tuple[str, _Violations]]]],
+        ]
+        | list[tuple[str, int, str]]
+    ):
+        """Returns the object's interface, its host, whether it is simulated, and of each medium:
+        its name, address, why it is out of reach, violated terms and unsuited members. On failure
+        returns what `create` returns."""
     def broker(self, interface: Interface, patience: float) -> Session | str:
         """Returns the session of this Lab with its broker, or the reason why there is none."""
     def objects(self, interface_name: str, patience: float) -> list[bytes] | str:

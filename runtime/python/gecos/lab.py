@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from gecos_idl.object_ref_types import ObjectRef
 
     from gecos.dynamic_client import DynamicObject
+    from gecos.explanation import Explanation, Violation
     from gecos.object_watch import ObjectWatch
 
 P = TypeVar("P", bound=Object)
@@ -93,6 +94,34 @@ class Lab:
         from gecos.dynamic_client.connect import connect
 
         return connect(self, name, medium=medium, patience=patience, wait=wait)
+
+    def explain(self, interface: type[Object], name: str, *, patience: float = 2.0) -> Explanation:
+        """Tells over which media `create(interface, name)` would reach an object, and what speaks
+        against each of the others. Asks the broker, and opens no session with the object.
+
+        Raises CreateError as `create` does, if the object is not online or has another interface.
+        """
+        from gecos.explanation import Explanation, MediumVerdict, UnsuitedMember, Violation
+
+        told = self._core.explain(_table_of(interface), name, patience)
+        if isinstance(told, list):
+            raise CreateError([Attempt(tried, Detail(d), reason) for tried, d, reason in told])
+
+        def violated(terms: list[tuple[str, str]]) -> tuple[Violation, ...]:
+            return tuple(Violation(*each) for each in terms)
+
+        interface_name, hostname, simulated, media = told
+        verdicts = (
+            MediumVerdict(
+                medium,
+                address,
+                unreachable,
+                violated(terms),
+                tuple(UnsuitedMember(member, violated(its)) for member, its in members),
+            )
+            for medium, address, unreachable, terms, members in media
+        )
+        return Explanation(name, interface_name, hostname, simulated, tuple(verdicts))
 
     def broker(self, interface: type[P], *, patience: float = 2.0) -> P:
         """Connects to the broker itself: pass `gecos_idl.broker.Broker` as `interface`.

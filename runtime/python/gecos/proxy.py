@@ -145,13 +145,16 @@ class Event(Generic[T]):
         self._object = owner
         self._event = event
 
-    def __call__(self) -> NoReturn:
+    def __call__(self, *_given: object, **_named: object) -> NoReturn:
         """Raises TypeError: only the server can send the event."""
         name = self._event.stream.name
         raise TypeError(
             f"{self._object!r}: {name} is an event, which the server sends; subscribe to it with "
             f"`.{name}.stream()`"
         )
+
+    def __repr__(self) -> str:
+        return f"<event {self._event.stream.name} of {self._object!r}>"
 
     def stream(self) -> Stream[T]:
         """Subscribes to the event. The samples of the stream are the events that the server sends

@@ -1,5 +1,5 @@
-"""A subscription to an outward stream. A program reads its newest sample, or every sample in
-order."""
+"""A subscription to an outward stream or an event. A program reads its newest sample, or every
+sample in order."""
 
 from __future__ import annotations
 
@@ -29,7 +29,9 @@ class Sample(Generic[T]):
 
     value: T
     sequence: int  # increases by one with each published sample
-    lost: int  # samples between the previously read one and this one that were not read
+    # Samples between the previously read one (of an event, the subscription) and this one that were
+    # not read.
+    lost: int
     stamp: float  # time of measurement for display: Unix time in s, by the server's clock
     # s from measurement to reading. Setting a clock does not change the age. It is exact on one
     # host; between hosts it is at most one round-trip time too large, and never too small.
@@ -37,9 +39,10 @@ class Sample(Generic[T]):
 
 
 class Stream(Generic[T]):
-    """The samples of a subscription in order, starting with the newest sample. A slow reader loses
-    old samples, which `Sample.lost` counts. A sample that cannot be decoded is skipped, and
-    `unreadable` counts it. After the first sample was read, `Sample.lost` counts such samples too.
+    """The samples of a subscription in order, starting with the newest sample, or with the first
+    event after the subscription. A slow reader loses old samples, which `Sample.lost` counts. A
+    sample that cannot be decoded is skipped, and `unreadable` counts it. `Sample.lost` counts such
+    samples, too, of an event from the subscription on, else after the first sample that was read.
 
     Iterating waits for each sample, and ends after `close()`. It raises StreamLost if the server is
     gone or silent or has closed the session, or if the Lab is closed. Only one thread or task reads

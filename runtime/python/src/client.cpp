@@ -75,6 +75,33 @@ nb::object create(LabHandle& self, nb::handle interface, const std::vector<std::
   return nb::cast(self.keep(std::make_shared<SessionHandle>(std::move(created->session), wanted)));
 }
 
+nb::list terms_of(const std::vector<qos::Violation>& violations) {
+  nb::list terms;
+  for (const auto& [term, why] : violations) terms.append(nb::make_tuple(term, why));
+  return terms;
+}
+
+nb::object explain(LabHandle& self, nb::handle interface, const std::string& name,
+                   double patience) {
+  CreateOptions options;
+  options.patience = patience_of(patience);
+  const InterfaceDescription& wanted = description_of(interface);
+  const auto told = run_interruptibly([lab = self.get(), &wanted, name, options] {
+    return session::explain(session::LabAccess::context(*lab), wanted, name, options);
+  });
+  if (!told) return attempts_of(told.error());
+  nb::list media;
+  for (const MediumVerdict& each : told->media) {
+    nb::list members;
+    for (const UnsuitedMember& member : each.members) {
+      members.append(nb::make_tuple(member.name, terms_of(member.violations)));
+    }
+    media.append(nb::make_tuple(each.medium, each.address, each.unreachable,
+                                terms_of(each.violations), members));
+  }
+  return nb::make_tuple(told->interface_name, told->hostname, told->simulated, media);
+}
+
 /// Returns the session of the Lab with its broker, or a text that says why there is none.
 nb::object broker(LabHandle& self, nb::handle interface, double patience) {
   const InterfaceDescription& wanted = description_of(interface);
@@ -293,6 +320,7 @@ void bind_client(nb::module_& module) {
             new (self) LabHandle(std::move(options));
           },
           nb::arg("broker"), nb::arg("program"))
+      .def("explain", &explain, nb::arg("interface"), nb::arg("name"), nb::arg("patience"))
       .def("create", &create, nb::arg("interface"), nb::arg("names"), nb::arg("medium").none(),
            nb::arg("patience"), nb::arg("incarnation"), nb::arg("wait"))
       .def("broker", &broker, nb::arg("interface"), nb::arg("patience"))

@@ -443,6 +443,37 @@ TEST_P(Conformance, AStreamIsReadNewestFirstOrOneByOne) {
   EXPECT_FALSE(reader->latest(3, sample));
 }
 
+TEST_P(Conformance, AWriterKnowsTheSequenceNumberOfItsNewestSample) {
+  for (const auto& writer :
+       {acceptor_->make_stream(10, 4), client_.connection->make_stream(10, 4)}) {
+    EXPECT_EQ(writer->newest(), 0U);
+    ASSERT_TRUE(writer->publish(bytes_of("first"), 1));
+    EXPECT_FALSE(writer->publish(bytes_of("eleven bytes"), 2));
+    ASSERT_TRUE(writer->lend(5));
+    writer->publish_lent(3);
+    EXPECT_EQ(writer->newest(), 2U);
+  }
+}
+
+TEST_P(Conformance, AReaderOfALateStreamMayBeginWithAnOlderSample) {
+  const auto writer = acceptor_->make_stream(100, 4);
+  ASSERT_TRUE(server_.connection->share(7, *writer));
+  const auto early = client_.wait_for_stream(7);
+  ASSERT_NE(early, nullptr);
+  for (int i = 1; i <= 3; ++i) ASSERT_TRUE(writer->publish(bytes_of(std::to_string(i)), i));
+  StreamSample sample;
+  ASSERT_TRUE(client_.wait([&] { return early->latest(2, sample); }));
+  const auto late = client_.connection->open_stream(7);
+  ASSERT_NE(late, nullptr);
+  ASSERT_TRUE(wait_ticking(server_, client_, [&] {
+    server_.connection->receive();
+    client_.connection->receive();
+    return late->next(1, sample);
+  }));
+  const bool kept = !medium_->capabilities().connectionless;  // else only the newest is sent again
+  EXPECT_EQ(sample.sequence, kept ? 2U : 3U);
+}
+
 TEST_P(Conformance, AStreamForWhichThisProcessHasNoDescriptorSaysSoAndCanBeSharedAgain) {
   if (medium_->capabilities().reach == Reach::Process && !medium_->capabilities().connectionless) {
     GTEST_SKIP() << "its samples lie in memory that both ends have: it needs none";

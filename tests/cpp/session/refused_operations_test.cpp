@@ -98,14 +98,11 @@ class Demanding : public probe::OverMedia {
       }
       return all;
     }();
-    static const std::array streams = {gecos::StreamDescription{probe::level_code,
-                                                                "level",
-                                                                gecos::access::Status::Sensor,
-                                                                100,
-                                                                4,
-                                                                false,
-                                                                0,
-                                                                {.media = Media::Can}}};
+    static const std::array streams = {gecos::StreamDescription{.code = probe::level_code,
+                                                                .name = "level",
+                                                                .rate_hz = 100,
+                                                                .largest = 4,
+                                                                .quality = {.media = Media::Can}}};
     static const gecos::InterfaceDescription described = [] {
       gecos::InterfaceDescription changed = probe::description();
       changed.operations = operations;

@@ -42,6 +42,8 @@ class StreamSealer {
   StreamSealer(const StreamSealer&) = delete;  // a copy would use the same counters again
 
   const StreamKey& key() const { return key_; }
+  /// Returns the number of samples that were sealed.
+  std::uint64_t count() const { return next_; }
   /// Encrypts and signs, in place, the sample in `frame`. The sample begins at the offset text_at
   /// and ends `overhead - text_at` bytes before the end of `frame`. @pre `frame` has at least
   /// `overhead` bytes.

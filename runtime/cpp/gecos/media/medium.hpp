@@ -106,6 +106,8 @@ class StreamWriter {
   virtual tl::expected<std::span<std::byte>, SendProblem> lend(std::size_t size) = 0;
   /// Publishes the sample in the lent memory, and wakes sleeping readers. @pre lend() was called.
   virtual void publish_lent(std::int64_t stamp_ns) = 0;
+  /// Returns the sequence number of the newest sample; 0 before the first one.
+  virtual std::uint64_t newest() const = 0;
 };
 
 /// Reads one stream. Only one thread at a time may use a reader.
@@ -117,7 +119,8 @@ class StreamReader {
   virtual bool latest(std::uint64_t after, StreamSample& into) = 0;
   /// Copies the oldest stored sample whose sequence number is larger than `after` to `into`.
   /// Returns false when there is none. A gap in the sequence numbers shows how many samples were
-  /// lost. The first call returns the sample that was the newest when the reader opened the stream.
+  /// lost. With `after` 0, begins with the sample that was the newest when the reader opened the
+  /// stream.
   virtual bool next(std::uint64_t after, StreamSample& into) = 0;
   /// Returns the newest sample like latest(), but without a copy. The bytes stay readable until the
   /// next call of lend_latest() or until the reader is destroyed. In shared memory, the writer

@@ -22,6 +22,7 @@ _VERBS = {
     "describe": "describe.describe",
     "doctor": "doctor.verb.doctor",
     "events": "events.events",
+    "explain": "explain.explain",
     "free": "free.free",
     "get": "members.get",
     "holders": "holders.holders",

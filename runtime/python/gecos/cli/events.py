@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Generator, Sequence
 from contextlib import ExitStack, closing
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from gecos.dynamic_client.model import Attribute
     from gecos.stream import Sample, Stream
 
+# s. A signal that arrives just before Python begins to wait is seen only after the wait.
+_LOOK_ANYWAY = 0.5
 _Heard = tuple[str, "Sample[Any] | Exception"]
 
 
@@ -101,7 +103,10 @@ def _heard(streams: dict[str, Stream[Any]]) -> Generator[tuple[str, Sample[Any]]
         thread.start()
     try:
         while True:
-            event, sample = queue.get()
+            try:
+                event, sample = queue.get(timeout=_LOOK_ANYWAY)
+            except Empty:
+                continue
             if isinstance(sample, Exception):
                 raise sample
             yield event, sample

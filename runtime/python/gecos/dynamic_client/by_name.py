@@ -28,6 +28,8 @@ def operation(robot: DynamicObject, name: str) -> Operation:
     for member in robot._gecos_model.members:
         if member.name == name and isinstance(member, Operation):
             return member
+        if member.name == name and isinstance(member, Attribute) and member.event:
+            raise UnknownMemberError(_why_unreadable(robot, member))
     known = (m.name for m in robot._gecos_model.members if isinstance(m, Operation))
     raise _unknown(robot, "operation", name, list(dict.fromkeys(known)))
 
@@ -47,9 +49,10 @@ def attribute_or_event(robot: DynamicObject, name: str) -> Attribute:
     """Returns the description of an event, or of an attribute whose value can be read. Raises
     UnknownMemberError if there is no such member."""
     for member in robot._gecos_model.members:
-        if member.name == name and isinstance(member, Attribute) and member.event:
-            return member
-    return attribute(robot, name)
+        if member.name == name and isinstance(member, Attribute):
+            return member if member.event else attribute(robot, name)
+    known = _names(robot, lambda m: m.can_be_read or m.can_be_watched)
+    raise _unknown(robot, "attribute or event", name, known)
 
 
 def _why_unreadable(robot: DynamicObject, member: Attribute) -> str:
@@ -57,8 +60,8 @@ def _why_unreadable(robot: DynamicObject, member: Attribute) -> str:
     called = f"robot.{escaped(member.name, METHOD_WORDS)}"
     if member.event:
         return (
-            f"{where} is an event, which has no value to read or set; watch it, or in a program "
-            f"subscribe with `{called}.stream()`"
+            f"{where} is an event, which can neither be called nor read or set; watch it, or in a "
+            f"program subscribe with `{called}.stream()`"
         )
     return (
         f"{where} is an inward stream: clients send its samples and nobody can read, set or watch "

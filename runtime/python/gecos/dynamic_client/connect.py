@@ -151,12 +151,17 @@ def connect(
     object serves. The proxy has all members of the interface, or only the members named in `only`,
     which takes less time."""
     found = find(lab, name, medium=medium, patience=patience, wait=wait)
+    return lab.create(interface_of(found, only), name, medium=medium, patience=patience)
+
+
+def interface_of(found: Object, only: Collection[str] | None = None) -> type[DynamicObject]:
+    """Returns the class of proxies for the object `found`, from the model that it serves. `only`:
+    see `connect`. Raises ModelError."""
     interface = found._gecos_interface.name
     texts = served_models(found)
     if not texts:
-        raise ModelError(interface, without_model(name))
-    kind = _class_of(interface, tuple(texts), None if only is None else frozenset(only))
-    return lab.create(kind, name, medium=medium, patience=patience)
+        raise ModelError(interface, without_model(found._gecos_session.object_name))
+    return _class_of(interface, tuple(texts), None if only is None else frozenset(only))
 
 
 def dynamic(

@@ -24,6 +24,8 @@ READY_WITHIN = 60.0  # s
 END_WITHIN = 5.0  # s after SIGTERM, before SIGKILL
 _LAST_LINES_WITHIN = 0.5  # s to read the last lines of a program that has ended
 _LONGEST_LINE = 65536  # characters; a longer line is printed in parts
+# s. A signal that arrives just before Python begins to wait is seen only after the wait.
+_LOOK_ANYWAY = 0.5
 _FIRST_PAUSE = 0.5  # s before a program is started again; doubles each time
 _LONGEST_PAUSE = 30.0  # s
 _LONG_RUN = 60.0  # s after which a program that ends is started again after the first pause
@@ -189,8 +191,8 @@ class RunningLaboratory:
         such as KeyboardInterrupt."""
         end = None if timeout is None else time.monotonic() + timeout
         while end is None or time.monotonic() < end:
-            waits = (self._later.run(blocking=False), end and end - time.monotonic())
-            wait = min((max(0.0, each) for each in waits if each is not None), default=None)
+            waits = (self._later.run(blocking=False), end and end - time.monotonic(), _LOOK_ANYWAY)
+            wait = min(max(0.0, each) for each in waits if each is not None)
             try:
                 ended = self._events.get(timeout=wait)
             except Empty:

@@ -71,8 +71,8 @@ class Tables(CallFacts):
             terms.append(f".status = gecos::access::Status::{status}")
         if attribute.stream.rate_hz:
             terms.append(f".rate_hz = {float(attribute.stream.rate_hz)!r}")
-        if layout.sample.fixed_size:
-            terms.append(f".largest = {layout.sample.fixed_size}")
+        if layout.largest:
+            terms.append(f".largest = {layout.largest}")
         if attribute.event is not None:
             terms += [".event = true", f".hash = {hex64(layout.hash)}"]
         return StreamRow(
@@ -93,8 +93,8 @@ class Tables(CallFacts):
             terms.append(f".rate_hz = {float(attribute.stream.rate_hz)!r}")
         if attribute.stream.watchdog_ns:
             terms.append(f".watchdog = gecos::Duration{{{attribute.stream.watchdog_ns}}}")
-        if layout.sample.fixed_size:
-            terms.append(f".largest = {layout.sample.fixed_size}")
+        if layout.largest:
+            terms.append(f".largest = {layout.largest}")
         return InwardRow(
             self._stream_constants[attribute.name], hex32(layout.code), attribute.name,
             hex64(layout.hash), filled([*terms, *asked(attribute.qos)]),

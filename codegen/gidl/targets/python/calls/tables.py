@@ -69,7 +69,7 @@ class Tables(CallFacts):
     def _stream(self, attribute: Attribute) -> str:
         """Returns the rate of a stream in Hz, and the size of its largest sample in bytes."""
         assert attribute.stream is not None
-        largest = self._layout.stream(attribute.scoped_name).sample.fixed_size or 0
+        largest = self._layout.stream(attribute.scoped_name).largest or 0
         return group([repr(float(attribute.stream.rate_hz or 0)), str(largest)])
 
     def _inward_table(self, attribute: Attribute) -> str:
@@ -83,8 +83,8 @@ class Tables(CallFacts):
             terms.append(f"rate_hz={float(attribute.stream.rate_hz)!r}")
         if attribute.stream.watchdog_ns:
             terms.append(f"watchdog_ns={attribute.stream.watchdog_ns}")
-        if layout.sample.fixed_size:
-            terms.append(f"largest={layout.sample.fixed_size}")
+        if layout.largest:
+            terms.append(f"largest={layout.largest}")
         asked = quality(attribute.qos)
         terms += [] if asked == _NO_TERMS else [f"quality={asked}"]
         terms.append(f"hash=0x{layout.hash & 0xFFFFFFFFFFFFFFFF:016X}")
@@ -94,8 +94,8 @@ class Tables(CallFacts):
         layout = self._layout.stream(event.scoped_name)
         terms = [f"0x{layout.code:08X}", quoted(event.name), f"_Access.{event.read_access.name}"]
         terms.append(f"gives={self._step(self._sample(event))}")
-        if layout.sample.fixed_size:
-            terms.append(f"largest={layout.sample.fixed_size}")
+        if layout.largest:
+            terms.append(f"largest={layout.largest}")
         asked = quality(event.qos)
         terms += [] if asked == _NO_TERMS else [f"quality={asked}"]
         terms.append(f"hash=0x{layout.hash & 0xFFFFFFFFFFFFFFFF:016X}")

@@ -143,7 +143,7 @@ bool StreamRingReader::latest(std::uint64_t after, StreamSample& into) {
 }
 
 bool StreamRingReader::next(std::uint64_t after, StreamSample& into) {
-  after = std::max(after, watch_->past);
+  if (after == 0) after = watch_->past;
   for (int tries = 0; tries < most_tries; ++tries) {
     const std::uint64_t newest = watch_->memory.newest().load(std::memory_order_acquire);
     watch_->seen.store(newest, std::memory_order_relaxed);

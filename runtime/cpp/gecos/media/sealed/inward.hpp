@@ -28,6 +28,10 @@ class InwardStream {
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns);
   /// Sends the last sample again, for a reader that opened the stream after that sample was sent.
   void repeat_last();
+  std::uint64_t newest() const {
+    const MutexLock lock(mutex_);
+    return sequence_;
+  }
   /// Stops the sending of samples. Must be called when the connection is closed.
   void end() { ended_.store(true); }
 
@@ -38,7 +42,7 @@ class InwardStream {
   const SealedOptions options_;
   const std::uint32_t largest_;  // bytes
   const std::uint16_t depth_;
-  Mutex mutex_;
+  mutable Mutex mutex_;
   std::uint32_t id_ GECOS_GUARDED_BY(mutex_) = 0;
   bool shared_ GECOS_GUARDED_BY(mutex_) = false;
   std::uint64_t sequence_ GECOS_GUARDED_BY(mutex_) = 0;
@@ -58,6 +62,7 @@ class InwardWriter final : public CopyingWriter {
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns) override {
     return stream_->publish(sample, stamp_ns);
   }
+  std::uint64_t newest() const override { return stream_->newest(); }
   const std::shared_ptr<InwardStream>& stream() const { return stream_; }
 
  private:

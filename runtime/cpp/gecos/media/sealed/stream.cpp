@@ -42,6 +42,11 @@ void SealedStream::repeat_last() {
   if (!last_.empty()) port_->publish(channel_, last_);
 }
 
+std::uint64_t SealedStream::newest() const {
+  const MutexLock lock(mutex_);
+  return sealer_.count();
+}
+
 SampleQueue::SampleQueue(std::shared_ptr<DatagramPort> port, const SharedStream& where,
                          std::weak_ptr<Sleeper> sleeper)
     : port_(std::move(port)),

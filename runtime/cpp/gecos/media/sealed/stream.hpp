@@ -24,10 +24,11 @@ class SealedStream {
   /// Sends the last sample again, for readers that subscribed after the sample was sent. Other
   /// readers ignore the repetition. Any thread may call this function.
   void repeat_last();
+  std::uint64_t newest() const;
 
  private:
   const std::shared_ptr<DatagramPort> port_;
-  Mutex mutex_;
+  mutable Mutex mutex_;
   crypto::StreamSealer sealer_ GECOS_GUARDED_BY(mutex_);
   const SharedStream where_;
   const std::string channel_;
@@ -41,6 +42,7 @@ class SealedStreamWriter final : public CopyingWriter {
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns) override {
     return stream_->publish(sample, stamp_ns);
   }
+  std::uint64_t newest() const override { return stream_->newest(); }
   const std::shared_ptr<SealedStream>& stream() const { return stream_; }
 
  private:

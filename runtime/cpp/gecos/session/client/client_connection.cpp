@@ -77,13 +77,17 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
 
 tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::subscribe(
     const StreamDescription& stream) {
-  if (auto refused = refusal(stream.code, stream.name)) return tl::unexpected(std::move(*refused));
+  if (auto refused = refusal(stream.code, stream.name, "was not opened")) {
+    return tl::unexpected(std::move(*refused));
+  }
   return subscriptions_.subscribe(stream);
 }
 
 tl::expected<std::shared_ptr<WriterCore>, Failure> ClientConnection::open_writer(
     const InwardDescription& stream) {
-  if (auto refused = refusal(stream.code, stream.name)) return tl::unexpected(std::move(*refused));
+  if (auto refused = refusal(stream.code, stream.name, "was not opened")) {
+    return tl::unexpected(std::move(*refused));
+  }
   return ClientWriter::open(shared_from_this(), stream);
 }
 

@@ -76,9 +76,11 @@ class ClientConnection final : public ClientSession,
   void check_quality(const InterfaceDescription& wanted, bool simulated) {
     refused_.check_quality(wanted, connection_->capabilities(), simulated);
   }
-  /// Returns a failure when no call or subscription of `name` may be sent.
-  std::optional<Failure> refusal(FunctionCode code, std::string_view name) const {
-    return refused_.why(code, name, welcome_);
+  /// Returns a failure when no call or subscription of `name` may be sent. `outcome`: see
+  /// RefusedOperations::why.
+  std::optional<Failure> refusal(FunctionCode code, std::string_view name,
+                                 std::string_view outcome = "was not sent") const {
+    return refused_.why(code, name, welcome_, outcome);
   }
 
   CallSender& calls() { return calls_; }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gecos/base/mutex.hpp"
+#include "gecos/broker_types.hpp"  // generated from idl/gecos/broker.gidl
 #include "gecos/session/process/runtime.hpp"
 
 namespace gecos::session {
@@ -59,6 +60,13 @@ class Context : public std::enable_shared_from_this<Context> {
   ConditionVariable closing_;
   bool closed_ GECOS_GUARDED_BY(keeping_) = false;
 };
+
+/// Returns what the broker knows of the object `name`, which must have the interface `wanted`; or
+/// why it cannot be used.
+tl::expected<Entry, CreateError::Attempt> find_entry(Context& lab,
+                                                     const InterfaceDescription& wanted,
+                                                     const std::string& name,
+                                                     const CreateOptions& options);
 
 /// Opens a session with the object `name`, or returns why it failed.
 tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_object(

@@ -67,15 +67,15 @@ bool entry_is_a(const Entry& entry, std::string_view interface_name) {
 
 }  // namespace
 
-tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_object(
-    Context& lab, const InterfaceDescription& wanted, const std::string& name,
-    const CreateOptions& options) {
+tl::expected<Entry, CreateError::Attempt> find_entry(Context& lab,
+                                                     const InterfaceDescription& wanted,
+                                                     const std::string& name,
+                                                     const CreateOptions& options) {
   if (name.empty()) {
     return tl::unexpected(Attempt{"(nil)", Detail::NoServer, "an empty name refers to no object"});
   }
   if (lab.closed()) return tl::unexpected(closed_lab(name));
-  const TimePoint deadline = deadline_after(options.patience);
-  const auto entry = look_up(lab, name, deadline);
+  auto entry = look_up(lab, name, deadline_after(options.patience));
   if (!entry) return tl::unexpected(Attempt{name, Detail::NoServer, entry.error()});
   if (!entry_is_a(*entry, wanted.name)) {
     return tl::unexpected(Attempt{name, Detail::Refused,
@@ -89,6 +89,15 @@ tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_objec
                                          "reference: the server was restarted; ask for a new "
                                          "reference, or create the proxy by name"});
   }
+  return *std::move(entry);
+}
+
+tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_object(
+    Context& lab, const InterfaceDescription& wanted, const std::string& name,
+    const CreateOptions& options) {
+  const TimePoint deadline = deadline_after(options.patience);
+  const auto entry = find_entry(lab, wanted, name, options);
+  if (!entry) return tl::unexpected(entry.error());
   const auto addresses = select(*lab.runtime(), *entry, wanted.quality, options.medium);
   if (!addresses) {
     return tl::unexpected(Attempt{name, Detail::QosUnavailable, name + " " + addresses.error()});

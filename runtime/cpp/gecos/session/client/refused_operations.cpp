@@ -10,23 +10,17 @@ void RefusedOperations::check_quality(const InterfaceDescription& wanted,
                                       const media::Capabilities& medium, bool simulated) {
   const qos::LineCapabilities line = line_of(medium);
   medium_ = line.name;
-  const auto check = [&](FunctionCode code, const qos::Quality& asked) {
-    std::string terms;
-    for (const auto& [term, why] : qos::violations(demanded_of(asked, simulated), line)) {
-      terms += (terms.empty() ? "" : "; ") + term + ": " + why;
-    }
-    if (!terms.empty()) unsuited_.push_back({code, std::move(terms)});
-  };
-  for (const auto* operation : wanted.all_operations()) check(operation->code, operation->quality);
-  for (const auto* stream : wanted.all_streams()) check(stream->code, stream->quality);
-  for (const auto* stream : wanted.all_inward_streams()) check(stream->code, stream->quality);
+  for (const auto& [code, name, violations] : unsuited_members(wanted, line, simulated)) {
+    unsuited_.push_back({code, to_string(violations)});
+  }
   std::ranges::stable_sort(unsuited_, {}, &Unsuited::code);
 }
 
 std::optional<Failure> RefusedOperations::why(FunctionCode code, std::string_view name,
-                                              const Welcome& server) const {
+                                              const Welcome& server,
+                                              std::string_view outcome) const {
   const auto what = [&] {
-    return "'" + std::string(name) + "' of " + server.object + " was not sent";
+    return "'" + std::string(name) + "' of " + server.object + " " + std::string(outcome);
   };
   if (std::ranges::binary_search(differing_, code)) {
     return Failure{Detail::Refused,

@@ -27,8 +27,10 @@ class RefusedOperations {
   void check_quality(const InterfaceDescription& wanted, const media::Capabilities& medium,
                      bool simulated);
 
-  /// Returns why the operation or stream `name` is refused; nullopt if it may be used.
-  std::optional<Failure> why(FunctionCode code, std::string_view name, const Welcome& server) const;
+  /// Returns why the operation or stream `name` is refused; nullopt if it may be used. `outcome`:
+  /// what has therefore not happened, for the message.
+  std::optional<Failure> why(FunctionCode code, std::string_view name, const Welcome& server,
+                             std::string_view outcome = "was not sent") const;
 
  private:
   struct Unsuited {

@@ -22,6 +22,8 @@ qos::Quality demanded_of(qos::Quality asked, bool simulated) {
   return asked;
 }
 
+std::string medium_of(const std::string& address) { return address.substr(0, address.find(':')); }
+
 namespace {
 
 std::string out_of_shared_memory(Runtime& runtime, const Entry& entry, media::Kind kind,
@@ -55,12 +57,42 @@ std::string out_of_reach(Runtime& runtime, const Entry& entry, media::Kind kind,
 std::string offered(const Entry& entry) {
   std::string media;
   for (const auto& address : entry.addresses) {
-    media += (media.empty() ? "" : ", ") + address.substr(0, address.find(':'));
+    media += (media.empty() ? "" : ", ") + medium_of(address);
   }
   return media.empty() ? "none" : media;
 }
 
 }  // namespace
+
+tl::expected<qos::LineCapabilities, std::string> line_to(Runtime& runtime, const Entry& entry,
+                                                         const std::string& address) {
+  const auto kind = media::kind_of(address);
+  if (!kind) return tl::unexpected(std::string("this program does not know this medium"));
+  if (auto why = out_of_reach(runtime, entry, *kind, address); !why.empty()) {
+    return tl::unexpected(std::move(why));
+  }
+  const auto opened = runtime.medium(*kind);
+  if (!opened) return tl::unexpected(opened.error().text);
+  return line_of((*opened)->capabilities());
+}
+
+std::vector<UnsuitedMember> unsuited_members(const InterfaceDescription& interface,
+                                             const qos::LineCapabilities& line, bool simulated) {
+  std::vector<UnsuitedMember> found;
+  const auto check = [&](const auto& member) {
+    auto violated = qos::violations(demanded_of(member.quality, simulated), line);
+    if (violated.empty()) return;
+    found.push_back({member.code, std::string(member.name), std::move(violated)});
+  };
+  for (const auto* operation : interface.all_operations()) check(*operation);
+  for (const auto* stream : interface.all_streams()) {
+    // A stream has the quality and the code of its getter.
+    if (std::ranges::find(found, stream->code, &UnsuitedMember::code) == found.end())
+      check(*stream);
+  }
+  for (const auto* stream : interface.all_inward_streams()) check(*stream);
+  return found;
+}
 
 tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, const Entry& entry,
                                                            const qos::Quality& asked,
@@ -72,20 +104,13 @@ tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, con
     reasons += (reasons.empty() ? "" : "; ") + std::string(medium) + ": " + why;
   };
   for (const auto& address : entry.addresses) {
-    const std::string medium = address.substr(0, address.find(':'));
     const auto kind = media::kind_of(address);
-    if (!kind) {
-      pass_over(medium, "this program does not know this medium");
-      continue;
-    }
-    if (only && *kind != *only) continue;
-    if (const auto why = out_of_reach(runtime, entry, *kind, address); !why.empty()) {
-      pass_over(medium, why);
-    } else if (const auto opened = runtime.medium(*kind); !opened) {
-      pass_over(medium, opened.error().text);
-    } else {
+    if (only && kind && *kind != *only) continue;
+    if (auto line = line_to(runtime, entry, address)) {
       addresses.push_back(address);
-      lines.push_back(line_of((*opened)->capabilities()));
+      lines.push_back(*std::move(line));
+    } else {
+      pass_over(medium_of(address), line.error());
     }
   }
   if (addresses.empty()) {

@@ -1,7 +1,5 @@
 #include "gecos/session/client/subscriptions.hpp"
 
-#include <algorithm>
-
 #include "gecos/object_calls.hpp"      // generated from idl/gecos/object.gidl
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/client/client_connection.hpp"
@@ -10,16 +8,6 @@
 #include "gecos/session/process/runtime.hpp"
 
 namespace gecos::session {
-namespace {
-
-/// Returns the sequence number of the newest sample; 0 before the first one.
-std::uint64_t newest_of(media::StreamReader& reader) {
-  media::StreamSample sample;
-  return reader.latest(0, sample) ? sample.sequence : 0;
-}
-
-}  // namespace
-
 tl::expected<std::shared_ptr<StreamCore>, Failure> Subscriptions::subscribe(
     const StreamDescription& stream) {
   std::shared_ptr<CommandCore> command;
@@ -37,7 +25,14 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> Subscriptions::subscribe(
 tl::expected<std::shared_ptr<StreamCore>, Failure> Subscriptions::open(
     const StreamDescription& stream, CommandCore& subscribed) {
   subscribed.wait_until(TimePoint::max());
-  if (subscribed.progress().detail != Detail::Done) return tl::unexpected(subscribed.failure());
+  const std::string what = "stream '" + std::string(stream.name) + "' of " + session_.object_name();
+  if (subscribed.progress().detail != Detail::Done) {
+    Failure failure = subscribed.failure();
+    if (failure.detail == Detail::UnknownOperation) {
+      failure.text = "the server has no " + what + "; it is older than this program's interface";
+    }
+    return tl::unexpected(std::move(failure));
+  }
   Subscription answer;
   if (wire::Decoder from(subscribed.result());
       !read_result<GecosObject_subscribe_result>(from, answer)) {
@@ -56,7 +51,6 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> Subscriptions::open(
         return reader != nullptr || !impossible.empty() || session_.lost();
       },
       deadline_after(session_.runtime().options().grace));
-  const std::string what = "stream '" + std::string(stream.name) + "' of " + session_.object_name();
   if (!reader && !impossible.empty()) {
     return tl::unexpected(Failure{
         Detail::Refused, what + " cannot be opened in this process: " + impossible, {}, {}});
@@ -69,7 +63,7 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> Subscriptions::open(
         {}});
   }
   std::optional<std::uint64_t> after;
-  if (stream.event) after = std::max(answer.newest, newest_of(*reader));
+  if (stream.event) after = answer.newest;
   return std::make_shared<ClientStream>(session_.shared_from_this(), stream.code, std::move(reader),
                                         after);
 }

@@ -258,7 +258,8 @@ tl::expected<Registrar::Broker, std::string> Registrar::find_broker(TimePoint de
   }
   auto found = lab_->broker(deadline);
   if (!place.empty() && (!found || (*found)->place() != place)) {
-    found = connect(*lab_->runtime(), place, BrokerInterface::description, deadline);
+    auto there = connect(*lab_->runtime(), place, BrokerInterface::description, deadline);
+    if (there || found) found = std::move(there);  // else the first text says what to do
   }
   if (!found) return found;
   const MutexLock lock(mutex_);

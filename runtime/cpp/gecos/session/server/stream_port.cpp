@@ -16,35 +16,29 @@ std::string StreamPort::named() const {
   return "stream '" + std::string(stream_.name) + "' of " + object_;
 }
 
-bool StreamPort::Writer::publish(ByteView sample, std::int64_t stamp_ns) {
-  const bool published = to->publish(sample, stamp_ns).has_value();
-  newest += published ? 1 : 0;
-  return published;
-}
-
 tl::expected<std::uint64_t, std::string> StreamPort::share(std::uint32_t id,
                                                            media::Connection& connection,
                                                            media::Acceptor& acceptor) {
   const MutexLock lock(mutex_);
   const auto writer = writer_for(acceptor);
   if (!writer) return tl::unexpected(writer.error());
-  if (!connection.share(id, *(*writer)->to)) {
+  if (!connection.share(id, **writer)) {
     return tl::unexpected(named() + " cannot be shared over " +
                           std::string(connection.capabilities().name) +
                           ": the connection is lost or has no room for another stream");
   }
-  return (*writer)->newest;
+  return (*writer)->newest();
 }
 
-tl::expected<StreamPort::Writer*, std::string> StreamPort::writer_for(media::Acceptor& acceptor) {
+tl::expected<media::StreamWriter*, std::string> StreamPort::writer_for(media::Acceptor& acceptor) {
   const std::string_view medium = acceptor.capabilities().name;
-  if (const auto found = writers_.find(medium); found != writers_.end()) return &found->second;
+  if (const auto found = writers_.find(medium); found != writers_.end()) return found->second.get();
   const std::size_t largest = stream_.largest != 0 ? stream_.largest : unbounded_sample;
   const std::size_t depth = stream_.quality.depth != 0 ? stream_.quality.depth : usual_depth;
   try {
-    Writer made{acceptor.make_stream(largest + measured_bytes, depth)};
-    if (published_ && !stream_.event) made.publish(latest_, latest_stamp_ns_);
-    return &writers_.emplace(medium, std::move(made)).first->second;
+    auto made = acceptor.make_stream(largest + measured_bytes, depth);
+    if (kept_) static_cast<void>(made->publish(latest_, latest_stamp_ns_));
+    return writers_.emplace(medium, std::move(made)).first->second.get();
   } catch (const std::exception& failed) {  // no memory or no descriptor is left
     return tl::unexpected(named() + " cannot be opened over " + std::string(medium) + ": " +
                           failed.what());
@@ -56,10 +50,10 @@ void StreamPort::publish(ByteView sample, const SampleTime& time) {
   latest_.assign(sample.begin(), sample.end());
   append_measured(latest_, time.measured);
   latest_stamp_ns_ = time.stamp_ns;
-  published_ = true;
-  for (auto& [medium, writer] : writers_) {
-    if (writer.publish(latest_, time.stamp_ns) || complained_) continue;
-    complained_ = true;
+  kept_ = !stream_.event;
+  for (const auto& [medium, writer] : writers_) {
+    if (writer->publish(latest_, time.stamp_ns) || complained_) continue;
+    complained_ = !stream_.event;
     log_error("session", object_ + ": a sample of '" + std::string(stream_.name) + "' takes " +
                              std::to_string(sample.size()) + " bytes, more than " +
                              std::string(medium) +

@@ -14,7 +14,8 @@
 namespace gecos::session {
 
 /// Publishes one stream of an object. At the first subscription over a medium, creates the writer
-/// for that medium. Before the first subscription, only the latest sample is kept, and no event.
+/// for that medium. Before the first subscription, the latest sample of a stream is kept for it,
+/// but no event.
 ///
 /// `publish` locks no mutex of the object and uses no session. It allocates no memory when a sample
 /// of the same size was published before. Thread-safe.
@@ -35,24 +36,19 @@ class StreamPort {
   void close();
 
  private:
-  struct Writer {
-    std::unique_ptr<media::StreamWriter> to;
-    std::uint64_t newest = 0;  ///< sequence number of its newest sample
-
-    bool publish(ByteView sample, std::int64_t stamp_ns);
-  };
-
-  tl::expected<Writer*, std::string> writer_for(media::Acceptor& acceptor) GECOS_REQUIRES(mutex_);
+  tl::expected<media::StreamWriter*, std::string> writer_for(media::Acceptor& acceptor)
+      GECOS_REQUIRES(mutex_);
   std::string named() const;
 
   const std::string& object_;
   const StreamDescription& stream_;
   Mutex mutex_;
-  std::map<std::string_view, Writer> writers_ GECOS_GUARDED_BY(mutex_);
+  std::map<std::string_view, std::unique_ptr<media::StreamWriter>> writers_
+      GECOS_GUARDED_BY(mutex_);
   Bytes latest_ GECOS_GUARDED_BY(mutex_);  ///< the latest sample, with the measurement time
                                            ///< appended
   std::int64_t latest_stamp_ns_ GECOS_GUARDED_BY(mutex_) = 0;
-  bool published_ GECOS_GUARDED_BY(mutex_) = false;
+  bool kept_ GECOS_GUARDED_BY(mutex_) = false;  ///< `latest_` is for readers that come later
   bool complained_ GECOS_GUARDED_BY(mutex_) = false;
 };
 

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "gecos/base/ids.hpp"
+#include "gecos/qos/match.hpp"
+
+namespace gecos {
+
+/// An operation or stream whose own `@qos` a medium does not meet. A call or subscription ends at
+/// once as QOS_UNAVAILABLE.
+struct UnsuitedMember {
+  FunctionCode code{};
+  std::string name;  ///< "move", "tool"; "tool=" for a setter
+  std::vector<qos::Violation> violations;
+};
+
+/// What speaks for and against one medium of an object.
+struct MediumVerdict {
+  std::string medium;       ///< "shm"
+  std::string address;      ///< under which the server offers the medium
+  std::string unreachable;  ///< why this program cannot reach the object over it; empty if it can
+  std::vector<qos::Violation>
+      violations;                       ///< terms of the interface's `@qos` that it does not meet
+  std::vector<UnsuitedMember> members;  ///< only of a suitable medium
+
+  bool suitable() const { return unreachable.empty() && violations.empty(); }
+};
+
+/// Over which media `create` would reach an object.
+struct Explanation {
+  std::string name;
+  std::string interface_name;  ///< that of the object
+  std::string hostname;
+  bool simulated = false;
+  /// The suitable media first, in the order in which `create` tries them.
+  std::vector<MediumVerdict> media;
+};
+/// Returns violated terms in one line: "media=shm: lcm is not one of these media; …".
+std::string to_string(const std::vector<qos::Violation>& violations);
+/// Prints a line for each medium: "shm: chosen", "lcm: media=shm: lcm is not one of these media".
+std::ostream& operator<<(std::ostream& out, const Explanation& explanation);
+
+}  // namespace gecos

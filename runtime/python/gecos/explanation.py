@@ -1,0 +1,70 @@
+"""Over which media `lab.create` would reach an object, and what speaks against the others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+
+class Violation(NamedTuple):
+    """A term of an `@qos` that a medium does not meet, and the reason."""
+
+    term: str  # for example "media=shm"
+    why: str  # for example "lcm is not one of these media"
+
+    def __str__(self) -> str:
+        return f"{self.term}: {self.why}"
+
+
+class UnsuitedMember(NamedTuple):
+    """An operation or stream whose own `@qos` a medium does not meet. A call or subscription ends
+    at once as QOS_UNAVAILABLE."""
+
+    name: str
+    violations: tuple[Violation, ...]
+
+    @property
+    def reason(self) -> str:
+        return "; ".join(map(str, self.violations))
+
+
+@dataclass(frozen=True, slots=True)
+class MediumVerdict:
+    """What speaks for and against one medium of an object."""
+
+    medium: str  # for example "shm"
+    address: str
+    unreachable: str  # why this program cannot reach the object over it; "" if it can
+    violations: tuple[Violation, ...]  # terms of the interface's `@qos` that it does not meet
+    members: tuple[UnsuitedMember, ...]  # only of a suitable medium
+
+    @property
+    def suitable(self) -> bool:
+        return not self.unreachable and not self.violations
+
+    @property
+    def reason(self) -> str:
+        """Why the medium is not suitable; "" if it is."""
+        return self.unreachable or "; ".join(map(str, self.violations))
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """The media of an object: the suitable ones first, in the order in which `lab.create` tries
+    them."""
+
+    name: str
+    interface_name: str  # that of the object
+    hostname: str
+    simulated: bool
+    media: tuple[MediumVerdict, ...]
+
+    def __str__(self) -> str:
+        simulated = ", simulated" if self.simulated else ""
+        lines = [f"{self.name} ({self.interface_name}{simulated}) on {self.hostname}"]
+        for i, each in enumerate(self.media):
+            chosen = "chosen" if i == 0 else "used if those before it do not answer"
+            lines.append(f"  {each.medium}: {each.reason or chosen}")
+            for member in each.members:
+                lines.append(f"    not {member.name}: {member.reason}")
+        return "\n".join(lines)
