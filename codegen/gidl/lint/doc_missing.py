@@ -18,12 +18,12 @@ def check(model: Model, findings: Findings) -> None:
         for operation in (*interface.operations, *interface.events):
             if not operation.facts.doc:
                 what = "event" if operation.is_event else "operation"
-                about = (
-                    "when it occurs" if operation.is_event else "its effect, and when it is refused"
-                )
+                about = "with its effect, and when it is refused"
+                if operation.is_event:
+                    about = "that says when it occurs"
                 findings.warning(
                     "G0907",
                     operation.facts.location,
                     f"{what} '{operation.name}' has no comment",
-                    f"write before it a comment /** ... */ that says {about}",
+                    f"write before it a comment /** ... */ {about}",
                 )

@@ -47,7 +47,7 @@ tl::expected<Explanation, CreateError> explain(const LabOrWhyNot& lab,
   if (!lab) return failed(Detail::NoServer, lab.error().text);
   const auto entry = find_entry(**lab, wanted, name, options);
   if (!entry) return tl::unexpected(CreateError{{entry.error()}});
-  Explanation told{name, entry->interface_name, entry->hostname, entry->simulated, {}};
+  Explanation found{name, entry->interface_name, entry->hostname, entry->simulated, {}};
   std::vector<qos::LineCapabilities> lines;
   std::vector<MediumVerdict> suitable;
   const qos::Quality demanded = demanded_of(wanted.quality, entry->simulated);
@@ -57,7 +57,7 @@ tl::expected<Explanation, CreateError> explain(const LabOrWhyNot& lab,
     if (!line) verdict.unreachable = line.error();
     if (line) verdict.violations = qos::violations(demanded, *line);
     if (!verdict.suitable()) {
-      told.media.push_back(std::move(verdict));
+      found.media.push_back(std::move(verdict));
       continue;
     }
     verdict.members = unsuited_members(wanted, *line, entry->simulated);
@@ -68,9 +68,9 @@ tl::expected<Explanation, CreateError> explain(const LabOrWhyNot& lab,
   for (const std::size_t index : qos::rank(demanded, lines)) {
     ranked.push_back(std::move(suitable[index]));
   }
-  told.media.insert(told.media.begin(), std::make_move_iterator(ranked.begin()),
+  found.media.insert(found.media.begin(), std::make_move_iterator(ranked.begin()),
                     std::make_move_iterator(ranked.end()));
-  return told;
+  return found;
 }
 
 }  // namespace gecos::session
