@@ -69,7 +69,7 @@ tl::expected<Explanation, CreateError> explain(const LabOrWhyNot& lab,
     ranked.push_back(std::move(suitable[index]));
   }
   found.media.insert(found.media.begin(), std::make_move_iterator(ranked.begin()),
-                    std::make_move_iterator(ranked.end()));
+                     std::make_move_iterator(ranked.end()));
   return found;
 }
 
