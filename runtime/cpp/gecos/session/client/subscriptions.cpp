@@ -29,7 +29,8 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> Subscriptions::open(
   if (subscribed.progress().detail != Detail::Done) {
     Failure failure = subscribed.failure();
     if (failure.detail == Detail::UnknownOperation) {
-      failure.text = "the server has no " + what + "; it is older than this program's interface";
+      failure.text = "the server has no " + what +
+                     " and may be older than this program's interface: " + failure.text;
     }
     return tl::unexpected(std::move(failure));
   }
