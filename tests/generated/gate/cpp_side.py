@@ -245,10 +245,10 @@ class Program:
                 owner = spelled.cpp(self._model, self._layout, each.name)
                 methods[call.code] = f"{owner}::{virtual.name}"
         yield "};"
+        lambda_ = "[](gecos::ByteView a, gecos::ByteView b) { return "
         for call in self._layout.all_calls(self._model, interface):
             key = f"{interface.name} {call.code}"
             method = f"&{methods[call.code]}"
-            lambda_ = "[](gecos::ByteView a, gecos::ByteView b) { return "
             self._question("ask", key, f"{lambda_}ask<{proxy}>({method}, a, b); }}")
             self._question("serve", key, f"{lambda_}serve<{probe}>({call.code}U, a, b); }}")
         for each in self._model.with_bases(interface):
