@@ -120,7 +120,9 @@ def test_an_event_that_the_server_does_not_know_is_named(lab_with_broker: Labora
 
     with gecos.Lab() as mine:
         alarm = mine.create(Newer, "ALARM")
-        with pytest.raises(gecos.CommandFailed, match="no stream 'pressed' of ALARM and may be older"):
+        with pytest.raises(
+            gecos.CommandFailed, match="no stream 'pressed' of ALARM and may be older"
+        ):
             alarm.pressed.stream()
 
 
