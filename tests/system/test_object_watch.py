@@ -77,6 +77,10 @@ def test_a_query_by_a_base_interface_finds_derived_ones(lab: Laboratory, watchin
         assert [one["name"] for one in json.loads(listed.output())] == shown
 
 
+def is_confirmed(proxy: gecos.Object) -> bool:
+    return gecos.describe(proxy).result().registration == "confirmed"
+
+
 def test_a_broker_that_is_killed_and_restarted_under_fifty_sessions_loses_nothing(
     lab: Laboratory, watching: Program
 ) -> None:
@@ -89,6 +93,8 @@ def test_a_broker_that_is_killed_and_restarted_under_fifty_sessions_loses_nothin
     with gecos.Lab() as client, client.watch() as watch:
         assert {next_of(watch) for _ in names} == {f"{name} ONLINE" for name in names}
         proxies = [client.create(RailSensor, name) for name in names]
+        # A broker that has just started confirms names only after a while.
+        until(lambda: all(map(is_confirmed, proxies)), "the names are confirmed")
         leases = [gecos.actor(proxy) for proxy in proxies]
         rides = [proxy.travel(1.0) for proxy in proxies]
         watching.kill()
