@@ -454,7 +454,7 @@ class Attribute:
     secret: bool = False
     bulk: bool = False
     id: int | None = None
-    # The event whose arguments are the samples of this stream; see gidl.layout.events.
+    # The event whose parameters are the samples of this stream; see gidl.layout.events.
     event: Operation | None = None
 
     @property

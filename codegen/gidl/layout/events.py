@@ -1,4 +1,5 @@
-"""Turns each event into a stream of its parameters, so that layout and targets know streams only.
+"""Turns each event into a stream of its parameters, so that media and sessions carry
+events as they carry streams.
 
 The event `touched(in Pose where)` of the interface `Arm` becomes the stream `touched`, which cannot
 be read by a call, and the struct `Arm::touched` of its samples. The struct is appendable, so
@@ -41,7 +42,7 @@ def _declarations(declaration: AnyDeclaration) -> Iterator[AnyDeclaration]:
     if not isinstance(declaration, Interface):
         yield declaration
         return
-    structs = [_arguments(event) for event in declaration.events]
+    structs = [_parameters(event) for event in declaration.events]
     yield from structs
     yield replace(
         declaration,
@@ -53,7 +54,7 @@ def _declarations(declaration: AnyDeclaration) -> Iterator[AnyDeclaration]:
     )
 
 
-def _arguments(event: Operation) -> Struct:
+def _parameters(event: Operation) -> Struct:
     members = tuple(
         Member(
             p.name, p.type, p.facts, p.unit, p.range, p.default, p.optional,

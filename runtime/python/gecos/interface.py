@@ -324,11 +324,11 @@ def inward(
 
 
 class Event(Record, Generic[T]):
-    """An event with the codec of its arguments."""
+    """An event with the codec of its parameters."""
 
     stream: OutwardStream
-    result: Callable[[Decoder], T]  # decodes the arguments
-    body: Callable[[T], Parts]  # encodes the arguments
+    result: Callable[[Decoder], T]  # decodes the parameters
+    body: Callable[[T], Parts]  # encodes the parameters
 
 
 def event(

@@ -70,7 +70,7 @@ class EventView:
 
     constant: str
     name: str
-    result: str  # type hint of the arguments, as the module uses it
+    result: str  # type hint of the parameters, as the module uses it
     hint: str  # the same in a class
     table: str  # "_event(…)"
     doc: tuple[str, ...]
