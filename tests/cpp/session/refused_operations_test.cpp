@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <sstream>
 
 #include "gecos/binding.hpp"
 #include "gecos/media/lcm/lcm.hpp"
@@ -112,6 +113,21 @@ class Demanding : public probe::OverMedia {
     return described;
   }
 };
+
+TEST_P(Demanding, AreNamedByExplain) {
+  const auto found =
+      gecos::session::explain(gecos::session::LabAccess::context(lab_), demanding(), "PROBE", {});
+  ASSERT_TRUE(found) << found.error();
+  ASSERT_FALSE(found->media.empty());
+  EXPECT_TRUE(found->media.front().suitable());
+  std::ostringstream text;
+  text << *found;
+  const std::string medium = found->media.front().medium;
+  EXPECT_NE(text.str().find("\n  " + medium + ": chosen\n"), std::string::npos) << text.str();
+  const std::string why = "media=can: " + medium + " is not one of these media";
+  EXPECT_NE(text.str().find("\n    not read: " + why), std::string::npos) << text.str();
+  EXPECT_NE(text.str().find("\n    not level: " + why), std::string::npos) << text.str();
+}
 
 TEST_P(Demanding, CallsAndSubscriptionsEndAtOnceAndTheRestWorks) {
   auto created =
