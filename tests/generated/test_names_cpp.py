@@ -118,6 +118,32 @@ def test_a_type_is_never_called_as_its_members(tmp_path: Path) -> None:
     compiles(tmp_path / "cpp", "".join(f'#include "{s.name}"\n' for s in sources))
 
 
+def test_the_arms_of_a_union_may_be_called_as_the_members_of_a_bitset(tmp_path: Path) -> None:
+    (tmp_path / "packed.gidl").write_text(
+        """
+        module packed {
+          struct Point { long x; };
+          union Goal switch (boolean) { case TRUE: Point bits; case FALSE: string set_bits; };
+          bitset Gap { bitfield<3> width; };
+          interface Arm {
+            void go(in Goal to, in sequence<Goal> via, in map<string, Goal> named, in Gap open);
+          };
+        };
+        """
+    )
+    generate(tmp_path, "--lang", "cpp", tmp_path / "packed.gidl")
+    compiles(
+        tmp_path / "cpp",
+        """
+        #include "gecos/wire/layout.hpp"
+        #include "packed_calls.hpp"
+        gecos::Bytes sent(const packed::Arm_go_arguments& all) {
+          return gecos::layout::to_bytes(all);
+        }
+        """,
+    )
+
+
 def test_a_parameter_is_not_called_as_a_constant_or_an_alias_around_its_interface(
     tmp_path: Path,
 ) -> None:

@@ -35,12 +35,20 @@ namespace gecos::layout {
 template <class T>
 inline constexpr bool in_bulk = std::is_arithmetic_v<T> && !std::is_same_v<T, bool>;
 
+/// A bitset or bitmask, which is one number. The arm of a union may be called `bits` too, but a
+/// union encodes itself.
+template <class T>
+concept Packed = requires(const T& value) {
+  value.bits();
+}
+&&!requires(const T& value) { value.encoded_size(); };
+
 /// A number, an enumerator, a text without bound, or a value that encodes itself.
 struct Plain {
   template <class T>
   static constexpr std::size_t least() {
     if constexpr (std::is_same_v<T, std::string>) return 5;
-    if constexpr (requires(const T& value) { value.bits(); }) {
+    if constexpr (Packed<T>) {
       return sizeof(decltype(std::declval<const T&>().bits()));
     }
     return sizeof(T);
@@ -61,7 +69,7 @@ struct Plain {
       to.put_string(value);
     } else if constexpr (std::is_enum_v<T>) {
       to.put(static_cast<std::make_signed_t<std::underlying_type_t<T>>>(value));
-    } else if constexpr (requires { value.bits(); }) {
+    } else if constexpr (Packed<T>) {
       to.put(value.bits());
     } else {
       wire::put_plain(to, value);

@@ -1,1 +1,0 @@
-#include "/tmp/ob/mock_ob/server.cpp"
