@@ -21,7 +21,9 @@ from dataclasses import dataclass, field
 from itertools import cycle
 from pathlib import Path
 
+import crowd
 import rampage
+from crowd import Crowd
 from rampage import Plan
 
 EVERYBODY = {"client": 6, "server": 3, "broker": 1}
@@ -140,6 +142,17 @@ def stream(seconds: int, build: Path, figures: Figures) -> None:
         figures.failed.append(f"stream_rate_test with STREAM_SECONDS={seconds}")
 
 
+def gather_a_crowd(clients: int, build: Path, env: Mapping[str, str], figures: Figures) -> None:
+    """One client process for 20 clients, and one object for ten, in 20 servers at most."""
+    objects = max(clients // 10, 1)
+    servers = next(count for count in (20, 10, 5, 2, 1) if objects % count == 0)
+    for medium in ("shm", "lcm"):
+        plan = Crowd(medium, objects, servers, clients, max(clients // 20, 1))
+        costs = crowd.measure(plan, build, env)
+        print(f"{plan}: {costs}", flush=True)
+        figures.failed.extend(f"{plan}: {bound}" for bound in costs.broken_bounds())
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description="The stress tests for hours.")
     parser.add_argument("--build", type=Path, default=Path("build"))
@@ -151,6 +164,7 @@ def main() -> int:
     parser.add_argument("--calls", type=int, default=1_000_000, help="over each faulty line")
     parser.add_argument("--packets", type=int, default=1_000_000, help="to the secure channel")
     parser.add_argument("--stream", type=int, default=60, help="seconds of a stream at 1 kHz")
+    parser.add_argument("--clients", type=int, default=1_000, help="idle ones, over each medium")
     asked = parser.parse_args()
     print(f"soak: seed {asked.seed}", flush=True)
 
@@ -162,6 +176,7 @@ def main() -> int:
         paths = [f"{made}/python", *filter(None, [os.environ.get("PYTHONPATH")])]
         env = {"PYTHONPATH": os.pathsep.join(paths), "GECOS_KEY_DIR": f"{made}/keys"}
         os.environ["GECOS_KEY_DIR"] = env["GECOS_KEY_DIR"]
+        gather_a_crowd(asked.clients, build, env, figures)
         attack_the_channel(asked.packets, build, figures)
         stream(asked.stream, build, figures)
         call_over_a_faulty_line(asked.calls, asked.seed, build, figures)

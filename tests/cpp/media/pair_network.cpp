@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gecos/base/system_error.hpp"
+#include "gecos/media/sealed/stream.hpp"
 #include "media_under_test.hpp"
 #include "pair_medium.hpp"
 #include "pair_sockets.hpp"
@@ -24,14 +25,19 @@ class PairPort final : public DatagramPort {
   PairPort(std::shared_ptr<PairTable> table, std::uint16_t port)
       : table_(std::move(table)), port_(port) {}
 
-  tl::expected<void, MediumError> subscribe(const std::string& channel, Take take) override {
+  tl::expected<std::uint64_t, MediumError> subscribe(const std::string& channel,
+                                                     Take take) override {
     auto sockets = SocketPair::open();
     if (!sockets) return tl::unexpected(MediumError{"pair: " + system_text(errno)});
     sockets_ = std::make_shared<SocketPair>(std::move(*sockets));
     take_ = std::move(take);
     const std::lock_guard lock(table_->mutex);
     table_->heard[{port_, channel}].push_back(sockets_);
-    return {};
+    return 1;
+  }
+  void unsubscribe(std::uint64_t /*subscription*/) override {
+    const std::lock_guard lock(mutex_);
+    take_ = [](ByteView) {};
   }
   int descriptor() const override { return sockets_ == nullptr ? -1 : sockets_->one.get(); }
   bool pump(int most) override {
@@ -75,6 +81,11 @@ class PairNetwork final : public DatagramNetwork, public std::enable_shared_from
   tl::expected<std::unique_ptr<DatagramPort>, MediumError> open(std::uint16_t port) const override {
     return std::make_unique<PairPort>(table_, port);
   }
+  tl::expected<std::shared_ptr<DatagramPort>, MediumError> shared(
+      std::uint16_t port) const override {
+    return std::make_shared<PairPort>(table_, port);
+  }
+  std::uint16_t draw_reply_port() const override { return draw_port(); }
   std::shared_ptr<const DatagramNetwork> named(const std::string& /*name*/) const override {
     return shared_from_this();
   }

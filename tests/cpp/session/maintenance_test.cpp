@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <condition_variable>
+#include <mutex>
+
 #include "gecos/session/protocol/packets.hpp"
 
 namespace gecos::session {
@@ -14,6 +17,47 @@ TEST(Maintenance, EndsHoweverSoonAfterItsBeginning) {
     const Maintenance brief(clock);
     for (int wait = i % 500; wait > 0; --wait) clock.now();
   }
+}
+
+/// Counts its ticks, and asks for the next one after `period`.
+class CountedTarget final : public TickTarget {
+ public:
+  explicit CountedTarget(Duration period) : period_(period) {}
+  TimePoint on_tick(TimePoint now) override {
+    const std::lock_guard lock(mutex_);
+    ++ticks_;
+    ticked_.notify_all();
+    return now + period_;
+  }
+  void await_ticks(int count) {
+    std::unique_lock lock(mutex_);
+    ASSERT_TRUE(ticked_.wait_for(lock, std::chrono::seconds(30), [&] { return ticks_ >= count; }));
+  }
+  int ticks() {
+    const std::lock_guard lock(mutex_);
+    return ticks_;
+  }
+
+ private:
+  const Duration period_;
+  std::mutex mutex_;
+  std::condition_variable ticked_;
+  int ticks_ = 0;
+};
+
+TEST(Maintenance, CallsATargetOnlyWhenItsTickIsDueOrTheThreadIsWoken) {
+  Maintenance maintenance(system_clock());
+  const auto often = std::make_shared<CountedTarget>(Maintenance::tick);
+  const auto rarely = std::make_shared<CountedTarget>(std::chrono::hours(1));
+  maintenance.add(rarely);
+  maintenance.add(often);
+  often->await_ticks(3);
+  const int woken = rarely->ticks();  // add() wakes the thread, so that it may be more than one
+  EXPECT_GE(woken, 1);
+  often->await_ticks(often->ticks() + 5);
+  EXPECT_EQ(rarely->ticks(), woken);
+  maintenance.wake();
+  rarely->await_ticks(woken + 1);
 }
 
 }  // namespace

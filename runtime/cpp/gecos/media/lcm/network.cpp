@@ -1,20 +1,30 @@
 #include "gecos/media/sealed/network.hpp"
 
+#include <array>
 #include <charconv>
 #include <cstdlib>
+#include <map>
+#include <memory>
 #include <string_view>
 #include <utility>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/media/lcm/lcm.hpp"
 #include "gecos/media/lcm/port.hpp"
 #include "gecos/media/registration.hpp"
 #include "gecos/media/sealed/datagram.hpp"
+#include "gecos/media/sealed/stream.hpp"
 
 namespace gecos::media {
 namespace {
 
+/// The number of ports on which the connections of one process receive. With few connections, each
+/// has its own, and a packet wakes only the thread that waits for it. With many, the process needs
+/// neither a socket nor a system call for each of them.
+constexpr std::size_t reply_ports = 8;
+
 /// Opens the UDP ports of a multicast group.
-class LcmNetwork final : public DatagramNetwork {
+class LcmNetwork final : public DatagramNetwork, public std::enable_shared_from_this<LcmNetwork> {
  public:
   explicit LcmNetwork(LcmOptions options) : options_(std::move(options)) {}
 
@@ -26,7 +36,32 @@ class LcmNetwork final : public DatagramNetwork {
     return LcmPort::open(options_, port);
   }
 
+  tl::expected<std::shared_ptr<DatagramPort>, MediumError> shared(
+      std::uint16_t port) const override {
+    const MutexLock lock(mutex_);
+    std::weak_ptr<LcmPort>& known = ports_[port];
+    if (auto open = known.lock(); open != nullptr && !open->inherited()) return open;
+    std::erase_if(ports_,
+                  [&](const auto& one) { return one.first != port && one.second.expired(); });
+    auto opened = LcmPort::open(options_, port);
+    if (!opened) return tl::unexpected(std::move(opened.error()));
+    std::shared_ptr<LcmPort> shared(std::move(*opened));
+    known = shared;
+    return shared;
+  }
+
+  std::uint16_t draw_reply_port() const override {
+    const MutexLock lock(mutex_);
+    std::uint16_t& port = reply_ports_.at(next_reply_port_++ % reply_ports);
+    const auto known = ports_.find(port);
+    // The number of a port that is no longer open is not used again: the network may still carry
+    // packets for it.
+    if (known == ports_.end() || known->second.expired()) port = draw_port();
+    return port;
+  }
+
   std::shared_ptr<const DatagramNetwork> named(const std::string& name) const override {
+    if (name == options_.group) return shared_from_this();
     LcmOptions there = options_;
     there.group = name;
     return std::make_shared<const LcmNetwork>(std::move(there));
@@ -42,6 +77,11 @@ class LcmNetwork final : public DatagramNetwork {
 
  private:
   const LcmOptions options_;
+  mutable Mutex mutex_;
+  /// The ports that somebody may still hold, by their numbers.
+  mutable std::map<std::uint16_t, std::weak_ptr<LcmPort>> ports_ GECOS_GUARDED_BY(mutex_);
+  mutable std::array<std::uint16_t, reply_ports> reply_ports_ GECOS_GUARDED_BY(mutex_){};
+  mutable std::size_t next_reply_port_ GECOS_GUARDED_BY(mutex_) = 0;
 };
 
 /// Opens the medium with the TTL in the environment variable GECOS_LCM_TTL.

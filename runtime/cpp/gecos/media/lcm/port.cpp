@@ -5,6 +5,7 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <optional>
 #include <utility>
@@ -80,7 +81,7 @@ void LcmPort::abandon() noexcept {
   if (receiver_) receiver_->close();
 }
 
-tl::expected<void, MediumError> LcmPort::subscribe(const std::string& channel, Take take) {
+tl::expected<std::uint64_t, MediumError> LcmPort::subscribe(const std::string& channel, Take take) {
   const MutexLock lock(mutex_);
   if (!receiver_) {
     auto opened = LcmReceiver::open(options_, port_);
@@ -88,26 +89,34 @@ tl::expected<void, MediumError> LcmPort::subscribe(const std::string& channel, T
     receiver_.emplace(std::move(*opened));
     descriptor_ = receiver_->descriptor();
   }
-  subscriptions_.push_back({channel, std::move(take)});
-  return {};
+  subscriptions_.emplace(channel, Subscription{++last_number_, std::move(take)});
+  return last_number_;
+}
+
+void LcmPort::unsubscribe(std::uint64_t subscription) {
+  if (inherited()) return;
+  decltype(subscriptions_)::node_type ended;  // destroyed after the mutex is unlocked
+  const MutexLock lock(mutex_);
+  const auto found = std::ranges::find_if(
+      subscriptions_, [&](const auto& one) { return one.second.number == subscription; });
+  if (found != subscriptions_.end()) ended = subscriptions_.extract(found);
 }
 
 bool LcmPort::pump(int most) {
-  if (inherited_.load(std::memory_order_relaxed)) return false;
+  if (inherited()) return false;
   const MutexLock lock(mutex_);
   if (!receiver_) return false;
   for (int taken = 0; taken < most; ++taken) {
     const auto message = receiver_->next();
     if (!message) return false;
-    for (const Subscription& one : subscriptions_) {
-      if (one.channel == message->channel) one.take(message->content);
-    }
+    const auto [first, last] = subscriptions_.equal_range(message->channel);
+    for (auto one = first; one != last; ++one) one->second.take(message->content);
   }
   return true;
 }
 
 bool LcmPort::publish(const std::string& channel, ByteView datagram) {
-  if (inherited_.load(std::memory_order_relaxed)) return false;
+  if (inherited()) return false;
   return ::lcm_publish(lcm_, channel.c_str(), datagram.data(),
                        static_cast<unsigned>(datagram.size())) == 0;
 }

@@ -2,10 +2,11 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "gecos/base/mutex.hpp"
 #include "gecos/media/lcm/lcm.hpp"
@@ -27,14 +28,18 @@ class LcmPort final : public DatagramPort {
   LcmPort(const LcmPort&) = delete;
   LcmPort& operator=(const LcmPort&) = delete;
 
-  tl::expected<void, MediumError> subscribe(const std::string& channel, Take take) override;
-  int descriptor() const override { return descriptor_; }
+  tl::expected<std::uint64_t, MediumError> subscribe(const std::string& channel,
+                                                     Take take) override;
+  void unsubscribe(std::uint64_t subscription) override;
+  int descriptor() const override { return descriptor_.load(); }
   bool pump(int most = 1024) override;
   bool publish(const std::string& channel, ByteView datagram) override;
+  /// Returns whether this process is a forked child of the process that opened this port.
+  bool inherited() const { return inherited_.load(std::memory_order_relaxed); }
 
  private:
   struct Subscription {
-    std::string channel;
+    std::uint64_t number = 0;
     Take take;
   };
   LcmPort(_lcm_t* lcm, LcmOptions options, std::uint16_t port);
@@ -45,10 +50,11 @@ class LcmPort final : public DatagramPort {
   _lcm_t* const lcm_;
   const LcmOptions options_;
   const std::uint16_t port_;
-  int descriptor_ = -1;  // set by the first subscribe(), before other threads use this port
-  Mutex mutex_;          // held while a Subscription is called: one thread receives at a time
+  std::atomic<int> descriptor_{-1};  // set by the first subscribe()
+  Mutex mutex_;  // held while a Subscription is called: one thread receives at a time
   std::optional<LcmReceiver> receiver_ GECOS_GUARDED_BY(mutex_);
-  std::vector<Subscription> subscriptions_ GECOS_GUARDED_BY(mutex_);
+  std::multimap<std::string, Subscription, std::less<>> subscriptions_ GECOS_GUARDED_BY(mutex_);
+  std::uint64_t last_number_ GECOS_GUARDED_BY(mutex_) = 0;
   std::atomic<bool> inherited_{false};  // true in a forked child
   const ForkWatch fork_watch_;
 };

@@ -98,17 +98,17 @@ tl::expected<std::unique_ptr<Connection>, MediumError> SealedClient::connect(
   SealedOptions here = options;
   here.network = options.network->named(address.network);
   const std::uint64_t client = draw_number();
-  const std::uint16_t reply_port = draw_port();
-  auto in = here.network->open(reply_port);
+  const std::uint16_t reply_port = here.network->draw_reply_port();
+  auto in = here.network->shared(reply_port);
   if (!in) return tl::unexpected(std::move(in.error()));
-  auto out = here.network->open(address.port);
+  auto out = here.network->shared(address.port);
   if (!out) return tl::unexpected(std::move(out.error()));
   auto sender =
       std::make_shared<SealedSender>(std::move(*out), address.channel, client, reply_port);
   auto queue = std::make_shared<ReceiveQueue>();
   auto initiator =
       std::make_shared<HandshakeInitiator>(std::move(keys), here, address, sender, queue);
-  const auto subscribed =
+  const auto subscription =
       (*in)->subscribe(channel_name("GC", client), [queue, initiator, here](ByteView datagram) {
         const auto header = DatagramHeader::read(datagram);
         if (!header) return;
@@ -116,21 +116,24 @@ tl::expected<std::unique_ptr<Connection>, MediumError> SealedClient::connect(
         if (header->kind != DatagramKind::Sealed) return initiator->take(*header, frame);
         queue->take(datagram.first(DatagramHeader::bytes), frame, here.now());
       });
-  if (!subscribed) return tl::unexpected(subscribed.error());
-  auto connection = std::make_unique<SealedClient>(here, std::move(queue), std::move(sender),
-                                                   std::move(*in), std::move(initiator), address);
+  if (!subscription) return tl::unexpected(subscription.error());
+  auto connection =
+      std::make_unique<SealedClient>(here, std::move(queue), std::move(sender), std::move(*in),
+                                     *subscription, std::move(initiator), address);
   connection->initiator_->advance();
   return connection;
 }
 
 SealedClient::SealedClient(const SealedOptions& options, std::shared_ptr<ReceiveQueue> queue,
-                           std::shared_ptr<SealedSender> sender, std::unique_ptr<DatagramPort> in,
+                           std::shared_ptr<SealedSender> sender, std::shared_ptr<DatagramPort> in,
+                           std::uint64_t subscription,
                            std::shared_ptr<HandshakeInitiator> initiator,
                            const SealedAddress& address)
     : SealedConnection(
           std::move(queue), std::move(sender), options,
           Peer{std::nullopt, std::nullopt, peer_text(address.key, *options.network, address.port)}),
       in_(std::move(in)),
+      subscription_(subscription),
       initiator_(std::move(initiator)),
       streams_(::epoll_create1(EPOLL_CLOEXEC)),
       descriptors_{in_->descriptor(), queue_->event().descriptor(), streams_.get()} {}
@@ -140,6 +143,7 @@ SealedClient::~SealedClient() {
     if (const auto stream = made.lock()) stream->end();
   }
   if (!inherited() && !queue_->closed()) say(InnerKind::Bye);
+  in_->unsubscribe(subscription_);
 }
 
 void SealedClient::beat() {
@@ -218,17 +222,27 @@ bool SealedClient::new_samples() {
   std::vector<std::shared_ptr<SampleQueue>> reading;
   {
     const MutexLock lock(mutex_);
-    std::erase_if(reading_, [&](const auto& held) {
-      if (auto queue = held.lock()) {
-        reading.push_back(std::move(queue));
-        return false;
-      }
-      return true;
-    });
+    forget_closed_readers();
+    for (const auto& one : reading_) {
+      if (auto queue = one.queue.lock()) reading.push_back(std::move(queue));
+    }
   }
   bool found = false;
   for (const auto& queue : reading) found = queue->anything_new() || found;
   return found;
+}
+
+void SealedClient::forget_closed_readers() {
+  const auto closed =
+      std::ranges::partition(reading_, [](const Reading& one) { return !one.queue.expired(); });
+  const std::vector<Reading> gone(closed.begin(), closed.end());
+  reading_.erase(closed.begin(), closed.end());
+  for (const Reading& one : gone) {
+    // Another connection may hold the port, whose samples must no longer wake this one.
+    if (std::ranges::find(reading_, one.port, &Reading::port) == reading_.end()) {
+      ::epoll_ctl(streams_.get(), EPOLL_CTL_DEL, one.port, nullptr);
+    }
+  }
 }
 
 std::unique_ptr<StreamWriter> SealedClient::make_stream(std::size_t largest, std::size_t depth) {
@@ -272,33 +286,30 @@ std::unique_ptr<StreamReader> SealedClient::open_stream(std::uint32_t id) {
   if (found == arrived_.end()) return nullptr;
   const SharedStream& where = found->second.where;
   std::string& problem = found->second.problem;
-  auto opened = options_.network->open(where.port);
+  auto opened = options_.network->shared(where.port);
   if (!opened) {
     problem = std::move(opened.error().text);
     return nullptr;
   }
   const std::shared_ptr<DatagramPort> port = std::move(*opened);
   auto queue = std::make_shared<SampleQueue>(port, where, queue_);
-  // The queue owns the port, and the port owns the callback. A weak pointer to the queue avoids a
-  // cycle.
-  const auto subscribed = port->subscribe(channel_name("GS", where.channel),
-                                          [weak = std::weak_ptr(queue)](ByteView datagram) {
-                                            if (const auto to = weak.lock()) to->take(datagram);
-                                          });
-  epoll_event event{EPOLLIN, {.fd = port->descriptor()}};
-  if (!subscribed) {
-    problem = subscribed.error().text;
+  auto reader = SealedStreamReader::open(queue, *port, channel_name("GS", where.channel));
+  if (!reader) {
+    problem = std::move(reader.error().text);
     return nullptr;
   }
-  if (::epoll_ctl(streams_.get(), EPOLL_CTL_ADD, port->descriptor(), &event) != 0) {
+  forget_closed_readers();
+  epoll_event event{EPOLLIN, {.fd = port->descriptor()}};
+  if (::epoll_ctl(streams_.get(), EPOLL_CTL_ADD, port->descriptor(), &event) != 0 &&
+      errno != EEXIST) {
     problem = std::string(capabilities().name) + ": " + system_text(errno);
     return nullptr;
   }
   problem.clear();
-  reading_.push_back(queue);
+  reading_.push_back({queue, port->descriptor()});
   found->second.opened = true;
   say(InnerKind::Opened, id);
-  return std::make_unique<SealedStreamReader>(std::move(queue));
+  return std::move(*reader);
 }
 
 std::string SealedClient::why_no_stream(std::uint32_t id) {
@@ -320,7 +331,7 @@ SealedServer::SealedServer(std::shared_ptr<HandshakeResponder> responder,
 
 tl::expected<std::unique_ptr<Connection>, MediumError> SealedServer::welcome(
     std::shared_ptr<HandshakeResponder> responder, HandshakeResponder::PendingPeer pending) {
-  auto out = responder->options().network->open(pending.reply_port);
+  auto out = responder->options().network->shared(pending.reply_port);
   if (!out) return tl::unexpected(std::move(out.error()));
   auto sender = std::make_shared<SealedSender>(std::move(*out), channel_name("GC", pending.client),
                                                pending.client, std::uint16_t{0});

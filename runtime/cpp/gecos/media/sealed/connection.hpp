@@ -80,8 +80,9 @@ class SealedClient final : public SealedConnection {
   std::string why_no_stream(std::uint32_t id) override;
 
   SealedClient(const SealedOptions& options, std::shared_ptr<ReceiveQueue> queue,
-               std::shared_ptr<SealedSender> sender, std::unique_ptr<DatagramPort> in,
-               std::shared_ptr<HandshakeInitiator> initiator, const SealedAddress& address);
+               std::shared_ptr<SealedSender> sender, std::shared_ptr<DatagramPort> in,
+               std::uint64_t subscription, std::shared_ptr<HandshakeInitiator> initiator,
+               const SealedAddress& address);
 
  private:
   struct Arrived {
@@ -93,13 +94,19 @@ class SealedClient final : public SealedConnection {
     std::weak_ptr<InwardStream> stream;
     bool opened = false;  ///< while false, the stream is announced again with every heartbeat
   };
+  struct Reading {
+    std::weak_ptr<SampleQueue> queue;
+    int port = -1;  ///< the descriptor of the port of the stream, which streams_ watches
+  };
   void pump() override;
   bool new_samples();
+  void forget_closed_readers() GECOS_REQUIRES(mutex_);
   void take_share(const SharedStream& where);
   void take_opened(std::uint32_t id);
   void tell(std::uint32_t id, InwardStream& stream);
 
-  const std::unique_ptr<DatagramPort> in_;
+  const std::shared_ptr<DatagramPort> in_;
+  const std::uint64_t subscription_;  // at in_
   const std::shared_ptr<HandshakeInitiator> initiator_;
   const Descriptor streams_;  // an epoll of the ports of streams; these ports open later
   const std::array<int, 3> descriptors_;
@@ -109,7 +116,7 @@ class SealedClient final : public SealedConnection {
   std::atomic<bool> heard_of_streams_{false};
   Mutex mutex_;
   std::map<std::uint32_t, Arrived> arrived_ GECOS_GUARDED_BY(mutex_);
-  std::vector<std::weak_ptr<SampleQueue>> reading_ GECOS_GUARDED_BY(mutex_);
+  std::vector<Reading> reading_ GECOS_GUARDED_BY(mutex_);
   /// The streams that this connection made. They end with the connection.
   std::vector<std::weak_ptr<InwardStream>> made_ GECOS_GUARDED_BY(mutex_);
   std::map<std::uint32_t, Inward> inward_ GECOS_GUARDED_BY(mutex_);

@@ -27,9 +27,13 @@ class DatagramPort {
   using Take = std::function<void(ByteView datagram)>;
 
   virtual ~DatagramPort() = default;
-  /// Makes pump() pass the datagrams of `channel` to `take` from now on. Must not be called during
-  /// pump().
-  virtual tl::expected<void, MediumError> subscribe(const std::string& channel, Take take) = 0;
+  /// Makes pump() pass the datagrams of `channel` to `take` from now on. Returns the number of the
+  /// subscription. A `take` function must not call this function. Any thread may call it.
+  virtual tl::expected<std::uint64_t, MediumError> subscribe(const std::string& channel,
+                                                             Take take) = 0;
+  /// Ends a subscription, and waits until its `take` function has returned. A `take` function must
+  /// not call this function. Any thread may call it.
+  virtual void unsubscribe(std::uint64_t subscription) = 0;
   /// Returns a file descriptor that is readable when pump() has something to do; -1 before the
   /// first subscription.
   virtual int descriptor() const = 0;
@@ -54,8 +58,16 @@ class DatagramNetwork {
   /// Returns the size of the largest datagram in bytes. The size must be at least
   /// capabilities().largest_packet + packet_overhead (datagram.hpp).
   virtual std::size_t largest_datagram() const = 0;
+  /// Opens the port `port` for the caller alone.
   virtual tl::expected<std::unique_ptr<DatagramPort>, MediumError> open(
       std::uint16_t port) const = 0;
+  /// Returns the port `port`, which all callers in this process share. It stays open as long as one
+  /// of them holds it.
+  virtual tl::expected<std::shared_ptr<DatagramPort>, MediumError> shared(
+      std::uint16_t port) const = 0;
+  /// Returns the number of a port for a new connection to receive on, to be passed to shared(). A
+  /// network may return a number again: then more connections share a port.
+  virtual std::uint16_t draw_reply_port() const = 0;
   /// Returns the network that has the name `name` in an address. This is usually the same network.
   virtual std::shared_ptr<const DatagramNetwork> named(const std::string& name) const = 0;
   /// Returns a text for the user when no server answers. The text says why packets may not arrive.

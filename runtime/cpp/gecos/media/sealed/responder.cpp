@@ -39,7 +39,10 @@ HandshakeResponder::HandshakeResponder(SealedOptions options,
       stream_port_(draw_port()) {}
 
 tl::expected<void, MediumError> HandshakeResponder::open() {
-  return in_->subscribe(address_.channel, [this](ByteView datagram) { take(datagram); });
+  const auto subscribed =
+      in_->subscribe(address_.channel, [this](ByteView datagram) { take(datagram); });
+  if (!subscribed) return tl::unexpected(subscribed.error());
+  return {};
 }
 
 void HandshakeResponder::take(ByteView datagram) {
@@ -120,9 +123,9 @@ void HandshakeResponder::confirm(const DatagramHeader& header, ByteView datagram
 void HandshakeResponder::answer(const DatagramHeader& to, DatagramKind kind, ByteView frame,
                                 TimePoint now) {
   if (!answers_.take(now)) return;
-  // The port is opened for this answer only: a client that has not proved its keys must not occupy
-  // resources here.
-  auto out = options_.network->open(to.reply_port);
+  // Unless other clients use the port, it is opened for this answer only: a client that has not
+  // proved its keys must not occupy resources here.
+  auto out = options_.network->shared(to.reply_port);
   if (!out) {
     if (warnings_.take(now))
       log_warning(address_.medium, "cannot answer a client: " + out.error().text);
@@ -148,7 +151,7 @@ std::unique_ptr<StreamWriter> HandshakeResponder::make_stream(std::size_t larges
                                                               std::size_t depth) {
   const MutexLock lock(mutex_);
   if (streams_ == nullptr) {
-    auto opened = options_.network->open(stream_port_);
+    auto opened = options_.network->shared(stream_port_);
     if (!opened) throw std::runtime_error(opened.error().text);
     streams_ = std::move(*opened);
   }

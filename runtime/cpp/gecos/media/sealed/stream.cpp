@@ -83,6 +83,18 @@ bool SampleQueue::anything_new() {
   return samples_.anything_new();
 }
 
+tl::expected<std::unique_ptr<SealedStreamReader>, MediumError> SealedStreamReader::open(
+    const std::shared_ptr<SampleQueue>& queue, DatagramPort& port, const std::string& channel) {
+  // The queue holds the port, and the port owns the callback. A weak pointer to the queue avoids a
+  // cycle.
+  const auto subscription =
+      port.subscribe(channel, [weak = std::weak_ptr(queue)](ByteView datagram) {
+        if (const auto to = weak.lock()) to->take(datagram);
+      });
+  if (!subscription) return tl::unexpected(subscription.error());
+  return std::unique_ptr<SealedStreamReader>(new SealedStreamReader(queue, port, *subscription));
+}
+
 std::string channel_name(std::string_view prefix, std::uint64_t number) {
   constexpr std::string_view digits = "0123456789abcdef";
   std::string channel(prefix);

@@ -73,7 +73,11 @@ class SampleQueue {
 
 class SealedStreamReader final : public CopyingReader {
  public:
-  explicit SealedStreamReader(std::shared_ptr<SampleQueue> queue) : queue_(std::move(queue)) {}
+  /// Makes `port` put the samples of `channel` into `queue`, as long as the reader exists.
+  /// @pre `queue` holds `port`.
+  static tl::expected<std::unique_ptr<SealedStreamReader>, MediumError> open(
+      const std::shared_ptr<SampleQueue>& queue, DatagramPort& port, const std::string& channel);
+  ~SealedStreamReader() override { port_.unsubscribe(subscription_); }
   bool latest(std::uint64_t after, StreamSample& into) override {
     return queue_->read(after, true, into);
   }
@@ -82,7 +86,13 @@ class SealedStreamReader final : public CopyingReader {
   }
 
  private:
+  SealedStreamReader(std::shared_ptr<SampleQueue> queue, DatagramPort& port,
+                     std::uint64_t subscription)
+      : queue_(std::move(queue)), port_(port), subscription_(subscription) {}
+
   const std::shared_ptr<SampleQueue> queue_;
+  DatagramPort& port_;
+  const std::uint64_t subscription_;
 };
 
 /// Returns the name of a channel: `prefix` and the number in 16 hex digits, for example

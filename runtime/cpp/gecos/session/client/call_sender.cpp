@@ -206,9 +206,9 @@ void CallSender::query_old_calls() {
 /// its outcome.
 TimePoint CallSender::repeat(TimePoint now, TimePoint next_beat) {
   const MutexLock lock(mutex_);
-  // Without open calls only the next heartbeat is due, so that idle clients cause no other
-  // wake-ups.
-  if (!repeats_ && calls_.size() == 0) return next_beat;
+  // Without open calls only the next heartbeat is due, so that idle clients cause few wake-ups. A
+  // call that is sent before the next tick may have to be repeated then.
+  if (calls_.size() == 0) return repeats_ ? std::min(next_beat, now + retry_after(1)) : next_beat;
   if (!repeats_ && !cancels_waiting_) return std::min(next_beat, now + longest_sleep);
   const TimePoint soon = now + Maintenance::tick;
   cancels_waiting_ = false;

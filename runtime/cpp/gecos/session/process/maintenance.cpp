@@ -21,10 +21,16 @@ namespace gecos::session {
 struct Maintenance::Shared {
   explicit Shared(const Clock& its_clock) : clock(its_clock) {}
 
+  struct Target {
+    std::weak_ptr<TickTarget> target;
+    TimePoint due{};  ///< when the next tick is due
+  };
+
   void run();
   std::vector<std::function<void()>> take_jobs();
   std::vector<std::shared_ptr<TickTarget>> look_at();
-  void judge_pause(const std::vector<std::shared_ptr<TickTarget>>& alive);
+  TimePoint tick_all(const std::vector<std::shared_ptr<TickTarget>>& alive, bool woken);
+  bool judge_pause(const std::vector<std::shared_ptr<TickTarget>>& alive);
 
   const Clock& clock;
   PauseWatch pauses;
@@ -32,8 +38,9 @@ struct Maintenance::Shared {
   EventFd event;
   std::thread thread;
   std::atomic<bool> ended{false};  // asks the thread to end; orders no other memory
+  std::vector<Target> targets;     // used by the thread only
   Mutex mutex;
-  std::vector<std::weak_ptr<TickTarget>> targets GECOS_GUARDED_BY(mutex);
+  std::vector<std::weak_ptr<TickTarget>> added GECOS_GUARDED_BY(mutex);
   std::vector<std::function<void()>> jobs GECOS_GUARDED_BY(mutex);
 };
 
@@ -42,42 +49,66 @@ std::vector<std::function<void()>> Maintenance::Shared::take_jobs() {
   return std::exchange(jobs, {});
 }
 
+/// Returns the targets that still exist, in the order of `targets`, from which it removes the
+/// others.
 std::vector<std::shared_ptr<TickTarget>> Maintenance::Shared::look_at() {
-  const MutexLock lock(mutex);
-  std::vector<std::shared_ptr<TickTarget>> alive;
-  for (const auto& candidate : targets) {
-    if (auto one = candidate.lock()) alive.push_back(std::move(one));
+  {
+    const MutexLock lock(mutex);
+    for (auto& one : added) targets.push_back({std::move(one), {}});
+    added.clear();
   }
-  targets.assign(alive.begin(), alive.end());
+  std::vector<std::shared_ptr<TickTarget>> alive;
+  std::erase_if(targets, [&](const Target& one) {
+    auto exists = one.target.lock();
+    if (exists == nullptr) return true;
+    alive.push_back(std::move(exists));
+    return false;
+  });
   return alive;
 }
 
-void Maintenance::Shared::judge_pause(const std::vector<std::shared_ptr<TickTarget>>& alive) {
+/// Calls the targets whose tick is due, or all when the thread was woken. Returns when the next
+/// tick is due. A process may have a thousand targets, whose ticks are due at different times.
+TimePoint Maintenance::Shared::tick_all(const std::vector<std::shared_ptr<TickTarget>>& alive,
+                                        bool woken) {
+  const TimePoint now = clock.now();
+  TimePoint next = TimePoint::max();
+  for (std::size_t at = 0; at < alive.size(); ++at) {
+    Target& one = targets[at];
+    if (woken || one.due <= now) one.due = alive[at]->on_tick(now);
+    next = std::min(next, one.due);
+  }
+  return next;
+}
+
+/// Returns whether this process was suspended.
+bool Maintenance::Shared::judge_pause(const std::vector<std::shared_ptr<TickTarget>>& alive) {
   const TimePoint now = clock.since_boot();
   const auto stood_still = pauses.tick(now);
-  if (!stood_still) return;
+  if (!stood_still) return false;
   log_warning("session", "this process " + stood_still_for(*stood_still));
   for (const auto& one : alive) one->after_pause(*stood_still);
   pauses.judged(clock.since_boot() + tick);
+  return true;
 }
 
 void Maintenance::Shared::run() {
   std::vector<pollfd> descriptors;
+  bool woken = true;
   for (;;) {
     // Drain the event before the checks, so that a notification that comes during the checks is not
     // lost.
-    event.drain();
+    woken = event.drain() || woken;
     if (ended.load()) return;
     for (const auto& job : take_jobs()) job();
     auto alive = look_at();
     note_suspension(clock);
-    judge_pause(alive);
-    const TimePoint now = clock.now();
-    TimePoint next = TimePoint::max();
-    for (const auto& one : alive) next = std::min(next, one->on_tick(now));
+    woken = judge_pause(alive) || woken;
+    const TimePoint next = tick_all(alive, std::exchange(woken, false));
 
     const bool idle = next == TimePoint::max();
-    const auto rest = std::chrono::ceil<std::chrono::milliseconds>(std::max(next - now, tick));
+    const auto rest =
+        std::chrono::ceil<std::chrono::milliseconds>(std::max(next - clock.now(), tick));
     const TimePoint looked = clock.since_boot();
     if (!pauses.due(idle ? TimePoint::max() : looked + rest, looked)) continue;
 
@@ -85,7 +116,8 @@ void Maintenance::Shared::run() {
     for (const auto& one : alive) one->watch(descriptors);
     std::vector<std::weak_ptr<TickTarget>> watched(alive.begin(), alive.end());
     alive.clear();  // so that a target dropped during the sleep is destroyed at once
-    poll(descriptors.data(), descriptors.size(), idle ? -1 : static_cast<int>(rest.count()));
+    woken = poll(descriptors.data(), descriptors.size(),
+                 idle ? -1 : static_cast<int>(rest.count())) > 0;
     for (const auto& one : watched) {
       if (const auto still = one.lock()) still->unwatch();
     }
@@ -109,7 +141,7 @@ Maintenance::~Maintenance() {
 void Maintenance::add(std::weak_ptr<TickTarget> target) {
   {
     const MutexLock lock(shared_->mutex);
-    shared_->targets.push_back(std::move(target));
+    shared_->added.push_back(std::move(target));
   }
   wake();
 }

@@ -158,12 +158,19 @@ void IoLoop::activate(const std::shared_ptr<ServerSession>& session) {
 }
 
 void IoLoop::take_events(int milliseconds) {
+  // An acceptor that has received packets makes the descriptors of their connections readable.
+  // Hence the second look, which does not wait.
+  if (handle_events(milliseconds)) handle_events(0);
+}
+
+bool IoLoop::handle_events(int milliseconds) {
   std::array<epoll_event, 64> room{};
   std::span<const epoll_event> events;
   {
     const MutexUnlock polled_by_others(polling_);
     events = epoll_.wait(room, milliseconds);
   }
+  bool accepted = false;
   for (const auto& event : events) {
     const std::uint64_t key = event.data.u64;
     if (key == event_key) {
@@ -172,11 +179,13 @@ void IoLoop::take_events(int milliseconds) {
       if (somebody_waits_.exchange(false)) accept_all();
       part_from_suspects();
     } else if ((key & endpoint_bit) != 0) {
+      accepted = true;
       if (const auto& endpoint = endpoints_[key & ~endpoint_bit]) accept(*endpoint);
     } else if (const auto session = sessions_.find(key)) {
       activate(session);
     }
   }
+  return accepted;
 }
 
 void IoLoop::accept(Endpoint& endpoint) {
@@ -188,12 +197,6 @@ void IoLoop::accept(Endpoint& endpoint) {
     }
   }
   if (endpoint.acceptor->short_of_descriptors()) somebody_waits_.store(true);
-  // Over a medium that loses packets, the packets of all clients arrive through this endpoint. So
-  // each session of this endpoint may have a packet.
-  sessions_.for_each([&](const auto& session) {
-    polling_.assert_held();
-    if (session->repeats() && session->object() == endpoint.object) activate(session);
-  });
 }
 
 void IoLoop::accept_all() {

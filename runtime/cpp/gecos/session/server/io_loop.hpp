@@ -67,6 +67,8 @@ class IoLoop {
   bool poll_active() GECOS_REQUIRES(polling_);
   void activate(const std::shared_ptr<ServerSession>& session) GECOS_REQUIRES(polling_);
   void take_events(int milliseconds) GECOS_REQUIRES(polling_);
+  /// Returns whether an acceptor had an event.
+  bool handle_events(int milliseconds) GECOS_REQUIRES(polling_);
   void add_endpoints() GECOS_REQUIRES(polling_);
   void accept(Endpoint& endpoint) GECOS_REQUIRES(polling_);
   void accept_all() GECOS_REQUIRES(polling_);
