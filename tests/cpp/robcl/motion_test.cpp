@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
+#include <random>
+#include <string>
 
 #include "allocations.hpp"
 #include "arms.hpp"
@@ -13,7 +16,7 @@ namespace {
 using arm::ArmModel;
 
 constexpr double cycle = 0.004;  // s: 250 Hz
-constexpr double slack = 1.01;   // sampling between the moments at which a plan was checked
+constexpr double slack = 1.001;
 
 const JointValues ready = joints({0, -20, 110, 0, 90, 0});  // tool down in front of the arm
 
@@ -32,13 +35,15 @@ class Motion : public ::testing::Test {
     return all;
   }
 
-  void expect_within_limits(const std::vector<JointValues>& all, const Pace& pace) {
+  /// `all`: the set points, one for each `period` in s.
+  void expect_within_limits(const std::vector<JointValues>& all, const Pace& pace,
+                            double period = cycle) {
     for (std::size_t k = 1; k + 1 < all.size(); ++k) {
       for (Eigen::Index axis = 0; axis < 6; ++axis) {
         const auto& limits = model_.limits()[static_cast<std::size_t>(axis)];
-        const double speed = std::abs(all[k][axis] - all[k - 1][axis]) / cycle;
+        const double speed = std::abs(all[k][axis] - all[k - 1][axis]) / period;
         const double acceleration =
-            std::abs(all[k + 1][axis] - 2 * all[k][axis] + all[k - 1][axis]) / (cycle * cycle);
+            std::abs(all[k + 1][axis] - 2 * all[k][axis] + all[k - 1][axis]) / (period * period);
         ASSERT_LE(speed, limits.speed * pace.speed * slack) << "joint " << axis + 1;
         ASSERT_LE(acceleration, limits.acceleration * pace.acceleration * slack)
             << "joint " << axis + 1 << " in cycle " << k << " of " << all.size();
@@ -245,6 +250,37 @@ TEST_F(Motion, StopDeceleratesOnThePathWithinTheLimits) {
       ASSERT_LT((along - direction * along.dot(direction)).norm(), 1e-6);
     }
     EXPECT_LE(braking * cycle, 0.4) << "stopped after cycle " << stop_at;
+  }
+}
+
+/// A random move: of the joints, or along a straight line.
+std::optional<Plan> random_move(Planner& planner, RandomJoints& random, bool straight) {
+  const JointValues from = random(), to = random();
+  auto plan = straight ? planner.straight(from, planner.base_from_tool(to, {}), {}, {})
+                       : planner.joints(from, to, {});
+  if (!plan) return std::nullopt;  // most lines leave the reach of the arm
+  return std::move(*plan);
+}
+
+TEST_F(Motion, AMoveThatIsStoppedAtAnyTimeKeepsAllLimits) {
+  RandomJoints random(model_, 14);
+  std::mt19937 engine(14);
+  for (int made = 0; made < 400;) {
+    const auto plan = random_move(planner_, random, made % 2 == 0);
+    if (!plan) continue;
+    ++made;
+    const double stop_at = std::uniform_real_distribution(0.0, plan->law.duration())(engine);
+    for (const double period : {0.001, 0.004}) {
+      Playback playback(*plan);
+      std::vector<JointValues> all(2, plan->start());
+      for (double time = 0; time < stop_at; time += period) all.push_back(playback.advance(period));
+      playback.stop();
+      while (!playback.standing()) all.push_back(playback.advance(period));
+      all.insert(all.end(), 2, playback.advance(period));
+      SCOPED_TRACE("move " + std::to_string(made) + ", stopped after " + std::to_string(stop_at) +
+                   " of " + std::to_string(plan->law.duration()) + " s");
+      ASSERT_NO_FATAL_FAILURE(expect_within_limits(all, {}, period));
+    }
   }
 }
 

@@ -8,6 +8,7 @@ namespace robcl::motion {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double halfway = 0.5;       // of an interval
 constexpr double negligible = 1e-12;  // rad or m: a smaller movement on the path sets no limit
 
 double squared(double value) { return value * value; }
@@ -15,23 +16,23 @@ double squared(double value) { return value * value; }
 }  // namespace
 
 PathBounds::PathBounds(const Path& path, const arm::ArmModel& model, const Pace& pace)
-    : accelerations_(model.axes()), tool_acceleration_(infinite) {
+    : accelerations_(model.axes()), speeds_(model.axes()), tool_acceleration_(infinite) {
   for (Eigen::Index axis = 0; axis < model.axes(); ++axis) {
     const auto& limits = model.limits()[static_cast<std::size_t>(axis)];
     accelerations_[axis] = limits.acceleration * pace.acceleration;
+    speeds_[axis] = limits.speed * pace.speed;
   }
-  const std::size_t knots = path.intervals() + 1;
-  caps_.assign(knots, infinite);
-  slopes_.reserve(knots);
-  curvatures_.reserve(knots);
-  for (std::size_t i = 0; i < knots; ++i) {
-    slopes_.push_back(path.slope(i));
-    curvatures_.push_back(path.curvature(i));
+  caps_.assign(path.intervals() + 1, infinite);
+  for (std::size_t i = 0; i <= path.intervals(); ++i) {
     for (Eigen::Index axis = 0; axis < model.axes(); ++axis) {
-      const double slope = std::abs(slopes_[i][axis]);
-      const double speed = model.limits()[static_cast<std::size_t>(axis)].speed * pace.speed;
-      if (slope > negligible) cap(i, squared(speed / slope));
+      const double slope = std::abs(path.slope(i)[axis]);
+      if (slope > negligible) cap(i, squared(speeds_[axis] / slope));
     }
+  }
+  bends_.reserve(path.intervals());
+  for (std::size_t i = 0; i < path.intervals(); ++i) {
+    const JointValues curvature = path.derivatives(i, 0).curvature;
+    bends_.push_back({path.slope(i), curvature, path.derivatives(i, 1).curvature - curvature});
   }
 }
 
@@ -58,7 +59,7 @@ void PathBounds::cap(std::size_t knot, double fastest) {
 }
 
 /// Restricts `interval` to the values of u for which |per_u·u + offset| <= limit holds.
-void PathBounds::restrict(Interval& interval, double per_u, double offset, double limit) const {
+void PathBounds::restrict(Interval& interval, double per_u, double offset, double limit) {
   if (std::abs(per_u) <= negligible) {
     if (std::abs(offset) > limit) interval = {1, -1};
     return;
@@ -68,32 +69,22 @@ void PathBounds::restrict(Interval& interval, double per_u, double offset, doubl
   interval.upper = std::min(interval.upper, std::max(one, other));
 }
 
-void PathBounds::restrict_joints(Interval& interval, std::size_t knot, double x,
-                                 double u_in_x) const {
-  for (Eigen::Index axis = 0; axis < accelerations_.size(); ++axis) {
-    const double curvature = curvatures_[knot][axis];
-    restrict(interval, slopes_[knot][axis] + u_in_x * curvature, curvature * x,
-             accelerations_[axis]);
-  }
-}
-
-PathBounds::Interval PathBounds::at_knot(std::size_t knot, double x) const {
+PathBounds::Interval PathBounds::over_interval(std::size_t knot, double x, double part) const {
   Interval allowed{-tool_acceleration_, tool_acceleration_};
-  restrict_joints(allowed, knot, x, 0);
-  return allowed;
-}
-
-PathBounds::Interval PathBounds::over_interval(std::size_t knot, double x) const {
-  Interval allowed = at_knot(knot, x);
-  restrict_joints(allowed, knot + 1, x, 2 * step());
-  return allowed;
-}
-
-PathBounds::Interval PathBounds::near(double s, double x) const {
-  const double along = std::clamp(s, 0.0, 1.0) * static_cast<double>(intervals());
-  const std::size_t knot = std::min(static_cast<std::size_t>(along), intervals() - 1);
-  Interval allowed = at_knot(knot, x);
-  restrict_joints(allowed, knot + 1, x, 0);
+  const Bend& bend = bends_[knot];
+  for (const double place : {part, halfway, 1.0}) {
+    if (place < part) continue;
+    const double per_u = 2 * (place - part) * step();  // (ds/dt)² is x + per_u·u at this place
+    for (Eigen::Index axis = 0; axis < accelerations_.size(); ++axis) {
+      const double curvature = bend.curvature[axis] + place * bend.change[axis];
+      const double slope = bend.slope[axis] +
+                           place * step() * (bend.curvature[axis] + place / 2 * bend.change[axis]);
+      restrict(allowed, slope + per_u * curvature, curvature * x, accelerations_[axis]);
+      if (place == halfway && per_u > 0 && std::abs(slope) > negligible) {
+        allowed.upper = std::min(allowed.upper, (squared(speeds_[axis] / slope) - x) / per_u);
+      }
+    }
+  }
   return allowed;
 }
 

@@ -1,4 +1,4 @@
-// The limits of the speed and acceleration along a path, at each knot of the path.
+// The limits of the speed and acceleration along a path, in each interval of the path.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,11 @@ namespace robcl::motion {
 
 /// The limits of ds/dt and d²s/dt² along a path with the parameter s. With x = (ds/dt)² and u =
 /// d²s/dt², a joint q(s) has the acceleration q'u + q''x. Therefore all limits are linear in (u,
-/// x). Rest, which is (0, 0), is always allowed.
+/// x). Rest, which is (0, 0), is always allowed. If (u, x) is allowed, so is (c·u, c·x) for each c
+/// from 0 to 1.
+///
+/// In each interval between two knots, u is constant and x is linear in s. The limits are checked
+/// at the start, in the middle and at the end of the interval.
 class PathBounds {
  public:
   struct Interval {
@@ -33,25 +37,24 @@ class PathBounds {
 
   /// Returns the greatest (ds/dt)² that the speed limits allow at the knot `knot`.
   double speed_cap(std::size_t knot) const { return caps_[knot]; }
-  /// Returns the values of u = d²s/dt² that the acceleration limits allow at the knot `knot`, where
-  /// (ds/dt)² is `x`.
-  Interval at_knot(std::size_t knot, double x) const;
-  /// Returns the values of u = d²s/dt² that the acceleration limits allow from the knot `knot` to
-  /// the next knot. (ds/dt)² is `x` at this knot, and `x` + 2·step·u at the next knot.
-  Interval over_interval(std::size_t knot, double x) const;
-  /// Returns the values of u = d²s/dt² that the acceleration limits allow at `s`, which may be
-  /// between two knots, where (ds/dt)² is `x`. Playback uses them for braking. Never allocates
-  /// memory.
-  Interval near(double s, double x) const;
+  /// Returns the values of u = d²s/dt² that the limits allow from the fraction `part` of the
+  /// interval that begins at the knot `knot`, where (ds/dt)² is `x`, to the end of the interval.
+  /// Never allocates memory.
+  Interval over_interval(std::size_t knot, double x, double part = 0) const;
 
  private:
-  void restrict(Interval& interval, double per_u, double offset, double limit) const;
-  void restrict_joints(Interval& interval, std::size_t knot, double x, double u_in_x) const;
+  /// The curvature of the path is linear in an interval.
+  struct Bend {
+    JointValues slope, curvature;  ///< at the start of the interval
+    JointValues change;            ///< of the curvature, up to the end of the interval
+  };
+  static void restrict(Interval& interval, double per_u, double offset, double limit);
 
   JointValues accelerations_;
+  JointValues speeds_;
   double tool_acceleration_;  // limit of d²s/dt² by the tool, 1/s²
   std::vector<double> caps_;  // greatest (ds/dt)² per knot
-  std::vector<JointValues> slopes_, curvatures_;
+  std::vector<Bend> bends_;   // one per interval
 };
 
 }  // namespace robcl::motion

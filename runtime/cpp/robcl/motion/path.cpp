@@ -27,9 +27,14 @@ Path::Path(std::vector<JointValues> knots) : knots_(std::move(knots)) {
   for (std::size_t i = 0; i < knots_.size(); ++i) slopes_.push_back(derivative(knots_, i, step()));
 }
 
-JointValues Path::curvature(std::size_t i) const {
-  if (i == 0 || i == intervals()) return derivative(slopes_, i, step());
-  return (knots_[i + 1] - 2 * knots_[i] + knots_[i - 1]) / (step() * step());
+Path::Derivatives Path::derivatives(std::size_t interval, double part) const {
+  const std::size_t i = interval;
+  const double t = part;
+  const JointValues chord = (knots_[i + 1] - knots_[i]) / step();
+  return {
+      6 * t * (1 - t) * chord + (1 - t) * (1 - 3 * t) * slopes_[i] +
+          t * (3 * t - 2) * slopes_[i + 1],
+      (6 * (1 - 2 * t) * chord + (6 * t - 4) * slopes_[i] + (6 * t - 2) * slopes_[i + 1]) / step()};
 }
 
 JointValues Path::position(double s) const {

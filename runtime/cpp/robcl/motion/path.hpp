@@ -22,10 +22,16 @@ class Path {
   std::size_t intervals() const { return knots_.size() - 1; }
   double step() const { return 1.0 / static_cast<double>(intervals()); }
   const JointValues& knot(std::size_t i) const { return knots_[i]; }
-  /// slope() and curvature() return the first and the second derivative of the joint positions by s
-  /// at the knot `i`.
+  /// Returns the first derivative of the joint positions by s at the knot `i`.
   const JointValues& slope(std::size_t i) const { return slopes_[i]; }
-  JointValues curvature(std::size_t i) const;
+
+  /// The first and the second derivative of the joint positions by s.
+  struct Derivatives {
+    JointValues slope, curvature;
+  };
+  /// Returns the derivatives in the interval that begins at the knot `interval`, at the fraction
+  /// `part` of it, from 0 to 1. The curvature is linear in an interval, and may jump at its ends.
+  Derivatives derivatives(std::size_t interval, double part) const;
 
   /// Returns the joint positions at `s`. For an `s` outside [0, 1], returns the nearer end of the
   /// path.

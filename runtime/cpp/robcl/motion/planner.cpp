@@ -15,32 +15,42 @@ using arm::OutOfReach;
 constexpr int joint_move_knots = 100;
 constexpr double no_move = 1e-9;  // rad or m: a smaller move counts as none
 
+double square_of(double value) { return value * value; }
+
 /// Returns the factor by which `law` must be slowed so that the joint limits are also kept between
-/// the knots. Where the path of a joint is steep, for example when an arm starts stretched, the
-/// interval between two knots may last many control cycles.
+/// the places that PathBounds checks. Where the path of a joint is steep, for example when an arm
+/// starts stretched, an interval between two knots may last many control cycles.
 double excess(const Path& path, const TimeLaw& law, const arm::ArmModel& model, const Pace& pace) {
-  constexpr double look = 0.001, span = 0.004;  // s
   double factor = 1;
-  for (double time = 0; time <= law.duration(); time += look) {
-    const JointValues before = path.position(law.at(time - span).s);
-    const JointValues here = path.position(law.at(time).s);
-    const JointValues after = path.position(law.at(time + span).s);
-    for (Eigen::Index axis = 0; axis < here.size(); ++axis) {
-      const auto& limits = model.limits()[static_cast<std::size_t>(axis)];
-      const double speed = std::abs(after[axis] - here[axis]) / span;
-      const double acceleration =
-          std::abs(after[axis] - 2 * here[axis] + before[axis]) / (span * span);
-      factor = std::max({factor, speed / (limits.speed * pace.speed),
-                         std::sqrt(acceleration / (limits.acceleration * pace.acceleration))});
+  for (std::size_t i = 0; i < path.intervals(); ++i) {
+    const double x = square_of(law.speed(i)), after = square_of(law.speed(i + 1));
+    const double u = (after - x) / (2 * path.step());
+    for (const double part : {0.125, 0.25, 0.375, 0.625, 0.75, 0.875}) {
+      const auto [slope, curvature] = path.derivatives(i, part);
+      const double here = x + part * (after - x);
+      for (Eigen::Index axis = 0; axis < slope.size(); ++axis) {
+        const auto& limits = model.limits()[static_cast<std::size_t>(axis)];
+        const double speed = std::abs(slope[axis]) * std::sqrt(here);
+        const double acceleration = std::abs(slope[axis] * u + curvature[axis] * here);
+        factor = std::max({factor, speed / (limits.speed * pace.speed),
+                           std::sqrt(acceleration / (limits.acceleration * pace.acceleration))});
+      }
     }
   }
   return factor;
 }
 
-TimeLaw fastest_law(const Path& path, const PathBounds& bounds, const arm::ArmModel& model,
-                    const Pace& pace) {
+/// Makes the plan of a move from `bounds`. `limit_tool` adds the limits of the tool to the limits
+/// for braking.
+template <class LimitTool>
+Plan fastest(Path path, const PathBounds& bounds, const arm::ArmModel& model, const Pace& pace,
+             LimitTool limit_tool) {
   const TimeLaw law = TimeLaw::fastest(bounds);
-  return law.slowed(excess(path, law, model, pace));
+  const double factor = excess(path, law, model, pace);
+  const Pace hardest{.acceleration = 1 / square_of(factor)};
+  PathBounds braking(path, model, hardest);
+  limit_tool(braking, hardest);
+  return {std::move(path), std::move(braking), law.slowed(factor)};
 }
 
 Plan standing(const arm::ArmModel& model, const JointValues& at) {
@@ -91,9 +101,7 @@ tl::expected<Plan, Failure> Planner::joints(const JointValues& from, const Joint
       before = here;
     }
   }
-  TimeLaw law = fastest_law(path, bounds, model_, pace);
-  PathBounds braking(path, model_, {});
-  return Plan{std::move(path), std::move(braking), std::move(law)};
+  return fastest(std::move(path), bounds, model_, pace, [](PathBounds&, const Pace&) {});
 }
 
 tl::expected<Plan, Failure> Planner::joints_to(const JointValues& from, const Frame& base_from_goal,
@@ -119,10 +127,10 @@ tl::expected<Plan, Failure> Planner::straight(const JointValues& from, const Fra
   if (!path) return tl::unexpected(path.error());
   PathBounds bounds(*path, model_, pace);
   bounds.add_tool(line.length(), line.turn(), limits_, pace);
-  PathBounds braking(*path, model_, {});
-  braking.add_tool(line.length(), line.turn(), limits_, {});
-  TimeLaw law = fastest_law(*path, bounds, model_, pace);
-  return Plan{std::move(*path), std::move(braking), std::move(law)};
+  return fastest(std::move(*path), bounds, model_, pace,
+                 [&](PathBounds& braking, const Pace& hardest) {
+                   braking.add_tool(line.length(), line.turn(), limits_, hardest);
+                 });
 }
 
 }  // namespace robcl::motion

@@ -16,7 +16,7 @@ class Playback {
 
   /// Makes the following calls of `advance` decelerate on the path, as hard as the arm's limits
   /// allow, until the arm stands somewhere on the path.
-  void stop() { stopping_ = true; }
+  void stop();
 
   bool standing() const { return standing_; }
   bool stopping() const { return stopping_; }
@@ -29,11 +29,14 @@ class Playback {
 
  private:
   void brake(double seconds);
+  void enter_interval();
 
   Plan plan_;
   double time_ = 0;  // s since the start; does not rise while stopping
   double s_ = 0;
-  double speed_ = 0;  // ds/dt
+  double speed_ = 0;      // ds/dt
+  std::size_t knot_ = 0;  // while stopping: the start of the interval in which s_ lies
+  double braking_ = 0;    // while stopping: d²s/dt² in this interval
   bool stopping_ = false;
   bool standing_ = false;
 };

@@ -89,12 +89,4 @@ TimeLaw::State TimeLaw::at(double seconds) const {
           speeds_[i] + acceleration * since, acceleration};
 }
 
-double TimeLaw::speed_at(double s) const {
-  const double along = std::clamp(s, 0.0, 1.0) * static_cast<double>(times_.size() - 1);
-  const std::size_t i = std::min(static_cast<std::size_t>(along), times_.size() - 2);
-  const double part = along - static_cast<double>(i);
-  const double before = speeds_[i] * speeds_[i], after = speeds_[i + 1] * speeds_[i + 1];
-  return std::sqrt(before + part * (after - before));  // (ds/dt)² is linear in s
-}
-
 }  // namespace robcl::motion

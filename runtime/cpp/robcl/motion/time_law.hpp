@@ -32,8 +32,8 @@ class TimeLaw {
   /// Returns the state at the time `seconds`: the start for times before 0, and the end for times
   /// after `duration()`. Never allocates memory.
   State at(double seconds) const;
-  /// Returns the speed ds/dt of this time law at `s`, in 1/s.
-  double speed_at(double s) const;
+  /// Returns the speed ds/dt of this time law at the knot `knot`, in 1/s.
+  double speed(std::size_t knot) const { return speeds_[knot]; }
 
  private:
   explicit TimeLaw(const std::vector<double>& squared_speeds);
