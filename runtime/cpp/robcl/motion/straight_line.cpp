@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
-#include <numbers>
 #include <sstream>
 
 #include "robcl/motion/line.hpp"
@@ -39,6 +38,11 @@ void keep_what_is_known(arm::Configuration& kept, const arm::Configuration& now)
   if (!kept.wrist) kept.wrist = now.wrist;
 }
 
+/// Returns whether the arm is at no singularity, where a joint may have any position.
+bool well_defined(const arm::Configuration& configuration) {
+  return configuration.shoulder && configuration.elbow && configuration.wrist;
+}
+
 struct Step {
   std::size_t knot = 0;  // index of the knot at the end of the step
   Eigen::Index axis = 0;
@@ -59,22 +63,26 @@ Step greatest_step(const std::vector<JointValues>& knots) {
 }  // namespace
 
 tl::expected<std::vector<JointValues>, Failure> Planner::knots_of_line(
-    const JointValues& from, const Line& line, const Frame& tool_from_flange,
-    std::size_t intervals) {
+    const JointValues& from, const Line& line, const Frame& tool_from_flange, std::size_t intervals,
+    const std::vector<JointValues>& coarse) {
   arm::Configuration kept = inverse_->configuration(from);
   std::vector<JointValues> knots{from};
   knots.reserve(intervals + 1);
   for (std::size_t i = 1; i <= intervals; ++i) {
     const double part = static_cast<double>(i) / static_cast<double>(intervals);
     const JointValues& before = knots.back();
-    const auto solution = inverse_->solve(line.at(part) * tool_from_flange, before, kept);
-    if (!solution) return tl::unexpected(with_place(solution.error(), line.place(part)));
+    JointValues steady;
+    if (!coarse.empty() && i % 2 == 0 && well_defined(inverse_->configuration(coarse[i / 2]))) {
+      steady = coarse[i / 2];
+    } else {
+      auto solution = inverse_->solve(line.at(part) * tool_from_flange, before, kept);
+      if (!solution) return tl::unexpected(with_place(solution.error(), line.place(part)));
+      steady = std::move(*solution);
+    }
     // The solver adds a whole turn to a joint that would pass its limit. The following loop removes
     // that turn.
-    JointValues steady = *solution;
     for (Eigen::Index axis = 0; axis < steady.size(); ++axis) {
-      steady[axis] =
-          before[axis] + std::remainder(steady[axis] - before[axis], 2 * std::numbers::pi);
+      steady[axis] = arm::nearest_angle(steady[axis], before[axis]);
     }
     if (const auto outside = arm::first_outside(model_, steady)) return tl::unexpected(*outside);
     knots.push_back(steady);
@@ -87,13 +95,17 @@ tl::expected<Path, Failure> Planner::path_of_line(const JointValues& from, const
                                                   const Frame& tool_from_flange) {
   const double steps = std::ceil(std::max(line.length() / line_step, line.turn() / turn_step));
   const auto widest = std::clamp(static_cast<std::size_t>(std::max(steps, 1.0)), fewest, most);
+  std::vector<JointValues> coarse;
   for (std::size_t intervals = widest;; intervals *= 2) {
-    auto knots = knots_of_line(from, line, tool_from_flange, intervals);
+    auto knots = knots_of_line(from, line, tool_from_flange, intervals, coarse);
     if (!knots) return tl::unexpected(knots.error());
     const Step step = greatest_step(*knots);
     const bool closest = intervals >= closer * widest;
     if (step.change <= (closest ? joint_jump : joint_step)) return Path(std::move(*knots));
-    if (!closest) continue;
+    if (!closest) {
+      coarse = std::move(*knots);
+      continue;
+    }
     const double each = 1.0 / static_cast<double>(intervals);
     std::ostringstream text;
     text << line.place(static_cast<double>(step.knot) * each) << " joint " << step.axis + 1
