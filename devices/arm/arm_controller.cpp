@@ -1,5 +1,7 @@
 #include "arm/arm_controller.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -77,11 +79,13 @@ JointValues ArmController::standing_at() const {
   return command;
 }
 
-void ArmController::start(robcl::motion::Plan plan) {
+std::uint64_t ArmController::start(robcl::motion::Plan plan) {
   playback_.emplace(std::move(plan));
+  const std::uint64_t motion = ++motion_;
   outcome_ = {};
   stop_.store(false);
   started_.store(true);
+  return motion;
 }
 
 std::optional<ArmController::Outcome> ArmController::wait(gecos::Duration patience) {
@@ -91,11 +95,14 @@ std::optional<ArmController::Outcome> ArmController::wait(gecos::Duration patien
 
 void ArmController::step(double seconds) {
   beats_.fetch_add(1);
+  const auto cycles = std::max(std::lround(seconds / settings_.cycle), 1L);
+  const auto missed = static_cast<std::uint64_t>(cycles - 1);
+  loop_.last.missed += missed;
   look_after_drives();
   if (loop_.phase == Phase::Standing && started_.load()) begin_motion();
   const JointValues before = loop_.command;
-  if (loop_.phase == Phase::Moving) move(seconds);
-  auto answer = driver_.exchange(command_for(before, seconds), seconds);
+  if (loop_.phase == Phase::Moving) move(missed);
+  auto answer = driver_.exchange(command_for(before), seconds);
   std::optional<Outcome> end;
   if (loop_.phase != Phase::Standing) {
     if (auto fault = fault_of(answer, seconds)) {
@@ -141,6 +148,9 @@ void ArmController::look_after_drives() {
 }
 
 void ArmController::begin_motion() {
+  loop_.last.motion = motion_;
+  loop_.last.fraction = playback_->fraction();
+  loop_.last.remaining = playback_->remaining();
   auto why = not_ready(loop_.state, mode_, loop_.refusal);
   if (!why && loop_.silent) why = DriverFault{"the driver does not answer"};
   if (!why && (playback_->plan().start() - loop_.command).cwiseAbs().maxCoeff() > moved_away) {
@@ -150,8 +160,8 @@ void ArmController::begin_motion() {
   loop_.phase = Phase::Moving;
 }
 
-JointCommand ArmController::command_for(const JointValues& before, double seconds) const {
-  JointCommand command{loop_.command, (loop_.command - before) / seconds, {}};
+JointCommand ArmController::command_for(const JointValues& before) const {
+  JointCommand command{loop_.command, (loop_.command - before) / settings_.cycle, {}};
   if (mode_ == ControlMode::Velocity) {
     command.velocity += settings_.position_gain * (before - loop_.state.position);
   }
@@ -178,9 +188,10 @@ void ArmController::end_motion(Outcome outcome) {
   ended_.release();
 }
 
-void ArmController::move(double seconds) {
+void ArmController::move(std::uint64_t missed) {
   if (stop_.load()) playback_->stop();
-  loop_.command = playback_->advance(seconds);
+  if (missed > most_delayed) playback_->rest();
+  loop_.command = playback_->advance(settings_.cycle);
   loop_.last.fraction = playback_->fraction();
   loop_.last.remaining = playback_->remaining();
   if (!playback_->standing()) return;

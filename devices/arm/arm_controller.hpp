@@ -30,6 +30,7 @@ class ArmController {
     double settle_time =
         1;  ///< time in s, after the end of a plan, in which all joints must arrive
     double position_gain = 20;  ///< rad/s per rad of position error, in velocity mode
+    double cycle = 0.004;       ///< s, the period of the control loop
   };
 
   /// The measurements of one cycle.
@@ -40,6 +41,8 @@ class ArmController {
     double fraction = 0;
     double remaining = 0;
     std::uint64_t cycle = 0;          // number of measurements so far
+    std::uint64_t missed = 0;         // number of control cycles that were missed so far
+    std::uint64_t motion = 0;         // number of the motion that runs or ran last
     std::int64_t measured_at_ns = 0;  // time of the Unix clock
     bool moving = false;
     DrivePower power = DrivePower::Off;
@@ -63,8 +66,14 @@ class ArmController {
   ArmController(const ArmController&) = delete;
   ArmController& operator=(const ArmController&) = delete;
 
-  /// Runs one control cycle, which lasts `seconds`.
+  /// Runs one control cycle. `seconds` is the time since the last one: Settings::cycle, or a
+  /// multiple of it after missed cycles.
+  ///
+  /// A missed cycle delays the motion by one cycle, so that no command moves a joint further than a
+  /// cycle may. After more than `most_delayed` missed cycles in a row, the joints have stopped at
+  /// the last set point, and the motion starts again from rest on its path.
   void step(double seconds);
+  static constexpr std::uint64_t most_delayed = 5;
 
   /// Makes the next control cycle clear a fault of the drives and enable the drives again.
   void reset_drives() { reset_.store(true); }
@@ -74,7 +83,8 @@ class ArmController {
 
   /// Hands a motion to the control loop. @pre `wait` returned the outcome of the last motion, and
   /// `plan` starts at the joint positions `standing_at()`.
-  void start(robcl::motion::Plan plan);
+  /// Returns the number of the motion.
+  std::uint64_t start(robcl::motion::Plan plan);
   /// Decelerates the running motion until the arm stands. May be called at any time, even when no
   /// motion runs.
   void stop() { stop_.store(true); }
@@ -93,8 +103,8 @@ class ArmController {
   void enable();
   void look_after_drives();
   void begin_motion();
-  void move(double seconds);
-  JointCommand command_for(const JointValues& before, double seconds) const;
+  void move(std::uint64_t missed);
+  JointCommand command_for(const JointValues& before) const;
   std::optional<DriverFault> fault_of(const tl::expected<JointState, DriverFault>& answer,
                                       double seconds) const;
   void take(tl::expected<JointState, DriverFault> answer, bool motion_failed);
@@ -109,9 +119,10 @@ class ArmController {
   const ControlMode mode_;
   robcl::arm::Kinematics forward_;
 
-  // From the call of start() to the end of the motion, only the control loop uses playback_ and
-  // outcome_. At other times, only the thread that moves the arm uses them.
+  // From the call of start() to the end of the motion, only the control loop uses playback_,
+  // motion_ and outcome_. At other times, only the thread that moves the arm uses them.
   std::optional<robcl::motion::Playback> playback_;
+  std::uint64_t motion_ = 0;  // number of the motion in playback_
   Outcome outcome_;
 
   std::atomic<bool> started_{false};  // publishes playback_ to the loop

@@ -150,8 +150,9 @@ tl::expected<void, MoveFailure> ArmDevice::move_to(const JointValues& target, co
 
 tl::expected<void, MoveFailure> ArmDevice::follow(Plan plan, MotionWatcher& watcher) {
   if (watcher.interrupted()) return tl::unexpected(Interrupted{});
-  controller_.start(std::move(plan));
-  const auto outcome = await_end(watcher);
+  const double duration = plan.law.duration();
+  const std::uint64_t motion = controller_.start(std::move(plan));
+  const auto outcome = await_end(motion, duration, watcher);
   if (!outcome) {
     controller_.stop();  // ends the motion if the control loop continues later
     unfinished_ = true;
@@ -174,13 +175,16 @@ tl::expected<void, MoveFailure> ArmDevice::follow(Plan plan, MotionWatcher& watc
 /// Waits for the end of the motion and returns its outcome. Returns nullopt if the control loop
 /// began no cycle during `most_looks` polls. Counts polls and not time, because time also passes
 /// while the process is suspended.
-std::optional<ArmController::Outcome> ArmDevice::await_end(MotionWatcher& watcher) {
+std::optional<ArmController::Outcome> ArmDevice::await_end(std::uint64_t motion, double duration,
+                                                           MotionWatcher& watcher) {
   std::uint64_t seen = controller_.beats();
   for (int looks = 0; looks < most_looks; ++looks) {
     auto outcome = controller_.wait(beat);
     if (watcher.interrupted()) controller_.stop();
     const ArmController::Reading now = controller_.now();
-    watcher.progress(now.fraction, now.remaining);
+    // Before the first cycle of this motion, `now` is about the motion before it.
+    const bool begun = now.motion == motion;
+    watcher.progress(begun ? now.fraction : 0, begun ? now.remaining : duration);
     if (outcome) return outcome;
     if (controller_.beats() != seen) looks = 0;
     seen = controller_.beats();

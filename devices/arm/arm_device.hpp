@@ -74,6 +74,8 @@ class ArmDevice {
   Frame tool_offset() const;   ///< tool seen from the flange
   JointValues joints() const;  ///< measured positions, rad
   bool moving() const { return controller_.now().moving; }
+  /// Returns the number of control cycles that were missed so far.
+  std::uint64_t missed_cycles() const { return controller_.now().missed; }
   DrivePower power() const { return controller_.now().power; }
   robcl::arm::Configuration configuration() const;
   const robcl::arm::ArmModel& model() const { return model_; }
@@ -103,7 +105,8 @@ class ArmDevice {
                                       MakePlan make_plan);
   tl::expected<void, MoveFailure> follow(robcl::motion::Plan plan, MotionWatcher& watcher)
       GECOS_REQUIRES(moving_);
-  std::optional<ArmController::Outcome> await_end(MotionWatcher& watcher);
+  std::optional<ArmController::Outcome> await_end(std::uint64_t motion, double duration,
+                                                  MotionWatcher& watcher);
 
   const robcl::arm::ArmModel model_;
   ArmController controller_;

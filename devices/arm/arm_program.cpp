@@ -35,6 +35,7 @@ int run(const ArmProgram& program, const MakeServant& make_servant, const Comman
   const auto driver = program.connect ? program.connect() : simulated(program, line);
   ArmDevice::Settings settings;
   settings.tool_offset = robcl::translate(0, 0, robcl::mm(line.number("tool-length")));
+  settings.control.cycle = std::chrono::duration<double>(cycle).count();
   SixAxisDevice arm(*model, settings, *driver);
   const Periodic control(cycle, [&arm](double seconds) { arm.step(seconds); });
 

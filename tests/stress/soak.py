@@ -142,6 +142,14 @@ def stream(seconds: int, build: Path, figures: Figures) -> None:
         figures.failed.append(f"stream_rate_test with STREAM_SECONDS={seconds}")
 
 
+def move(moves: int, build: Path, figures: Figures) -> None:
+    """Straight and joint moves of two arms, stopped at any time, and held up at any time."""
+    env = {**os.environ, "MOTION_MOVES": str(moves)}
+    test = [build / "tests" / "cpp" / "robcl" / "robcl_motion_test", "--gtest_filter=*RandomMoves*"]
+    if subprocess.run(test, env=env).returncode != 0:
+        figures.failed.append(f"robcl_motion_test, RandomMoves, with MOTION_MOVES={moves}")
+
+
 def gather_a_crowd(clients: int, build: Path, env: Mapping[str, str], figures: Figures) -> None:
     """One client process for 20 clients, and one object for ten, in 20 servers at most."""
     objects = max(clients // 10, 1)
@@ -164,6 +172,7 @@ def main() -> int:
     parser.add_argument("--calls", type=int, default=1_000_000, help="over each faulty line")
     parser.add_argument("--packets", type=int, default=1_000_000, help="to the secure channel")
     parser.add_argument("--stream", type=int, default=60, help="seconds of a stream at 1 kHz")
+    parser.add_argument("--moves", type=int, default=20_000, help="of each of two arms")
     parser.add_argument("--clients", type=int, default=1_000, help="idle ones, over each medium")
     asked = parser.parse_args()
     print(f"soak: seed {asked.seed}", flush=True)
@@ -177,6 +186,7 @@ def main() -> int:
         env = {"PYTHONPATH": os.pathsep.join(paths), "GECOS_KEY_DIR": f"{made}/keys"}
         os.environ["GECOS_KEY_DIR"] = env["GECOS_KEY_DIR"]
         gather_a_crowd(asked.clients, build, env, figures)
+        move(asked.moves, build, figures)
         attack_the_channel(asked.packets, build, figures)
         stream(asked.stream, build, figures)
         call_over_a_faulty_line(asked.calls, asked.seed, build, figures)

@@ -6,6 +6,8 @@
 #include <atomic>
 #include <cmath>
 #include <future>
+#include <random>
+#include <vector>
 
 #include "allocations.hpp"
 #include "arms.hpp"
@@ -180,6 +182,71 @@ TEST_F(Arm, ItsControlCycleAllocatesNothing) {
   const auto outcome = controller.wait(std::chrono::seconds(0));
   ASSERT_TRUE(outcome.has_value());
   EXPECT_EQ(outcome->end, ArmController::End::Arrived);
+}
+
+/// Joints that are where they were told to be. Remembers all set points.
+class RecordingDriver : public StandingDriver {
+ public:
+  using StandingDriver::StandingDriver;
+  tl::expected<JointState, DriverFault> exchange(const JointCommand& command, double) override {
+    stands = command.position;
+    all.push_back(stands);
+    return state();
+  }
+  std::vector<JointValues> all;
+};
+
+TEST(StarvedArm, NoCommandMovesAJointFurtherThanACycleMayAndTheMotionArrives) {
+  const auto model = rx90();
+  robcl::motion::Planner planner(model, {});
+  robcl::RandomJoints random(model, 7);
+  std::mt19937 engine(7);
+  for (int move = 0; move < 100; ++move) {
+    const JointValues from = random(), to = random();
+    RecordingDriver driver(from);
+    ArmController controller(model, {}, driver);
+    driver.all.assign(1, from);
+    controller.start(planner.joints(from, to, {}).value());
+    double fraction = 0;
+    std::uint64_t missed = 0;
+    std::optional<ArmController::Outcome> outcome;
+    for (int k = 0; !outcome && k < 5000; ++k) {
+      const int cycles = std::uniform_int_distribution<>(0, 9)(engine) != 0
+                             ? 1
+                             : std::uniform_int_distribution<>(2, 101)(engine);
+      missed += static_cast<std::uint64_t>(cycles - 1);
+      controller.step(cycles * cycle);
+      const auto now = controller.now();
+      ASSERT_GE(now.fraction, fraction);
+      ASSERT_EQ(now.missed, missed);
+      fraction = now.fraction;
+      outcome = controller.wait(std::chrono::seconds(0));
+    }
+    ASSERT_TRUE(outcome.has_value());
+    EXPECT_EQ(outcome->end, ArmController::End::Arrived);
+    EXPECT_EQ(driver.stands, to);
+    for (std::size_t k = 1; k < driver.all.size(); ++k) {
+      for (Eigen::Index axis = 0; axis < 6; ++axis) {
+        const double speed = std::abs(driver.all[k][axis] - driver.all[k - 1][axis]) / cycle;
+        ASSERT_LE(speed, model.limits()[static_cast<std::size_t>(axis)].speed * 1.001);
+      }
+    }
+  }
+}
+
+TEST_F(Arm, ProgressOfAMotionBeginsAtZeroAfterAnotherMotion) {
+  JointValues target = ready;
+  target[0] += 0.2;
+  ASSERT_TRUE(run([&] { return arm_.move_joints(target, {}, silent_); }).has_value());
+  Listener listener;
+  auto mover =
+      std::async(std::launch::async, [&] { return arm_.move_joints(ready, {}, listener); });
+  while (mover.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready) {
+    for (int k = 0; k < 10; ++k) arm_.step(cycle);
+  }
+  ASSERT_TRUE(mover.get().has_value());
+  EXPECT_TRUE(std::is_sorted(listener.fractions.begin(), listener.fractions.end()));
+  EXPECT_LT(listener.fractions.front(), 0.5);
 }
 
 TEST(BrokenArm, ThatDoesNotComeToItsGoalSaysWhichJoint) {

@@ -137,6 +137,11 @@ TEST(ArmModel, RefusesWhatIsNoArmAndSaysWhy) {
   EXPECT_EQ(refusal(robot("type='revolute'><limit lower='1' upper='1' velocity='1' effort='1'/>"),
                     "a", "b"),
             "joint 'j': its lower limit must be below its upper limit");
+  EXPECT_EQ(refusal(robot("type='revolute'><limit lower='0' upper='1' velocity='1' effort='1'/>"
+                          "<mimic joint='i'/>"),
+                    "a", "b"),
+            "joint 'j' has a <mimic> element: it follows joint 'i', which is not supported in an "
+            "arm");
   EXPECT_EQ(refusal(robot("type='fixed'>"), "a", "tip"), "the URDF has no link 'tip'");
   EXPECT_EQ(refusal(robot("type='fixed'>"), "b", "a"), "link 'a' is not a descendant of link 'b'");
   EXPECT_EQ(refusal(robot("type='fixed'>"), "a", "b"),

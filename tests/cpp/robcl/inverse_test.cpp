@@ -65,6 +65,26 @@ TEST_P(ClosedForm, GivesEightDifferentSolutionsEachInTheConfigurationOfItsLabel)
   EXPECT_GT(eight, 500);
 }
 
+TEST_P(ClosedForm, IsExactAtTheWristSingularityAndBesideIt) {
+  RandomJoints random(model_, 6);
+  for (int i = 0; i < 200; ++i) {
+    for (const double bend : {0.0, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6}) {
+      for (const double side : {1.0, -1.0}) {
+        JointValues q = random();
+        q[4] = side * bend;
+        const Frame pose = forward_.base_from_flange(q);
+        for (const JointValues& reference : {q, random()}) {
+          const auto found = inverse_->all(pose, reference);
+          for (std::size_t k = 0; k < found.count; ++k) {
+            ASSERT_TRUE(near(forward_.base_from_flange(found.each[k].joints), pose, 1e-9, 1e-9))
+                << "joint 5 at " << q[4];
+          }
+        }
+      }
+    }
+  }
+}
+
 TEST_P(ClosedForm, StaysInTheConfigurationAskedFor) {
   RandomJoints random(model_, 5);
   for (int i = 0; i < 2000; ++i) {
@@ -102,10 +122,23 @@ TEST_F(Rx90Inverse, SolvesTheStretchedArmAndKeepsJointsThatDoNotMatter) {
   const auto solution = inverse_->solve(forward_.base_from_flange(up), up);
   ASSERT_TRUE(solution.has_value()) << to_string(solution.error());
   EXPECT_TRUE(
-      near(forward_.base_from_flange(*solution), forward_.base_from_flange(up), 1e-7, 1e-7));
+      near(forward_.base_from_flange(*solution), forward_.base_from_flange(up), 1e-9, 1e-9));
   EXPECT_NEAR((*solution)[0], up[0], 1e-6);
   EXPECT_NEAR((*solution)[3], up[3], 1e-6);
   EXPECT_NEAR((*solution)[5], up[5], 1e-6);
+}
+
+TEST_F(Rx90Inverse, AllSolutionsOfTheStretchedArmAreExact) {
+  const auto inverse = SphericalWristInverse::for_arm(model_);
+  for (const auto& q : {joints({0, 0, 0, 0, 0, 0}), joints({20, 0, 0, 30, 0, -10}),
+                        joints({20, 40, 0, 30, 50, -10})}) {
+    const Frame pose = forward_.base_from_flange(q);
+    const auto found = inverse->all(pose, q);
+    ASSERT_GT(found.count, 0u);
+    for (std::size_t k = 0; k < found.count; ++k) {
+      EXPECT_TRUE(near(forward_.base_from_flange(found.each[k].joints), pose, 1e-9, 1e-9));
+    }
+  }
 }
 
 TEST_F(Rx90Inverse, TellsNoConfigurationAtASingularity) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <optional>
 #include <random>
 #include <string>
@@ -20,6 +21,24 @@ constexpr double slack = 1.001;
 
 const JointValues ready = joints({0, -20, 110, 0, 90, 0});  // tool down in front of the arm
 
+/// `all`: the set points, one for each `period` in s.
+void expect_within_limits(const ArmModel& model, const std::vector<JointValues>& all,
+                          const Pace& pace, double period) {
+  for (std::size_t k = 1; k + 1 < all.size(); ++k) {
+    for (Eigen::Index axis = 0; axis < model.axes(); ++axis) {
+      const auto& limits = model.limits()[static_cast<std::size_t>(axis)];
+      const double speed = std::abs(all[k][axis] - all[k - 1][axis]) / period;
+      const double acceleration =
+          std::abs(all[k + 1][axis] - 2 * all[k][axis] + all[k - 1][axis]) / (period * period);
+      ASSERT_LE(speed, limits.speed * pace.speed * slack) << "joint " << axis + 1;
+      ASSERT_LE(acceleration, limits.acceleration * pace.acceleration * slack)
+          << "joint " << axis + 1 << " in cycle " << k << " of " << all.size();
+      ASSERT_GE(all[k][axis], limits.lower - 1e-9);
+      ASSERT_LE(all[k][axis], limits.upper + 1e-9);
+    }
+  }
+}
+
 class Motion : public ::testing::Test {
  protected:
   const ArmModel model_ = rx90();
@@ -35,22 +54,8 @@ class Motion : public ::testing::Test {
     return all;
   }
 
-  /// `all`: the set points, one for each `period` in s.
-  void expect_within_limits(const std::vector<JointValues>& all, const Pace& pace,
-                            double period = cycle) {
-    for (std::size_t k = 1; k + 1 < all.size(); ++k) {
-      for (Eigen::Index axis = 0; axis < 6; ++axis) {
-        const auto& limits = model_.limits()[static_cast<std::size_t>(axis)];
-        const double speed = std::abs(all[k][axis] - all[k - 1][axis]) / period;
-        const double acceleration =
-            std::abs(all[k + 1][axis] - 2 * all[k][axis] + all[k - 1][axis]) / (period * period);
-        ASSERT_LE(speed, limits.speed * pace.speed * slack) << "joint " << axis + 1;
-        ASSERT_LE(acceleration, limits.acceleration * pace.acceleration * slack)
-            << "joint " << axis + 1 << " in cycle " << k << " of " << all.size();
-        ASSERT_GE(all[k][axis], limits.lower - 1e-9);
-        ASSERT_LE(all[k][axis], limits.upper + 1e-9);
-      }
-    }
+  void expect_within_limits(const std::vector<JointValues>& all, const Pace& pace) {
+    motion::expect_within_limits(model_, all, pace, cycle);
   }
 };
 
@@ -216,6 +221,16 @@ TEST_F(Motion, AJointGoalOutsideTheLimitsNamesTheJoint) {
             "joint 5 would have to stand at -110.0 deg, but its range is -105.0 to 120.0 deg");
 }
 
+TEST_F(Motion, AJointGoalThatIsNoNumberIsRefused) {
+  JointValues to = ready;
+  to[2] = std::nan("");
+  const auto plan = planner_.joints(ready, to, {});
+  ASSERT_FALSE(plan.has_value());
+  const auto* limit = std::get_if<arm::JointLimit>(&plan.error());
+  ASSERT_NE(limit, nullptr);
+  EXPECT_EQ(limit->axis, 3u);
+}
+
 TEST_F(Motion, AMoveToWhereItStandsIsOverAtOnce) {
   const auto plan = planner_.straight(ready, forward_.base_from_flange(ready), Frame(), {});
   ASSERT_TRUE(plan.has_value());
@@ -253,37 +268,6 @@ TEST_F(Motion, StopDeceleratesOnThePathWithinTheLimits) {
   }
 }
 
-/// A random move: of the joints, or along a straight line.
-std::optional<Plan> random_move(Planner& planner, RandomJoints& random, bool straight) {
-  const JointValues from = random(), to = random();
-  auto plan = straight ? planner.straight(from, planner.base_from_tool(to, {}), {}, {})
-                       : planner.joints(from, to, {});
-  if (!plan) return std::nullopt;  // most lines leave the reach of the arm
-  return std::move(*plan);
-}
-
-TEST_F(Motion, AMoveThatIsStoppedAtAnyTimeKeepsAllLimits) {
-  RandomJoints random(model_, 14);
-  std::mt19937 engine(14);
-  for (int made = 0; made < 400;) {
-    const auto plan = random_move(planner_, random, made % 2 == 0);
-    if (!plan) continue;
-    ++made;
-    const double stop_at = std::uniform_real_distribution(0.0, plan->law.duration())(engine);
-    for (const double period : {0.001, 0.004}) {
-      Playback playback(*plan);
-      std::vector<JointValues> all(2, plan->start());
-      for (double time = 0; time < stop_at; time += period) all.push_back(playback.advance(period));
-      playback.stop();
-      while (!playback.standing()) all.push_back(playback.advance(period));
-      all.insert(all.end(), 2, playback.advance(period));
-      SCOPED_TRACE("move " + std::to_string(made) + ", stopped after " + std::to_string(stop_at) +
-                   " of " + std::to_string(plan->law.duration()) + " s");
-      ASSERT_NO_FATAL_FAILURE(expect_within_limits(all, {}, period));
-    }
-  }
-}
-
 TEST_F(Motion, ProgressRisesToOneWhileTheRemainingTimeFalls) {
   const auto plan = planner_.joints(ready, joints({30, 0, 90, 0, 90, 0}), {});
   Playback playback(*plan);
@@ -310,6 +294,85 @@ TEST_F(Motion, PlayingBackAndStoppingAllocatesNothing) {
   while (!playback.standing()) sum += playback.advance(cycle);
   EXPECT_EQ(allocations.so_far(), 0);
   EXPECT_TRUE(sum.allFinite());
+}
+
+/// Straight and joint moves in turn; MOTION_MOVES says how many.
+class RandomMoves : public ::testing::TestWithParam<ArmModel (*)()> {
+ protected:
+  /// Returns nullopt when the move is not possible: most lines leave the reach of the arm.
+  std::optional<Plan> random_move(RandomJoints& random, bool straight) {
+    const JointValues from = random(), to = random();
+    auto plan = straight ? planner_.straight(from, planner_.base_from_tool(to, {}), {}, {})
+                         : planner_.joints(from, to, {});
+    if (!plan) return std::nullopt;
+    return std::move(*plan);
+  }
+
+  const int moves = std::getenv("MOTION_MOVES") ? std::atoi(std::getenv("MOTION_MOVES")) : 250;
+  const ArmModel model_ = GetParam()();
+  Planner planner_{model_, ToolLimits{}};
+};
+INSTANTIATE_TEST_SUITE_P(OfArms, RandomMoves, ::testing::Values(&rx90, &puma560),
+                         [](const auto& arm) { return arm.index == 0 ? "rx90" : "puma560"; });
+
+TEST_P(RandomMoves, StoppedAtAnyTimeKeepAllLimits) {
+  RandomJoints random(model_, 14);
+  std::mt19937 engine(14);
+  for (int made = 0; made < moves;) {
+    const auto plan = random_move(random, made % 2 == 0);
+    if (!plan) continue;
+    ++made;
+    const double stop_at = std::uniform_real_distribution(0.0, plan->law.duration())(engine);
+    for (const double period : {0.001, 0.004}) {
+      Playback playback(*plan);
+      std::vector<JointValues> all(2, plan->start());
+      for (double time = 0; time < stop_at; time += period) all.push_back(playback.advance(period));
+      playback.stop();
+      while (!playback.standing()) all.push_back(playback.advance(period));
+      all.insert(all.end(), 2, playback.advance(period));
+      SCOPED_TRACE("move " + std::to_string(made) + ", stopped after " + std::to_string(stop_at) +
+                   " of " + std::to_string(plan->law.duration()) + " s");
+      ASSERT_NO_FATAL_FAILURE(expect_within_limits(model_, all, {}, period));
+    }
+  }
+}
+
+TEST_P(RandomMoves, ThatWaitedAtAnyTimeGoOnFromRestOnTheirPathAndKeepAllLimits) {
+  RandomJoints random(model_, 15);
+  std::mt19937 engine(15);
+  for (int made = 0; made < moves;) {
+    const auto plan = random_move(random, made % 2 == 0);
+    if (!plan) continue;
+    ++made;
+    const double duration = plan->law.duration();
+    std::uniform_real_distribution<double> sometime(0.0, duration);
+    const double first = sometime(engine), second = sometime(engine);
+    Playback playback(*plan);
+    std::vector<JointValues> all(2, plan->start());
+    double fraction = 0;
+    int cycles = 0;
+    for (double time = 0; !playback.standing(); time += cycle) {
+      for (const double rest_at : {first, second}) {
+        if (time < rest_at || time >= rest_at + cycle) continue;
+        SCOPED_TRACE("before a rest of move " + std::to_string(made));
+        // The joints come to rest between two set points, which is judged by the drives.
+        all.pop_back();
+        ASSERT_NO_FATAL_FAILURE(expect_within_limits(model_, all, {}, cycle));
+        playback.rest();
+        all.assign(2, playback.advance(0));
+      }
+      all.push_back(playback.advance(cycle));
+      ASSERT_GE(playback.fraction(), fraction);
+      fraction = playback.fraction();
+      ASSERT_LT(++cycles * cycle, 4 * duration + 1) << "does not arrive";
+    }
+    all.insert(all.end(), 2, playback.advance(cycle));
+    SCOPED_TRACE("move " + std::to_string(made) + ", at rest after " + std::to_string(first) +
+                 " and " + std::to_string(second) + " of " + std::to_string(duration) + " s");
+    ASSERT_NO_FATAL_FAILURE(expect_within_limits(model_, all, {}, cycle));
+    ASSERT_EQ(all.back(), plan->goal());
+    ASSERT_EQ(playback.fraction(), 1);
+  }
 }
 
 TEST(Pace, ItsProblemIsNamed) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "robcl/arm/numeric_inverse.hpp"
@@ -13,7 +14,9 @@ namespace {
 constexpr double whole_turn = 2 * std::numbers::pi;
 constexpr double rounding = 1e-9;  // rad by which rounding may put an angle outside a limit
 
+/// Returns by how much `angle` is outside `limits`; infinity for NaN.
 double outside(double angle, const JointLimits& limits) {
+  if (std::isnan(angle)) return std::numeric_limits<double>::infinity();
   return std::max({0.0, limits.lower - angle - rounding, angle - limits.upper - rounding});
 }
 

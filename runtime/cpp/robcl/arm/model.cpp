@@ -75,6 +75,10 @@ tl::expected<ArmModel, ModelError> ArmModel::from_urdf(const std::string& xml,
   for (const urdf::JointConstSharedPtr& joint : joints) {
     const KDL::Frame place = to_kdl(joint->parent_to_joint_origin_transform);
     model.reach_ += place.p.Norm();
+    if (joint->mimic) {
+      return refuse("joint '" + joint->name + "' has a <mimic> element: it follows joint '" +
+                    joint->mimic->joint_name + "', which is not supported in an arm");
+    }
     if (joint->type == urdf::Joint::FIXED) {
       model.chain_.addSegment(
           KDL::Segment(joint->child_link_name, KDL::Joint(joint->name, KDL::Joint::None), place));

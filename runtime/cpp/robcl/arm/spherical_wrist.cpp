@@ -23,10 +23,14 @@ constexpr double stretched = 1e-9;
 // If the wrist centre is nearer to axis 1 than this distance, in m, joint 1 may have any position.
 // The same is true for axis 2 and joint 2.
 constexpr double singular = 1e-9;
-// If joint 5 is closer than this angle, in rad, to the position where axes 4 and 6 are in one line,
-// joint 4 may have any position. The limit is not smaller, because a rounding error of 1e-16
-// changes the angles of a stretched arm by 1e-8.
+// An arm that is closer than this angle, in rad, to a singularity has no configuration. The limit
+// is not smaller, because a rounding error of 1e-16 changes the angles of a stretched arm by 1e-8.
+// An elbow that is closer than this angle to stretched is taken as stretched: that moves the wrist
+// centre by 1e-15 m.
 constexpr double aligned = 1e-7;
+// If joint 5 is closer than this angle, in rad, to the position where axes 4 and 6 are in one line,
+// joint 4 keeps the position of the reference.
+constexpr double in_line_below = 1e-11;
 
 double angle_of(const Vector2d& in_plane) { return std::atan2(in_plane.x(), in_plane.y()); }
 
@@ -174,7 +178,8 @@ SphericalWristInverse::Solutions SphericalWristInverse::all(const Frame& base_fr
                               ? 1.0
                               : (upper_arm_ * upper_arm_ + length * length - forearm_ * forearm_) /
                                     (2 * upper_arm_ * length);
-    const double at_shoulder = std::acos(std::clamp(cosine, -1.0, 1.0));
+    const double elbow_angle = std::acos(std::clamp(cosine, -1.0, 1.0));
+    const double at_shoulder = elbow_angle < aligned ? 0.0 : elbow_angle;
     for (const double bend : {1.0, -1.0}) {
       const double upper = target_angle + bend * at_shoulder;
       const Vector2d elbow = at_angle(upper_arm_, upper);
@@ -200,15 +205,13 @@ void SphericalWristInverse::add_wrists(const Frame& base_from_flange, const Vect
   const Matrix3d left = base_from_wrist_.transpose() * arm.transpose() *
                         base_from_flange.rotation() * zero_turn_.transpose() * base_from_wrist_ *
                         AngleAxisd(sixth_tilt_, Vector3d::UnitY()).toRotationMatrix();
-  const double sine = std::hypot(left(0, 2), left(1, 2));
-  double fourth = std::atan2(left(1, 2), left(0, 2));
-  double bend = std::atan2(sine, left(2, 2));
-  double sixth = std::atan2(left(2, 1), -left(2, 0));
-  if (sine < aligned) {  // axes 4 and 6 are in one line: only q4 + q6 or q4 - q6 is defined
-    fourth = reference[3];
-    sixth = left(2, 2) > 0 ? std::atan2(left(1, 0), left(0, 0)) - fourth
-                           : fourth - std::atan2(-left(1, 0), -left(0, 0));
-  }
+  // If axes 4 and 6 are in one line, any q4 will do. If they nearly are, q4 is not exact, and
+  // therefore the other two joints are computed from it.
+  const bool in_line = std::hypot(left(0, 2), left(1, 2)) < in_line_below;
+  double fourth = in_line ? reference[3] : std::atan2(left(1, 2), left(0, 2));
+  const double c = std::cos(fourth), s = std::sin(fourth);
+  double bend = std::atan2(c * left(0, 2) + s * left(1, 2), left(2, 2));
+  double sixth = std::atan2(c * left(1, 0) - s * left(0, 0), c * left(1, 1) - s * left(0, 1));
   for (const Wrist wrist : {Wrist::Noflip, Wrist::Flip}) {
     Solution& solution = found.each[found.count++];
     solution.configuration = configuration;
@@ -219,7 +222,7 @@ void SphericalWristInverse::add_wrists(const Frame& base_from_flange, const Vect
       solution.joints[i] = nearest_angle(solution.joints[i], reference[i]);
     }
     bend = -bend;
-    if (sine >= aligned) {
+    if (!in_line) {
       fourth += std::numbers::pi;
       sixth += std::numbers::pi;
     }

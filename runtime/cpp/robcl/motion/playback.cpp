@@ -8,63 +8,92 @@ namespace robcl::motion {
 Playback::Playback(Plan plan) : plan_(std::move(plan)) {}
 
 JointValues Playback::advance(double seconds) {
-  if (standing_) return plan_.path.position(s_);
-  if (stopping_) {
-    brake(seconds);
-    return plan_.path.position(s_);
+  if (!standing_ && mode_ != Mode::OnTime) {
+    advance_by_pieces(seconds);
+  } else if (!standing_) {
+    time_ += seconds;
+    const TimeLaw::State state = plan_.law.at(time_);
+    s_ = state.s;
+    speed_ = state.speed;
+    standing_ = time_ >= plan_.law.duration();
   }
-  time_ += seconds;
-  const TimeLaw::State state = plan_.law.at(time_);
-  s_ = state.s;
-  speed_ = state.speed;
-  standing_ = time_ >= plan_.law.duration();
-  return standing_ ? plan_.goal() : plan_.path.position(s_);
+  return standing_ && s_ >= 1 ? plan_.goal() : plan_.path.position(s_);
 }
 
 void Playback::stop() {
-  if (stopping_) return;
-  stopping_ = true;
+  if (mode_ != Mode::Braking) leave_law(Mode::Braking);
+}
+
+void Playback::rest() {
+  if (standing_) return;
+  speed_ = 0;
+  standing_ = mode_ == Mode::Braking;
+  if (!standing_) leave_law(Mode::Resuming);
+}
+
+void Playback::leave_law(Mode mode) {
+  mode_ = mode;
   const std::size_t intervals = plan_.braking.intervals();
-  knot_ = std::min(static_cast<std::size_t>(s_ * static_cast<double>(intervals)), intervals - 1);
-  enter_interval();
+  piece_.knot =
+      std::min(static_cast<std::size_t>(s_ * static_cast<double>(intervals)), intervals - 1);
+  begin_piece();
 }
 
-/// Chooses the hardest braking that the limits allow up to the end of the interval.
+/// Begins the piece of the path from s_ to the end of the interval.
 ///
-/// A path may bend so that an arm which is fast cannot brake yet, and must even accelerate: then
-/// the least allowed d²s/dt² is positive. The law of the plan, slowed so that it has the present
-/// speed here, keeps all limits on the rest of the path (PathBounds). Therefore the least allowed
-/// d²s/dt² is never greater than that of the slowed law, and the arm stops at the goal at the
-/// latest.
-void Playback::enter_interval() {
+/// The law of the plan, slowed by a constant factor so that it has the present speed here, keeps
+/// all limits on the rest of the path (PathBounds). Its d²s/dt² is therefore allowed here, and the
+/// arm can always brake so that it stops at the goal at the latest. A path may bend so that an arm
+/// which is fast cannot brake yet: then the least allowed d²s/dt² is positive.
+void Playback::begin_piece() {
   const double step = plan_.braking.step();
-  const double start = static_cast<double>(knot_) * step;
-  const double part = std::clamp((s_ - start) / step, 0.0, 1.0);
-  const double x = speed_ * speed_, way = (1 - part) * step;
-  braking_ = plan_.braking.over_interval(knot_, x, part).lower;
-  const double next = plan_.law.speed(knot_ + 1);
-  if (way > 0) braking_ = std::min(braking_, (next * next - x) / (2 * way));
+  piece_.end = static_cast<double>(piece_.knot + 1) * step;
+  const double way = std::max(piece_.end - s_, 0.0);
+  const double part = 1 - std::min(way / step, 1.0);
+  const double x = speed_ * speed_;
+  const PathBounds::Interval allowed = plan_.braking.over_interval(piece_.knot, x, part);
+  const double next = plan_.law.speed(piece_.knot + 1);
+  const double at_most = way > 0 ? (next * next - x) / (2 * way) : 0;
+  if (mode_ == Mode::Braking) {
+    piece_.acceleration = std::min(allowed.lower, at_most);
+  } else if (next > 0 || x > 0) {
+    piece_.acceleration = std::min(allowed.upper, at_most);
+  } else {  // from rest to the goal: accelerate over the first half of the way
+    piece_.end -= way / 2;
+    piece_.acceleration = std::min(allowed.upper, -allowed.lower);
+  }
 }
 
-void Playback::brake(double seconds) {
+void Playback::advance_by_pieces(double seconds) {
   while (!standing_) {
-    const double end = static_cast<double>(knot_ + 1) * plan_.braking.step();
-    const double way = std::max(end - s_, 0.0);
-    const double left = speed_ * speed_ + 2 * braking_ * way;  // (ds/dt)² at the end
-    const bool stops = speed_ <= 0 || left <= 0;
+    const double way = std::max(piece_.end - s_, 0.0), u = piece_.acceleration;
+    const double left = speed_ * speed_ + 2 * u * way;  // (ds/dt)² at the end of the piece
+    const bool stops = left <= 0;
     const double lasts =
-        stops ? (speed_ <= 0 ? 0 : speed_ / -braking_) : 2 * way / (speed_ + std::sqrt(left));
+        stops ? (speed_ > 0 ? speed_ / -u : 0) : 2 * way / (speed_ + std::sqrt(left));
     if (seconds < lasts) {
-      s_ += seconds * (speed_ + braking_ * seconds / 2);
-      speed_ += braking_ * seconds;
-      return;
+      s_ += seconds * (speed_ + u * seconds / 2);
+      speed_ += u * seconds;
+      break;
     }
     seconds -= lasts;
-    s_ = stops ? std::min(s_ + lasts * speed_ / 2, end) : end;
+    // While resuming, the arm stops only at the goal.
+    const bool on_the_way = stops && mode_ == Mode::Braking;
+    s_ = on_the_way ? std::min(s_ + lasts * speed_ / 2, piece_.end) : piece_.end;
     speed_ = stops ? 0 : std::sqrt(left);
-    standing_ = stops || ++knot_ == plan_.braking.intervals();
-    if (!standing_) enter_interval();
+    const bool at_knot = s_ >= static_cast<double>(piece_.knot + 1) * plan_.braking.step();
+    if (at_knot) ++piece_.knot;
+    standing_ = stops || piece_.knot == plan_.braking.intervals();
+    if (standing_) break;
+    if (mode_ == Mode::Resuming && at_knot && speed_ >= plan_.law.speed(piece_.knot) * (1 - 1e-9)) {
+      mode_ = Mode::OnTime;
+      time_ = plan_.law.time(piece_.knot);
+      advance(seconds);
+      return;
+    }
+    begin_piece();
   }
+  if (mode_ == Mode::Resuming) time_ = std::max(time_, plan_.law.time_at(s_));
 }
 
 double Playback::fraction() const {
@@ -73,7 +102,7 @@ double Playback::fraction() const {
 }
 
 double Playback::remaining() const {
-  if (standing_ || stopping_) return 0;
+  if (standing_ || stopping()) return 0;
   return std::max(0.0, plan_.law.duration() - time_);
 }
 

@@ -1,6 +1,8 @@
 // The execution of a plan, one control cycle after the other.
 #pragma once
 
+#include <cstddef>
+
 #include "robcl/motion/plan.hpp"
 
 namespace robcl::motion {
@@ -17,28 +19,45 @@ class Playback {
   /// Makes the following calls of `advance` decelerate on the path, as hard as the arm's limits
   /// allow, until the arm stands somewhere on the path.
   void stop();
+  /// The arm stands where it is on the path, because it got no set points for a while. The
+  /// following calls of `advance` accelerate from rest, and then follow the plan again. After
+  /// `stop`, the motion has ended.
+  void rest();
 
   bool standing() const { return standing_; }
-  bool stopping() const { return stopping_; }
+  bool stopping() const { return mode_ == Mode::Braking; }
   /// Returns the fraction of the plan's duration that has passed, from 0 to 1. It does not rise
   /// after `stop`.
   double fraction() const;
-  /// Returns the remaining time to the goal in s; 0 after `stop` and at the goal.
+  /// Returns the remaining time to the goal in s; 0 after `stop` and at the goal. While the arm
+  /// accelerates after `rest`, the time is too short.
   double remaining() const;
   const Plan& plan() const { return plan_; }
 
  private:
-  void brake(double seconds);
-  void enter_interval();
+  enum class Mode {
+    OnTime,   ///< as the time law of the plan says
+    Braking,  ///< to rest, as hard as the limits allow
+    Resuming  ///< from rest to the speed of the plan
+  };
+  void leave_law(Mode mode);
+  void advance_by_pieces(double seconds);
+  void begin_piece();
 
   Plan plan_;
-  double time_ = 0;  // s since the start; does not rise while stopping
+  Mode mode_ = Mode::OnTime;
+  double time_ = 0;  // s since the start, by the time law of the plan; does not rise while braking
   double s_ = 0;
-  double speed_ = 0;      // ds/dt
-  std::size_t knot_ = 0;  // while stopping: the start of the interval in which s_ lies
-  double braking_ = 0;    // while stopping: d²s/dt² in this interval
-  bool stopping_ = false;
+  double speed_ = 0;  // ds/dt
   bool standing_ = false;
+  /// While braking or resuming: a part of the path, within one interval, on which d²s/dt² is
+  /// constant.
+  struct Piece {
+    std::size_t knot = 0;  // the start of the interval
+    double end = 0;        // s
+    double acceleration = 0;
+  };
+  Piece piece_;
 };
 
 }  // namespace robcl::motion

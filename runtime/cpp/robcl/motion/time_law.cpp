@@ -89,4 +89,14 @@ TimeLaw::State TimeLaw::at(double seconds) const {
           speeds_[i] + acceleration * since, acceleration};
 }
 
+double TimeLaw::time_at(double s) const {
+  const double along = std::clamp(s, 0.0, 1.0) * static_cast<double>(times_.size() - 1);
+  const std::size_t i = std::min(static_cast<std::size_t>(along), times_.size() - 2);
+  const double part = along - static_cast<double>(i);
+  const double before = speeds_[i] * speeds_[i], after = speeds_[i + 1] * speeds_[i + 1];
+  const double speed = std::sqrt(before + part * (after - before));  // (ds/dt)² is linear in s
+  if (speeds_[i] + speed <= 0) return times_[i];
+  return times_[i] + 2 * part / (static_cast<double>(times_.size() - 1) * (speeds_[i] + speed));
+}
+
 }  // namespace robcl::motion

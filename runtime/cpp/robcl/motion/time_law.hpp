@@ -34,6 +34,10 @@ class TimeLaw {
   State at(double seconds) const;
   /// Returns the speed ds/dt of this time law at the knot `knot`, in 1/s.
   double speed(std::size_t knot) const { return speeds_[knot]; }
+  /// Returns the time in s at which this time law is at the knot `knot`.
+  double time(std::size_t knot) const { return times_[knot]; }
+  /// Returns the time in s at which this time law is at `s`. Never allocates memory.
+  double time_at(double s) const;
 
  private:
   explicit TimeLaw(const std::vector<double>& squared_speeds);
