@@ -107,10 +107,10 @@ fuzz:  ## input that nobody would write: to parser, decoders, sessions, lcm and 
 # SOAK says how much of what: SOAK="--kills 500 --calls 100000 --seed 7".
 SOAK ?=
 .PHONY: soak
-soak:  ## programs killed 10,000 times, bad lines, cut lines, stopped programs: does every command end?
+soak:  ## programs killed and stopped, bad lines, idle clients, stopped motions: does every command end?
 	@tools/setup.sh tests
 	@$(CONFIGURE) -DBUILD_TESTING=ON
-	@cmake --build $(BUILD) -j$(JOBS) --target $(PARTS) tests/stress/all crypto_test stream_rate_test
+	@cmake --build $(BUILD) -j$(JOBS) --target $(PARTS) tests/stress/all crypto_test stream_rate_test robcl_motion_test
 	@$(PYTHON) tests/stress/soak.py --build $(BUILD) $(SOAK)
 
 .PHONY: release

@@ -234,8 +234,8 @@ TEST(LcmPort, RunsOutOfDescriptorsWithAWord) {
     const rlimit few{used + spare, usual.rlim_max};
     ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
     auto port = LcmPort::open({}, draw_port());
-    auto heard =
-        port ? (*port)->subscribe("X", [](ByteView) {}) : tl::expected<std::uint64_t, MediumError>{};
+    auto heard = port ? (*port)->subscribe("X", [](ByteView) {})
+                      : tl::expected<std::uint64_t, MediumError>{};
     ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &usual), 0);
     if (port && heard) continue;
     const std::string text = port ? heard.error().text : port.error().text;
