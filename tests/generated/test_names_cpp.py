@@ -153,6 +153,10 @@ def test_a_parameter_is_not_called_as_a_constant_or_an_alias_around_its_interfac
         #include "around.gidl"
         module lab {
           const long speed = 1;
+          const long unix = 1;
+          const long out_ = 1;
+          const long self = 1;
+          const long each = 1;
           typedef double angle;
           module arm {
             const long elsewhere = 1;
@@ -161,6 +165,7 @@ def test_a_parameter_is_not_called_as_a_constant_or_an_alias_around_its_interfac
               void stop(out long speed, out double angle);
               @cancelable void go(in double angle);
               attribute long goal;
+              void wait(in long unix, in float out_, in long out__, in long out___);
             };
           };
           interface Base { void move(in long elsewhere, in long value); };
@@ -173,6 +178,7 @@ def test_a_parameter_is_not_called_as_a_constant_or_an_alias_around_its_interfac
     client = " ".join((tmp_path / "cpp" / "hidden_client.hpp").read_text().split())
     assert "turn( double speed_, double speed__, std::int32_t depth_" in client
     assert "move(std::int32_t elsewhere, std::int32_t value)" in client
+    assert "int32_t unix__, float out_, std::int32_t out___, std::int32_t out____" in client
     sources = sorted((tmp_path / "cpp").glob("*.cpp"))
     compiles(tmp_path / "cpp", "".join(f'#include "{s}"\n' for s in [*sources, mock]))
 

@@ -56,8 +56,9 @@ _CPP_FUNCTIONS = words("decode_enum gecos_violation has to_string")
 # the same name.
 _CPP_LOCALS = words(
     """
-    a all arm b bases call code core description entry field flags from guard item key main names
-    number operations out outlier read result row run sample selecting separator session size
+    a all arm b bases call code core description each entry field flags from guard item key main
+    names number operations out outlier read result row run sample selecting self separator session
+    size
     stamp_ns streams to why wrong
     """
 )

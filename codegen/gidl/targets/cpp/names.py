@@ -67,10 +67,17 @@ def method_name(name: str) -> str:
 
 
 def parameter_name(layout: Layout, interface: Interface, name: str) -> str:
-    """The name of a parameter in the methods of its interface."""
+    """The name of a parameter in the methods of its interface. Underscores at its end keep it
+    different from all names that it would hide, and from the names of other parameters: of `speed`,
+    `speed_` and so on, each gets the next free name."""
     hidden = layout.cpp_names.hidden[interface.name]
-    hides = name in hidden or name.rstrip("_") in hidden
-    return escaped(name, CPP_PARAMETER_WORDS | hidden if hides else CPP_PARAMETER_WORDS)
+    plain = name.rstrip("_")
+    taken, underscores = "", -1
+    for as_written in range(len(name) - len(plain) + 1):
+        underscores = max(underscores + 1, as_written)
+        while (taken := plain + "_" * underscores) in hidden or taken in CPP_PARAMETER_WORDS:
+            underscores += 1
+    return taken
 
 
 def method_names(model: Model, interface: Interface) -> set[str]:
