@@ -108,15 +108,15 @@ def lab_with_arm(lab_with_broker: Laboratory) -> Laboratory:
 
 
 @pytest.fixture(scope="module")
-def oven_python(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder of the module `oven`, which 07 and 08 import."""
-    out = tmp_path_factory.mktemp("oven")
-    oven = EXAMPLES / "07_own_interface" / "oven.gidl"
-    subprocess.run(
-        [sys.executable, "-m", "gidl", "gen", "--lang", "python", "--out", out, oven],
-        check=True,
-        stdout=subprocess.DEVNULL,
-    )
+def own_python(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the modules `oven` and `cart`, which 07, 08, 14 and 15 import."""
+    out = tmp_path_factory.mktemp("own")
+    for own in ("07_own_interface/oven.gidl", "14_feed_a_command/cart.gidl"):
+        subprocess.run(
+            [sys.executable, "-m", "gidl", "gen", "--lang", "python", "--out", out, EXAMPLES / own],
+            check=True,
+            stdout=subprocess.DEVNULL,
+        )
     return out / "python"
 
 
@@ -200,10 +200,10 @@ def test_a_recording_has_each_sample_once_and_knows_how_many_are_missing(
 @pytest.mark.parametrize("client", ["C++", "Python"])
 @pytest.mark.parametrize("server", ["C++", "Python"])
 def test_an_interface_of_ones_own_is_used_and_served(
-    server: str, client: str, lab_with_broker: Laboratory, oven_python: Path
+    server: str, client: str, lab_with_broker: Laboratory, own_python: Path
 ) -> None:
     lab = lab_with_broker
-    lab.env["PYTHONPATH"] = str(oven_python)
+    lab.env["PYTHONPATH"] = str(own_python)
     lab.start(*example(lab, "08_serve", "serve_oven", server), ready="serving OVEN")
     outside, refused, heated = carried_out(
         lab.run(*example(lab, "07_own_interface", "use_oven", client))
@@ -211,6 +211,36 @@ def test_an_interface_of_ones_own_is_used_and_served(
     assert "heat.to" in outside and "[293.0, 500.0]" in outside
     assert refused == "480 K: this oven goes up to 450 K"
     assert heated == "350 K: the oven is at 350 K"
+
+
+@pytest.mark.parametrize("client", ["C++", "Python"])
+@pytest.mark.parametrize("server", ["C++", "Python"])
+def test_a_command_is_fed_by_a_stream_and_ends_when_no_sample_comes(
+    server: str, client: str, lab_with_broker: Laboratory, own_python: Path
+) -> None:
+    lab = lab_with_broker
+    lab.env["PYTHONPATH"] = str(own_python)
+    lab.start(*example(lab, "14_feed_a_command", "serve_cart", server), ready="serving CART")
+    outside, driven, used = carried_out(
+        lab.run(*example(lab, "14_feed_a_command", "feed_cart", client))
+    )
+    assert "speed" in outside and "0.5" in outside, outside
+    way = re.fullmatch(r"driven to (\d\.\d\d) m", driven)
+    assert way and 0.05 < float(way[1]) < 0.5, driven
+    counts = re.fullmatch(r"(\d+) of 50 speeds were used, (\d+) were replaced by newer ones", used)
+    assert counts and int(counts[1]) > 0, used
+
+
+@pytest.mark.parametrize("client", ["C++", "Python"])
+@pytest.mark.parametrize("server", ["C++", "Python"])
+def test_events_are_heard_while_a_command_runs(
+    server: str, client: str, lab_with_broker: Laboratory, own_python: Path
+) -> None:
+    lab = lab_with_broker
+    lab.env["PYTHONPATH"] = str(own_python)
+    lab.start(*example(lab, "14_feed_a_command", "serve_cart", server), ready="serving CART")
+    heard = carried_out(lab.run(*example(lab, "15_hear_events", "hear_bumps", client)))
+    assert heard == [f"bumped at {end} m; 0 bumps were missed" for end in ("+0.5", "-0.5")]
 
 
 @LANGUAGES

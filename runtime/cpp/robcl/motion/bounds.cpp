@@ -8,7 +8,7 @@ namespace robcl::motion {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double halfway = 0.5;       // of an interval
+constexpr double piece = 0.125;       // of an interval
 constexpr double negligible = 1e-12;  // rad or m: a smaller movement on the path sets no limit
 
 double squared(double value) { return value * value; }
@@ -58,8 +58,10 @@ void PathBounds::cap(std::size_t knot, double fastest) {
   caps_[knot] = std::min(caps_[knot], fastest);
 }
 
-/// Restricts `interval` to the values of u for which |per_u·u + offset| <= limit holds.
-void PathBounds::restrict(Interval& interval, double per_u, double offset, double limit) {
+/// Restricts `interval` to the values of u for which the absolute value of `acceleration` is at
+/// most `limit`.
+void PathBounds::restrict(Interval& interval, const Acceleration& acceleration, double limit) {
+  const auto [per_u, offset] = acceleration;
   if (std::abs(per_u) <= negligible) {
     if (std::abs(offset) > limit) interval = {1, -1};
     return;
@@ -69,23 +71,88 @@ void PathBounds::restrict(Interval& interval, double per_u, double offset, doubl
   interval.upper = std::min(interval.upper, std::max(one, other));
 }
 
-PathBounds::Interval PathBounds::over_interval(std::size_t knot, double x, double part) const {
-  Interval allowed{-tool_acceleration_, tool_acceleration_};
+double PathBounds::slope(std::size_t knot, Eigen::Index axis, double place) const {
   const Bend& bend = bends_[knot];
-  for (const double place : {part, halfway, 1.0}) {
-    if (place < part) continue;
-    const double per_u = 2 * (place - part) * step();  // (ds/dt)² is x + per_u·u at this place
-    for (Eigen::Index axis = 0; axis < accelerations_.size(); ++axis) {
-      const double curvature = bend.curvature[axis] + place * bend.change[axis];
-      const double slope = bend.slope[axis] +
-                           place * step() * (bend.curvature[axis] + place / 2 * bend.change[axis]);
-      restrict(allowed, slope + per_u * curvature, curvature * x, accelerations_[axis]);
-      if (place == halfway && per_u > 0 && std::abs(slope) > negligible) {
-        allowed.upper = std::min(allowed.upper, (squared(speeds_[axis] / slope) - x) / per_u);
-      }
+  return bend.slope[axis] + place * step() * (bend.curvature[axis] + place / 2 * bend.change[axis]);
+}
+
+/// Returns the acceleration at the fraction `place` of the interval. (ds/dt)² is `x` at the
+/// fraction `part`, and x + 2·u·(place - part)·step at `place`.
+PathBounds::Acceleration PathBounds::acceleration(std::size_t knot, Eigen::Index axis, double place,
+                                                  double part, double x) const {
+  const double curvature = bends_[knot].curvature[axis] + place * bends_[knot].change[axis];
+  return {slope(knot, axis, place) + 2 * (place - part) * step() * curvature, curvature * x};
+}
+
+/// Returns the middle Bézier coefficient of the acceleration between the fractions `start` and
+/// `end` of the interval. The acceleration is quadratic in s there, so that it is nowhere greater
+/// than the greatest of its values at both ends and this coefficient.
+PathBounds::Acceleration PathBounds::between(std::size_t knot, Eigen::Index axis, double start,
+                                             double end, double part, double x) const {
+  const auto one = acceleration(knot, axis, start, part, x);
+  const auto middle = acceleration(knot, axis, (start + end) / 2, part, x);
+  const auto other = acceleration(knot, axis, end, part, x);
+  return {2 * middle.per_u - (one.per_u + other.per_u) / 2,
+          2 * middle.offset - (one.offset + other.offset) / 2};
+}
+
+PathBounds::Interval PathBounds::over_interval(std::size_t knot, double x) const {
+  Interval allowed{-tool_acceleration_, tool_acceleration_};
+  for (Eigen::Index axis = 0; axis < accelerations_.size(); ++axis) {
+    for (const double place : {0.0, 0.5, 1.0}) {
+      restrict(allowed, acceleration(knot, axis, place, 0, x), accelerations_[axis]);
+    }
+    const double halfway = std::abs(slope(knot, axis, 0.5));
+    if (halfway <= negligible) continue;
+    allowed.upper = std::min(allowed.upper, (squared(speeds_[axis] / halfway) - x) / step());
+  }
+  return allowed;
+}
+
+PathBounds::Interval PathBounds::over_rest(std::size_t knot, double part, double x) const {
+  Interval allowed{-tool_acceleration_, tool_acceleration_};
+  for (Eigen::Index axis = 0; axis < accelerations_.size(); ++axis) {
+    const double limit = accelerations_[axis];
+    restrict(allowed, acceleration(knot, axis, part, part, x), limit);
+    double start = part;
+    for (double end = piece; end <= 1; end += piece) {
+      if (end <= part) continue;
+      restrict(allowed, between(knot, axis, start, end, part, x), limit);
+      restrict(allowed, acceleration(knot, axis, end, part, x), limit);
+      start = end;
     }
   }
   return allowed;
+}
+
+double PathBounds::excess(std::size_t knot, double x, double u) const {
+  double factor = 1;
+  const double after = std::max(x + 2 * u * step(), 0.0);
+  for (Eigen::Index axis = 0; axis < accelerations_.size(); ++axis) {
+    const auto slowed = [&](const Acceleration& here) {
+      return std::sqrt(std::abs(here.per_u * u + here.offset) / accelerations_[axis]);
+    };
+    const auto too_fast = [&](double place) {
+      const double speed = std::sqrt(x + place * (after - x));
+      return std::abs(slope(knot, axis, place)) * speed / speeds_[axis];
+    };
+    // For nearly all intervals, the coefficients for the whole interval show that nothing exceeds
+    // its limit.
+    const double bend =
+        std::abs(bends_[knot].curvature[axis]) + std::abs(bends_[knot].change[axis]);
+    const double steepest = std::abs(bends_[knot].slope[axis]) + step() * bend;
+    if (slowed(between(knot, axis, 0, 1, 0, x)) <= 1 &&
+        slowed(acceleration(knot, axis, 0, 0, x)) <= 1 &&
+        slowed(acceleration(knot, axis, 1, 0, x)) <= 1 &&
+        steepest * std::sqrt(std::max(x, after)) <= speeds_[axis]) {
+      continue;
+    }
+    for (double end = piece; end <= 1; end += piece) {
+      factor = std::max({factor, slowed(between(knot, axis, end - piece, end, 0, x)),
+                         slowed(acceleration(knot, axis, end, 0, x)), too_fast(end)});
+    }
+  }
+  return factor;
 }
 
 }  // namespace robcl::motion

@@ -14,8 +14,7 @@ namespace robcl::motion {
 /// x). Rest, which is (0, 0), is always allowed. If (u, x) is allowed, so is (c·u, c·x) for each c
 /// from 0 to 1.
 ///
-/// In each interval between two knots, u is constant and x is linear in s. The limits are checked
-/// at the start, in the middle and at the end of the interval.
+/// In each interval between two knots, u is constant and x is linear in s.
 class PathBounds {
  public:
   struct Interval {
@@ -37,10 +36,15 @@ class PathBounds {
 
   /// Returns the greatest (ds/dt)² that the speed limits allow at the knot `knot`.
   double speed_cap(std::size_t knot) const { return caps_[knot]; }
-  /// Returns the values of u = d²s/dt² that the limits allow from the fraction `part` of the
-  /// interval that begins at the knot `knot`, where (ds/dt)² is `x`, to the end of the interval.
-  /// Never allocates memory.
-  Interval over_interval(std::size_t knot, double x, double part = 0) const;
+  /// Returns the values of u = d²s/dt² that the limits allow from the knot `knot` to the next one.
+  /// (ds/dt)² is `x` at this knot. The limits are checked at both knots and in the middle.
+  Interval over_interval(std::size_t knot, double x) const;
+  /// Returns the same from the fraction `part` of that interval, where (ds/dt)² is `x`, to the next
+  /// knot. The limits of acceleration hold everywhere in this part. Never allocates memory.
+  Interval over_rest(std::size_t knot, double part, double x) const;
+  /// Returns the factor by which a motion must be slowed so that it keeps the limits everywhere
+  /// from the knot `knot` to the next one; 1 if it keeps them. (ds/dt)² is `x` at this knot.
+  double excess(std::size_t knot, double x, double u) const;
 
  private:
   /// The curvature of the path is linear in an interval.
@@ -48,7 +52,16 @@ class PathBounds {
     JointValues slope, curvature;  ///< at the start of the interval
     JointValues change;            ///< of the curvature, up to the end of the interval
   };
-  static void restrict(Interval& interval, double per_u, double offset, double limit);
+  /// The acceleration of a joint at one place: per_u·u + offset.
+  struct Acceleration {
+    double per_u = 0, offset = 0;
+  };
+  double slope(std::size_t knot, Eigen::Index axis, double place) const;
+  Acceleration acceleration(std::size_t knot, Eigen::Index axis, double place, double part,
+                            double x) const;
+  Acceleration between(std::size_t knot, Eigen::Index axis, double start, double end, double part,
+                       double x) const;
+  static void restrict(Interval& interval, const Acceleration& acceleration, double limit);
 
   JointValues accelerations_;
   JointValues speeds_;

@@ -18,24 +18,14 @@ constexpr double no_move = 1e-9;  // rad or m: a smaller move counts as none
 double square_of(double value) { return value * value; }
 
 /// Returns the factor by which `law` must be slowed so that the joint limits are also kept between
-/// the places that PathBounds checks. Where the path of a joint is steep, for example when an arm
-/// starts stretched, an interval between two knots may last many control cycles.
-double excess(const Path& path, const TimeLaw& law, const arm::ArmModel& model, const Pace& pace) {
+/// the places that PathBounds::over_interval checks. Where the path of a joint is steep, for
+/// example when an arm starts stretched, an interval between two knots may last many control
+/// cycles.
+double excess(const PathBounds& bounds, const TimeLaw& law) {
   double factor = 1;
-  for (std::size_t i = 0; i < path.intervals(); ++i) {
+  for (std::size_t i = 0; i < bounds.intervals(); ++i) {
     const double x = square_of(law.speed(i)), after = square_of(law.speed(i + 1));
-    const double u = (after - x) / (2 * path.step());
-    for (const double part : {0.125, 0.25, 0.375, 0.625, 0.75, 0.875}) {
-      const auto [slope, curvature] = path.derivatives(i, part);
-      const double here = x + part * (after - x);
-      for (Eigen::Index axis = 0; axis < slope.size(); ++axis) {
-        const auto& limits = model.limits()[static_cast<std::size_t>(axis)];
-        const double speed = std::abs(slope[axis]) * std::sqrt(here);
-        const double acceleration = std::abs(slope[axis] * u + curvature[axis] * here);
-        factor = std::max({factor, speed / (limits.speed * pace.speed),
-                           std::sqrt(acceleration / (limits.acceleration * pace.acceleration))});
-      }
-    }
+    factor = std::max(factor, bounds.excess(i, x, (after - x) / (2 * bounds.step())));
   }
   return factor;
 }
@@ -43,10 +33,10 @@ double excess(const Path& path, const TimeLaw& law, const arm::ArmModel& model, 
 /// Makes the plan of a move from `bounds`. `limit_tool` adds the limits of the tool to the limits
 /// for braking.
 template <class LimitTool>
-Plan fastest(Path path, const PathBounds& bounds, const arm::ArmModel& model, const Pace& pace,
+Plan fastest(Path path, const PathBounds& bounds, const arm::ArmModel& model,
              LimitTool limit_tool) {
   const TimeLaw law = TimeLaw::fastest(bounds);
-  const double factor = excess(path, law, model, pace);
+  const double factor = excess(bounds, law);
   const Pace hardest{.acceleration = 1 / square_of(factor)};
   PathBounds braking(path, model, hardest);
   limit_tool(braking, hardest);
@@ -101,7 +91,7 @@ tl::expected<Plan, Failure> Planner::joints(const JointValues& from, const Joint
       before = here;
     }
   }
-  return fastest(std::move(path), bounds, model_, pace, [](PathBounds&, const Pace&) {});
+  return fastest(std::move(path), bounds, model_, [](PathBounds&, const Pace&) {});
 }
 
 tl::expected<Plan, Failure> Planner::joints_to(const JointValues& from, const Frame& base_from_goal,
@@ -127,10 +117,9 @@ tl::expected<Plan, Failure> Planner::straight(const JointValues& from, const Fra
   if (!path) return tl::unexpected(path.error());
   PathBounds bounds(*path, model_, pace);
   bounds.add_tool(line.length(), line.turn(), limits_, pace);
-  return fastest(std::move(*path), bounds, model_, pace,
-                 [&](PathBounds& braking, const Pace& hardest) {
-                   braking.add_tool(line.length(), line.turn(), limits_, hardest);
-                 });
+  return fastest(std::move(*path), bounds, model_, [&](PathBounds& braking, const Pace& hardest) {
+    braking.add_tool(line.length(), line.turn(), limits_, hardest);
+  });
 }
 
 }  // namespace robcl::motion

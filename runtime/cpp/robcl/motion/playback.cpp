@@ -51,7 +51,7 @@ void Playback::begin_piece() {
   const double way = std::max(piece_.end - s_, 0.0);
   const double part = 1 - std::min(way / step, 1.0);
   const double x = speed_ * speed_;
-  const PathBounds::Interval allowed = plan_.braking.over_interval(piece_.knot, x, part);
+  const PathBounds::Interval allowed = plan_.braking.over_rest(piece_.knot, part, x);
   const double next = plan_.law.speed(piece_.knot + 1);
   const double at_most = way > 0 ? (next * next - x) / (2 * way) : 0;
   if (mode_ == Mode::Braking) {
@@ -93,7 +93,9 @@ void Playback::advance_by_pieces(double seconds) {
     }
     begin_piece();
   }
-  if (mode_ == Mode::Resuming) time_ = std::max(time_, plan_.law.time_at(s_));
+  if (mode_ == Mode::Resuming) {
+    time_ = standing_ ? plan_.law.duration() : std::max(time_, plan_.law.time_at(s_));
+  }
 }
 
 double Playback::fraction() const {
