@@ -22,7 +22,9 @@ def main() -> None:
         # Nothing more is sent, as if this program hung: the cart stands by itself.
         print(f"driven to {drive.result():.2f} m")
         report = speed.report().result()
-        print(f"{report.admitted} of 50 speeds were used, {report.lost} were replaced by newer ones")
+        print(
+            f"{report.admitted} of 50 speeds were used, {report.lost} were replaced by newer ones"
+        )
 
 
 if __name__ == "__main__":
