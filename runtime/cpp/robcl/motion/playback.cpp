@@ -39,6 +39,10 @@ void Playback::leave_law(Mode mode) {
   begin_piece();
 }
 
+double Playback::end_of_interval() const {
+  return static_cast<double>(piece_.knot + 1) / static_cast<double>(plan_.braking.intervals());
+}
+
 /// Begins the piece of the path from s_ to the end of the interval.
 ///
 /// The law of the plan, slowed by a constant factor so that it has the present speed here, keeps
@@ -47,7 +51,7 @@ void Playback::leave_law(Mode mode) {
 /// which is fast cannot brake yet: then the least allowed d²s/dt² is positive.
 void Playback::begin_piece() {
   const double step = plan_.braking.step();
-  piece_.end = static_cast<double>(piece_.knot + 1) * step;
+  piece_.end = end_of_interval();
   const double way = std::max(piece_.end - s_, 0.0);
   const double part = 1 - std::min(way / step, 1.0);
   const double x = speed_ * speed_;
@@ -81,7 +85,7 @@ void Playback::advance_by_pieces(double seconds) {
     const bool on_the_way = stops && mode_ == Mode::Braking;
     s_ = on_the_way ? std::min(s_ + lasts * speed_ / 2, piece_.end) : piece_.end;
     speed_ = stops ? 0 : std::sqrt(left);
-    const bool at_knot = s_ >= static_cast<double>(piece_.knot + 1) * plan_.braking.step();
+    const bool at_knot = s_ >= end_of_interval();
     if (at_knot) ++piece_.knot;
     standing_ = stops || piece_.knot == plan_.braking.intervals();
     if (standing_) break;

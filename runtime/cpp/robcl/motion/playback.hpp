@@ -43,6 +43,7 @@ class Playback {
   void leave_law(Mode mode);
   void advance_by_pieces(double seconds);
   void begin_piece();
+  double end_of_interval() const;
 
   Plan plan_;
   Mode mode_ = Mode::OnTime;
