@@ -233,15 +233,17 @@ bool SealedClient::new_samples() {
 }
 
 void SealedClient::forget_closed_readers() {
-  const auto closed =
-      std::ranges::partition(reading_, [](const Reading& one) { return !one.queue.expired(); });
-  const std::vector<Reading> gone(closed.begin(), closed.end());
-  reading_.erase(closed.begin(), closed.end());
-  for (const Reading& one : gone) {
+  std::vector<int> closed;
+  std::erase_if(reading_, [&](const Reading& one) {
+    if (!one.queue.expired()) return false;
+    closed.push_back(one.port);
+    return true;
+  });
+  for (const int port : closed) {
     // Another connection may hold the port, whose samples must no longer wake this one.
-    if (std::ranges::find(reading_, one.port, &Reading::port) == reading_.end()) {
-      ::epoll_ctl(streams_.get(), EPOLL_CTL_DEL, one.port, nullptr);
-    }
+    const bool read = std::any_of(reading_.begin(), reading_.end(),
+                                  [&](const Reading& one) { return one.port == port; });
+    if (!read) ::epoll_ctl(streams_.get(), EPOLL_CTL_DEL, port, nullptr);
   }
 }
 
