@@ -109,10 +109,10 @@ def test_operations_and_parameters_are_called_beside_those_members(tmp_path: Pat
         "interface I { void gecos_call(in double gecos_session_, in double gecos_publish); };"
         " interface gecos_subscribe { void f(); };",
     )
-    head = "gecos_call_(double gecos_session___, double gecos_publish_) const"
+    head = "gecos_call_(double gecos_session__, double gecos_publish_) const"
     assert f"gecos::Command<void> I::{head} {{" in texts["client.cpp"]
     assert "return gecos_call<void>(" in texts["client.cpp"]
-    assert "this->gecos_call_(gecos_session___, gecos_publish_)" in texts["server.cpp"]
+    assert "this->gecos_call_(gecos_session__, gecos_publish_)" in texts["server.cpp"]
     assert "class gecos_subscribe_ : public virtual gecos::Object" in texts["client.hpp"]
 
 
