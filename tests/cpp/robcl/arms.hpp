@@ -21,6 +21,12 @@ inline arm::ArmModel puma560() {
       .value();
 }
 
+inline arm::ArmModel seven_axes() {
+  return arm::ArmModel::from_urdf_file(ROBCL_SOURCE_DIR "/tests/cpp/robcl/seven_axes.urdf", "base",
+                                       "flange", 0.25)
+      .value();
+}
+
 inline arm::JointValues joints(std::initializer_list<double> degrees) {
   arm::JointValues values(static_cast<Eigen::Index>(degrees.size()));
   Eigen::Index i = 0;

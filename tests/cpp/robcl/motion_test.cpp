@@ -10,34 +10,15 @@
 #include "arms.hpp"
 #include "robcl/motion/planner.hpp"
 #include "robcl/motion/playback.hpp"
+#include "set_points.hpp"
 
 namespace robcl::motion {
 namespace {
 
 using arm::ArmModel;
 
-constexpr double cycle = 0.004;  // s: 250 Hz
-constexpr double slack = 1.001;
-
+constexpr double cycle = 0.004;                             // s: 250 Hz
 const JointValues ready = joints({0, -20, 110, 0, 90, 0});  // tool down in front of the arm
-
-/// `all`: the set points, one for each `period` in s.
-void expect_within_limits(const ArmModel& model, const std::vector<JointValues>& all,
-                          const Pace& pace, double period) {
-  for (std::size_t k = 1; k + 1 < all.size(); ++k) {
-    for (Eigen::Index axis = 0; axis < model.axes(); ++axis) {
-      const auto& limits = model.limits()[static_cast<std::size_t>(axis)];
-      const double speed = std::abs(all[k][axis] - all[k - 1][axis]) / period;
-      const double acceleration =
-          std::abs(all[k + 1][axis] - 2 * all[k][axis] + all[k - 1][axis]) / (period * period);
-      ASSERT_LE(speed, limits.speed * pace.speed * slack) << "joint " << axis + 1;
-      ASSERT_LE(acceleration, limits.acceleration * pace.acceleration * slack)
-          << "joint " << axis + 1 << " in cycle " << k << " of " << all.size();
-      ASSERT_GE(all[k][axis], limits.lower - 1e-9);
-      ASSERT_LE(all[k][axis], limits.upper + 1e-9);
-    }
-  }
-}
 
 class Motion : public ::testing::Test {
  protected:

@@ -26,7 +26,7 @@ Frame Kinematics::base_from_flange(const JointValues& joints) {
   return to_frame(base_from_here);
 }
 
-Jacobian Kinematics::jacobian(const JointValues& joints) {
+Kinematics::Place Kinematics::place(const JointValues& joints) {
   Jacobian result(6, joints.size());
   Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, max_axes> origins(3, joints.size());
   KDL::Frame base_from_here = KDL::Frame::Identity();
@@ -49,7 +49,7 @@ Jacobian Kinematics::jacobian(const JointValues& joints) {
     const Eigen::Vector3d direction = result.col(i).tail<3>();
     result.col(i).head<3>() = direction.cross(Eigen::Vector3d(flange - origins.col(i)));
   }
-  return result;
+  return {to_frame(base_from_here), result};
 }
 
 }  // namespace robcl::arm

@@ -22,7 +22,14 @@ class Kinematics {
   /// Returns the Jacobian matrix at the joint positions `joints`. Column i is the twist of the
   /// flange, seen from the base, while joint i turns with 1 rad/s. @pre `joints` has one position
   /// for each axis.
-  Jacobian jacobian(const JointValues& joints);
+  Jacobian jacobian(const JointValues& joints) { return place(joints).jacobian; }
+
+  struct Place {
+    Frame base_from_flange;
+    Jacobian jacobian;
+  };
+  /// Returns both results in one pass along the chain.
+  Place place(const JointValues& joints);
 
  private:
   KDL::Chain chain_;

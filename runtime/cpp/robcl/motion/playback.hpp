@@ -4,34 +4,35 @@
 #include <cstddef>
 
 #include "robcl/motion/plan.hpp"
+#include "robcl/motion/trajectory_generator.hpp"
 
 namespace robcl::motion {
 
 /// Computes the set points of the joints for each control cycle of a plan. Never allocates memory,
 /// locks or logs.
-class Playback {
+class Playback final : public TrajectoryGenerator {
  public:
   explicit Playback(Plan plan);
 
-  /// Advances the time by `seconds` and returns the set points of the joints.
-  JointValues advance(double seconds);
+  const JointValues& start() const override { return plan_.start(); }
+  JointValues advance(double seconds) override;
 
   /// Makes the following calls of `advance` decelerate on the path, as hard as the arm's limits
   /// allow, until the arm stands somewhere on the path.
-  void stop();
+  void stop() override;
   /// The arm stands where it is on the path, because it got no set points for a while. The
   /// following calls of `advance` accelerate from rest, and then follow the plan again. After
   /// `stop`, the motion has ended.
-  void rest();
+  void rest() override;
 
-  bool standing() const { return standing_; }
-  bool stopping() const { return mode_ == Mode::Braking; }
+  bool standing() const override { return standing_; }
+  bool stopping() const override { return mode_ == Mode::Braking; }
   /// Returns the fraction of the plan's duration that has passed, from 0 to 1. It does not rise
   /// after `stop`.
-  double fraction() const;
+  double fraction() const override;
   /// Returns the remaining time to the goal in s; 0 after `stop` and at the goal. While the arm
   /// accelerates after `rest`, the time is too short.
-  double remaining() const;
+  double remaining() const override;
   const Plan& plan() const { return plan_; }
 
  private:

@@ -1,0 +1,72 @@
+// Inverse kinematics for small steps: stays near the present joint positions.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <optional>
+
+#include "robcl/arm/joint_values.hpp"
+#include "robcl/arm/kinematics.hpp"
+#include "robcl/arm/model.hpp"
+#include "robcl/frames/frame.hpp"
+
+namespace robcl::arm {
+
+/// A difference of two poses: the way in m, and the turn as its axis times its angle, in rad.
+using PoseStep = Eigen::Matrix<double, 6, 1>;
+
+/// Returns the step from the pose `from` to the pose `to`, along the axes from which both are seen.
+/// The turn is the shorter one, at most pi.
+PoseStep step_between(const Frame& from, const Frame& to);
+
+/// The damped inverse of a Jacobian matrix. Never allocates memory.
+class DampedInverse {
+ public:
+  explicit DampedInverse(const Jacobian& jacobian);
+
+  /// Returns the joint speeds with which the point of the Jacobian matrix moves by the twist
+  /// `twist`, in m/s and rad/s; of an arm with more than six joints, the least ones. At a
+  /// singularity they are finite, and large.
+  JointValues joint_speeds(const PoseStep& twist) const {
+    return jacobian_.transpose() * PoseStep(square_.solve(twist));
+  }
+  /// Returns how far the arm is from a singularity: roughly the least speed of the point, in m/s or
+  /// rad/s, for a speed of the joints of 1 rad/s. It is 0 at a singularity.
+  double singularity_distance() const;
+
+ private:
+  Jacobian jacobian_;
+  Eigen::LDLT<Eigen::Matrix<double, 6, 6>> square_;
+};
+
+/// Finds the joint positions for a pose that is near a pose whose joint positions are known. The
+/// solution continues from these, so that the arm keeps its configuration and the turns of its
+/// joints. Works for every arm; an arm with more than six joints moves as little as possible.
+///
+/// The method is Newton's, with the damped inverse of the Jacobian matrix (Y. Nakamura and H.
+/// Hanafusa, "Inverse Kinematic Solutions with Singularity Robustness for Robot Manipulator
+/// Control", 1986). Never allocates memory. Only one thread at a time may use an object.
+class LocalInverse {
+ public:
+  /// A solution is this accurate, in m and rad.
+  static constexpr double accuracy = 1e-10;
+  /// No joint of a solution is further than this, in rad, from the known position.
+  static constexpr double furthest = 0.5;
+
+  explicit LocalInverse(const ArmModel& model) : forward_(model) {}
+
+  struct Solution {
+    JointValues joints;
+    Kinematics::Place place;  ///< at `joints`
+  };
+  /// Returns joint positions that put the flange at `base_from_flange`; nullopt if there are none
+  /// within `furthest` of `known`, as beyond the reach of the arm and beside a singularity. Does
+  /// not check the limits of the joints.
+  std::optional<Solution> solve(const Frame& base_from_flange, const JointValues& known);
+
+ private:
+  static constexpr int most_steps = 8;
+
+  Kinematics forward_;
+};
+
+}  // namespace robcl::arm

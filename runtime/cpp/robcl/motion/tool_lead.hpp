@@ -1,0 +1,31 @@
+#pragma once
+
+#include "robcl/frames/frame.hpp"
+#include "robcl/motion/pace.hpp"
+
+namespace robcl::motion {
+
+/// A tool frame that moves to a target under limits of speed and acceleration, one control cycle
+/// after the other. The target may change in each cycle. A value type that never allocates memory.
+struct ToolLead {
+  Frame pose;                                            ///< seen from the base
+  Eigen::Vector3d speed = Eigen::Vector3d::Zero();       ///< m/s, in the last cycle
+  Eigen::Vector3d turn_speed = Eigen::Vector3d::Zero();  ///< rad/s, in the last cycle
+
+  /// Returns the state after the next cycle of `cycle` seconds, on the way to `target`. The lead
+  /// reaches a target that stands still, without overshooting if it moves straight towards it.
+  ToolLead towards(const Frame& target, const ToolLimits& limits, double cycle) const;
+  /// Returns the state after the next cycle if the lead brakes.
+  ToolLead braking(const ToolLimits& limits, double cycle) const;
+  /// Returns the pose at which the lead stands if it brakes in all following cycles.
+  Frame stop(const ToolLimits& limits, double cycle) const;
+  /// Whether the lead is at `target`, but for rounding.
+  bool is_at(const Frame& target) const;
+  bool at_rest() const { return speed.isZero(0) && turn_speed.isZero(0); }
+
+ private:
+  ToolLead moved(const Eigen::Vector3d& new_speed, const Eigen::Vector3d& new_turn_speed,
+                 double cycle) const;
+};
+
+}  // namespace robcl::motion

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "robcl/arm/joint_values.hpp"
+
+namespace robcl::motion {
+
+using arm::JointValues;
+
+/// Computes a motion's set points for one control cycle after the other. The functions neither
+/// allocate memory nor wait.
+class TrajectoryGenerator {
+ public:
+  virtual ~TrajectoryGenerator() = default;
+
+  /// Returns the joint positions at which the motion starts from rest.
+  virtual const JointValues& start() const = 0;
+  /// Advances the time by `seconds` and returns the set points of the joints.
+  virtual JointValues advance(double seconds) = 0;
+  /// Makes the following calls of `advance` decelerate until the arm stands.
+  virtual void stop() = 0;
+  /// The arm stands where it is, because it got no set points for a while. The following calls of
+  /// `advance` accelerate from rest. After `stop`, the motion has ended.
+  virtual void rest() = 0;
+
+  virtual bool standing() const = 0;
+  virtual bool stopping() const = 0;
+  /// Returns the part of the motion's duration that has passed, from 0 to 1.
+  virtual double fraction() const = 0;
+  /// Returns the remaining time until the arm stands, in s.
+  virtual double remaining() const = 0;
+};
+
+}  // namespace robcl::motion
