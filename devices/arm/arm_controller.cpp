@@ -79,8 +79,8 @@ JointValues ArmController::standing_at() const {
   return command;
 }
 
-std::uint64_t ArmController::start(robcl::motion::Plan plan) {
-  playback_.emplace(std::move(plan));
+std::uint64_t ArmController::start(std::shared_ptr<robcl::motion::TrajectoryGenerator> generator) {
+  generator_ = std::move(generator);
   const std::uint64_t motion = ++motion_;
   outcome_ = {};
   stop_.store(false);
@@ -149,11 +149,11 @@ void ArmController::look_after_drives() {
 
 void ArmController::begin_motion() {
   loop_.last.motion = motion_;
-  loop_.last.fraction = playback_->fraction();
-  loop_.last.remaining = playback_->remaining();
+  loop_.last.fraction = generator_->fraction();
+  loop_.last.remaining = generator_->remaining();
   auto why = not_ready(loop_.state, mode_, loop_.refusal);
   if (!why && loop_.silent) why = DriverFault{"the driver does not answer"};
-  if (!why && (playback_->plan().start() - loop_.command).cwiseAbs().maxCoeff() > moved_away) {
+  if (!why && (generator_->start() - loop_.command).cwiseAbs().maxCoeff() > moved_away) {
     why = DriverFault{"the joints moved after the motion was planned; request it again"};
   }
   if (why) return end_motion(Outcome{End::Fault, 0, 0, std::move(*why)});
@@ -189,12 +189,12 @@ void ArmController::end_motion(Outcome outcome) {
 }
 
 void ArmController::move(std::uint64_t missed) {
-  if (stop_.load()) playback_->stop();
-  if (missed > most_delayed) playback_->rest();
-  loop_.command = playback_->advance(settings_.cycle);
-  loop_.last.fraction = playback_->fraction();
-  loop_.last.remaining = playback_->remaining();
-  if (!playback_->standing()) return;
+  if (stop_.load()) generator_->stop();
+  if (missed > most_delayed) generator_->rest();
+  loop_.command = generator_->advance(settings_.cycle);
+  loop_.last.fraction = generator_->fraction();
+  loop_.last.remaining = generator_->remaining();
+  if (!generator_->standing()) return;
   loop_.phase = Phase::Settling;
   loop_.settling = 0;
   loop_.arrived = 0;
@@ -207,7 +207,7 @@ std::optional<ArmController::Outcome> ArmController::settle(const JointValues& m
   const double away = (measured - loop_.command).cwiseAbs().maxCoeff(&axis);
   loop_.arrived = away <= settings_.settled ? loop_.arrived + 1 : 0;
   if (loop_.arrived >= cycles_at_goal) {
-    return Outcome{playback_->stopping() ? End::Stopped : End::Arrived, axis, away, {}};
+    return Outcome{generator_->stopping() ? End::Stopped : End::Arrived, axis, away, {}};
   }
   if (loop_.settling > settings_.settle_time) return Outcome{End::NotSettled, axis, away, {}};
   return std::nullopt;

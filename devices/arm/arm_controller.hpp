@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <semaphore>
 
@@ -11,7 +12,7 @@
 #include "drivers/supervised_driver.hpp"
 #include "gecos/base/clock.hpp"
 #include "robcl/arm/kinematics.hpp"
-#include "robcl/motion/playback.hpp"
+#include "robcl/motion/trajectory_generator.hpp"
 
 namespace devices {
 
@@ -82,9 +83,9 @@ class ArmController {
   std::uint64_t beats() const { return beats_.load(); }
 
   /// Hands a motion to the control loop. @pre `wait` returned the outcome of the last motion, and
-  /// `plan` starts at the joint positions `standing_at()`.
-  /// Returns the number of the motion.
-  std::uint64_t start(robcl::motion::Plan plan);
+  /// `generator` starts at the joint positions `standing_at()`. No other thread uses it until
+  /// `wait` returns the outcome of this motion. Returns the number of the motion.
+  std::uint64_t start(std::shared_ptr<robcl::motion::TrajectoryGenerator> generator);
   /// Decelerates the running motion until the arm stands. May be called at any time, even when no
   /// motion runs.
   void stop() { stop_.store(true); }
@@ -95,6 +96,7 @@ class ArmController {
   /// Returns the set points that the joints hold while no motion runs. They are the end of the last
   /// motion or, after a fault of the driver, the measured joint positions.
   JointValues standing_at() const;
+  double cycle() const { return settings_.cycle; }
   Reading now() const { return reading_.read(); }
 
  private:
@@ -119,13 +121,13 @@ class ArmController {
   const ControlMode mode_;
   robcl::arm::Kinematics forward_;
 
-  // From the call of start() to the end of the motion, only the control loop uses playback_,
+  // From the call of start() to the end of the motion, only the control loop uses generator_,
   // motion_ and outcome_. At other times, only the thread that moves the arm uses them.
-  std::optional<robcl::motion::Playback> playback_;
-  std::uint64_t motion_ = 0;  // number of the motion in playback_
+  std::shared_ptr<robcl::motion::TrajectoryGenerator> generator_;
+  std::uint64_t motion_ = 0;  // number of the motion in generator_
   Outcome outcome_;
 
-  std::atomic<bool> started_{false};  // publishes playback_ to the loop
+  std::atomic<bool> started_{false};  // publishes generator_ to the loop
   std::atomic<bool> stop_{false};
   std::atomic<bool> reset_{false};       // orders no other memory
   std::atomic<std::uint64_t> beats_{0};  // orders no other memory

@@ -1,10 +1,13 @@
 #include "arm/arm_device.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <iomanip>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
+
+#include "robcl/motion/playback.hpp"
 
 namespace devices {
 namespace {
@@ -34,6 +37,9 @@ struct Words {
   std::string operator()(const Interrupted&) const {
     return "the motion was interrupted; the arm has stopped";
   }
+  std::string operator()(const CorrectionsStopped&) const {
+    return "no correction came for too long; the arm has stopped";
+  }
   std::string operator()(const Refused& refused) const { return refused.reason; }
   std::string operator()(const DriverFault& fault) const { return fault.text; }
   template <typename Reason>
@@ -42,6 +48,14 @@ struct Words {
   }
 };
 
+robcl::motion::ToolLimits lower_of(const robcl::motion::ToolLimits& one,
+                                   const robcl::motion::ToolLimits& other) {
+  return {.speed = std::min(one.speed, other.speed),
+          .acceleration = std::min(one.acceleration, other.acceleration),
+          .turn_speed = std::min(one.turn_speed, other.turn_speed),
+          .turn_acceleration = std::min(one.turn_acceleration, other.turn_acceleration)};
+}
+
 }  // namespace
 
 std::string to_string(const MoveFailure& failure) { return std::visit(Words{}, failure); }
@@ -49,6 +63,7 @@ std::string to_string(const MoveFailure& failure) { return std::visit(Words{}, f
 ArmDevice::ArmDevice(const robcl::arm::ArmModel& model, const Settings& settings,
                      JointDriver& driver)
     : model_(model),
+      tool_limits_(settings.tool_limits),
       controller_(model, settings.control, driver),
       planner_(model, settings.tool_limits),
       flange_from_tool_(settings.tool_offset),
@@ -112,10 +127,9 @@ tl::expected<void, Refused> ArmDevice::set_tool_offset(const Frame& flange_from_
   return {};
 }
 
-template <typename MakePlan>
-tl::expected<void, MoveFailure> ArmDevice::run(const Pace& pace, MotionWatcher& watcher,
-                                               MakePlan make_plan) {
-  if (auto problem = robcl::motion::problem_of(pace)) return tl::unexpected(Refused{*problem});
+/// `make`: makes the motion that starts at the joint positions of its argument.
+template <typename Make>
+tl::expected<void, MoveFailure> ArmDevice::run(MotionWatcher& watcher, Make make) {
   if (!moving_.try_lock())
     return tl::unexpected(Refused{"the arm is moving for another caller; wait until it stops"});
   const gecos::MutexLock standing(moving_, std::adopt_lock);
@@ -124,14 +138,25 @@ tl::expected<void, MoveFailure> ArmDevice::run(const Pace& pace, MotionWatcher& 
         DriverFault{"the control loop has stalled: a call of the driver does not return"});
   }
   unfinished_ = false;
-  Planned plan = make_plan(controller_.standing_at());
-  if (!plan) return tl::unexpected(as_move_failure(plan.error()));
-  return follow(std::move(*plan), watcher);
+  tl::expected<Generator, MoveFailure> generator = make(controller_.standing_at());
+  if (!generator) return tl::unexpected(std::move(generator.error()));
+  return perform(*std::move(generator), watcher);
+}
+
+template <typename MakePlan>
+tl::expected<void, MoveFailure> ArmDevice::run_plan(const Pace& pace, MotionWatcher& watcher,
+                                                    MakePlan make_plan) {
+  if (auto problem = robcl::motion::problem_of(pace)) return tl::unexpected(Refused{*problem});
+  return run(watcher, [&](const JointValues& from) -> tl::expected<Generator, MoveFailure> {
+    tl::expected<Plan, Failure> plan = make_plan(from);
+    if (!plan) return tl::unexpected(as_move_failure(plan.error()));
+    return std::make_shared<robcl::motion::Playback>(*std::move(plan));
+  });
 }
 
 tl::expected<void, MoveFailure> ArmDevice::move(const Frame& world_from_goal, PathKind path,
                                                 const Pace& pace, MotionWatcher& watcher) {
-  return run(pace, watcher, [&](const JointValues& from) {
+  return run_plan(pace, watcher, [&](const JointValues& from) {
     moving_.assert_held();
     const Frame base_from_goal = base().inverse() * world_from_goal;
     const Frame tool = tool_offset();
@@ -142,16 +167,31 @@ tl::expected<void, MoveFailure> ArmDevice::move(const Frame& world_from_goal, Pa
 
 tl::expected<void, MoveFailure> ArmDevice::move_to(const JointValues& target, const Pace& pace,
                                                    MotionWatcher& watcher) {
-  return run(pace, watcher, [&](const JointValues& from) {
+  return run_plan(pace, watcher, [&](const JointValues& from) {
     moving_.assert_held();
     return planner_.joints(from, target, pace, tool_offset());
   });
 }
 
-tl::expected<void, MoveFailure> ArmDevice::follow(Plan plan, MotionWatcher& watcher) {
+tl::expected<void, MoveFailure> ArmDevice::follow(
+    robcl::motion::CorrectionAxes axes, robcl::motion::FollowLimits limits,
+    std::shared_ptr<robcl::motion::CorrectionSource> source, MotionWatcher& watcher) {
+  limits.tool = lower_of(limits.tool, tool_limits_);
+  std::shared_ptr<robcl::motion::Following> following;
+  auto ended = run(watcher, [&](const JointValues& from) -> tl::expected<Generator, MoveFailure> {
+    following = std::make_shared<robcl::motion::Following>(model_, from, tool_offset(), axes,
+                                                           limits, std::move(source));
+    return following;
+  });
+  const bool stopped = !ended && std::holds_alternative<Interrupted>(ended.error());
+  if (stopped && following->expired()) return tl::unexpected(CorrectionsStopped{});
+  return ended;
+}
+
+tl::expected<void, MoveFailure> ArmDevice::perform(Generator generator, MotionWatcher& watcher) {
   if (watcher.interrupted()) return tl::unexpected(Interrupted{});
-  const double duration = plan.law.duration();
-  const std::uint64_t motion = controller_.start(std::move(plan));
+  const double duration = generator->remaining();
+  const std::uint64_t motion = controller_.start(std::move(generator));
   const auto outcome = await_end(motion, duration, watcher);
   if (!outcome) {
     controller_.stop();  // ends the motion if the control loop continues later

@@ -10,6 +10,7 @@
 #include "gecos/base/mutex.hpp"
 #include "robcl/arm/failure.hpp"
 #include "robcl/frames/frame.hpp"
+#include "robcl/motion/following.hpp"
 #include "robcl/motion/planner.hpp"
 
 namespace devices {
@@ -39,8 +40,11 @@ struct Interrupted {};
 struct Refused {
   std::string reason;
 };
-using MoveFailure = std::variant<robcl::arm::OutOfReach, robcl::arm::JointLimit,
-                                 robcl::arm::Singular, Interrupted, Refused, DriverFault>;
+/// The failure of a sensor-guided motion whose corrections stopped. The arm stands.
+struct CorrectionsStopped {};
+using MoveFailure =
+    std::variant<robcl::arm::OutOfReach, robcl::arm::JointLimit, robcl::arm::Singular, Interrupted,
+                 CorrectionsStopped, Refused, DriverFault>;
 std::string to_string(const MoveFailure& failure);
 
 /// An arm with any driver. Only the control loop calls `step`; any thread may call the other
@@ -69,10 +73,11 @@ class ArmDevice {
   Sample sample() const;
 
   Frame base() const;
-  Frame flange() const;        ///< measured pose in the world
-  Frame tool() const;          ///< measured pose in the world
-  Frame tool_offset() const;   ///< tool seen from the flange
-  JointValues joints() const;  ///< measured positions, rad
+  Frame flange() const;                                 ///< measured pose in the world
+  Frame tool() const;                                   ///< measured pose in the world
+  Frame tool_offset() const;                            ///< tool seen from the flange
+  JointValues joints() const;                           ///< measured positions, rad
+  double cycle() const { return controller_.cycle(); }  ///< period of the control loop, s
   bool moving() const { return controller_.now().moving; }
   /// Returns the number of control cycles that were missed so far.
   std::uint64_t missed_cycles() const { return controller_.now().missed; }
@@ -94,21 +99,32 @@ class ArmDevice {
   tl::expected<void, MoveFailure> move(const Frame& world_from_goal, PathKind path,
                                        const robcl::motion::Pace& pace, MotionWatcher& watcher);
 
+  /// Moves the tool by the corrections of `source`, until it fails: with Interrupted when `watcher`
+  /// interrupts it, or with CorrectionsStopped. The speeds and accelerations of `limits` are
+  /// lowered to the arm's own. A control loop that stalls may use `source` also later.
+  tl::expected<void, MoveFailure> follow(robcl::motion::CorrectionAxes axes,
+                                         robcl::motion::FollowLimits limits,
+                                         std::shared_ptr<robcl::motion::CorrectionSource> source,
+                                         MotionWatcher& watcher);
+
  protected:
   tl::expected<void, MoveFailure> move_to(const JointValues& target,
                                           const robcl::motion::Pace& pace, MotionWatcher& watcher);
 
  private:
-  using Planned = tl::expected<robcl::motion::Plan, robcl::arm::Failure>;
+  using Generator = std::shared_ptr<robcl::motion::TrajectoryGenerator>;
+  template <typename Make>
+  tl::expected<void, MoveFailure> run(MotionWatcher& watcher, Make make);
   template <typename MakePlan>
-  tl::expected<void, MoveFailure> run(const robcl::motion::Pace& pace, MotionWatcher& watcher,
-                                      MakePlan make_plan);
-  tl::expected<void, MoveFailure> follow(robcl::motion::Plan plan, MotionWatcher& watcher)
+  tl::expected<void, MoveFailure> run_plan(const robcl::motion::Pace& pace, MotionWatcher& watcher,
+                                           MakePlan make_plan);
+  tl::expected<void, MoveFailure> perform(Generator generator, MotionWatcher& watcher)
       GECOS_REQUIRES(moving_);
   std::optional<ArmController::Outcome> await_end(std::uint64_t motion, double duration,
                                                   MotionWatcher& watcher);
 
   const robcl::arm::ArmModel model_;
+  const robcl::motion::ToolLimits tool_limits_;
   ArmController controller_;
 
   gecos::Mutex moving_;  // held until the arm has stopped

@@ -19,6 +19,11 @@ static_assert(static_cast<int>(robcl::arm::Wrist::Flip) == static_cast<int>(robc
 }  // namespace
 
 void ManipulatorServant::publish() {
+  if (following_.try_lock()) {
+    const gecos::MutexLock nobody_follows(following_, std::adopt_lock);
+    while (alter().next()) {  // reading judges a sample, and counts its refusal
+    }
+  }
   const ArmDevice::Sample now = arm_.sample();
   if (now.cycle == published_) return;
   published_ = now.cycle;
@@ -62,6 +67,17 @@ gecos::Result<void> ManipulatorServant::move(const Frame& goal,
       trajectory.path == robcl::PathType::STRAIGHT ? PathKind::Straight : PathKind::Joint;
   CallWatcher watcher(run);
   return answer(arm_.move(goal, path, pace_of(trajectory), watcher));
+}
+
+gecos::Result<void> ManipulatorServant::follow(robcl::FollowMode axes,
+                                               const std::optional<robcl::FollowLimits>& limits,
+                                               FollowCall::Progress& run) {
+  const gecos::MutexLock reads(following_);
+  FollowCall call(run, alter());
+  const auto known = axes == robcl::FollowMode::IN_BASE ? robcl::motion::CorrectionAxes::Base
+                                                        : robcl::motion::CorrectionAxes::Tool;
+  return call.answer(arm_.follow(known, limits_of(limits.value_or(robcl::FollowLimits{})),
+                                 call.corrections(), call));
 }
 
 }  // namespace devices

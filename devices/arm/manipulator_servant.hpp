@@ -3,6 +3,8 @@
 #include <string>
 
 #include "arm/arm_device.hpp"
+#include "arm/follow_call.hpp"
+#include "gecos/base/mutex.hpp"
 #include "robcl/manipulator_server.hpp"
 
 namespace devices {
@@ -15,10 +17,12 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
  public:
   /// `place` says where the arm stands, for example "an RX90 weighs 111 kg and stands on the
   /// floor". A call of `mount` with a carrier fails with an error that begins with `place`.
-  ManipulatorServant(ArmDevice& arm, std::string place) : arm_(arm), place_(std::move(place)) {}
+  ManipulatorServant(ArmDevice& arm, std::string place) : arm_(arm), place_(std::move(place)) {
+    alter().need_command();
+  }
 
-  /// Sends a sample on each stream of the arm if there is a new measurement. Only one thread at a
-  /// time may call this method.
+  /// Sends a sample on each stream of the arm if there is a new measurement, and refuses the
+  /// samples of `alter` while no `follow` runs. Only one thread at a time may call this method.
   void publish();
 
  protected:
@@ -39,10 +43,15 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
   gecos::Result<void> set_tool_offset(const Frame& value) override;
   gecos::Result<void> move(const Frame& goal, const std::optional<robcl::Trajectory>& how,
                            Progress& run) override;
+  gecos::Result<void> follow(robcl::FollowMode axes,
+                             const std::optional<robcl::FollowLimits>& limits,
+                             FollowCall::Progress& run) override;
+  gecos::Result<double> cycle() override { return arm_.cycle(); }
 
  private:
   ArmDevice& arm_;
   const std::string place_;
+  gecos::Mutex following_;       // held by the handler whose control loop reads `alter`
   std::uint64_t published_ = 0;  // number of the last published measurement
 };
 

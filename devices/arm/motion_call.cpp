@@ -17,6 +17,9 @@ struct AsFault {
     return robcl::Singular{failure.reason.substr(0, 160)};
   }
   gecos::Fault operator()(const Interrupted&) const { return gecos::Fault::interrupted(); }
+  gecos::Fault operator()(const CorrectionsStopped& failure) const {
+    return gecos::Fault::failed(to_string(failure));
+  }
   gecos::Fault operator()(const Refused& failure) const {
     return gecos::Fault::rejected(failure.reason);
   }

@@ -24,6 +24,10 @@ from jsonschema import Draft202012Validator
 from robcl.frames import Frame
 from robcl.manipulator import (
     Configuration,
+    CorrectionsStopped,
+    FollowLimits,
+    FollowMode,
+    FollowState,
     ManipulatorServant,
     MotionProgress,
     OutOfReach,
@@ -69,6 +73,14 @@ class Arm(ManipulatorServant):
 
     def base(self) -> Frame:
         return Frame()
+
+    def cycle(self) -> float:
+        return 0.004
+
+    def follow(
+        self, axes: FollowMode, limits: FollowLimits | None, run: gecos.Execution[FollowState]
+    ) -> None:
+        raise CorrectionsStopped(FollowState())
 
     def tool(self) -> Frame:
         return self.at
@@ -646,7 +658,7 @@ def contexts(group: click.Group, above: click.Context | None = None) -> Iterator
         ("gecos get ARM to", ["tool", "tool_offset"]),
         ("gecos set ARM to", ["tool_offset"]),
         ("gecos hz ARM ", ["tool", "flange"]),
-        ("gecos call ARM ", ["mount", "move"]),
+        ("gecos call ARM ", ["mount", "move", "follow"]),
         ("gecos call NOBODY ", []),
         ("gecos stop A", ["ARM"]),
     ],

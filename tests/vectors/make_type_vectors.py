@@ -95,6 +95,13 @@ CASES: list[tuple[str, str, Any]] = [
         "speed": 0.01, "acceleration": 0.5, "path": "STRAIGHT", "at_goal": "NOBREAK",
         "tool_speed": 0.25, "turn_speed": 1.5}),
     ("robcl::MotionProgress", "half", {"fraction": 0.5, "remaining": 1.75}),
+    ("robcl::FollowLimits", "as made", {}),
+    ("robcl::FollowLimits", "slow and near", {
+        "tool_speed": 0.05, "turn_speed": 0.5, "distance": 0.01, "angle": 0.1}),
+    ("robcl::FollowState", "holding", {
+        "applied": 500, "dropped": 3, "distance_left": 0.02, "angle_left": 0.0, "limit_axis": 5}),
+    ("robcl::CorrectionsStopped", "out of reach", {
+        "state": {"applied": 7, "distance_left": 0.25, "out_of_reach": True}}),
     ("robcl::JointLimit", "axis 3", {"axis": 3, "value": 2.9, "lower": -2.4, "upper": 2.4}),
     ("robcl::Singular", "a line", {"reason": "the line passes the wrist"}),
     ("robcl::OutOfReach", "at its bound", {"reason": "x" * 160}),

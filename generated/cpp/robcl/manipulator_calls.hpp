@@ -28,11 +28,23 @@ struct Manipulator_move_arguments {
   }
 };
 
+/// The arguments of `follow`.
+struct Manipulator_follow_arguments {
+  ::robcl::FollowMode axes = ::robcl::FollowMode::IN_TOOL;
+  std::optional<::robcl::FollowLimits> limits{};  ///< [optional]
+
+  static bool gecos_members(auto& each, auto& self) {
+    return each("follow.axes", self.axes) && each.may_end() &&
+           each("follow.limits", self.limits, gecos::layout::Optional<gecos::layout::Block>{});
+  }
+};
+
 using Manipulator_tool_result = gecos::layout::Result<::robcl::Frame>;
 using Manipulator_flange_result = gecos::layout::Result<::robcl::Frame>;
 using Manipulator_posture_result = gecos::layout::Result<
     ::robcl::Configuration,
     gecos::layout::Block>;
 using Manipulator_tool_offset_result = gecos::layout::Result<::robcl::Frame>;
+using Manipulator_cycle_result = gecos::layout::Result<double>;
 
 }  // namespace robcl

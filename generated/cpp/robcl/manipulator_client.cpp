@@ -79,4 +79,42 @@ gecos::Command<void, ::robcl::MotionProgress> Manipulator::move(
       });
 }
 
+gecos::Command<void, ::robcl::FollowState> Manipulator::follow(
+    ::robcl::FollowMode axes,
+    const std::optional<::robcl::FollowLimits>& limits) const {
+  if (limits) {
+    if (auto why = ::robcl::gecos_violation(*limits); !why.empty()) return gecos::session::Refused(
+        why);
+  }
+  std::size_t size = 5;
+  if (limits) {
+    size += 4;
+    size += limits->encoded_size();
+  }
+  return gecos_call<void, ::robcl::FollowState>(
+      ManipulatorInterface::follow, size,
+      [&](auto& to) {
+        to.put(static_cast<std::int32_t>(axes), limits.has_value());
+        if (limits) {
+          to.put_count(limits->encoded_size());
+          limits->encode(to);
+        }
+      });
+}
+
+gecos::Command<double> Manipulator::cycle() const {
+  return gecos_call<double>(
+      ManipulatorInterface::cycle,
+      [](auto& from, auto& value) { return from.get(value, "cycle"); });
+}
+
+tl::expected<gecos::Writer<::robcl::Frame>, gecos::Failure> Manipulator::alter(gecos::InwardStreamAnnotation) const {
+  return gecos_write<::robcl::Frame>(
+      ManipulatorInterface::alter_stream,
+      [](gecos::session::WriterCore& core, const ::robcl::Frame& value,
+         std::int64_t stamp_ns) -> tl::expected<void, gecos::Failure> {
+        return core.send(56, [&](auto& to) { value.encode(to); }, stamp_ns);
+      });
+}
+
 }  // namespace robcl

@@ -51,6 +51,20 @@ class Manipulator : public virtual ::robcl::Device {
   gecos::Command<void, ::robcl::MotionProgress> move(
       const ::robcl::Frame& goal,
       const std::optional<::robcl::Trajectory>& how = {}) const;
+
+  /// Moves the tool by the samples of `alter`, from where it stands, until it is cancelled.
+  /// What the limits of the arm do not allow in one cycle follows in the next ones.
+  /// May fail with robcl::CorrectionsStopped.
+  gecos::Command<void, ::robcl::FollowState> follow(
+      ::robcl::FollowMode axes,
+      const std::optional<::robcl::FollowLimits>& limits = {}) const;
+
+  /// Period of the arm's control loop. [s]
+  gecos::Command<double> cycle() const;
+
+  /// Corrections for `follow`: each is multiplied to the pose that the tool is moving to,
+  /// in order and at the beginning of a cycle.
+  tl::expected<gecos::Writer<::robcl::Frame>, gecos::Failure> alter(gecos::InwardStreamAnnotation) const;
 };
 
 }  // namespace robcl

@@ -6,6 +6,7 @@
 namespace robcl {
 
 constinit const gecos::OperationDescription ManipulatorInterface::operations[] = {
+    gecos::getter(0x054fad01, "cycle", 0x38a6c7959e7f00adU),
     gecos::getter(0x271b3177, "tool", 0xe4a63fbb9f4aa676U,
         {.quality = {.line = gecos::qos::Class::SoftRealtime,
          .reliability = gecos::qos::Reliability::BestEffort, .latency = gecos::Duration{5000000},
@@ -13,6 +14,9 @@ constinit const gecos::OperationDescription ManipulatorInterface::operations[] =
     gecos::operation(0x3507e304, "move", 0xc58c2180678c1d75U, {.cancelable = true}),
     gecos::getter(0x5df86bcb, "tool_offset", 0xd5db88cc5c4a48eeU),
     gecos::getter(0x8c5e921b, "posture", 0x3d861e0f224574c5U),
+    gecos::operation(0xc2f601a0, "follow", 0x83451582d3f132adU,
+        {.cancelable = true, .quality = {.line = gecos::qos::Class::HardRealtime,
+         .media = gecos::qos::Media::Shm | gecos::qos::Media::Can}}),
     gecos::getter(0xd602adac, "flange", 0x294c864a0a1bb0d9U,
         {.quality = {.line = gecos::qos::Class::SoftRealtime,
          .reliability = gecos::qos::Reliability::BestEffort, .latency = gecos::Duration{5000000},
@@ -32,6 +36,13 @@ constinit const gecos::StreamDescription ManipulatorInterface::streams[] = {
      .lifespan = gecos::Duration{20000000}}},
 };
 
+constinit const gecos::InwardDescription ManipulatorInterface::inward_streams[] = {
+    {.code = gecos::FunctionCode{0x86a0025b}, .name = "alter", .hash = 0x58d3c93f202ac8d1U,
+     .rate_hz = 1000.0, .watchdog = gecos::Duration{48000000}, .largest = 56,
+     .quality = {.line = gecos::qos::Class::HardRealtime, .depth = 64,
+     .media = gecos::qos::Media::Shm | gecos::qos::Media::Can}},
+};
+
 constinit const std::string_view ManipulatorInterface::bases[] = {"robcl::Device"};
 constinit const gecos::InterfaceDescription* const ManipulatorInterface::inherits[] = {
     &::robcl::DeviceInterface::description};
@@ -39,17 +50,21 @@ constinit const gecos::InterfaceDescription* const ManipulatorInterface::inherit
 constinit const gecos::InterfaceDescription ManipulatorInterface::description{
     .name = "robcl::Manipulator",
     .version = "1.0",
-    .hash = 0xf12cfabfa83a44c1U,
+    .hash = 0xabad4cacd26e185fU,
     .bases = bases,
     .inherits = inherits,
     .operations = operations,
     .streams = streams,
-    .model = R"json({"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"hash":"0xf12cfabfa83a44c1","members":[
+    .inward_streams = inward_streams,
+    .model = R"json({"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"hash":"0xabad4cacd26e185f","members":[
 {"kind":"attribute","name":"tool","doc":"Tool frame in the world, as measured.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":20000000},"codes":{"get":656093559,"stream":656093559},"hash":"0xe4a63fbb9f4aa676"},
 {"kind":"attribute","name":"flange","doc":"Flange in the world, as measured: where grippers and sensors are mounted.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":20000000},"codes":{"get":3590499756,"stream":3590499756},"hash":"0x294c864a0a1bb0d9"},
 {"kind":"attribute","name":"posture","doc":"Configuration that the arm is in.","type":"robcl::Configuration","readonly":true,"read_access":"sensor","codes":{"get":2355008027},"hash":"0x3d861e0f224574c5"},
 {"kind":"attribute","name":"tool_offset","doc":"Tool frame seen from the flange. Setting it is refused while moving.","type":"robcl::Frame","read_access":"sensor","write_access":"actor","write_needs_presence":true,"codes":{"get":1576561611,"set":3826381890},"hash":"0xd5db88cc5c4a48ee"},
-{"kind":"operation","name":"move","doc":"Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal.","parameters":[{"name":"goal","direction":"in","type":"robcl::Frame"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true}],"raises":["robcl::OutOfReach","robcl::JointLimit","robcl::Singular"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"queue","on_loss":"stop","code":889709316,"hash":"0xc58c2180678c1d75"}]},
+{"kind":"operation","name":"move","doc":"Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal.","parameters":[{"name":"goal","direction":"in","type":"robcl::Frame"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true}],"raises":["robcl::OutOfReach","robcl::JointLimit","robcl::Singular"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"queue","on_loss":"stop","code":889709316,"hash":"0xc58c2180678c1d75"},
+{"kind":"operation","name":"follow","doc":"Moves the tool by the samples of `alter`, from where it stands, until it is cancelled. What the limits of the arm do not allow in one cycle follows in the next ones.","parameters":[{"name":"axes","direction":"in","type":"robcl::FollowMode"},{"name":"limits","direction":"in","type":"robcl::FollowLimits","optional":true}],"raises":["robcl::CorrectionsStopped"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::FollowState","on_new":"queue","on_loss":"stop","qos":{"quality_class":"HARD_REALTIME","media":["shm","can"]},"code":3270902176,"hash":"0x83451582d3f132ad"},
+{"kind":"attribute","name":"alter","doc":"Corrections for `follow`: each is multiplied to the pose that the tool is moving to, in order and at the beginning of a cycle.","type":"robcl::Frame","stream":{"direction":"in","rate_hz":1000.0,"watchdog_ns":48000000,"largest":56},"write_access":"actor","write_needs_presence":true,"qos":{"quality_class":"HARD_REALTIME","depth":64,"media":["shm","can"]},"codes":{"stream":2258633307},"hash":"0x58d3c93f202ac8d1"},
+{"kind":"attribute","name":"cycle","doc":"Period of the arm\u0027s control loop.","type":"double","readonly":true,"unit":"s","read_access":"sensor","codes":{"get":89107713},"hash":"0x38a6c7959e7f00ad"}]},
 "types":[
 {"kind":"struct","name":"robcl::Vector","extensibility":"final","members":[{"name":"x","type":"double","unit":"m"},{"name":"y","type":"double","unit":"m"},{"name":"z","type":"double","unit":"m"}],"wire":{"fingerprint":"0xae7e5fba5eeca11e","min_size":24,"fixed_size":24}},
 {"kind":"struct","name":"robcl::Quaternion","doc":"Unit quaternion, w + xi + yj + zk.","extensibility":"final","members":[{"name":"w","type":"double"},{"name":"x","type":"double"},{"name":"y","type":"double"},{"name":"z","type":"double"}],"wire":{"fingerprint":"0x365bdd4bf9100a1f","min_size":32,"fixed_size":32}},
@@ -58,6 +73,10 @@ constinit const gecos::InterfaceDescription ManipulatorInterface::description{
 {"kind":"enum","name":"robcl::Blend","doc":"Whether the arm stands at the goal, or may pass it on its way to the next one. Today every arm stands there: NOBREAK acts like BREAK.","default_literal":"BREAK","enumerators":[{"name":"BREAK","value":0},{"name":"NOBREAK","value":1}]},
 {"kind":"struct","name":"robcl::Trajectory","doc":"How to get from here to the goal; the slowest of the limits binds.","extensibility":"appendable","members":[{"name":"speed","type":"double","range":{"min":0.01,"max":1.0},"default":1.0,"doc":"fraction of the robot\u0027s own maximum"},{"name":"acceleration","type":"double","range":{"min":0.01,"max":1.0},"default":1.0},{"name":"path","type":"robcl::PathType"},{"name":"at_goal","type":"robcl::Blend"},{"name":"tool_speed","type":"double","unit":"m/s","optional":true},{"name":"turn_speed","type":"double","unit":"rad/s","optional":true}],"wire":{"fingerprint":"0xd448702624f0ed77","min_size":26}},
 {"kind":"struct","name":"robcl::MotionProgress","extensibility":"appendable","members":[{"name":"fraction","type":"double","range":{"min":0.0,"max":1.0}},{"name":"remaining","type":"double","unit":"s"}],"wire":{"fingerprint":"0xe2c8d491f2659a98","min_size":16,"fixed_size":16}},
+{"kind":"enum","name":"robcl::FollowMode","doc":"The axes along which the corrections of `follow` move and turn the tool: its own, or those of the arm\u0027s base. It turns about its own origin.","default_literal":"IN_TOOL","enumerators":[{"name":"IN_TOOL","value":0},{"name":"IN_BASE","value":1}]},
+{"kind":"struct","name":"robcl::FollowLimits","doc":"Bounds of a sensor-guided motion; without a member, the bound of the arm.","extensibility":"appendable","members":[{"name":"tool_speed","type":"double","unit":"m/s","range":{"min":0.001,"max":10.0},"optional":true},{"name":"turn_speed","type":"double","unit":"rad/s","range":{"min":0.001,"max":30.0},"optional":true},{"name":"distance","type":"double","unit":"m","range":{"min":0.0,"max":10.0},"optional":true},{"name":"angle","type":"double","unit":"rad","range":{"min":0.0,"max":3.0},"optional":true}],"wire":{"fingerprint":"0xd7df8f7fcd3f9241","min_size":4}},
+{"kind":"struct","name":"robcl::FollowState","doc":"What became of the corrections of `follow` so far.","extensibility":"appendable","members":[{"name":"applied","type":"uint32","doc":"corrections that the arm has carried out, or is carrying out"},{"name":"dropped","type":"uint32","doc":"corrections beyond FollowLimits.distance or angle, which had no effect"},{"name":"distance_left","type":"double","unit":"m","doc":"what is still to be carried out"},{"name":"angle_left","type":"double","unit":"rad"},{"name":"limit_axis","type":"uint32","doc":"the arm holds because this axis, from 1, is at its limit; else 0"},{"name":"out_of_reach","type":"boolean","doc":"the arm holds at the end of its reach, or beside a singularity"}],"wire":{"fingerprint":"0x8790dcf68707d50d","min_size":29,"fixed_size":29}},
+{"kind":"exception","name":"robcl::CorrectionsStopped","doc":"No correction came for as long as the watchdog of `alter`, so that the arm braked and stands.","extensibility":"final","members":[{"name":"state","type":"robcl::FollowState"}],"wire":{"fingerprint":"0x79457561903fc05c","min_size":4}},
 {"kind":"exception","name":"robcl::OutOfReach","extensibility":"final","members":[{"name":"reason","type":"string<160>"}],"wire":{"fingerprint":"0xed00b27a58c49395","min_size":5}},
 {"kind":"exception","name":"robcl::JointLimit","extensibility":"final","members":[{"name":"axis","type":"uint32","doc":"from 1, which is next to the base"},{"name":"value","type":"double","unit":"rad"},{"name":"lower","type":"double","unit":"rad"},{"name":"upper","type":"double","unit":"rad"}],"wire":{"fingerprint":"0x5e97b6d7d7aed1bf","min_size":28,"fixed_size":28}},
 {"kind":"exception","name":"robcl::Singular","doc":"A straight line would pass where a joint has to turn faster than it can.","extensibility":"final","members":[{"name":"reason","type":"string<160>"}],"wire":{"fingerprint":"0xed00b27a58c49395","min_size":5}},

@@ -44,6 +44,40 @@ bool JsonStruct<::robcl::MotionProgress>::visit(JsonMembers& each, ::robcl::Moti
 }
 
 template <>
+JsonNames JsonEnum<::robcl::FollowMode>::names() {
+  static constexpr std::array<JsonName, 2> all{{
+      {"IN_TOOL", static_cast<std::uint64_t>(::robcl::FollowMode::IN_TOOL)},
+      {"IN_BASE", static_cast<std::uint64_t>(::robcl::FollowMode::IN_BASE)},
+  }};
+  return all;
+}
+
+template <>
+bool JsonStruct<::robcl::FollowLimits>::visit(JsonMembers& each, ::robcl::FollowLimits& value) {
+  return each.member("tool_speed", value.tool_speed) &&
+         each.member("turn_speed", value.turn_speed) &&
+         each.member("distance", value.distance) &&
+         each.member("angle", value.angle);
+}
+
+template <>
+bool JsonStruct<::robcl::FollowState>::visit(JsonMembers& each, ::robcl::FollowState& value) {
+  return each.member("applied", value.applied) &&
+         each.member("dropped", value.dropped) &&
+         each.member("distance_left", value.distance_left) &&
+         each.member("angle_left", value.angle_left) &&
+         each.member("limit_axis", value.limit_axis) &&
+         each.member("out_of_reach", value.out_of_reach);
+}
+
+template <>
+bool JsonStruct<::robcl::CorrectionsStopped>::visit(
+    JsonMembers& each,
+    ::robcl::CorrectionsStopped& value) {
+  return each.member("state", value.state);
+}
+
+template <>
 bool JsonStruct<::robcl::OutOfReach>::visit(JsonMembers& each, ::robcl::OutOfReach& value) {
   return each.member("reason", value.reason);
 }

@@ -28,6 +28,28 @@ template <>
 bool JsonStruct<::robcl::MotionProgress>::visit(JsonMembers& each, ::robcl::MotionProgress& value);
 
 template <>
+struct JsonShape<::robcl::FollowMode> : JsonEnum<::robcl::FollowMode> {};
+template <>
+JsonNames JsonEnum<::robcl::FollowMode>::names();
+
+template <>
+struct JsonShape<::robcl::FollowLimits> : JsonStruct<::robcl::FollowLimits> {};
+template <>
+bool JsonStruct<::robcl::FollowLimits>::visit(JsonMembers& each, ::robcl::FollowLimits& value);
+
+template <>
+struct JsonShape<::robcl::FollowState> : JsonStruct<::robcl::FollowState> {};
+template <>
+bool JsonStruct<::robcl::FollowState>::visit(JsonMembers& each, ::robcl::FollowState& value);
+
+template <>
+struct JsonShape<::robcl::CorrectionsStopped> : JsonStruct<::robcl::CorrectionsStopped> {};
+template <>
+bool JsonStruct<::robcl::CorrectionsStopped>::visit(
+    JsonMembers& each,
+    ::robcl::CorrectionsStopped& value);
+
+template <>
 struct JsonShape<::robcl::OutOfReach> : JsonStruct<::robcl::OutOfReach> {};
 template <>
 bool JsonStruct<::robcl::OutOfReach>::visit(JsonMembers& each, ::robcl::OutOfReach& value);

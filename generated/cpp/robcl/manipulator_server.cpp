@@ -7,6 +7,9 @@
 
 namespace robcl {
 
+ManipulatorServant::ManipulatorServant()
+    : gecos_inward_alter_(*this, ManipulatorInterface::alter_stream, [](auto& from, auto& value) { return value.decode(from); }) {}
+
 const gecos::InterfaceDescription& ManipulatorServant::gecos_interface() const {
   return ManipulatorInterface::description;
 }
@@ -44,6 +47,21 @@ bool ManipulatorServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call
           how,
           run), {"robcl::OutOfReach", "robcl::JointLimit", "robcl::Singular"});
     }
+    case 0xc2f601a0: {  // follow
+      gecos::wire::Decoder from(call.arguments());
+      ::robcl::FollowMode axes{};
+      std::optional<::robcl::FollowLimits> limits{};
+      const bool read = ::robcl::decode_enum(from, axes, "follow.axes") &&
+          (from.at_end() ||
+           gecos::wire::get_optional(from, limits, "follow.limits", [&](auto& value) {
+             return gecos::wire::get_block(from, value, "follow.limits");
+           }));
+      if (!read) return call.refuse(from.error());
+      gecos::Execution<::robcl::FollowState> run(call);
+      return call.answer(this->follow(axes, limits, run), {"robcl::CorrectionsStopped"});
+    }
+    case 0x054fad01:  // cycle
+      return call.answer("robcl::Manipulator::cycle", this->cycle(), {});
   }
   return ::robcl::DeviceServant::gecos_answer(call);
 }

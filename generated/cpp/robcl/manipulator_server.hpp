@@ -13,7 +13,12 @@ namespace robcl {
 /// Any arm, number of joints unknown: a program written to this runs on every robot.
 class ManipulatorServant : public virtual ::robcl::DeviceServant {
  public:
+  ManipulatorServant();
   const gecos::InterfaceDescription& gecos_interface() const override;
+
+  /// Corrections for `follow`: each is multiplied to the pose that the tool is moving to,
+  /// in order and at the beginning of a cycle.
+  gecos::Inward<::robcl::Frame>& alter() { return gecos_inward_alter_; }
 
   /// A new sample of `tool`, measured at `stamp_ns`. One thread at a time.
   void publish_tool(const ::robcl::Frame& value, std::int64_t stamp_ns = gecos::unix_now_ns());
@@ -45,7 +50,21 @@ class ManipulatorServant : public virtual ::robcl::DeviceServant {
       const std::optional<::robcl::Trajectory>& how,
       gecos::Execution<::robcl::MotionProgress>& run) = 0;
 
+  /// Moves the tool by the samples of `alter`, from where it stands, until it is cancelled.
+  /// What the limits of the arm do not allow in one cycle follows in the next ones.
+  /// May fail with robcl::CorrectionsStopped.
+  virtual gecos::Result<void> follow(
+      ::robcl::FollowMode axes,
+      const std::optional<::robcl::FollowLimits>& limits,
+      gecos::Execution<::robcl::FollowState>& run) = 0;
+
+  /// Period of the arm's control loop. [s]
+  virtual gecos::Result<double> cycle() = 0;
+
   bool gecos_answer(gecos::IncomingCall& call) override;
+
+ private:
+  gecos::Inward<::robcl::Frame> gecos_inward_alter_;
 };
 
 }  // namespace robcl

@@ -138,6 +138,175 @@ std::ostream& operator<<(std::ostream& out, const MotionProgress& value) {
       "MotionProgress{fraction=", value.fraction, ", remaining=", value.remaining, " s}");
 }
 
+std::string_view to_string(FollowMode value) {
+  switch (value) {
+    case FollowMode::IN_TOOL: return "IN_TOOL";
+    case FollowMode::IN_BASE: return "IN_BASE";
+  }
+  return "unknown FollowMode";
+}
+
+std::ostream& operator<<(std::ostream& out, FollowMode value) { return out << to_string(value); }
+
+bool decode_enum(gecos::wire::Decoder& from, FollowMode& value, const char* field) {
+  std::int32_t number = 0;
+  if (!from.get(number, field)) return false;
+  switch (number) {
+    case 0: case 1:
+      value = static_cast<FollowMode>(number);
+      return true;
+    default:
+      value = FollowMode::IN_TOOL;
+      return true;
+  }
+}
+
+std::size_t FollowLimits::encoded_size() const {
+  std::size_t size = 4;
+  if (tool_speed) size += 8;
+  if (turn_speed) size += 8;
+  if (distance) size += 8;
+  if (angle) size += 8;
+  return size;
+}
+
+void FollowLimits::encode(gecos::wire::Encoder& to) const {
+  to.put(tool_speed.has_value());
+  if (tool_speed) to.put(*tool_speed);
+  to.put(turn_speed.has_value());
+  if (turn_speed) to.put(*turn_speed);
+  to.put(distance.has_value());
+  if (distance) to.put(*distance);
+  to.put(angle.has_value());
+  if (angle) to.put(*angle);
+}
+
+bool FollowLimits::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  tool_speed = std::nullopt;
+  turn_speed = std::nullopt;
+  distance = std::nullopt;
+  angle = std::nullopt;
+  return (from.at_end() ||
+          gecos::wire::get_optional(from, tool_speed, "FollowLimits.tool_speed",
+              [&](auto& value) {
+                return from.get(value, "FollowLimits.tool_speed") &&
+                       gecos::wire::within(
+                           from,
+                           value,
+                           {0.001, 10.0},
+                           "FollowLimits.tool_speed",
+                           "[0.001, 10.0] m/s");
+              })) &&
+         (from.at_end() ||
+          gecos::wire::get_optional(from, turn_speed, "FollowLimits.turn_speed",
+              [&](auto& value) {
+                return from.get(value, "FollowLimits.turn_speed") &&
+                       gecos::wire::within(
+                           from,
+                           value,
+                           {0.001, 30.0},
+                           "FollowLimits.turn_speed",
+                           "[0.001, 30.0] rad/s");
+              })) &&
+         (from.at_end() ||
+          gecos::wire::get_optional(from, distance, "FollowLimits.distance",
+              [&](auto& value) {
+                return from.get(value, "FollowLimits.distance") &&
+                       gecos::wire::within(
+                           from,
+                           value,
+                           {0.0, 10.0},
+                           "FollowLimits.distance",
+                           "[0.0, 10.0] m");
+              })) &&
+         (from.at_end() ||
+          gecos::wire::get_optional(from, angle, "FollowLimits.angle", [&](auto& value) {
+            return from.get(value, "FollowLimits.angle") &&
+                   gecos::wire::within(
+                       from,
+                       value,
+                       {0.0, 3.0},
+                       "FollowLimits.angle",
+                       "[0.0, 3.0] rad");
+          })) &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const FollowLimits& value) {
+  if (value.tool_speed) {
+    if (!(*value.tool_speed >= 0.001 && *value.tool_speed <= 10.0)) {
+      return gecos::wire::out_of_range(
+          "FollowLimits.tool_speed",
+          *value.tool_speed,
+          "[0.001, 10.0] m/s");
+    }
+  }
+  if (value.turn_speed) {
+    if (!(*value.turn_speed >= 0.001 && *value.turn_speed <= 30.0)) {
+      return gecos::wire::out_of_range(
+          "FollowLimits.turn_speed",
+          *value.turn_speed,
+          "[0.001, 30.0] rad/s");
+    }
+  }
+  if (value.distance) {
+    if (!(*value.distance >= 0.0 && *value.distance <= 10.0)) {
+      return gecos::wire::out_of_range("FollowLimits.distance", *value.distance, "[0.0, 10.0] m");
+    }
+  }
+  if (value.angle) {
+    if (!(*value.angle >= 0.0 && *value.angle <= 3.0)) {
+      return gecos::wire::out_of_range("FollowLimits.angle", *value.angle, "[0.0, 3.0] rad");
+    }
+  }
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const FollowLimits& value) {
+  return gecos::wire::print_all(out,
+      "FollowLimits{tool_speed=", value.tool_speed, " m/s, turn_speed=", value.turn_speed,
+      " rad/s, distance=", value.distance, " m, angle=", value.angle, " rad}");
+}
+
+std::size_t FollowState::encoded_size() const { return 29; }
+
+void FollowState::encode(gecos::wire::Encoder& to) const {
+  to.put(applied, dropped, distance_left, angle_left, limit_axis, out_of_reach);
+}
+
+bool FollowState::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(applied, "FollowState.applied") &&
+         from.get(dropped, "FollowState.dropped") &&
+         from.get(distance_left, "FollowState.distance_left") &&
+         from.get(angle_left, "FollowState.angle_left") &&
+         from.get(limit_axis, "FollowState.limit_axis") &&
+         from.get(out_of_reach, "FollowState.out_of_reach") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::ostream& operator<<(std::ostream& out, const FollowState& value) {
+  return gecos::wire::print_all(out,
+      "FollowState{applied=", value.applied, ", dropped=", value.dropped, ", distance_left=",
+      value.distance_left, " m, angle_left=", value.angle_left, " rad, limit_axis=",
+      value.limit_axis, ", out_of_reach=", value.out_of_reach, "}");
+}
+
+std::size_t CorrectionsStopped::encoded_size() const { return 4 + state.encoded_size(); }
+
+void CorrectionsStopped::encode(gecos::wire::Encoder& to) const {
+  to.put_count(state.encoded_size());
+  state.encode(to);
+}
+
+bool CorrectionsStopped::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return gecos::wire::get_block(from, state, "CorrectionsStopped.state");
+}
+
+std::ostream& operator<<(std::ostream& out, const CorrectionsStopped& value) {
+  return gecos::wire::print_all(out,
+      "CorrectionsStopped{state=", value.state, "}");
+}
+
 std::size_t OutOfReach::encoded_size() const { return 5 + reason.size(); }
 
 void OutOfReach::encode(gecos::wire::Encoder& to) const { to.put_string(reason); }

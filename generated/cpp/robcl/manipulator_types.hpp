@@ -76,6 +76,80 @@ std::ostream& operator<<(std::ostream& out, const MotionProgress& value);
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const MotionProgress& value);
 
+/// The axes along which the corrections of `follow` move and turn the tool: its own, or
+/// those of the arm's base. It turns about its own origin.
+enum class FollowMode : std::int32_t {
+  IN_TOOL = 0,
+  IN_BASE = 1,
+};
+std::string_view to_string(FollowMode value);
+std::ostream& operator<<(std::ostream& out, FollowMode value);
+/// An unknown number becomes IN_TOOL.
+[[nodiscard]] bool decode_enum(gecos::wire::Decoder& from, FollowMode& value, const char* field);
+
+/// Bounds of a sensor-guided motion; without a member, the bound of the arm.
+struct FollowLimits {
+  /// [m/s, 0.001 to 10.0, optional]
+  std::optional<double> tool_speed{};
+  /// [rad/s, 0.001 to 30.0, optional]
+  std::optional<double> turn_speed{};
+  /// [m, 0.0 to 10.0, optional]
+  std::optional<double> distance{};
+  /// [rad, 0.0 to 3.0, optional]
+  std::optional<double> angle{};
+
+  static constexpr std::string_view type_name() { return "robcl::FollowLimits"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xd7df8f7fcd3f9241U); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const FollowLimits&, const FollowLimits&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const FollowLimits& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const FollowLimits& value);
+
+/// What became of the corrections of `follow` so far.
+struct FollowState {
+  /// corrections that the arm has carried out, or is carrying out
+  std::uint32_t applied = 0;
+  /// corrections beyond FollowLimits.distance or angle, which had no effect
+  std::uint32_t dropped = 0;
+  /// what is still to be carried out [m]
+  double distance_left = 0;
+  /// [rad]
+  double angle_left = 0;
+  /// the arm holds because this axis, from 1, is at its limit; else 0
+  std::uint32_t limit_axis = 0;
+  /// the arm holds at the end of its reach, or beside a singularity
+  bool out_of_reach = false;
+
+  static constexpr std::string_view type_name() { return "robcl::FollowState"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x8790dcf68707d50dU); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const FollowState&, const FollowState&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const FollowState& value);
+
+/// No correction came for as long as the watchdog of `alter`, so that the arm braked and
+/// stands. [exception]
+struct CorrectionsStopped {
+  ::robcl::FollowState state{};
+
+  static constexpr std::string_view type_name() { return "robcl::CorrectionsStopped"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x79457561903fc05cU); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const CorrectionsStopped&, const CorrectionsStopped&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const CorrectionsStopped& value);
+
 /// [exception]
 struct OutOfReach {
   /// [at most 160]

@@ -8,23 +8,32 @@ from abc import abstractmethod as _abstractmethod
 from gecos.command import Command as _Command
 from gecos.execution import Execution as _Execution
 from gecos.interface import Access as _Access
+from gecos.interface import Inward as _InwardTable
 from gecos.interface import Kind as _Kind
+from gecos.interface import Media as _Media
 from gecos.interface import Method as _Method
 from gecos.interface import Operation as _Operation
 from gecos.interface import Quality as _Quality
 from gecos.interface import QualityClass as _QualityClass
 from gecos.interface import getter as _getter
 from gecos.interface import interface as _interface
+from gecos.interface import inward as _inward
 from gecos.interface import method as _method
 from gecos.interface import values as _values
+from gecos.inward import Inward as _Inward
 from gecos.proxy import StreamAttribute as _StreamAttribute
 from gecos.wire import layout as _layout
+from gecos.writer import InwardAttribute as _InwardAttribute
 from robcl.device import Device, DeviceServant
 from robcl.geometry_types import Frame
 from robcl.manipulator_types import (
     Blend,
     Configuration,
+    CorrectionsStopped,
     Elbow,
+    FollowLimits,
+    FollowMode,
+    FollowState,
     JointLimit,
     MotionProgress,
     OutOfReach,
@@ -38,7 +47,11 @@ from robcl.manipulator_types import (
 __all__ = [
     "Blend",
     "Configuration",
+    "CorrectionsStopped",
     "Elbow",
+    "FollowLimits",
+    "FollowMode",
+    "FollowState",
     "JointLimit",
     "Manipulator",
     "ManipulatorServant",
@@ -107,12 +120,43 @@ _MANIPULATOR_MOVE: _Method[None, MotionProgress] = _method(
     feedback=MotionProgress,
     raises=(OutOfReach, JointLimit, Singular),
 )
-_MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"hash":"0xf12cfabfa83a44c1","members":[
+_MANIPULATOR_FOLLOW: _Method[None, FollowState] = _method(
+    _Operation(
+        0xC2F601A0,
+        "follow",
+        _Access.ACTOR,
+        cancelable=True,
+        quality=_Quality(line=_QualityClass.HARD_REALTIME, media=_Media.SHM | _Media.CAN),
+        hash=0x83451582D3F132AD,
+    ),
+    takes=_values("axes limits", FollowMode, _layout.optional(FollowLimits), defaults=(None,)),
+    feedback=FollowState,
+    raises=(CorrectionsStopped,),
+)
+_MANIPULATOR_CYCLE: _Method[float, None] = _method(
+    _getter(0x054FAD01, "cycle", _Access.SENSOR, hash=0x38A6C7959E7F00AD),
+    gives="d",
+)
+_MANIPULATOR_ALTER: _InwardTable[Frame] = _inward(
+    0x86A0025B,
+    "alter",
+    _Access.ACTOR,
+    gives=Frame,
+    rate_hz=1000.0,
+    watchdog_ns=48000000,
+    largest=56,
+    quality=_Quality(line=_QualityClass.HARD_REALTIME, depth=64, media=_Media.SHM | _Media.CAN),
+    hash=0x58D3C93F202AC8D1,
+)
+_MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"hash":"0xabad4cacd26e185f","members":[
 {"kind":"attribute","name":"tool","doc":"Tool frame in the world, as measured.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":20000000},"codes":{"get":656093559,"stream":656093559},"hash":"0xe4a63fbb9f4aa676"},
 {"kind":"attribute","name":"flange","doc":"Flange in the world, as measured: where grippers and sensors are mounted.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":20000000},"codes":{"get":3590499756,"stream":3590499756},"hash":"0x294c864a0a1bb0d9"},
 {"kind":"attribute","name":"posture","doc":"Configuration that the arm is in.","type":"robcl::Configuration","readonly":true,"read_access":"sensor","codes":{"get":2355008027},"hash":"0x3d861e0f224574c5"},
 {"kind":"attribute","name":"tool_offset","doc":"Tool frame seen from the flange. Setting it is refused while moving.","type":"robcl::Frame","read_access":"sensor","write_access":"actor","write_needs_presence":true,"codes":{"get":1576561611,"set":3826381890},"hash":"0xd5db88cc5c4a48ee"},
-{"kind":"operation","name":"move","doc":"Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal.","parameters":[{"name":"goal","direction":"in","type":"robcl::Frame"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true}],"raises":["robcl::OutOfReach","robcl::JointLimit","robcl::Singular"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"queue","on_loss":"stop","code":889709316,"hash":"0xc58c2180678c1d75"}]},
+{"kind":"operation","name":"move","doc":"Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal.","parameters":[{"name":"goal","direction":"in","type":"robcl::Frame"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true}],"raises":["robcl::OutOfReach","robcl::JointLimit","robcl::Singular"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"queue","on_loss":"stop","code":889709316,"hash":"0xc58c2180678c1d75"},
+{"kind":"operation","name":"follow","doc":"Moves the tool by the samples of `alter`, from where it stands, until it is cancelled. What the limits of the arm do not allow in one cycle follows in the next ones.","parameters":[{"name":"axes","direction":"in","type":"robcl::FollowMode"},{"name":"limits","direction":"in","type":"robcl::FollowLimits","optional":true}],"raises":["robcl::CorrectionsStopped"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::FollowState","on_new":"queue","on_loss":"stop","qos":{"quality_class":"HARD_REALTIME","media":["shm","can"]},"code":3270902176,"hash":"0x83451582d3f132ad"},
+{"kind":"attribute","name":"alter","doc":"Corrections for `follow`: each is multiplied to the pose that the tool is moving to, in order and at the beginning of a cycle.","type":"robcl::Frame","stream":{"direction":"in","rate_hz":1000.0,"watchdog_ns":48000000,"largest":56},"write_access":"actor","write_needs_presence":true,"qos":{"quality_class":"HARD_REALTIME","depth":64,"media":["shm","can"]},"codes":{"stream":2258633307},"hash":"0x58d3c93f202ac8d1"},
+{"kind":"attribute","name":"cycle","doc":"Period of the arm\u0027s control loop.","type":"double","readonly":true,"unit":"s","read_access":"sensor","codes":{"get":89107713},"hash":"0x38a6c7959e7f00ad"}]},
 "types":[
 {"kind":"struct","name":"robcl::Vector","extensibility":"final","members":[{"name":"x","type":"double","unit":"m"},{"name":"y","type":"double","unit":"m"},{"name":"z","type":"double","unit":"m"}],"wire":{"fingerprint":"0xae7e5fba5eeca11e","min_size":24,"fixed_size":24}},
 {"kind":"struct","name":"robcl::Quaternion","doc":"Unit quaternion, w + xi + yj + zk.","extensibility":"final","members":[{"name":"w","type":"double"},{"name":"x","type":"double"},{"name":"y","type":"double"},{"name":"z","type":"double"}],"wire":{"fingerprint":"0x365bdd4bf9100a1f","min_size":32,"fixed_size":32}},
@@ -121,6 +165,10 @@ _MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::
 {"kind":"enum","name":"robcl::Blend","doc":"Whether the arm stands at the goal, or may pass it on its way to the next one. Today every arm stands there: NOBREAK acts like BREAK.","default_literal":"BREAK","enumerators":[{"name":"BREAK","value":0},{"name":"NOBREAK","value":1}]},
 {"kind":"struct","name":"robcl::Trajectory","doc":"How to get from here to the goal; the slowest of the limits binds.","extensibility":"appendable","members":[{"name":"speed","type":"double","range":{"min":0.01,"max":1.0},"default":1.0,"doc":"fraction of the robot\u0027s own maximum"},{"name":"acceleration","type":"double","range":{"min":0.01,"max":1.0},"default":1.0},{"name":"path","type":"robcl::PathType"},{"name":"at_goal","type":"robcl::Blend"},{"name":"tool_speed","type":"double","unit":"m/s","optional":true},{"name":"turn_speed","type":"double","unit":"rad/s","optional":true}],"wire":{"fingerprint":"0xd448702624f0ed77","min_size":26}},
 {"kind":"struct","name":"robcl::MotionProgress","extensibility":"appendable","members":[{"name":"fraction","type":"double","range":{"min":0.0,"max":1.0}},{"name":"remaining","type":"double","unit":"s"}],"wire":{"fingerprint":"0xe2c8d491f2659a98","min_size":16,"fixed_size":16}},
+{"kind":"enum","name":"robcl::FollowMode","doc":"The axes along which the corrections of `follow` move and turn the tool: its own, or those of the arm\u0027s base. It turns about its own origin.","default_literal":"IN_TOOL","enumerators":[{"name":"IN_TOOL","value":0},{"name":"IN_BASE","value":1}]},
+{"kind":"struct","name":"robcl::FollowLimits","doc":"Bounds of a sensor-guided motion; without a member, the bound of the arm.","extensibility":"appendable","members":[{"name":"tool_speed","type":"double","unit":"m/s","range":{"min":0.001,"max":10.0},"optional":true},{"name":"turn_speed","type":"double","unit":"rad/s","range":{"min":0.001,"max":30.0},"optional":true},{"name":"distance","type":"double","unit":"m","range":{"min":0.0,"max":10.0},"optional":true},{"name":"angle","type":"double","unit":"rad","range":{"min":0.0,"max":3.0},"optional":true}],"wire":{"fingerprint":"0xd7df8f7fcd3f9241","min_size":4}},
+{"kind":"struct","name":"robcl::FollowState","doc":"What became of the corrections of `follow` so far.","extensibility":"appendable","members":[{"name":"applied","type":"uint32","doc":"corrections that the arm has carried out, or is carrying out"},{"name":"dropped","type":"uint32","doc":"corrections beyond FollowLimits.distance or angle, which had no effect"},{"name":"distance_left","type":"double","unit":"m","doc":"what is still to be carried out"},{"name":"angle_left","type":"double","unit":"rad"},{"name":"limit_axis","type":"uint32","doc":"the arm holds because this axis, from 1, is at its limit; else 0"},{"name":"out_of_reach","type":"boolean","doc":"the arm holds at the end of its reach, or beside a singularity"}],"wire":{"fingerprint":"0x8790dcf68707d50d","min_size":29,"fixed_size":29}},
+{"kind":"exception","name":"robcl::CorrectionsStopped","doc":"No correction came for as long as the watchdog of `alter`, so that the arm braked and stands.","extensibility":"final","members":[{"name":"state","type":"robcl::FollowState"}],"wire":{"fingerprint":"0x79457561903fc05c","min_size":4}},
 {"kind":"exception","name":"robcl::OutOfReach","extensibility":"final","members":[{"name":"reason","type":"string<160>"}],"wire":{"fingerprint":"0xed00b27a58c49395","min_size":5}},
 {"kind":"exception","name":"robcl::JointLimit","extensibility":"final","members":[{"name":"axis","type":"uint32","doc":"from 1, which is next to the base"},{"name":"value","type":"double","unit":"rad"},{"name":"lower","type":"double","unit":"rad"},{"name":"upper","type":"double","unit":"rad"}],"wire":{"fingerprint":"0x5e97b6d7d7aed1bf","min_size":28,"fixed_size":28}},
 {"kind":"exception","name":"robcl::Singular","doc":"A straight line would pass where a joint has to turn faster than it can.","extensibility":"final","members":[{"name":"reason","type":"string<160>"}],"wire":{"fingerprint":"0xed00b27a58c49395","min_size":5}},
@@ -132,7 +180,7 @@ _MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::
 _MANIPULATOR = _interface(
     "robcl::Manipulator",
     "1.0",
-    0xF12CFABFA83A44C1,
+    0xABAD4CACD26E185F,
     (Device,),
     (
         _MANIPULATOR_TOOL,
@@ -141,8 +189,11 @@ _MANIPULATOR = _interface(
         _MANIPULATOR_TOOL_OFFSET,
         _MANIPULATOR_SET_TOOL_OFFSET,
         _MANIPULATOR_MOVE,
+        _MANIPULATOR_FOLLOW,
+        _MANIPULATOR_CYCLE,
     ),
     model=_MANIPULATOR_SERVED_MODEL,
+    inward=(_MANIPULATOR_ALTER,),
 )
 
 
@@ -190,12 +241,46 @@ class Manipulator(Device):
         """
         return self._gecos_call(_MANIPULATOR_MOVE, _MANIPULATOR_MOVE.request(goal, how))
 
+    def follow(
+        self,
+        axes: FollowMode,
+        limits: FollowLimits | None = None,
+    ) -> _Command[None, FollowState]:
+        """Moves the tool by the samples of `alter`, from where it stands, until it is cancelled.
+        What the limits of the arm do not allow in one cycle follows in the next ones.
+
+        May raise CorrectionsStopped.
+        """
+        return self._gecos_call(_MANIPULATOR_FOLLOW, _MANIPULATOR_FOLLOW.request(axes, limits))
+
+    def cycle(self) -> _Command[float]:
+        """Period of the arm's control loop. [s]"""
+        return self._gecos_call(_MANIPULATOR_CYCLE, [])
+
+    @property
+    def alter(self) -> _InwardAttribute[Frame]:
+        """Corrections for `follow`: each is multiplied to the pose that the tool is moving to,
+        in order and at the beginning of a cycle.
+
+        Takes 1000 samples a second.
+        """
+        return _InwardAttribute(self, _MANIPULATOR_ALTER)
+
 
 class ManipulatorServant(DeviceServant):
     """Any arm, number of joints unknown: a program written to this runs on every robot."""
 
     _gecos_interface = _MANIPULATOR
     _gecos_handlers = _MANIPULATOR.handlers
+
+    @property
+    def alter(self) -> _Inward[Frame]:
+        """Corrections for `follow`: each is multiplied to the pose that the tool is moving to,
+        in order and at the beginning of a cycle.
+
+        Takes 1000 samples a second.
+        """
+        return self._gecos_inward(_MANIPULATOR_ALTER)
 
     @_abstractmethod
     def tool(self) -> Frame:
@@ -224,6 +309,23 @@ class ManipulatorServant(DeviceServant):
 
         May raise OutOfReach, JointLimit, Singular.
         """
+
+    @_abstractmethod
+    def follow(
+        self,
+        axes: FollowMode,
+        limits: FollowLimits | None,
+        run: _Execution[FollowState],
+    ) -> None:
+        """Moves the tool by the samples of `alter`, from where it stands, until it is cancelled.
+        What the limits of the arm do not allow in one cycle follows in the next ones.
+
+        May raise CorrectionsStopped.
+        """
+
+    @_abstractmethod
+    def cycle(self) -> float:
+        """Period of the arm's control loop. [s]"""
 
     def publish_tool(self, value: Frame, stamp: float | None = None) -> None:
         """Publishes a sample of `tool`. `stamp`: Unix time in s; None: now."""

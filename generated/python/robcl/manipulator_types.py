@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass as _dataclass
+from dataclasses import field as _field
 from enum import IntEnum as _IntEnum
 
 from gecos.errors import DeclaredError as _DeclaredError
@@ -12,7 +13,11 @@ from gecos.wire import layout as _layout
 __all__ = [
     "Blend",
     "Configuration",
+    "CorrectionsStopped",
     "Elbow",
+    "FollowLimits",
+    "FollowMode",
+    "FollowState",
     "JointLimit",
     "MotionProgress",
     "OutOfReach",
@@ -74,6 +79,68 @@ class MotionProgress(_layout.Struct):
     """[0.0 to 1.0]"""
     remaining: float = 0.0
     """[s]"""
+
+
+@_layout.enumeration("i", "IN_TOOL")
+class FollowMode(_IntEnum):
+    """The axes along which the corrections of `follow` move and turn the tool: its own, or
+    those of the arm's base. It turns about its own origin.
+    """
+
+    IN_TOOL = 0
+    IN_BASE = 1
+
+
+@_layout.struct(
+    0xD7DF8F7FCD3F9241,
+    _layout.optional(_layout.ranged("d", 0.001, 10.0, unit="m/s")),
+    _layout.optional(_layout.ranged("d", 0.001, 30.0, unit="rad/s")),
+    _layout.optional(_layout.ranged("d", 0.0, 10.0, unit="m")),
+    _layout.optional(_layout.ranged("d", 0.0, 3.0, unit="rad")),
+    missing=4,
+    open=True,
+)
+@_dataclass(slots=True)
+class FollowLimits(_layout.Struct):
+    """Bounds of a sensor-guided motion; without a member, the bound of the arm."""
+
+    tool_speed: float | None = None
+    """[m/s, 0.001 to 10.0]"""
+    turn_speed: float | None = None
+    """[rad/s, 0.001 to 30.0]"""
+    distance: float | None = None
+    """[m, 0.0 to 10.0]"""
+    angle: float | None = None
+    """[rad, 0.0 to 3.0]"""
+
+
+@_layout.struct(0x8790DCF68707D50D, "IIddI?", open=True)
+@_dataclass(slots=True)
+class FollowState(_layout.Struct):
+    """What became of the corrections of `follow` so far."""
+
+    applied: int = 0
+    """corrections that the arm has carried out, or is carrying out"""
+    dropped: int = 0
+    """corrections beyond FollowLimits.distance or angle, which had no effect"""
+    distance_left: float = 0.0
+    """what is still to be carried out [m]"""
+    angle_left: float = 0.0
+    """[rad]"""
+    limit_axis: int = 0
+    """the arm holds because this axis, from 1, is at its limit; else 0"""
+    out_of_reach: bool = False
+    """the arm holds at the end of its reach, or beside a singularity"""
+
+
+@_layout.exception("robcl::CorrectionsStopped", 0x79457561903FC05C, FollowState)
+@_dataclass(slots=True, eq=False)
+class CorrectionsStopped(_layout.Struct, _DeclaredError):
+    """No correction came for as long as the watchdog of `alter`, so that the arm braked and
+    stands.
+    """
+
+    state: FollowState = _field(default_factory=FollowState)
 
 
 @_layout.exception("robcl::OutOfReach", 0xED00B27A58C49395, _layout.text(160))

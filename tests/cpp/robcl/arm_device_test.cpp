@@ -175,7 +175,7 @@ TEST_F(Arm, ItsControlCycleAllocatesNothing) {
   ArmController controller(model_, {}, driver_);
   JointValues target = ready;
   target[1] += 0.5;
-  controller.start(planner.joints(controller.standing_at(), target, {}).value());
+  controller.start(playing(planner.joints(controller.standing_at(), target, {}).value()));
   robcl::CountAllocations allocations;
   for (int i = 0; i < 500; ++i) controller.step(cycle);
   EXPECT_EQ(allocations.so_far(), 0);
@@ -206,7 +206,7 @@ TEST(StarvedArm, NoCommandMovesAJointFurtherThanACycleMayAndTheMotionArrives) {
     RecordingDriver driver(from);
     ArmController controller(model, {}, driver);
     driver.all.assign(1, from);
-    controller.start(planner.joints(from, to, {}).value());
+    controller.start(playing(planner.joints(from, to, {}).value()));
     double fraction = 0;
     std::uint64_t missed = 0;
     std::optional<ArmController::Outcome> outcome;
@@ -256,7 +256,7 @@ TEST(BrokenArm, ThatDoesNotComeToItsGoalSaysWhichJoint) {
   robcl::motion::Planner planner(model, {});
   JointValues target = ready;
   target[2] -= 0.1;
-  controller.start(planner.joints(ready, target, {}).value());
+  controller.start(playing(planner.joints(ready, target, {}).value()));
   for (int i = 0; i < 1000; ++i) controller.step(cycle);
   const auto outcome = controller.wait(std::chrono::seconds(0));
   ASSERT_TRUE(outcome.has_value());
@@ -272,7 +272,7 @@ TEST(BrokenArm, WhoseDriverFailsEndsTheMotionWithItsWords) {
   robcl::motion::Planner planner(model, {});
   JointValues target = ready;
   target[2] -= 0.1;
-  controller.start(planner.joints(ready, target, {}).value());
+  controller.start(playing(planner.joints(ready, target, {}).value()));
   for (int i = 0; i < 10; ++i) controller.step(cycle);
   driver.broken = true;
   controller.step(cycle);

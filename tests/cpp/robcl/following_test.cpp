@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <deque>
+#include <memory>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -51,9 +52,9 @@ class Follow : public ::testing::TestWithParam<TestedArm> {
  protected:
   /// Makes the motion, which starts again at `from`.
   Following& start(CorrectionAxes axes, const FollowLimits& limits = {}) {
-    source_ = {};
+    corrections_ = std::make_shared<Corrections>();
     set_points_ = {from_, from_};  // it stood before
-    return following_.emplace(model_, from_, tool_, axes, limits, source_);
+    return following_.emplace(model_, from_, tool_, axes, limits, corrections_);
   }
   /// Runs cycles of `period` seconds and keeps the set points.
   void run(long cycles, double period) {
@@ -70,7 +71,7 @@ class Follow : public ::testing::TestWithParam<TestedArm> {
   const JointValues from_ = GetParam().from;
   const Frame tool_ = translate(0, 0, 0.1) * rotate_x(0.3);
   arm::Kinematics forward_{model_};
-  Corrections source_;
+  std::shared_ptr<Corrections> corrections_;
   std::optional<Following> following_;
   std::vector<JointValues> set_points_;
 };
@@ -83,7 +84,7 @@ TEST_P(Follow, FiveHundredCorrectionsAddUpExactly) {
       start(CorrectionAxes::Tool);
       for (int sent = 0; sent < 500;) {  // 1 kHz
         for (int i = 0; i < std::lround(period / 0.001); ++i, ++sent) {
-          source_.waiting.push_back(translate(x, y, z));
+          corrections_->waiting.push_back(translate(x, y, z));
         }
         run(1, period);
       }
@@ -91,9 +92,9 @@ TEST_P(Follow, FiveHundredCorrectionsAddUpExactly) {
       EXPECT_TRUE(
           near(tool_now(), tool_before() * translate(500 * x, 500 * y, 500 * z), 1e-8, 1e-8))
           << tool_now() << " at a cycle of " << period;
-      EXPECT_EQ(source_.last.applied, 500);
-      EXPECT_EQ(source_.last.dropped, 0);
-      EXPECT_LT(source_.last.distance_left, 1e-9);
+      EXPECT_EQ(corrections_->last.applied, 500);
+      EXPECT_EQ(corrections_->last.dropped, 0);
+      EXPECT_LT(corrections_->last.distance_left, 1e-9);
       expect_within_limits(period);
     }
   }
@@ -102,14 +103,14 @@ TEST_P(Follow, FiveHundredCorrectionsAddUpExactly) {
 TEST_P(Follow, CorrectionsOfOneCycleAreMultipliedInOrder) {
   const Frame first = translate(0.01, 0, 0) * rotate_z(0.1), second = translate(0, 0.02, 0);
   start(CorrectionAxes::Tool);
-  source_.waiting = {first, second};
+  corrections_->waiting = {first, second};
   run(300, 0.004);
   EXPECT_TRUE(near(tool_now(), tool_before() * first * second, 1e-9, 1e-9)) << tool_now();
 }
 
 TEST_P(Follow, CorrectionsAlongTheAxesOfTheBaseTurnAboutTheTool) {
   start(CorrectionAxes::Base);
-  source_.waiting = {translate(0.01, 0, 0.02), rotate_z(0.2)};
+  corrections_->waiting = {translate(0.01, 0, 0.02), rotate_z(0.2)};
   run(300, 0.004);
   const Frame before = tool_before();
   const Frame wanted(before.position() + Eigen::Vector3d(0.01, 0, 0.02),
@@ -122,9 +123,9 @@ TEST_P(Follow, ALargeCorrectionIsCarriedIntoTheNextCyclesWithinTheLimitsOfTheToo
   FollowLimits limits;
   limits.tool.speed = 0.1;
   start(CorrectionAxes::Tool, limits);
-  source_.waiting = {translate(0, 0, -0.1)};
+  corrections_->waiting = {translate(0, 0, -0.1)};
   run(1, period);
-  EXPECT_NEAR(source_.last.distance_left, 0.1, 1e-3);
+  EXPECT_NEAR(corrections_->last.distance_left, 0.1, 1e-3);
   run(350, period);
   EXPECT_TRUE(near(tool_now(), tool_before() * translate(0, 0, -0.1), 1e-9, 1e-9));
   expect_within_limits(period);
@@ -143,11 +144,11 @@ TEST_P(Follow, CorrectionsBeyondTheTotalLimitAreDroppedAndCounted) {
   limits.distance = 0.01;
   limits.angle = 0.1;
   start(CorrectionAxes::Tool, limits);
-  for (int i = 0; i < 15; ++i) source_.waiting.push_back(translate(0, 0.001, 0));
-  source_.waiting.push_back(rotate_x(0.2));
+  for (int i = 0; i < 15; ++i) corrections_->waiting.push_back(translate(0, 0.001, 0));
+  corrections_->waiting.push_back(rotate_x(0.2));
   run(200, 0.004);
-  EXPECT_EQ(source_.last.applied, 10);
-  EXPECT_EQ(source_.last.dropped, 6);
+  EXPECT_EQ(corrections_->last.applied, 10);
+  EXPECT_EQ(corrections_->last.dropped, 6);
   EXPECT_TRUE(near(tool_now(), tool_before() * translate(0, 0.01, 0), 1e-9, 1e-9));
 }
 
@@ -155,7 +156,7 @@ TEST_P(Follow, StandsWhenNothingComesAndEndsWhenTheSourceExpires) {
   constexpr double period = 0.004;
   start(CorrectionAxes::Tool);
   for (int i = 0; i < 100; ++i) {
-    source_.waiting.push_back(translate(0, 0, -0.0008));  // .2 m/s
+    corrections_->waiting.push_back(translate(0, 0, -0.0008));  // .2 m/s
     run(1, period);
   }
   run(100, period);
@@ -163,7 +164,7 @@ TEST_P(Follow, StandsWhenNothingComesAndEndsWhenTheSourceExpires) {
   run(100, period);
   EXPECT_EQ(set_points_.back(), held) << "no drift";
   EXPECT_FALSE(following_->standing()) << "it follows on";
-  source_.stopped = true;
+  corrections_->stopped = true;
   run(2, period);
   EXPECT_TRUE(following_->standing());
   EXPECT_TRUE(following_->expired());
@@ -173,9 +174,9 @@ TEST_P(Follow, StandsWhenNothingComesAndEndsWhenTheSourceExpires) {
 TEST_P(Follow, BrakesAtOnceWhenTheSourceExpires) {
   constexpr double period = 0.001;
   start(CorrectionAxes::Tool);
-  source_.waiting = {translate(0, 0, -0.3)};
+  corrections_->waiting = {translate(0, 0, -0.3)};
   run(200, period);
-  source_.stopped = true;
+  corrections_->stopped = true;
   const double speed = distance(tool_at(set_points_.end()[-2]), tool_now()) / period;
   ASSERT_GT(speed, 0.3);
   const Frame here = tool_now();
@@ -197,22 +198,22 @@ TEST_P(Follow, HoldsBeforeALimitOrTheEndOfItsReachAndComesBack) {
     limits.distance = 4;
     start(CorrectionAxes::Tool, limits);
     for (int i = 0; i < 1000; ++i) {
-      source_.waiting.push_back(step);
+      corrections_->waiting.push_back(step);
       run(1, period);
     }
     run(500, period);
-    EXPECT_TRUE(source_.last.limit_axis != 0 || source_.last.out_of_reach);
-    EXPECT_GT(source_.last.distance_left, 0.1);
+    EXPECT_TRUE(corrections_->last.hold.limit_axis != 0 || corrections_->last.hold.out_of_reach);
+    EXPECT_GT(corrections_->last.distance_left, 0.1);
     const JointValues held = set_points_.back();
     run(100, period);
     EXPECT_LT((set_points_.back() - held).cwiseAbs().maxCoeff(), 1e-12) << "it holds";
     for (int i = 0; i < 1000; ++i) {
-      source_.waiting.push_back(step.inverse());
+      corrections_->waiting.push_back(step.inverse());
       run(1, period);
     }
     run(500, period);
-    EXPECT_EQ(source_.last.limit_axis, 0);
-    EXPECT_FALSE(source_.last.out_of_reach);
+    EXPECT_EQ(corrections_->last.hold.limit_axis, 0);
+    EXPECT_FALSE(corrections_->last.hold.out_of_reach);
     EXPECT_TRUE(near(tool_now(), tool_before(), 1e-6, 1e-6)) << tool_now();
     expect_within_limits(period);
     const Eigen::Vector3d along = (tool_before().rotation() * step.position()).normalized();
@@ -235,7 +236,7 @@ TEST_P(Follow, WildCorrectionsKeepAllLimitsOfTheJoints) {
       start(round % 2 == 0 ? CorrectionAxes::Tool : CorrectionAxes::Base, limits);
       for (int i = 0; i < 1500; ++i) {
         if (i % 10 == 0) {
-          source_.waiting.push_back(
+          corrections_->waiting.push_back(
               translate(0.05 * away(engine), 0.05 * away(engine), 0.05 * away(engine)) *
               rotate_x(0.2 * away(engine)) * rotate_y(0.2 * away(engine)));
         }
@@ -261,7 +262,7 @@ TEST_P(Follow, KeepsItsConfigurationAndTheTurnsOfItsJoints) {
   start(CorrectionAxes::Tool);
   for (int i = 0; i < 2000; ++i) {
     const double at = i * 2 * std::numbers::pi / 1000;
-    source_.waiting.push_back(translate(0.00014 * std::cos(at), 0.00014 * std::sin(at), 0));
+    corrections_->waiting.push_back(translate(0.00014 * std::cos(at), 0.00014 * std::sin(at), 0));
     run(1, period);
     EXPECT_LT((set_points_.end()[-1] - set_points_.end()[-2]).cwiseAbs().maxCoeff(), 0.01);
   }
@@ -272,9 +273,9 @@ TEST_P(Follow, KeepsItsConfigurationAndTheTurnsOfItsJoints) {
 
 TEST_P(Follow, AllocatesNothing) {
   start(CorrectionAxes::Tool);
-  source_.waiting = {translate(0, 0, 0.1), rotate_x(0.1), translate(0, 1, 0)};
+  corrections_->waiting = {translate(0, 0, 0.1), rotate_x(0.1), translate(0, 1, 0)};
   following_->advance(0.004);
-  source_.waiting.clear();
+  corrections_->waiting.clear();
   const CountAllocations count;
   for (int i = 0; i < 500; ++i) following_->advance(0.004);
   following_->rest();

@@ -30,7 +30,7 @@ robcl::motion::Plan plan_to(const robcl::arm::ArmModel& model, const JointValues
 /// How a motion away from `start` ends, `cycles` later at most; `meanwhile` once a cycle.
 std::optional<ArmController::Outcome> outcome_of(
     ArmController& controller, const std::function<void(int)>& meanwhile = [](int) {}) {
-  controller.start(plan_to(robcl::rx90(), beside_start()));
+  controller.start(playing(plan_to(robcl::rx90(), beside_start())));
   for (int i = 0; i < 1000; ++i) {
     meanwhile(i);
     controller.step(beat);
@@ -113,9 +113,9 @@ TEST(DriverFault, IsKeptUntilTheDrivesAreResetAndTheArmThenMovesFromWhereItStand
   const JointValues stood = driver.measured();
   EXPECT_EQ(controller.now().power, DrivePower::Fault);
 
-  controller.start(robcl::motion::Planner(robcl::rx90(), {})
-                       .joints(controller.standing_at(), beside_start(), {})
-                       .value());
+  controller.start(playing(robcl::motion::Planner(robcl::rx90(), {})
+                               .joints(controller.standing_at(), beside_start(), {})
+                               .value()));
   controller.step(beat);
   const auto refused = controller.wait(std::chrono::seconds(0));
   ASSERT_TRUE(refused.has_value()) << "nothing moves by itself";
@@ -125,9 +125,9 @@ TEST(DriverFault, IsKeptUntilTheDrivesAreResetAndTheArmThenMovesFromWhereItStand
   controller.step(beat);
   EXPECT_EQ(controller.now().power, DrivePower::On);
   EXPECT_LT((driver.measured() - stood).cwiseAbs().maxCoeff(), 1e-3) << "it stands where it stood";
-  controller.start(robcl::motion::Planner(robcl::rx90(), {})
-                       .joints(controller.standing_at(), beside_start(), {})
-                       .value());
+  controller.start(playing(robcl::motion::Planner(robcl::rx90(), {})
+                               .joints(controller.standing_at(), beside_start(), {})
+                               .value()));
   std::optional<ArmController::Outcome> moved;
   while (!moved) {
     controller.step(beat);
@@ -219,7 +219,7 @@ TEST(Drives, ThatDoNotFitTheArmAreRefusedWhenItIsMade) {
 TEST(Drives, ThatWereNotServedForLongerThanTheyAllowDoNotGoOn) {
   Limited driver({.axes = 6, .position = true, .longest_gap = 0.02});
   ArmController controller(robcl::rx90(), {}, driver);
-  controller.start(plan_to(robcl::rx90(), beside_start()));
+  controller.start(playing(plan_to(robcl::rx90(), beside_start())));
   for (int i = 0; i < 20; ++i) controller.step(beat);
   controller.step(0.5);
   const auto outcome = controller.wait(std::chrono::seconds(0));

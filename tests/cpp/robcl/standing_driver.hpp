@@ -2,11 +2,18 @@
 #pragma once
 
 #include <chrono>
+#include <memory>
 #include <utility>
 
 #include "drivers/joint_driver.hpp"
+#include "robcl/motion/playback.hpp"
 
 namespace devices {
+
+/// The motion of a plan, for ArmController::start.
+inline std::shared_ptr<robcl::motion::Playback> playing(robcl::motion::Plan plan) {
+  return std::make_shared<robcl::motion::Playback>(std::move(plan));
+}
 
 inline std::int64_t unix_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(

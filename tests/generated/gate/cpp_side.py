@@ -17,7 +17,7 @@ from pathlib import Path
 import spelled
 from gidl.file_names import source_stem
 from gidl.layout.wire_layout import Layout
-from gidl.model import Bitset, Interface, Model, Struct, Union
+from gidl.model import Attribute, Bitset, Interface, Model, Struct, Union
 from gidl.targets.cpp.names import absolute, member_name
 from neutral import is_hand_written, named_fields
 from python_side import Verdict
@@ -252,10 +252,14 @@ class Program:
             self._question("ask", key, f"{lambda_}ask<{proxy}>({method}, a, b); }}")
             self._question("serve", key, f"{lambda_}serve<{probe}>({call.code}U, a, b); }}")
         for each in self._model.with_bases(interface):
-            streams = sorted(self._layout.interfaces[each.name].streams, key=lambda s: s.code)
-            for stream, name in zip(streams, self._publishers.get(each.name, []), strict=True):
+            codes = sorted(
+                self._layout.stream(member.scoped_name).code
+                for member in each.members
+                if isinstance(member, Attribute) and member.streams_out
+            )
+            for code, name in zip(codes, self._publishers.get(each.name, []), strict=True):
                 owner = spelled.cpp_servant(self._layout, each.name)
-                key = f"{interface.name} {stream.code}"
+                key = f"{interface.name} {code}"
                 self._question(
                     "publish", key, f"{lambda_}publish<{probe}>(&{owner}::{name}, a, b); }}"
                 )

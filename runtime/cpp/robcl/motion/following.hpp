@@ -2,15 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 
-#include "robcl/arm/kinematics.hpp"
-#include "robcl/arm/local_inverse.hpp"
 #include "robcl/arm/model.hpp"
 #include "robcl/frames/frame.hpp"
+#include "robcl/motion/arm_lead.hpp"
 #include "robcl/motion/joint_limiter.hpp"
 #include "robcl/motion/pace.hpp"
-#include "robcl/motion/tool_lead.hpp"
 #include "robcl/motion/trajectory_generator.hpp"
 
 namespace robcl::motion {
@@ -35,9 +34,7 @@ struct FollowState {
   std::uint64_t dropped = 0;  ///< corrections beyond FollowLimits::distance or angle
   double distance_left = 0;   ///< m, from the tool to its target
   double angle_left = 0;      ///< rad, the same
-  std::uint32_t limit_axis =
-      0;                      ///< the arm holds because this axis, from 1, is at its limit; 0: no
-  bool out_of_reach = false;  ///< the arm holds at the end of its reach or at a singularity
+  Hold hold{};                ///< why the arm does not move to the target
 };
 
 /// Where a Following gets its corrections. The control loop calls these functions once per cycle or
@@ -60,13 +57,14 @@ class CorrectionSource {
 /// brakes and ends.
 ///
 /// The arm keeps its configuration. It holds in front of a joint limit, of the end of its reach and
-/// of a singularity, and moves again when the target is back. A Following with an unlimited number
-/// of joints in a row that jump is bounded too: JointLimiter keeps the limits of the joints.
+/// of a singularity, and moves again when the target is back. The joints keep their limits in every
+/// case.
 class Following final : public TrajectoryGenerator {
  public:
-  /// @pre the arm stands at `start`, inside its limits. `source` must outlive the motion.
+  /// @pre the arm stands at `start`, inside its limits, and `source` is not null.
   Following(const arm::ArmModel& model, const JointValues& start, const Frame& flange_from_tool,
-            CorrectionAxes axes, const FollowLimits& limits, CorrectionSource& source);
+            CorrectionAxes axes, const FollowLimits& limits,
+            std::shared_ptr<CorrectionSource> source);
 
   const JointValues& start() const override { return start_; }
   JointValues advance(double seconds) override;
@@ -86,42 +84,17 @@ class Following final : public TrajectoryGenerator {
  private:
   void take_corrections();
   void apply(const Frame& correction);
-  bool try_towards_target(const ToolLimits& limits, double cycle);
-  void brake(const ToolLimits& limits, double cycle);
-  void put_lead_at(const JointValues& joints);
-  void move_lead(const ToolLead& lead, const arm::LocalInverse::Solution& at, double cycle);
-  ToolLimits limits_at(const arm::Kinematics::Place& place, const ToolLead& lead) const;
-  arm::Jacobian tool_jacobian(const arm::Kinematics::Place& place) const;
-  double bend_excess() const;
-  bool can_stop(const ToolLead& lead, const JointValues& joints, const ToolLimits& limits,
-                double cycle);
-  bool may_stand_at(const arm::LocalInverse::Solution& there);
-  std::optional<arm::LocalInverse::Solution> joints_at(const Frame& tool,
-                                                       const JointValues& known) {
-    return inverse_.solve(tool * tool_from_flange_, known);
-  }
-  void report();
+  void report(const Hold& hold);
 
-  const arm::ArmModel model_;
   const JointValues start_;
-  const Frame flange_from_tool_, tool_from_flange_;
   const CorrectionAxes axes_;
   const FollowLimits limits_;
-  CorrectionSource& source_;
-  arm::Kinematics forward_;
-  arm::LocalInverse inverse_;
+  const std::shared_ptr<CorrectionSource> source_;
 
-  Frame origin_;  // tool at the start
-  Frame target_;  // the corrections have brought the tool here
-  ToolLead lead_;
-  arm::LocalInverse::Solution lead_at_;  // at the pose of lead_
-  /// How the lead moved in the last cycle.
-  struct LeadChange {
-    JointValues speeds, accelerations;                   // rad/s, rad/s²
-    arm::PoseStep acceleration = arm::PoseStep::Zero();  // of the tool, m/s² and rad/s²
-  };
-  LeadChange lead_change_;
-  JointLimiter joints_;  // at lead_at_, unless a joint cannot follow
+  ArmLead lead_;
+  const Frame origin_;   // tool at the start
+  Frame target_;         // the corrections have brought the tool here
+  JointLimiter joints_;  // at the lead, unless a joint cannot follow
   FollowState state_;
   bool stopping_ = false;
   bool expired_ = false;

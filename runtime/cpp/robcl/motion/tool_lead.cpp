@@ -23,8 +23,8 @@ Frame after(const Frame& pose, const Vector3d& way, const Vector3d& turn) {
 Vector3d nearest_allowed(const Vector3d& now, const Vector3d& wanted, double acceleration,
                          double cycle) {
   const Vector3d change = wanted - now;
-  const double most = acceleration * cycle, size = change.norm();
-  return size <= most ? wanted : Vector3d(now + change * (most / size));
+  const double allowed = acceleration * cycle, size = change.norm();
+  return size <= allowed ? wanted : Vector3d(now + change * (allowed / size));
 }
 
 Vector3d speed_towards(const Vector3d& away, double fastest, double acceleration, double cycle) {

@@ -1,0 +1,169 @@
+#include "robcl/motion/arm_lead.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "robcl/arm/inverse.hpp"
+
+namespace robcl::motion {
+namespace {
+
+// The shares of a joint's speed and acceleration that a change of the tool's speed may ask for, and
+// the share of its acceleration that a bend of the joint's way at constant speed of the tool may.
+constexpr double speed_share = 0.95, change_share = 0.6, bend_share = 0.35;
+// The tool moves this much slower than its limits at most: at a singularity no speed is low enough
+// for the joints, and JointLimiter limits them.
+constexpr double slowest = 20;
+// The tool does not move nearer to a singularity, as DampedInverse measures it: joints
+// would move by more than 20 rad per m of the tool.
+constexpr double near_singularity = 0.05;
+
+/// Returns the twist in the direction of `way` with the given speeds; a part of the way that is
+/// zero stays so.
+arm::PoseStep twist(const arm::PoseStep& way, double speed, double turn_speed) {
+  arm::PoseStep result;
+  result << way.head<3>().stableNormalized() * speed, way.tail<3>().stableNormalized() * turn_speed;
+  return result;
+}
+
+arm::PoseStep twist_of(const ToolLead& lead) {
+  arm::PoseStep result;
+  result << lead.speed, lead.turn_speed;
+  return result;
+}
+
+}  // namespace
+
+ArmLead::ArmLead(const arm::ArmModel& model, const JointValues& joints,
+                 const Frame& flange_from_tool, const ToolLimits& limits)
+    : model_(model),
+      flange_from_tool_(flange_from_tool),
+      limits_(limits),
+      forward_(model),
+      inverse_(model) {
+  put_at(joints);
+}
+
+void ArmLead::put_at(const JointValues& joints) {
+  at_ = {joints, forward_.place(joints)};
+  change_ = {JointValues::Zero(joints.size()), JointValues::Zero(joints.size())};
+  lead_ = ToolLead{at_.place.base_from_flange * flange_from_tool_};
+}
+
+Hold ArmLead::move(const std::optional<Frame>& target, const JointLimiter& followers,
+                   double cycle) {
+  if (lead_.at_rest() && (!target || lead_.is_at(*target))) return {};
+  ToolLimits limits = limits_at(at_.place, lead_, target.value_or(lead_.pose));
+  if (const double excess = bend_excess(); excess > 1) {
+    limits.speed = std::min(limits.speed, lead_.speed.norm() / excess);
+    limits.turn_speed = std::min(limits.turn_speed, lead_.turn_speed.norm() / excess);
+  }
+  if (!followers.near_target(cycle)) limits.speed = limits.turn_speed = 0;
+  std::optional<Hold> hold;
+  if (target) hold = try_towards(*target, limits, cycle);
+  if (!target || hold) brake(limits, followers, cycle);
+  return hold.value_or(Hold{});
+}
+
+/// Returns why the lead must not move on; nullopt if it has moved.
+std::optional<Hold> ArmLead::try_towards(const Frame& target, const ToolLimits& limits,
+                                         double cycle) {
+  const ToolLead next = lead_.towards(target, limits, cycle);
+  const auto there = solve(next.pose, at_.joints);
+  if (!there) return Hold{.out_of_reach = true};
+  if (const auto hold = why_not_stop(next, *there, target, limits, cycle)) return hold;
+  accept(next, *there, cycle);
+  return std::nullopt;
+}
+
+/// Returns why the lead could not brake so that it stands where the arm may stand. The limits of
+/// the tool may be lower there than here: then its way is longer.
+std::optional<Hold> ArmLead::why_not_stop(const ToolLead& lead, const Solution& at,
+                                          const Frame& target, const ToolLimits& limits,
+                                          double cycle) {
+  const auto soonest = solve(lead.stop(limits, cycle), at.joints);
+  if (const auto hold = why_not_stand(soonest)) return hold;
+  const ToolLimits there = limits_at(soonest->place, lead, target);
+  if (there.acceleration >= limits.acceleration) return std::nullopt;
+  return why_not_stand(solve(lead.stop(there, cycle), at.joints));
+}
+
+std::optional<Hold> ArmLead::why_not_stand(const std::optional<Solution>& there) const {
+  if (!there) return Hold{.out_of_reach = true};
+  if (const auto outside = arm::first_outside(model_, there->joints)) {
+    return Hold{.limit_axis = static_cast<std::uint32_t>(outside->axis)};
+  }
+  const double distance = arm::DampedInverse(there->place.jacobian).singularity_distance();
+  // A lead that is nearer already may move away.
+  if (distance >= near_singularity ||
+      distance >= arm::DampedInverse(at_.place.jacobian).singularity_distance()) {
+    return std::nullopt;
+  }
+  return Hold{.out_of_reach = true};
+}
+
+void ArmLead::brake(const ToolLimits& limits, const JointLimiter& followers, double cycle) {
+  const ToolLead next = lead_.braking(limits, cycle);
+  const auto there = solve(next.pose, at_.joints);
+  // In a bend the joints may need more way to brake than the tool.
+  if (!there || arm::first_outside(model_, there->joints)) return put_at(followers.stop(cycle));
+  accept(next, *there, cycle);
+}
+
+void ArmLead::accept(const ToolLead& lead, const Solution& at, double cycle) {
+  const JointValues speeds = (at.joints - at_.joints) / cycle;
+  change_.accelerations = (speeds - change_.speeds) / cycle;
+  change_.speeds = speeds;
+  change_.acceleration = (twist_of(lead) - twist_of(lead_)) / cycle;
+  lead_ = lead;
+  at_ = at;
+}
+
+/// Returns the limits of the tool at `place`, so low that the joints can follow: with the greatest
+/// speed and acceleration in the direction of the target, and in the direction of the lead's
+/// motion, no joint exceeds its share.
+ToolLimits ArmLead::limits_at(const arm::Kinematics::Place& place, const ToolLead& lead,
+                              const Frame& target) const {
+  const arm::DampedInverse inverse(tool_jacobian(place));
+  double slower = 1, softer = 1;
+  for (const arm::PoseStep& way : {arm::step_between(lead.pose, target), twist_of(lead)}) {
+    const JointValues speeds = inverse.joint_speeds(twist(way, limits_.speed, limits_.turn_speed));
+    const JointValues accelerations =
+        inverse.joint_speeds(twist(way, limits_.acceleration, limits_.turn_acceleration));
+    for (Eigen::Index i = 0; i < speeds.size(); ++i) {
+      const arm::JointLimits& limits = model_.limits()[static_cast<std::size_t>(i)];
+      slower = std::max(slower, std::abs(speeds[i]) / (speed_share * limits.speed));
+      softer = std::max(softer, std::abs(accelerations[i]) / (change_share * limits.acceleration));
+    }
+  }
+  slower = std::min(slower, slowest);
+  softer = std::min(softer, slowest);
+  return {.speed = limits_.speed / slower,
+          .acceleration = limits_.acceleration / softer,
+          .turn_speed = limits_.turn_speed / slower,
+          .turn_acceleration = limits_.turn_acceleration / softer};
+}
+
+arm::Jacobian ArmLead::tool_jacobian(const arm::Kinematics::Place& place) const {
+  arm::Jacobian jacobian = place.jacobian;
+  const Eigen::Vector3d lever = place.base_from_flange.orientation() * flange_from_tool_.position();
+  for (Eigen::Index i = 0; i < jacobian.cols(); ++i) {
+    jacobian.col(i).head<3>() += jacobian.col(i).tail<3>().cross(lever);
+  }
+  return jacobian;
+}
+
+/// Returns the factor by which the lead is too fast for the bends of the joints' way: their
+/// accelerations at a constant speed of the tool, which rise with the square of that speed.
+double ArmLead::bend_excess() const {
+  const arm::DampedInverse inverse(tool_jacobian(at_.place));
+  const JointValues bend = change_.accelerations - inverse.joint_speeds(change_.acceleration);
+  double excess = 0;
+  for (Eigen::Index i = 0; i < bend.size(); ++i) {
+    const double allowed = model_.limits()[static_cast<std::size_t>(i)].acceleration * bend_share;
+    excess = std::max(excess, std::abs(bend[i]) / allowed);
+  }
+  return std::sqrt(excess);
+}
+
+}  // namespace robcl::motion

@@ -1,0 +1,127 @@
+"""Sensor-guided motion from other programs: what becomes of an arm whose corrections stop."""
+
+from __future__ import annotations
+
+import sys
+import time
+
+import gecos
+import pytest
+from processes import Laboratory, until
+from robcl.frames import Frame, distance, translate
+from robcl.manipulator import CorrectionsStopped, FollowMode, Manipulator
+from test_examples import LANGUAGES, carried_out, example
+
+pytestmark = pytest.mark.usefixtures("here")
+
+# A program that guides the arm down by .1 m/s until it is killed.
+GUIDE = """
+import time
+import gecos
+from robcl.frames import translate
+from robcl.manipulator import FollowMode, Manipulator
+
+robot = gecos.Lab().create(Manipulator, "RX90")
+with gecos.actor(robot):
+    alter = robot.alter.writer()
+    follow = robot.follow(FollowMode.IN_TOOL)
+    alter.feeds(follow)
+    while follow.feedback() is None:
+        follow.wait(0.001)
+    print("guiding", flush=True)
+    while follow.wait(0.004) is gecos.State.RUNNING:
+        alter.send(translate(0.0, 0.0, 0.0004))
+"""
+
+
+@pytest.fixture
+def lab_with_arm(lab_with_broker: Laboratory) -> Laboratory:
+    lab_with_broker.start(lab_with_broker.build / "devices/rx90/robcl-rx90", ready="ready")
+    return lab_with_broker
+
+
+def followed(robot: Manipulator) -> gecos.Command[None]:
+    """A `follow` that takes corrections."""
+    follow = robot.follow(FollowMode.IN_TOOL)
+    while follow.feedback() is None and follow.wait(0.001) is gecos.State.RUNNING:
+        pass
+    return follow
+
+
+@LANGUAGES
+def test_corrections_at_one_kilohertz_add_up(language: str, lab_with_arm: Laboratory) -> None:
+    guide = example(lab_with_arm, "17_follow_a_sensor", "follow_a_sensor", language)
+    assert carried_out(lab_with_arm.run(*guide)) == [
+        "500 corrections, 0 dropped",
+        "moved by 50.0 mm",
+    ]
+
+
+def test_an_arm_stands_when_the_program_that_guides_it_is_killed(lab_with_arm: Laboratory) -> None:
+    guide = lab_with_arm.start(sys.executable, "-c", GUIDE, ready="guiding")
+    robot = gecos.Lab().create(Manipulator, "RX90")
+    start = robot.tool().result()
+    until(lambda: distance(start, robot.tool().result()) > 0.02, "the arm moves")
+    guide.kill()
+    killed = time.monotonic()
+    at_kill = robot.tool().result()
+
+    def stands() -> bool:
+        before = robot.tool().result()
+        time.sleep(0.02)  # some cycles of the arm
+        return distance(before, robot.tool().result()) < 5e-5  # noise of the encoders
+
+    until(stands, "the arm stands")
+    # .1 m/s: the watchdog is 48 ms, braking takes 33 ms.
+    stood = robot.tool().result()
+    assert distance(at_kill, stood) < 0.1 * (0.048 + 0.033) + 0.002
+    until(lambda: time.monotonic() > killed + 1, "a second passes")
+    assert distance(stood, robot.tool().result()) < 5e-5, "no drift"
+    with gecos.actor(robot):  # the status is free again
+        robot.move(start).result()
+
+
+def test_without_corrections_follow_fails_after_the_watchdog(lab_with_arm: Laboratory) -> None:
+    robot = gecos.Lab().create(Manipulator, "RX90")
+    with gecos.actor(robot):
+        begun = time.monotonic()
+        with pytest.raises(CorrectionsStopped) as stopped:
+            robot.follow(FollowMode.IN_TOOL).result()
+        assert stopped.value.state.applied == 0
+        assert time.monotonic() - begun < 2
+
+
+def test_over_lcm_it_is_refused_with_the_term_that_lcm_does_not_meet(
+    lab_with_arm: Laboratory,
+) -> None:
+    robot = gecos.Lab().create(Manipulator, "RX90", medium="lcm")
+    with gecos.actor(robot):
+        with pytest.raises(gecos.ConnectionFailed, match=r"media=shm\|can: lcm is not") as refused:
+            robot.follow(FollowMode.IN_TOOL).result()
+        assert refused.value.detail is gecos.Detail.QOS_UNAVAILABLE
+        with pytest.raises(gecos.ConnectionFailed, match=r"media=shm\|can: lcm is not"):
+            robot.alter.writer()
+
+
+def test_a_sample_that_is_no_frame_ends_the_command(lab_with_arm: Laboratory) -> None:
+    robot = gecos.Lab().create(Manipulator, "RX90")
+    with gecos.actor(robot):
+        alter = robot.alter.writer()
+        follow = followed(robot)
+        alter.feeds(follow)
+        before = robot.tool().result()
+        alter.send(no_frame())
+        with pytest.raises(gecos.CommandFailed, match="a sample of 'alter' is no correction"):
+            follow.result()
+        assert distance(before, robot.tool().result()) < 1e-4
+
+
+def no_frame() -> Frame:
+    """A frame with a position that is not a number, which no constructor makes."""
+    frame = translate(0.0, 0.0, 0.0)
+    object.__setattr__(frame, "_numbers", (float("nan"), 0.0, 0.0, 1.0, 0.0, 0.0, 0.0))
+    return frame
+
+
+def test_the_arm_tells_its_cycle(lab_with_arm: Laboratory) -> None:
+    assert gecos.Lab().create(Manipulator, "RX90").cycle().result() == 0.004
