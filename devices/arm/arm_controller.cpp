@@ -189,6 +189,7 @@ void ArmController::end_motion(Outcome outcome) {
 }
 
 void ArmController::move(std::uint64_t missed) {
+  generator_->set_override(override_.load());
   if (stop_.load()) generator_->stop();
   if (missed > most_delayed) generator_->rest();
   loop_.command = generator_->advance(settings_.cycle);

@@ -24,6 +24,9 @@ namespace devices {
 /// velocity mode, and the control loop controls the joint positions. A fault of the drives ends the
 /// motion. The fault lasts until `reset_drives` is called, so that the arm does not start to move
 /// when the cause of the fault disappears.
+///
+/// It has more members than other classes: half of them are the orders and results that pass
+/// between two threads, which it exists to keep apart.
 class ArmController {
  public:
   struct Settings {
@@ -89,6 +92,10 @@ class ArmController {
   /// Decelerates the running motion until the arm stands. May be called at any time, even when no
   /// motion runs.
   void stop() { stop_.store(true); }
+  /// Scales the speed of this and all later motions from the next cycle on. `factor`: 0, which
+  /// pauses a motion on its path, to 1. May be called at any time.
+  void set_override(double factor) { override_.store(factor); }
+  double speed_override() const { return override_.load(); }
   /// Waits at most `patience` for the end of the motion, and returns its outcome; nullopt if the
   /// motion still runs. The next motion may start after `wait` has returned an outcome.
   std::optional<Outcome> wait(gecos::Duration patience);
@@ -129,6 +136,7 @@ class ArmController {
 
   std::atomic<bool> started_{false};  // publishes generator_ to the loop
   std::atomic<bool> stop_{false};
+  std::atomic<double> override_{1};      // orders no other memory
   std::atomic<bool> reset_{false};       // orders no other memory
   std::atomic<std::uint64_t> beats_{0};  // orders no other memory
   std::counting_semaphore<> ended_{0};   // publishes outcome_ to the waiting thread

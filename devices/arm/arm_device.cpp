@@ -93,6 +93,7 @@ ArmDevice::Sample ArmDevice::sample() const {
     sample.joints[i] = now.joints[static_cast<std::size_t>(i)];
   }
   sample.cycle = now.cycle;
+  sample.moving = now.moving;
   sample.measured_at_ns = now.measured_at_ns;
   return sample;
 }

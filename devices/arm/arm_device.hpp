@@ -67,7 +67,8 @@ class ArmDevice {
     Frame flange;  ///< pose in the world
     Frame tool;    ///< pose in the world
     JointValues joints;
-    std::uint64_t cycle = 0;          ///< number of measurements so far
+    std::uint64_t cycle = 0;  ///< number of measurements so far
+    bool moving = false;
     std::int64_t measured_at_ns = 0;  ///< time of the Unix clock
   };
   Sample sample() const;
@@ -81,6 +82,9 @@ class ArmDevice {
   bool moving() const { return controller_.now().moving; }
   /// Returns the number of control cycles that were missed so far.
   std::uint64_t missed_cycles() const { return controller_.now().missed; }
+  /// Scales the speed of this and all later motions; see ArmController::set_override.
+  void set_override(double factor) { controller_.set_override(factor); }
+  double speed_override() const { return controller_.speed_override(); }
   DrivePower power() const { return controller_.now().power; }
   robcl::arm::Configuration configuration() const;
   const robcl::arm::ArmModel& model() const { return model_; }

@@ -1,5 +1,7 @@
 #include "arm/manipulator_servant.hpp"
 
+#include <utility>
+
 #include "arm/motion_call.hpp"
 
 namespace devices {
@@ -28,6 +30,7 @@ void ManipulatorServant::publish() {
   if (now.cycle == published_) return;
   published_ = now.cycle;
   publish_sample(now);
+  if (std::exchange(moved_, now.moving) && !now.moving) publish_stood({.tool = now.tool});
 }
 
 void ManipulatorServant::publish_sample(const ArmDevice::Sample& sample) {

@@ -46,12 +46,20 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
   gecos::Result<void> follow(robcl::FollowMode axes,
                              const std::optional<robcl::FollowLimits>& limits,
                              FollowCall::Progress& run) override;
+  gecos::Result<void> override_speed(double factor) override {
+    arm_.set_override(factor);
+    return {};
+  }
+  gecos::Result<double> speed_override() override { return arm_.speed_override(); }
+  gecos::Result<bool> standing() override { return !arm_.moving(); }
+  gecos::Result<std::uint64_t> missed_cycles() override { return arm_.missed_cycles(); }
   gecos::Result<double> cycle() override { return arm_.cycle(); }
 
  private:
   ArmDevice& arm_;
   const std::string place_;
   gecos::Mutex following_;       // held by the handler whose control loop reads `alter`
+  bool moved_ = false;           // whether the last published sample was of a moving arm
   std::uint64_t published_ = 0;  // number of the last published measurement
 };
 

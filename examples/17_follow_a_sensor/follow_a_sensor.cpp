@@ -27,13 +27,14 @@ int main() {
   auto alter = robot->alter(gecos::writer);
   if (!alter) return fail(alter.error());
 
+  const auto before = robot->tool().get();
+  if (!before) return fail(before.error());
+
   const auto follow =
       robot->follow(robcl::FollowMode::IN_TOOL, robcl::FollowLimits{.distance = 0.1});
   alter->feeds(follow);
   while (!follow.feedback() && follow.wait_for(1ms) == gecos::State::Running) {
   }  // with the first feedback the arm takes corrections
-  const auto before = robot->tool().get();
-  if (!before) return fail(before.error());
   auto next = std::chrono::steady_clock::now();
   for (int i = 0; i < 500; ++i) {
     const auto sent = alter->send(robcl::translate(0, 0, 0.1_mm));  // along the tool's z, down

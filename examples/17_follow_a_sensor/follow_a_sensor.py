@@ -12,11 +12,11 @@ def main() -> None:
     robot = lab.create(Manipulator, "RX90")
     with gecos.actor(robot):
         alter = robot.alter.writer()
+        before = robot.tool().result()
         follow = robot.follow(FollowMode.IN_TOOL, FollowLimits(distance=0.1))
         alter.feeds(follow)
         while follow.feedback() is None and follow.wait(0.001) is gecos.State.RUNNING:
             pass  # with the first feedback the arm takes corrections
-        before = robot.tool().result()
         due = time.monotonic()
         for _ in range(500):
             alter.send(translate(0.0, 0.0, mm(0.1)))  # along the tool's z, down

@@ -23,6 +23,7 @@ from typing import Any
 
 from gidl.diagnostics import Findings
 from gidl.layout import wire_layout
+from gidl.layout.events import events_as_streams
 from gidl.loader import Loader
 from gidl.model import (
     ArrayType,
@@ -78,7 +79,7 @@ def cases() -> list[Case]:
 
 
 def load() -> Model:
-    """All interfaces of the tree, and the one with everything."""
+    """All interfaces of the tree, and the one with everything; events are streams."""
     idl, own = TREE / "idl", TREE / "tests" / "idl"
     findings = Findings()
     loader = Loader(findings, (idl, own))
@@ -86,7 +87,7 @@ def load() -> Model:
     loader.load_all(str(path) for path in sorted([*idl.rglob("*.gidl"), *own.glob("*.gidl")]))
     model = resolve(loader.files.values(), vocabulary, findings)
     assert not findings.has_errors, findings.found
-    return model
+    return events_as_streams(model)
 
 
 # ---------------------------------------------------------------------------------------------

@@ -46,6 +46,7 @@ class Arm(ManipulatorServant):
         self.at = Frame()
         self.offset = Frame()
         self.carrier = ""
+        self.factor = 1.0
         self.mounts = threading.Event()
         self.mounts.set()
         self.mounting = threading.Event()
@@ -76,6 +77,18 @@ class Arm(ManipulatorServant):
 
     def cycle(self) -> float:
         return 0.004
+
+    def override_speed(self, factor: float) -> None:
+        self.factor = factor
+
+    def speed_override(self) -> float:
+        return self.factor
+
+    def standing(self) -> bool:
+        return True
+
+    def missed_cycles(self) -> int:
+        return 0
 
     def follow(
         self, axes: FollowMode, limits: FollowLimits | None, run: gecos.Execution[FollowState]
@@ -657,8 +670,8 @@ def contexts(group: click.Group, above: click.Context | None = None) -> Iterator
         ("gecos get A", ["ARM"]),
         ("gecos get ARM to", ["tool", "tool_offset"]),
         ("gecos set ARM to", ["tool_offset"]),
-        ("gecos hz ARM ", ["tool", "flange"]),
-        ("gecos call ARM ", ["mount", "move", "follow"]),
+        ("gecos hz ARM ", ["tool", "flange", "stood"]),
+        ("gecos call ARM ", ["mount", "move", "override_speed", "follow"]),
         ("gecos call NOBODY ", []),
         ("gecos stop A", ["ARM"]),
     ],

@@ -14,6 +14,10 @@ from test_examples import LANGUAGES, carried_out, example
 
 pytestmark = pytest.mark.usefixtures("here")
 
+# A client that gets no processor for 48 ms, on a loaded machine, is what the watchdog is for: then
+# a test tries again.
+TRIES = 3
+
 # A program that guides the arm down by .1 m/s until it is killed.
 GUIDE = """
 import time
@@ -51,10 +55,11 @@ def followed(robot: Manipulator) -> gecos.Command[None]:
 @LANGUAGES
 def test_corrections_at_one_kilohertz_add_up(language: str, lab_with_arm: Laboratory) -> None:
     guide = example(lab_with_arm, "17_follow_a_sensor", "follow_a_sensor", language)
-    assert carried_out(lab_with_arm.run(*guide)) == [
-        "500 corrections, 0 dropped",
-        "moved by 50.0 mm",
-    ]
+    for _ in range(TRIES):
+        printed = carried_out(lab_with_arm.run(*guide))
+        if printed[0].startswith("500"):
+            break
+    assert printed == ["500 corrections, 0 dropped", "moved by 50.0 mm"]
 
 
 def test_an_arm_stands_when_the_program_that_guides_it_is_killed(lab_with_arm: Laboratory) -> None:
@@ -107,12 +112,16 @@ def test_a_sample_that_is_no_frame_ends_the_command(lab_with_arm: Laboratory) ->
     robot = gecos.Lab().create(Manipulator, "RX90")
     with gecos.actor(robot):
         alter = robot.alter.writer()
-        follow = followed(robot)
-        alter.feeds(follow)
         before = robot.tool().result()
-        alter.send(no_frame())
-        with pytest.raises(gecos.CommandFailed, match="a sample of 'alter' is no correction"):
-            follow.result()
+        for _ in range(TRIES):
+            follow = followed(robot)
+            alter.feeds(follow)
+            alter.send(no_frame())
+            with pytest.raises((gecos.CommandFailed, CorrectionsStopped)) as failed:
+                follow.result()
+            if not isinstance(failed.value, CorrectionsStopped):
+                break
+        assert "a sample of 'alter' is no correction" in str(failed.value)
         assert distance(before, robot.tool().result()) < 1e-4
 
 

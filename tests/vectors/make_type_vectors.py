@@ -102,6 +102,7 @@ CASES: list[tuple[str, str, Any]] = [
         "applied": 500, "dropped": 3, "distance_left": 0.02, "angle_left": 0.0, "limit_axis": 5}),
     ("robcl::CorrectionsStopped", "out of reach", {
         "state": {"applied": 7, "distance_left": 0.25, "out_of_reach": True}}),
+    ("robcl::Manipulator::stood", "there", {"tool": FRAME}),
     ("robcl::JointLimit", "axis 3", {"axis": 3, "value": 2.9, "lower": -2.4, "upper": 2.4}),
     ("robcl::Singular", "a line", {"reason": "the line passes the wrist"}),
     ("robcl::OutOfReach", "at its bound", {"reason": "x" * 160}),

@@ -79,6 +79,34 @@ gecos::Command<void, ::robcl::MotionProgress> Manipulator::move(
       });
 }
 
+gecos::Command<void> Manipulator::override_speed(double factor) const {
+  if (!(factor >= 0.0 && factor <= 1.0)) {
+    return gecos::session::Refused(
+        gecos::wire::out_of_range("override_speed.factor", factor, "[0.0, 1.0] 1"));
+  }
+  return gecos_call<void>(
+      ManipulatorInterface::override_speed, 8,
+      [&](auto& to) { to.put(factor); });
+}
+
+gecos::Command<double> Manipulator::speed_override() const {
+  return gecos_call<double>(
+      ManipulatorInterface::speed_override,
+      [](auto& from, auto& value) { return from.get(value, "speed_override"); });
+}
+
+gecos::Command<bool> Manipulator::standing() const {
+  return gecos_call<bool>(
+      ManipulatorInterface::standing,
+      [](auto& from, auto& value) { return from.get(value, "standing"); });
+}
+
+gecos::Command<std::uint64_t> Manipulator::missed_cycles() const {
+  return gecos_call<std::uint64_t>(
+      ManipulatorInterface::missed_cycles,
+      [](auto& from, auto& value) { return from.get(value, "missed_cycles"); });
+}
+
 gecos::Command<void, ::robcl::FollowState> Manipulator::follow(
     ::robcl::FollowMode axes,
     const std::optional<::robcl::FollowLimits>& limits) const {
@@ -106,6 +134,13 @@ gecos::Command<double> Manipulator::cycle() const {
   return gecos_call<double>(
       ManipulatorInterface::cycle,
       [](auto& from, auto& value) { return from.get(value, "cycle"); });
+}
+
+tl::expected<gecos::Stream<::robcl::Manipulator_stood>, gecos::Failure> Manipulator::stood(
+    gecos::StreamAnnotation) const {
+  return gecos_subscribe<::robcl::Manipulator_stood>(
+      ManipulatorInterface::stood_stream,
+      [](auto& from, auto& value) { return gecos::wire::get_block(from, value, "stood"); });
 }
 
 tl::expected<gecos::Writer<::robcl::Frame>, gecos::Failure> Manipulator::alter(gecos::InwardStreamAnnotation) const {

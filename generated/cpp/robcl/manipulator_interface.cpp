@@ -6,13 +6,16 @@
 namespace robcl {
 
 constinit const gecos::OperationDescription ManipulatorInterface::operations[] = {
+    gecos::getter(0x020b7e35, "speed_override", 0x78256f74e6a4faffU),
     gecos::getter(0x054fad01, "cycle", 0x38a6c7959e7f00adU),
     gecos::getter(0x271b3177, "tool", 0xe4a63fbb9f4aa676U,
         {.quality = {.line = gecos::qos::Class::SoftRealtime,
          .reliability = gecos::qos::Reliability::BestEffort, .latency = gecos::Duration{5000000},
          .lifespan = gecos::Duration{20000000}}}),
+    gecos::getter(0x2f29218e, "missed_cycles", 0xd882759adbc634bdU),
     gecos::operation(0x3507e304, "move", 0xc58c2180678c1d75U, {.cancelable = true}),
     gecos::getter(0x5df86bcb, "tool_offset", 0xd5db88cc5c4a48eeU),
+    gecos::getter(0x6bd0f685, "standing", 0x1031d81d03f43ec5U),
     gecos::getter(0x8c5e921b, "posture", 0x3d861e0f224574c5U),
     gecos::operation(0xc2f601a0, "follow", 0x83451582d3f132adU,
         {.cancelable = true, .quality = {.line = gecos::qos::Class::HardRealtime,
@@ -23,6 +26,7 @@ constinit const gecos::OperationDescription ManipulatorInterface::operations[] =
          .lifespan = gecos::Duration{20000000}}}),
     gecos::operation(0xe411f442, "tool_offset=", 0xd5db88cc5c4a48eeU,
         {.kind = gecos::OperationKind::Setter}),
+    gecos::operation(0xe4bf65c9, "override_speed", 0xf909515cb9f6d463U, {.parallel = true}),
 };
 
 constinit const gecos::StreamDescription ManipulatorInterface::streams[] = {
@@ -30,6 +34,8 @@ constinit const gecos::StreamDescription ManipulatorInterface::streams[] = {
      .rate_hz = 250.0, .largest = 56, .quality = {.line = gecos::qos::Class::SoftRealtime,
      .reliability = gecos::qos::Reliability::BestEffort, .latency = gecos::Duration{5000000},
      .lifespan = gecos::Duration{20000000}}},
+    {.code = gecos::FunctionCode{0xd0f91694}, .name = "stood",
+     .largest = 60, .event = true, .hash = 0xcd7e2a4c2a3acb27},
     {.code = gecos::FunctionCode{0xd602adac}, .name = "flange",
      .rate_hz = 250.0, .largest = 56, .quality = {.line = gecos::qos::Class::SoftRealtime,
      .reliability = gecos::qos::Reliability::BestEffort, .latency = gecos::Duration{5000000},
@@ -50,18 +56,23 @@ constinit const gecos::InterfaceDescription* const ManipulatorInterface::inherit
 constinit const gecos::InterfaceDescription ManipulatorInterface::description{
     .name = "robcl::Manipulator",
     .version = "1.0",
-    .hash = 0xabad4cacd26e185fU,
+    .hash = 0xcaa6382fe14de9d6U,
     .bases = bases,
     .inherits = inherits,
     .operations = operations,
     .streams = streams,
     .inward_streams = inward_streams,
-    .model = R"json({"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"hash":"0xabad4cacd26e185f","members":[
+    .model = R"json({"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"nested":["robcl::Manipulator::stood"],"hash":"0xcaa6382fe14de9d6","members":[
 {"kind":"attribute","name":"tool","doc":"Tool frame in the world, as measured.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":20000000},"codes":{"get":656093559,"stream":656093559},"hash":"0xe4a63fbb9f4aa676"},
 {"kind":"attribute","name":"flange","doc":"Flange in the world, as measured: where grippers and sensors are mounted.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":20000000},"codes":{"get":3590499756,"stream":3590499756},"hash":"0x294c864a0a1bb0d9"},
 {"kind":"attribute","name":"posture","doc":"Configuration that the arm is in.","type":"robcl::Configuration","readonly":true,"read_access":"sensor","codes":{"get":2355008027},"hash":"0x3d861e0f224574c5"},
 {"kind":"attribute","name":"tool_offset","doc":"Tool frame seen from the flange. Setting it is refused while moving.","type":"robcl::Frame","read_access":"sensor","write_access":"actor","write_needs_presence":true,"codes":{"get":1576561611,"set":3826381890},"hash":"0xd5db88cc5c4a48ee"},
 {"kind":"operation","name":"move","doc":"Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal.","parameters":[{"name":"goal","direction":"in","type":"robcl::Frame"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true}],"raises":["robcl::OutOfReach","robcl::JointLimit","robcl::Singular"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"queue","on_loss":"stop","code":889709316,"hash":"0xc58c2180678c1d75"},
+{"kind":"operation","name":"override_speed","doc":"Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as planned, 0 pauses it on its path. The factor stays until it is set again.","parameters":[{"name":"factor","direction":"in","type":"double","unit":"1","range":{"min":0.0,"max":1.0}}],"access":"actor","needs_presence":true,"on_new":"queue","on_loss":"stop","parallel":true,"code":3837748681,"hash":"0xf909515cb9f6d463"},
+{"kind":"attribute","name":"speed_override","doc":"Factor of `override_speed`.","type":"double","readonly":true,"unit":"1","read_access":"sensor","codes":{"get":34307637},"hash":"0x78256f74e6a4faff"},
+{"kind":"attribute","name":"standing","doc":"Whether the arm stands, by its measured joint positions. After a stop, a command ends before the arm stands.","type":"boolean","readonly":true,"read_access":"sensor","codes":{"get":1808856709},"hash":"0x1031d81d03f43ec5"},
+{"kind":"event","name":"stood","doc":"The arm has come to rest, with its tool there.","type":"robcl::Manipulator::stood","readonly":true,"stream":{"direction":"out","largest":60},"read_access":"sensor","codes":{"stream":3505985172},"hash":"0xcd7e2a4c2a3acb27"},
+{"kind":"attribute","name":"missed_cycles","doc":"Cycles that the control loop has missed since the start of the server. A missed cycle delays the motion.","type":"uint64","readonly":true,"read_access":"sensor","codes":{"get":791224718},"hash":"0xd882759adbc634bd"},
 {"kind":"operation","name":"follow","doc":"Moves the tool by the samples of `alter`, from where it stands, until it is cancelled. What the limits of the arm do not allow in one cycle follows in the next ones.","parameters":[{"name":"axes","direction":"in","type":"robcl::FollowMode"},{"name":"limits","direction":"in","type":"robcl::FollowLimits","optional":true}],"raises":["robcl::CorrectionsStopped"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::FollowState","on_new":"queue","on_loss":"stop","qos":{"quality_class":"HARD_REALTIME","media":["shm","can"]},"code":3270902176,"hash":"0x83451582d3f132ad"},
 {"kind":"attribute","name":"alter","doc":"Corrections for `follow`: each is multiplied to the pose that the tool is moving to, in order and at the beginning of a cycle.","type":"robcl::Frame","stream":{"direction":"in","rate_hz":1000.0,"watchdog_ns":48000000,"largest":56},"write_access":"actor","write_needs_presence":true,"qos":{"quality_class":"HARD_REALTIME","depth":64,"media":["shm","can"]},"codes":{"stream":2258633307},"hash":"0x58d3c93f202ac8d1"},
 {"kind":"attribute","name":"cycle","doc":"Period of the arm\u0027s control loop.","type":"double","readonly":true,"unit":"s","read_access":"sensor","codes":{"get":89107713},"hash":"0x38a6c7959e7f00ad"}]},
@@ -83,7 +94,8 @@ constinit const gecos::InterfaceDescription ManipulatorInterface::description{
 {"kind":"enum","name":"robcl::Shoulder","default_literal":"RIGHTY","enumerators":[{"name":"RIGHTY","value":0},{"name":"LEFTY","value":1}]},
 {"kind":"enum","name":"robcl::Elbow","default_literal":"ABOVE","enumerators":[{"name":"ABOVE","value":0},{"name":"BELOW","value":1}]},
 {"kind":"enum","name":"robcl::Wrist","default_literal":"NOFLIP","enumerators":[{"name":"NOFLIP","value":0},{"name":"FLIP","value":1}]},
-{"kind":"struct","name":"robcl::Configuration","doc":"Which of the ways to reach its pose the arm is in. A member is absent at a singularity, and where an arm has no such choice.","extensibility":"appendable","members":[{"name":"arm","type":"robcl::Shoulder","optional":true},{"name":"bend","type":"robcl::Elbow","optional":true},{"name":"hand","type":"robcl::Wrist","optional":true}],"wire":{"fingerprint":"0x410bc4d5af6e6201","min_size":3}}],
+{"kind":"struct","name":"robcl::Configuration","doc":"Which of the ways to reach its pose the arm is in. A member is absent at a singularity, and where an arm has no such choice.","extensibility":"appendable","members":[{"name":"arm","type":"robcl::Shoulder","optional":true},{"name":"bend","type":"robcl::Elbow","optional":true},{"name":"hand","type":"robcl::Wrist","optional":true}],"wire":{"fingerprint":"0x410bc4d5af6e6201","min_size":3}},
+{"kind":"struct","name":"robcl::Manipulator::stood","doc":"The parameters of the event `stood`.","extensibility":"appendable","members":[{"name":"tool","type":"robcl::Frame"}],"wire":{"fingerprint":"0xf61c72853422178c","min_size":56,"fixed_size":56}}],
 "references":[]})json",
 };
 

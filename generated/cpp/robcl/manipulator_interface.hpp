@@ -11,19 +11,24 @@ namespace robcl {
 struct ManipulatorInterface {
   static const gecos::InterfaceDescription description;
 
-  static const gecos::OperationDescription operations[8];
-  static constexpr const gecos::OperationDescription& cycle = operations[0];
-  static constexpr const gecos::OperationDescription& tool = operations[1];
-  static constexpr const gecos::OperationDescription& move = operations[2];
-  static constexpr const gecos::OperationDescription& tool_offset = operations[3];
-  static constexpr const gecos::OperationDescription& posture = operations[4];
-  static constexpr const gecos::OperationDescription& follow = operations[5];
-  static constexpr const gecos::OperationDescription& flange = operations[6];
-  static constexpr const gecos::OperationDescription& set_tool_offset = operations[7];
+  static const gecos::OperationDescription operations[12];
+  static constexpr const gecos::OperationDescription& speed_override = operations[0];
+  static constexpr const gecos::OperationDescription& cycle = operations[1];
+  static constexpr const gecos::OperationDescription& tool = operations[2];
+  static constexpr const gecos::OperationDescription& missed_cycles = operations[3];
+  static constexpr const gecos::OperationDescription& move = operations[4];
+  static constexpr const gecos::OperationDescription& tool_offset = operations[5];
+  static constexpr const gecos::OperationDescription& standing = operations[6];
+  static constexpr const gecos::OperationDescription& posture = operations[7];
+  static constexpr const gecos::OperationDescription& follow = operations[8];
+  static constexpr const gecos::OperationDescription& flange = operations[9];
+  static constexpr const gecos::OperationDescription& set_tool_offset = operations[10];
+  static constexpr const gecos::OperationDescription& override_speed = operations[11];
 
-  static const gecos::StreamDescription streams[2];
+  static const gecos::StreamDescription streams[3];
   static constexpr const gecos::StreamDescription& tool_stream = streams[0];
-  static constexpr const gecos::StreamDescription& flange_stream = streams[1];
+  static constexpr const gecos::StreamDescription& stood_stream = streams[1];
+  static constexpr const gecos::StreamDescription& flange_stream = streams[2];
 
   static const gecos::InwardDescription inward_streams[1];
   static constexpr const gecos::InwardDescription& alter_stream = inward_streams[0];

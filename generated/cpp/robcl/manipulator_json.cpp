@@ -129,4 +129,11 @@ bool JsonStruct<::robcl::Configuration>::visit(JsonMembers& each, ::robcl::Confi
          each.member("hand", value.hand);
 }
 
+template <>
+bool JsonStruct<::robcl::Manipulator_stood>::visit(
+    JsonMembers& each,
+    ::robcl::Manipulator_stood& value) {
+  return each.member("tool", value.tool);
+}
+
 }  // namespace gecos::wire

@@ -84,4 +84,11 @@ struct JsonShape<::robcl::Configuration> : JsonStruct<::robcl::Configuration> {}
 template <>
 bool JsonStruct<::robcl::Configuration>::visit(JsonMembers& each, ::robcl::Configuration& value);
 
+template <>
+struct JsonShape<::robcl::Manipulator_stood> : JsonStruct<::robcl::Manipulator_stood> {};
+template <>
+bool JsonStruct<::robcl::Manipulator_stood>::visit(
+    JsonMembers& each,
+    ::robcl::Manipulator_stood& value);
+
 }  // namespace gecos::wire

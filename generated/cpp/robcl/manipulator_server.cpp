@@ -47,6 +47,20 @@ bool ManipulatorServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call
           how,
           run), {"robcl::OutOfReach", "robcl::JointLimit", "robcl::Singular"});
     }
+    case 0xe4bf65c9: {  // override_speed
+      gecos::wire::Decoder from(call.arguments());
+      double factor{};
+      const bool read = from.get(factor, "override_speed.factor") &&
+          gecos::wire::within(from, factor, {0.0, 1.0}, "override_speed.factor", "[0.0, 1.0] 1");
+      if (!read) return call.refuse(from.error());
+      return call.answer(this->override_speed(factor), {});
+    }
+    case 0x020b7e35:  // speed_override
+      return call.answer("robcl::Manipulator::speed_override", this->speed_override(), {});
+    case 0x6bd0f685:  // standing
+      return call.answer("robcl::Manipulator::standing", this->standing(), {});
+    case 0x2f29218e:  // missed_cycles
+      return call.answer("robcl::Manipulator::missed_cycles", this->missed_cycles(), {});
     case 0xc2f601a0: {  // follow
       gecos::wire::Decoder from(call.arguments());
       ::robcl::FollowMode axes{};
@@ -68,6 +82,16 @@ bool ManipulatorServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call
 
 void ManipulatorServant::publish_tool(const ::robcl::Frame& value, std::int64_t stamp_ns) {
   gecos_publish(ManipulatorInterface::tool_stream, "robcl::Manipulator::tool", value, stamp_ns);
+}
+
+void ManipulatorServant::publish_stood(
+    const ::robcl::Manipulator_stood& value,
+    std::int64_t stamp_ns) {
+  gecos_publish_block(
+      ManipulatorInterface::stood_stream,
+      "robcl::Manipulator::stood",
+      value,
+      stamp_ns);
 }
 
 void ManipulatorServant::publish_flange(const ::robcl::Frame& value, std::int64_t stamp_ns) {

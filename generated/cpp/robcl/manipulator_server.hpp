@@ -23,6 +23,11 @@ class ManipulatorServant : public virtual ::robcl::DeviceServant {
   /// A new sample of `tool`, measured at `stamp_ns`. One thread at a time.
   void publish_tool(const ::robcl::Frame& value, std::int64_t stamp_ns = gecos::unix_now_ns());
 
+  /// Sends the event `stood`, which occurred at `stamp_ns`. Any thread.
+  void publish_stood(
+      const ::robcl::Manipulator_stood& value,
+      std::int64_t stamp_ns = gecos::unix_now_ns());
+
   /// A new sample of `flange`, measured at `stamp_ns`. One thread at a time.
   void publish_flange(const ::robcl::Frame& value, std::int64_t stamp_ns = gecos::unix_now_ns());
 
@@ -49,6 +54,22 @@ class ManipulatorServant : public virtual ::robcl::DeviceServant {
       const ::robcl::Frame& goal,
       const std::optional<::robcl::Trajectory>& how,
       gecos::Execution<::robcl::MotionProgress>& run) = 0;
+
+  /// Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as
+  /// planned, 0 pauses it on its path. The factor stays until it is set again.
+  /// @param factor [1, 0.0 to 1.0]
+  virtual gecos::Result<void> override_speed(double factor) = 0;
+
+  /// Factor of `override_speed`. [1]
+  virtual gecos::Result<double> speed_override() = 0;
+
+  /// Whether the arm stands, by its measured joint positions. After a stop, a command ends
+  /// before the arm stands.
+  virtual gecos::Result<bool> standing() = 0;
+
+  /// Cycles that the control loop has missed since the start of the server. A missed cycle
+  /// delays the motion.
+  virtual gecos::Result<std::uint64_t> missed_cycles() = 0;
 
   /// Moves the tool by the samples of `alter`, from where it stands, until it is cancelled.
   /// What the limits of the arm do not allow in one cycle follows in the next ones.

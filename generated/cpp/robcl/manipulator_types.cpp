@@ -481,4 +481,18 @@ std::ostream& operator<<(std::ostream& out, const Configuration& value) {
       "Configuration{arm=", value.arm, ", bend=", value.bend, ", hand=", value.hand, "}");
 }
 
+std::size_t Manipulator_stood::encoded_size() const { return 56; }
+
+void Manipulator_stood::encode(gecos::wire::Encoder& to) const { tool.encode(to); }
+
+bool Manipulator_stood::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return tool.decode(from) &&
+         gecos::wire::skip_rest(from);
+}
+
+std::ostream& operator<<(std::ostream& out, const Manipulator_stood& value) {
+  return gecos::wire::print_all(out,
+      "Manipulator_stood{tool=", value.tool, "}");
+}
+
 }  // namespace robcl

@@ -252,4 +252,18 @@ struct Configuration {
 };
 std::ostream& operator<<(std::ostream& out, const Configuration& value);
 
+/// The parameters of the event `stood`.
+struct Manipulator_stood {
+  ::robcl::Frame tool{};
+
+  static constexpr std::string_view type_name() { return "robcl::Manipulator::stood"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xf61c72853422178cU); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const Manipulator_stood&, const Manipulator_stood&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const Manipulator_stood& value);
+
 }  // namespace robcl

@@ -8,6 +8,7 @@ from abc import abstractmethod as _abstractmethod
 from gecos.command import Command as _Command
 from gecos.execution import Execution as _Execution
 from gecos.interface import Access as _Access
+from gecos.interface import Event as _EventTable
 from gecos.interface import Inward as _InwardTable
 from gecos.interface import Kind as _Kind
 from gecos.interface import Media as _Media
@@ -15,12 +16,14 @@ from gecos.interface import Method as _Method
 from gecos.interface import Operation as _Operation
 from gecos.interface import Quality as _Quality
 from gecos.interface import QualityClass as _QualityClass
+from gecos.interface import event as _event
 from gecos.interface import getter as _getter
 from gecos.interface import interface as _interface
 from gecos.interface import inward as _inward
 from gecos.interface import method as _method
 from gecos.interface import values as _values
 from gecos.inward import Inward as _Inward
+from gecos.proxy import Event as _Event
 from gecos.proxy import StreamAttribute as _StreamAttribute
 from gecos.wire import layout as _layout
 from gecos.writer import InwardAttribute as _InwardAttribute
@@ -35,6 +38,7 @@ from robcl.manipulator_types import (
     FollowMode,
     FollowState,
     JointLimit,
+    Manipulator_stood,
     MotionProgress,
     OutOfReach,
     PathType,
@@ -55,6 +59,7 @@ __all__ = [
     "JointLimit",
     "Manipulator",
     "ManipulatorServant",
+    "Manipulator_stood",
     "MotionProgress",
     "OutOfReach",
     "PathType",
@@ -120,6 +125,22 @@ _MANIPULATOR_MOVE: _Method[None, MotionProgress] = _method(
     feedback=MotionProgress,
     raises=(OutOfReach, JointLimit, Singular),
 )
+_MANIPULATOR_OVERRIDE_SPEED: _Method[None, None] = _method(
+    _Operation(0xE4BF65C9, "override_speed", _Access.ACTOR, parallel=True, hash=0xF909515CB9F6D463),
+    takes=_values("factor", _layout.ranged("d", 0.0, 1.0, unit="1")),
+)
+_MANIPULATOR_SPEED_OVERRIDE: _Method[float, None] = _method(
+    _getter(0x020B7E35, "speed_override", _Access.SENSOR, hash=0x78256F74E6A4FAFF),
+    gives="d",
+)
+_MANIPULATOR_STANDING: _Method[bool, None] = _method(
+    _getter(0x6BD0F685, "standing", _Access.SENSOR, hash=0x1031D81D03F43EC5),
+    gives="?",
+)
+_MANIPULATOR_MISSED_CYCLES: _Method[int, None] = _method(
+    _getter(0x2F29218E, "missed_cycles", _Access.SENSOR, hash=0xD882759ADBC634BD),
+    gives="Q",
+)
 _MANIPULATOR_FOLLOW: _Method[None, FollowState] = _method(
     _Operation(
         0xC2F601A0,
@@ -148,12 +169,25 @@ _MANIPULATOR_ALTER: _InwardTable[Frame] = _inward(
     quality=_Quality(line=_QualityClass.HARD_REALTIME, depth=64, media=_Media.SHM | _Media.CAN),
     hash=0x58D3C93F202AC8D1,
 )
-_MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"hash":"0xabad4cacd26e185f","members":[
+_MANIPULATOR_STOOD: _EventTable[Manipulator_stood] = _event(
+    0xD0F91694,
+    "stood",
+    _Access.SENSOR,
+    gives=Manipulator_stood,
+    largest=60,
+    hash=0xCD7E2A4C2A3ACB27,
+)
+_MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"nested":["robcl::Manipulator::stood"],"hash":"0xcaa6382fe14de9d6","members":[
 {"kind":"attribute","name":"tool","doc":"Tool frame in the world, as measured.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":20000000},"codes":{"get":656093559,"stream":656093559},"hash":"0xe4a63fbb9f4aa676"},
 {"kind":"attribute","name":"flange","doc":"Flange in the world, as measured: where grippers and sensors are mounted.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":20000000},"codes":{"get":3590499756,"stream":3590499756},"hash":"0x294c864a0a1bb0d9"},
 {"kind":"attribute","name":"posture","doc":"Configuration that the arm is in.","type":"robcl::Configuration","readonly":true,"read_access":"sensor","codes":{"get":2355008027},"hash":"0x3d861e0f224574c5"},
 {"kind":"attribute","name":"tool_offset","doc":"Tool frame seen from the flange. Setting it is refused while moving.","type":"robcl::Frame","read_access":"sensor","write_access":"actor","write_needs_presence":true,"codes":{"get":1576561611,"set":3826381890},"hash":"0xd5db88cc5c4a48ee"},
 {"kind":"operation","name":"move","doc":"Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal.","parameters":[{"name":"goal","direction":"in","type":"robcl::Frame"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true}],"raises":["robcl::OutOfReach","robcl::JointLimit","robcl::Singular"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"queue","on_loss":"stop","code":889709316,"hash":"0xc58c2180678c1d75"},
+{"kind":"operation","name":"override_speed","doc":"Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as planned, 0 pauses it on its path. The factor stays until it is set again.","parameters":[{"name":"factor","direction":"in","type":"double","unit":"1","range":{"min":0.0,"max":1.0}}],"access":"actor","needs_presence":true,"on_new":"queue","on_loss":"stop","parallel":true,"code":3837748681,"hash":"0xf909515cb9f6d463"},
+{"kind":"attribute","name":"speed_override","doc":"Factor of `override_speed`.","type":"double","readonly":true,"unit":"1","read_access":"sensor","codes":{"get":34307637},"hash":"0x78256f74e6a4faff"},
+{"kind":"attribute","name":"standing","doc":"Whether the arm stands, by its measured joint positions. After a stop, a command ends before the arm stands.","type":"boolean","readonly":true,"read_access":"sensor","codes":{"get":1808856709},"hash":"0x1031d81d03f43ec5"},
+{"kind":"event","name":"stood","doc":"The arm has come to rest, with its tool there.","type":"robcl::Manipulator::stood","readonly":true,"stream":{"direction":"out","largest":60},"read_access":"sensor","codes":{"stream":3505985172},"hash":"0xcd7e2a4c2a3acb27"},
+{"kind":"attribute","name":"missed_cycles","doc":"Cycles that the control loop has missed since the start of the server. A missed cycle delays the motion.","type":"uint64","readonly":true,"read_access":"sensor","codes":{"get":791224718},"hash":"0xd882759adbc634bd"},
 {"kind":"operation","name":"follow","doc":"Moves the tool by the samples of `alter`, from where it stands, until it is cancelled. What the limits of the arm do not allow in one cycle follows in the next ones.","parameters":[{"name":"axes","direction":"in","type":"robcl::FollowMode"},{"name":"limits","direction":"in","type":"robcl::FollowLimits","optional":true}],"raises":["robcl::CorrectionsStopped"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::FollowState","on_new":"queue","on_loss":"stop","qos":{"quality_class":"HARD_REALTIME","media":["shm","can"]},"code":3270902176,"hash":"0x83451582d3f132ad"},
 {"kind":"attribute","name":"alter","doc":"Corrections for `follow`: each is multiplied to the pose that the tool is moving to, in order and at the beginning of a cycle.","type":"robcl::Frame","stream":{"direction":"in","rate_hz":1000.0,"watchdog_ns":48000000,"largest":56},"write_access":"actor","write_needs_presence":true,"qos":{"quality_class":"HARD_REALTIME","depth":64,"media":["shm","can"]},"codes":{"stream":2258633307},"hash":"0x58d3c93f202ac8d1"},
 {"kind":"attribute","name":"cycle","doc":"Period of the arm\u0027s control loop.","type":"double","readonly":true,"unit":"s","read_access":"sensor","codes":{"get":89107713},"hash":"0x38a6c7959e7f00ad"}]},
@@ -175,12 +209,13 @@ _MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::
 {"kind":"enum","name":"robcl::Shoulder","default_literal":"RIGHTY","enumerators":[{"name":"RIGHTY","value":0},{"name":"LEFTY","value":1}]},
 {"kind":"enum","name":"robcl::Elbow","default_literal":"ABOVE","enumerators":[{"name":"ABOVE","value":0},{"name":"BELOW","value":1}]},
 {"kind":"enum","name":"robcl::Wrist","default_literal":"NOFLIP","enumerators":[{"name":"NOFLIP","value":0},{"name":"FLIP","value":1}]},
-{"kind":"struct","name":"robcl::Configuration","doc":"Which of the ways to reach its pose the arm is in. A member is absent at a singularity, and where an arm has no such choice.","extensibility":"appendable","members":[{"name":"arm","type":"robcl::Shoulder","optional":true},{"name":"bend","type":"robcl::Elbow","optional":true},{"name":"hand","type":"robcl::Wrist","optional":true}],"wire":{"fingerprint":"0x410bc4d5af6e6201","min_size":3}}],
+{"kind":"struct","name":"robcl::Configuration","doc":"Which of the ways to reach its pose the arm is in. A member is absent at a singularity, and where an arm has no such choice.","extensibility":"appendable","members":[{"name":"arm","type":"robcl::Shoulder","optional":true},{"name":"bend","type":"robcl::Elbow","optional":true},{"name":"hand","type":"robcl::Wrist","optional":true}],"wire":{"fingerprint":"0x410bc4d5af6e6201","min_size":3}},
+{"kind":"struct","name":"robcl::Manipulator::stood","doc":"The parameters of the event `stood`.","extensibility":"appendable","members":[{"name":"tool","type":"robcl::Frame"}],"wire":{"fingerprint":"0xf61c72853422178c","min_size":56,"fixed_size":56}}],
 "references":[]}'''
 _MANIPULATOR = _interface(
     "robcl::Manipulator",
     "1.0",
-    0xABAD4CACD26E185F,
+    0xCAA6382FE14DE9D6,
     (Device,),
     (
         _MANIPULATOR_TOOL,
@@ -189,11 +224,16 @@ _MANIPULATOR = _interface(
         _MANIPULATOR_TOOL_OFFSET,
         _MANIPULATOR_SET_TOOL_OFFSET,
         _MANIPULATOR_MOVE,
+        _MANIPULATOR_OVERRIDE_SPEED,
+        _MANIPULATOR_SPEED_OVERRIDE,
+        _MANIPULATOR_STANDING,
+        _MANIPULATOR_MISSED_CYCLES,
         _MANIPULATOR_FOLLOW,
         _MANIPULATOR_CYCLE,
     ),
     model=_MANIPULATOR_SERVED_MODEL,
     inward=(_MANIPULATOR_ALTER,),
+    events=(_MANIPULATOR_STOOD,),
 )
 
 
@@ -241,6 +281,33 @@ class Manipulator(Device):
         """
         return self._gecos_call(_MANIPULATOR_MOVE, _MANIPULATOR_MOVE.request(goal, how))
 
+    def override_speed(self, factor: float) -> _Command[None]:
+        """Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as
+        planned, 0 pauses it on its path. The factor stays until it is set again.
+
+        factor: [1, 0.0 to 1.0]
+        """
+        return self._gecos_call(
+            _MANIPULATOR_OVERRIDE_SPEED,
+            _MANIPULATOR_OVERRIDE_SPEED.request(factor),
+        )
+
+    def speed_override(self) -> _Command[float]:
+        """Factor of `override_speed`. [1]"""
+        return self._gecos_call(_MANIPULATOR_SPEED_OVERRIDE, [])
+
+    def standing(self) -> _Command[bool]:
+        """Whether the arm stands, by its measured joint positions. After a stop, a command ends
+        before the arm stands.
+        """
+        return self._gecos_call(_MANIPULATOR_STANDING, [])
+
+    def missed_cycles(self) -> _Command[int]:
+        """Cycles that the control loop has missed since the start of the server. A missed cycle
+        delays the motion.
+        """
+        return self._gecos_call(_MANIPULATOR_MISSED_CYCLES, [])
+
     def follow(
         self,
         axes: FollowMode,
@@ -265,6 +332,11 @@ class Manipulator(Device):
         Takes 1000 samples a second.
         """
         return _InwardAttribute(self, _MANIPULATOR_ALTER)
+
+    @property
+    def stood(self) -> _Event[Manipulator_stood]:
+        """The arm has come to rest, with its tool there."""
+        return _Event(self, _MANIPULATOR_STOOD)
 
 
 class ManipulatorServant(DeviceServant):
@@ -311,6 +383,30 @@ class ManipulatorServant(DeviceServant):
         """
 
     @_abstractmethod
+    def override_speed(self, factor: float) -> None:
+        """Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as
+        planned, 0 pauses it on its path. The factor stays until it is set again.
+
+        factor: [1, 0.0 to 1.0]
+        """
+
+    @_abstractmethod
+    def speed_override(self) -> float:
+        """Factor of `override_speed`. [1]"""
+
+    @_abstractmethod
+    def standing(self) -> bool:
+        """Whether the arm stands, by its measured joint positions. After a stop, a command ends
+        before the arm stands.
+        """
+
+    @_abstractmethod
+    def missed_cycles(self) -> int:
+        """Cycles that the control loop has missed since the start of the server. A missed cycle
+        delays the motion.
+        """
+
+    @_abstractmethod
     def follow(
         self,
         axes: FollowMode,
@@ -334,3 +430,7 @@ class ManipulatorServant(DeviceServant):
     def publish_flange(self, value: Frame, stamp: float | None = None) -> None:
         """Publishes a sample of `flange`. `stamp`: Unix time in s; None: now."""
         self._gecos_publish(0xD602ADAC, _MANIPULATOR_FLANGE.body(value), stamp)
+
+    def publish_stood(self, value: Manipulator_stood, stamp: float | None = None) -> None:
+        """Sends the event `stood` to all subscribers. `stamp`: Unix time in s; None: now."""
+        self._gecos_publish(0xD0F91694, _MANIPULATOR_STOOD.body(value), stamp)

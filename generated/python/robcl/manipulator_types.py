@@ -9,6 +9,7 @@ from enum import IntEnum as _IntEnum
 
 from gecos.errors import DeclaredError as _DeclaredError
 from gecos.wire import layout as _layout
+from robcl.geometry_types import Frame
 
 __all__ = [
     "Blend",
@@ -19,6 +20,7 @@ __all__ = [
     "FollowMode",
     "FollowState",
     "JointLimit",
+    "Manipulator_stood",
     "MotionProgress",
     "OutOfReach",
     "PathType",
@@ -212,3 +214,11 @@ class Configuration(_layout.Struct):
     arm: Shoulder | None = None
     bend: Elbow | None = None
     hand: Wrist | None = None
+
+
+@_layout.struct(0xF61C72853422178C, Frame, open=True, label="stood")
+@_dataclass(slots=True)
+class Manipulator_stood(_layout.Struct):
+    """The parameters of the event `stood`."""
+
+    tool: Frame = _field(default_factory=Frame)

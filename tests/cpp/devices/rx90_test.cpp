@@ -65,6 +65,44 @@ TEST_F(Rx90Test, StoppedByAnotherProgramItStandsOnItsWay) {
   EXPECT_GT(distance(arm_.tool(), goal), 100_mm);
 }
 
+TEST_F(Rx90Test, AMotionIsPausedAndGoesOnByTheOverrideOfItsSpeed) {
+  const auto lease = gecos::actor(robot_);
+  ASSERT_TRUE(lease) << lease.error();
+  auto stood = robot_.stood(gecos::stream);
+  ASSERT_TRUE(stood) << stood.error();
+  const Frame goal = robot_.tool().get().value() * translate(0, 0, -100_mm);
+  EXPECT_EQ(robot_.speed_override().get().value(), 1);
+  EXPECT_TRUE(robot_.standing().get().value());
+  const auto move =
+      robot_.move(goal, robcl::Trajectory{.path = robcl::PathType::STRAIGHT, .tool_speed = 0.1});
+  while (move.wait_for(1ms) == gecos::State::Running) {  // progress comes every 5 ms
+    cycle()();
+    if (move.feedback() && move.feedback()->fraction > 0.1) break;
+  }
+  EXPECT_FALSE(robot_.standing().get().value());
+
+  ASSERT_TRUE(get(robot_.override_speed(0), cycle()));
+  for (int i = 0; i < 300; ++i) cycle()();
+  const Frame paused = robot_.tool().get().value();
+  for (int i = 0; i < 50; ++i) cycle()();
+  EXPECT_LT(distance(robot_.tool().get().value(), paused), 1e-4);
+  EXPECT_EQ(move.state(), gecos::State::Running);
+  EXPECT_FALSE(stood->next(0ms)) << "a paused motion has not come to rest";
+
+  ASSERT_TRUE(get(robot_.override_speed(0.5), cycle()));
+  EXPECT_EQ(robot_.speed_override().get().value(), 0.5);
+  ASSERT_TRUE(get(move, cycle())) << move.get().error();
+  EXPECT_LT(distance(robot_.tool().get().value(), goal), 1e-4);
+  cycle()();
+  const auto rest = stood->next(1s);
+  ASSERT_TRUE(rest);
+  EXPECT_LT(distance(rest->value.tool, goal), 1e-4);
+  EXPECT_EQ(robot_.missed_cycles().get().value(), 0U);
+  const auto faster = robot_.override_speed(1.5).get();
+  ASSERT_FALSE(faster);
+  EXPECT_EQ(faster.error().detail, gecos::Detail::BadParameter) << faster.error();
+}
+
 TEST_F(Rx90Test, StandsOnTheFloorAndOnNoOtherArm) {
   const auto lease = gecos::actor(robot_);
   const auto refused = robot_.mount("PUMA", Frame()).get();

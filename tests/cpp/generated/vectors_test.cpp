@@ -23,7 +23,10 @@ TEST(GeneratedVectors, EveryValuePrintsItsTypeUnlessItIsWrittenByHand) {
   for (const Case& each : cases()) {
     const std::string type(each.type);
     if (type == "robcl::Frame") continue;
-    EXPECT_EQ(each.print().find(type.substr(type.rfind(':') + 1) + "{"), 0u) << each.print();
+    const std::string printed = each.print().substr(0, each.print().find('{'));
+    // The type of an event has the name of its interface, too: Button_pressed.
+    EXPECT_TRUE(printed.ends_with(type.substr(type.rfind(':') + 1))) << each.print();
+    EXPECT_LE(printed.size(), type.size()) << each.print();
     EXPECT_EQ(each.print().back(), '}');
   }
 }

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <optional>
@@ -354,6 +355,86 @@ TEST_P(RandomMoves, ThatWaitedAtAnyTimeGoOnFromRestOnTheirPathAndKeepAllLimits) 
     ASSERT_EQ(all.back(), plan->goal());
     ASSERT_EQ(playback.fraction(), 1);
   }
+}
+
+/// How far `joints` is from the path of `plan`, in rad. The path is searched from `s` on, which
+/// moves to the nearest place.
+double off_path(const Plan& plan, const JointValues& joints, double& s) {
+  const auto away = [&](double at) { return (plan.path.position(at) - joints).norm(); };
+  constexpr double coarse = 1e-3;
+  for (double at = s; at <= 1; at += coarse) {
+    if (away(at) < away(s)) s = at;
+  }
+  for (double step = coarse; step > 1e-13; step /= 2) {
+    while (s + step <= 1 && away(s + step) < away(s)) s += step;
+    while (s - step >= 0 && away(s - step) < away(s)) s -= step;
+  }
+  return away(s);
+}
+
+TEST_P(RandomMoves, OverriddenAndPausedAtAnyTimeKeepTheirPathAndAllLimits) {
+  RandomJoints random(model_, 16);
+  std::mt19937 engine(16);
+  constexpr std::array factors{0.0, 0.1, 0.5, 0.9, 1.0};
+  for (int made = 0; made < moves;) {
+    const auto plan = random_move(random, made % 2 == 0);
+    if (!plan) continue;
+    ++made;
+    const double duration = plan->law.duration();
+    std::exponential_distribution<double> lasts(6 / duration);
+    for (const double period : {0.001, 0.004}) {
+      Playback playback(*plan);
+      std::vector<JointValues> all(2, plan->start());
+      double fraction = 0, until = 0, time = 0, s = 0;
+      for (; !playback.standing(); time += period) {
+        if (time >= until) {
+          until = time + lasts(engine);
+          // In the end it goes on at full speed.
+          playback.set_override(time < 3 * duration ? factors[engine() % factors.size()] : 1);
+        }
+        all.push_back(playback.advance(period));
+        ASSERT_GE(playback.fraction(), fraction);
+        fraction = playback.fraction();
+        ASSERT_LT(time, 6 * duration + 1) << "does not arrive";
+        if (made % 5 != 0 || all.size() % 64 != 0) continue;
+        ASSERT_LT(off_path(*plan, all.back(), s), 1e-6);
+      }
+      all.insert(all.end(), 2, playback.advance(period));
+      SCOPED_TRACE("move " + std::to_string(made) + " at a period of " + std::to_string(period));
+      ASSERT_NO_FATAL_FAILURE(expect_within_limits(model_, all, {}, period));
+      ASSERT_EQ(all.back(), plan->goal());
+    }
+  }
+}
+
+TEST_F(Motion, AnOverrideScalesTheSpeedAndZeroPausesUntilItIsRaised) {
+  const Frame goal = planner_.base_from_tool(ready, {}) * translate(0, 0, -0.2);
+  const Plan plan = planner_.straight(ready, goal, {}, {}).value();
+  Playback playback(plan);
+  playback.set_override(0.5);
+  double time = 0;
+  for (; !playback.standing(); time += cycle) playback.advance(cycle);
+  EXPECT_NEAR(time, 2 * plan.law.duration(), 0.2 * plan.law.duration());
+
+  Playback paused(plan);
+  for (int i = 0; i < 20; ++i) paused.advance(cycle);
+  paused.set_override(0);
+  for (int i = 0; i < 500; ++i) paused.advance(cycle);
+  const JointValues held = paused.advance(cycle);
+  EXPECT_EQ(paused.advance(cycle), held);
+  EXPECT_FALSE(paused.standing()) << "it goes on later";
+  EXPECT_GT(paused.remaining(), 0);
+  paused.set_override(1);
+  for (int i = 0; !paused.standing() && i < 10'000; ++i) paused.advance(cycle);
+  EXPECT_EQ(paused.advance(cycle), plan.goal());
+
+  Playback stopped(plan);
+  for (int i = 0; i < 20; ++i) stopped.advance(cycle);
+  stopped.set_override(0);
+  for (int i = 0; i < 500; ++i) stopped.advance(cycle);
+  stopped.stop();
+  stopped.advance(cycle);
+  EXPECT_TRUE(stopped.standing()) << "a paused motion can be stopped";
 }
 
 TEST(Pace, ItsProblemIsNamed) {

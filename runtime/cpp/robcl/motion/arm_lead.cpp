@@ -50,7 +50,7 @@ void ArmLead::put_at(const JointValues& joints) {
   lead_ = ToolLead{at_.place.base_from_flange * flange_from_tool_};
 }
 
-Hold ArmLead::move(const std::optional<Frame>& target, const JointLimiter& followers,
+Hold ArmLead::move(const std::optional<Frame>& target, double share, const JointLimiter& followers,
                    double cycle) {
   if (lead_.at_rest() && (!target || lead_.is_at(*target))) return {};
   ToolLimits limits = limits_at(at_.place, lead_, target.value_or(lead_.pose));
@@ -58,6 +58,8 @@ Hold ArmLead::move(const std::optional<Frame>& target, const JointLimiter& follo
     limits.speed = std::min(limits.speed, lead_.speed.norm() / excess);
     limits.turn_speed = std::min(limits.turn_speed, lead_.turn_speed.norm() / excess);
   }
+  limits.speed *= share;
+  limits.turn_speed *= share;
   if (!followers.near_target(cycle)) limits.speed = limits.turn_speed = 0;
   std::optional<Hold> hold;
   if (target) hold = try_towards(*target, limits, cycle);

@@ -34,7 +34,9 @@ class ArmLead {
   /// Moves for one cycle of `cycle` seconds towards `target`, or brakes if it must not, or if there
   /// is no target. `followers`: the joints that follow the lead, which waits when they are behind.
   /// If it cannot brake within their limits, it is put where they stand soonest.
-  Hold move(const std::optional<Frame>& target, const JointLimiter& followers, double cycle);
+  /// `share`: the share of its speed limits that the lead may use, 0 to 1.
+  Hold move(const std::optional<Frame>& target, double share, const JointLimiter& followers,
+            double cycle);
   /// Stands where the arm has the joint positions `joints`.
   void put_at(const JointValues& joints);
 

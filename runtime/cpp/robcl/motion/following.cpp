@@ -26,7 +26,7 @@ Following::Following(const arm::ArmModel& model, const JointValues& start,
 JointValues Following::advance(double seconds) {
   if (!stopping_) take_corrections();
   const auto target = stopping_ ? std::nullopt : std::optional(target_);
-  const Hold hold = lead_.move(target, joints_, seconds);
+  const Hold hold = lead_.move(target, override_, joints_, seconds);
   joints_.follow(lead_.joints(), seconds);
   report(hold);
   return joints_.joints();

@@ -68,6 +68,8 @@ class Following final : public TrajectoryGenerator {
 
   const JointValues& start() const override { return start_; }
   JointValues advance(double seconds) override;
+  /// Scales the limits of the tool's speed.
+  void set_override(double factor) override { override_ = factor; }
   void stop() override { stopping_ = true; }
   void rest() override;
   bool standing() const override {
@@ -96,6 +98,7 @@ class Following final : public TrajectoryGenerator {
   Frame target_;         // the corrections have brought the tool here
   JointLimiter joints_;  // at the lead, unless a joint cannot follow
   FollowState state_;
+  double override_ = 1;
   bool stopping_ = false;
   bool expired_ = false;
 };

@@ -20,6 +20,13 @@ JointValues Playback::advance(double seconds) {
   return standing_ && s_ >= 1 ? plan_.goal() : plan_.path.position(s_);
 }
 
+void Playback::set_override(double factor) {
+  if (factor == override_) return;
+  override_ = factor;
+  const bool moves = !standing_ && plan_.law.duration() > 0;
+  if (moves && mode_ != Mode::Braking) leave_law(Mode::Scaled);
+}
+
 void Playback::stop() {
   if (mode_ != Mode::Braking) leave_law(Mode::Braking);
 }
@@ -28,7 +35,7 @@ void Playback::rest() {
   if (standing_) return;
   speed_ = 0;
   standing_ = mode_ == Mode::Braking;
-  if (!standing_) leave_law(Mode::Resuming);
+  if (!standing_) leave_law(Mode::Scaled);
 }
 
 void Playback::leave_law(Mode mode) {
@@ -56,12 +63,15 @@ void Playback::begin_piece() {
   const double part = 1 - std::min(way / step, 1.0);
   const double x = speed_ * speed_;
   const PathBounds::Interval allowed = plan_.braking.over_rest(piece_.knot, part, x);
-  const double next = plan_.law.speed(piece_.knot + 1);
-  const double at_most = way > 0 ? (next * next - x) / (2 * way) : 0;
-  if (mode_ == Mode::Braking) {
-    piece_.acceleration = std::min(allowed.lower, at_most);
-  } else if (next > 0 || x > 0) {
-    piece_.acceleration = std::min(allowed.upper, at_most);
+  const bool brakes = mode_ == Mode::Braking || override_ == 0;
+  const double next = (brakes ? 1 : override_) * plan_.law.speed(piece_.knot + 1);
+  const double up_to_next = way > 0 ? (next * next - x) / (2 * way) : 0;
+  if (brakes) {
+    piece_.acceleration = std::min(allowed.lower, up_to_next);
+  } else if (next > 0) {
+    piece_.acceleration = std::max(allowed.lower, std::min(allowed.upper, up_to_next));
+  } else if (x > 0) {
+    piece_.acceleration = up_to_next;
   } else {  // from rest to the goal: accelerate over the first half of the way
     piece_.end -= way / 2;
     piece_.acceleration = std::min(allowed.upper, -allowed.lower);
@@ -81,15 +91,18 @@ void Playback::advance_by_pieces(double seconds) {
       break;
     }
     seconds -= lasts;
-    // While resuming, the arm stops only at the goal.
-    const bool on_the_way = stops && mode_ == Mode::Braking;
+    const bool paused = override_ == 0 && mode_ != Mode::Braking;
+    // Else the arm stops only at the goal.
+    const bool on_the_way = stops && (mode_ == Mode::Braking || paused);
     s_ = on_the_way ? std::min(s_ + lasts * speed_ / 2, piece_.end) : piece_.end;
     speed_ = stops ? 0 : std::sqrt(left);
     const bool at_knot = s_ >= end_of_interval();
     if (at_knot) ++piece_.knot;
-    standing_ = stops || piece_.knot == plan_.braking.intervals();
-    if (standing_) break;
-    if (mode_ == Mode::Resuming && at_knot && speed_ >= plan_.law.speed(piece_.knot) * (1 - 1e-9)) {
+    const bool at_goal = piece_.knot == plan_.braking.intervals();
+    standing_ = at_goal || (stops && !paused);
+    if (standing_ || (stops && paused)) break;
+    if (mode_ == Mode::Scaled && override_ == 1 && at_knot &&
+        speed_ >= plan_.law.speed(piece_.knot) * (1 - 1e-9)) {
       mode_ = Mode::OnTime;
       time_ = plan_.law.time(piece_.knot);
       advance(seconds);
@@ -97,7 +110,7 @@ void Playback::advance_by_pieces(double seconds) {
     }
     begin_piece();
   }
-  if (mode_ == Mode::Resuming) {
+  if (mode_ == Mode::Scaled) {
     time_ = standing_ ? plan_.law.duration() : std::max(time_, plan_.law.time_at(s_));
   }
 }
@@ -109,7 +122,8 @@ double Playback::fraction() const {
 
 double Playback::remaining() const {
   if (standing_ || stopping()) return 0;
-  return std::max(0.0, plan_.law.duration() - time_);
+  const double at_full_speed = std::max(0.0, plan_.law.duration() - time_);
+  return override_ > 0 ? at_full_speed / override_ : at_full_speed;
 }
 
 }  // namespace robcl::motion

@@ -16,6 +16,7 @@ class Playback final : public TrajectoryGenerator {
 
   const JointValues& start() const override { return plan_.start(); }
   JointValues advance(double seconds) override;
+  void set_override(double factor) override;
 
   /// Makes the following calls of `advance` decelerate on the path, as hard as the arm's limits
   /// allow, until the arm stands somewhere on the path.
@@ -31,7 +32,8 @@ class Playback final : public TrajectoryGenerator {
   /// after `stop`.
   double fraction() const override;
   /// Returns the remaining time to the goal in s; 0 after `stop` and at the goal. While the arm
-  /// accelerates after `rest`, the time is too short.
+  /// accelerates after `rest`, the time is too short; while the motion is paused, it is that of a
+  /// motion that goes on at full speed.
   double remaining() const override;
   const Plan& plan() const { return plan_; }
 
@@ -39,7 +41,7 @@ class Playback final : public TrajectoryGenerator {
   enum class Mode {
     OnTime,   ///< as the time law of the plan says
     Braking,  ///< to rest, as hard as the limits allow
-    Resuming  ///< from rest to the speed of the plan
+    Scaled    ///< from any speed to that of the plan times the override, and then at it
   };
   void leave_law(Mode mode);
   void advance_by_pieces(double seconds);
@@ -52,8 +54,9 @@ class Playback final : public TrajectoryGenerator {
   double s_ = 0;
   double speed_ = 0;  // ds/dt
   bool standing_ = false;
-  /// While braking or resuming: a part of the path, within one interval, on which d²s/dt² is
-  /// constant.
+  double override_ = 1;
+  /// While the motion does not follow the time law: a part of the path, within one interval, on
+  /// which d²s/dt² is constant.
   struct Piece {
     std::size_t knot = 0;  // the start of the interval
     double end = 0;        // s
