@@ -77,6 +77,12 @@ def here(lab: Laboratory, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def lab_with_arm(lab_with_broker: Laboratory) -> Laboratory:
+    lab_with_broker.start(lab_with_broker.build / "devices/rx90/robcl-rx90", ready="ready")
+    return lab_with_broker
+
+
+@pytest.fixture
 def lab_with_devices(lab_with_broker: Laboratory) -> Laboratory:
     lab = lab_with_broker
     for device in ("world/robcl-world", "rx90/robcl-rx90", "gripper/robcl-gripper"):

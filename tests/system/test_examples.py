@@ -101,12 +101,6 @@ def test_grip_block_moves_a_puma_that_is_served_under_another_name(
 LANGUAGES = pytest.mark.parametrize("language", ["C++", "Python"])
 
 
-@pytest.fixture
-def lab_with_arm(lab_with_broker: Laboratory) -> Laboratory:
-    lab_with_broker.start(lab_with_broker.build / "devices/rx90/robcl-rx90", ready="ready")
-    return lab_with_broker
-
-
 @pytest.fixture(scope="module")
 def own_python(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of the modules `oven` and `cart`, which 07, 08, 14 and 15 import."""

@@ -116,7 +116,7 @@ struct FollowState {
   std::uint32_t applied = 0;
   /// corrections beyond FollowLimits.distance or angle, which had no effect
   std::uint32_t dropped = 0;
-  /// what is still to be carried out [m]
+  /// from the tool to its target [m]
   double distance_left = 0;
   /// [rad]
   double angle_left = 0;

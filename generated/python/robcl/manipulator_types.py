@@ -126,7 +126,7 @@ class FollowState(_layout.Struct):
     dropped: int = 0
     """corrections beyond FollowLimits.distance or angle, which had no effect"""
     distance_left: float = 0.0
-    """what is still to be carried out [m]"""
+    """from the tool to its target [m]"""
     angle_left: float = 0.0
     """[rad]"""
     limit_axis: int = 0

@@ -24,9 +24,9 @@ TEST(GeneratedVectors, EveryValuePrintsItsTypeUnlessItIsWrittenByHand) {
     const std::string type(each.type);
     if (type == "robcl::Frame") continue;
     const std::string printed = each.print().substr(0, each.print().find('{'));
-    // The type of an event has the name of its interface, too: Button_pressed.
-    EXPECT_TRUE(printed.ends_with(type.substr(type.rfind(':') + 1))) << each.print();
-    EXPECT_LE(printed.size(), type.size()) << each.print();
+    // The type of the event robcl::Manipulator::stood is Manipulator_stood.
+    const std::string simple = type.substr(type.rfind(':') + 1);
+    EXPECT_EQ(printed, simple == "stood" ? "Manipulator_stood" : simple) << each.print();
     EXPECT_EQ(each.print().back(), '}');
   }
 }

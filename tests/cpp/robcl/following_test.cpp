@@ -63,6 +63,7 @@ class Follow : public ::testing::TestWithParam<TestedArm> {
   Frame tool_at(const JointValues& joints) { return forward_.base_from_flange(joints) * tool_; }
   Frame tool_now() { return tool_at(set_points_.back()); }
   Frame tool_before() { return tool_at(from_); }
+  void guide_into_a_limit_and_back(const Frame& step, double period);
   void expect_within_limits(double period) {
     motion::expect_within_limits(model_, set_points_, {}, period);
   }
@@ -190,38 +191,69 @@ TEST_P(Follow, BrakesAtOnceWhenTheSourceExpires) {
   expect_within_limits(period);
 }
 
+/// Guides the tool by 2 m in steps of `step`, and back, one in each cycle of `period` seconds.
+void Follow::guide_into_a_limit_and_back(const Frame& step, double period) {
+  const double speed = step.position().norm() / period;
+  FollowLimits limits;
+  limits.distance = 4;
+  start(CorrectionAxes::Tool, limits);
+  for (int i = 0; i < 2 / (speed * period); ++i) {
+    corrections_->waiting.push_back(step);
+    run(1, period);
+  }
+  run(std::lround(2 / period), period);
+  EXPECT_TRUE(corrections_->last.hold.limit_axis != 0 || corrections_->last.hold.out_of_reach);
+  EXPECT_GT(corrections_->last.distance_left, 0.1);
+  const JointValues held = set_points_.back();
+  run(100, period);
+  EXPECT_LT((set_points_.back() - held).cwiseAbs().maxCoeff(), 1e-12) << "it holds";
+  for (int i = 0; i < 2 / (speed * period); ++i) {
+    corrections_->waiting.push_back(step.inverse());
+    run(1, period);
+  }
+  run(std::lround(2 / period), period);
+  EXPECT_EQ(corrections_->last.hold.limit_axis, 0);
+  EXPECT_FALSE(corrections_->last.hold.out_of_reach);
+  EXPECT_TRUE(near(tool_now(), tool_before(), 1e-6, 1e-6)) << tool_now();
+  expect_within_limits(period);
+  const Eigen::Vector3d along = (tool_before().rotation() * step.position()).normalized();
+  for (const JointValues& joints : set_points_) {
+    const Eigen::Vector3d way = tool_at(joints).position() - tool_before().position();
+    ASSERT_LE(way.cross(along).norm(), 5e-5) << "on the line";
+    ASSERT_LE(angle(tool_at(joints), tool_before()), 1e-3);
+  }
+}
+
 TEST_P(Follow, HoldsBeforeALimitOrTheEndOfItsReachAndComesBack) {
-  constexpr double period = 0.004;
-  for (const Frame& step : {translate(0, 0, 0.002), translate(0.002, 0, 0), translate(-0.002, 0, 0),
-                            translate(0, 0.002, 0), translate(0, 0, -0.002)}) {
-    FollowLimits limits;
-    limits.distance = 4;
-    start(CorrectionAxes::Tool, limits);
-    for (int i = 0; i < 1000; ++i) {
-      corrections_->waiting.push_back(step);
-      run(1, period);
+  for (const double period : {0.001, 0.004}) {
+    for (const double speed : {0.25, 0.5, 1.0}) {
+      const double step = speed * period;
+      for (const Frame& each :
+           {translate(0, 0, step), translate(step, 0, 0), translate(-step, 0, 0),
+            translate(0, step, 0), translate(0, 0, -step)}) {
+        SCOPED_TRACE(to_string(each) + " in each cycle of " + std::to_string(period) + " s");
+        ASSERT_NO_FATAL_FAILURE(guide_into_a_limit_and_back(each, period));
+      }
     }
-    run(500, period);
-    EXPECT_TRUE(corrections_->last.hold.limit_axis != 0 || corrections_->last.hold.out_of_reach);
-    EXPECT_GT(corrections_->last.distance_left, 0.1);
-    const JointValues held = set_points_.back();
-    run(100, period);
-    EXPECT_LT((set_points_.back() - held).cwiseAbs().maxCoeff(), 1e-12) << "it holds";
-    for (int i = 0; i < 1000; ++i) {
-      corrections_->waiting.push_back(step.inverse());
-      run(1, period);
-    }
-    run(500, period);
-    EXPECT_EQ(corrections_->last.hold.limit_axis, 0);
-    EXPECT_FALSE(corrections_->last.hold.out_of_reach);
-    EXPECT_TRUE(near(tool_now(), tool_before(), 1e-6, 1e-6)) << tool_now();
-    expect_within_limits(period);
-    const Eigen::Vector3d along = (tool_before().rotation() * step.position()).normalized();
-    for (const JointValues& joints : set_points_) {
-      const Eigen::Vector3d way = tool_at(joints).position() - tool_before().position();
-      ASSERT_LE(way.cross(along).norm(), 5e-5) << "on the line";
-      ASSERT_LE(angle(tool_at(joints), tool_before()), 1e-3);
-    }
+  }
+}
+
+TEST(FollowInASingularity, MovesInTheDirectionsThatAreLeftAndHoldsForTheOthers) {
+  const JointValues in_ready = joints({0, -90, 90, 0, 0, 0});
+  const auto left_of = [&](const Frame& step) {
+    const auto corrections = std::make_shared<Corrections>();
+    Following following(rx90(), in_ready, translate(0, 0, 0.15), CorrectionAxes::Tool, {},
+                        corrections);
+    corrections->waiting.assign(100, step);
+    for (int i = 0; i < 1000; ++i) following.advance(0.004);
+    return corrections->last;
+  };
+  for (const Frame& step : {translate(0.0005, 0, 0), translate(0, 0, -0.0005), rotate_y(0.002)}) {
+    const FollowState state = left_of(step);
+    EXPECT_LT(state.distance_left + state.angle_left, 1e-9) << step;
+  }
+  for (const Frame& step : {translate(0, 0.0005, 0), rotate_x(0.002)}) {
+    EXPECT_TRUE(left_of(step).hold.out_of_reach) << step;
   }
 }
 

@@ -12,14 +12,17 @@ constexpr double damping = 1e-10;
 
 }  // namespace
 
-PoseStep step_between(const Frame& from, const Frame& to) {
-  PoseStep step;
-  step.head<3>() = to.position() - from.position();
-  Eigen::Quaterniond turn = to.orientation() * from.orientation().conjugate();
+Eigen::Vector3d rotation_vector(Eigen::Quaterniond turn) {
   if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
   const double sine = turn.vec().norm();  // of half the angle
-  const double factor = sine > 1e-12 ? 2 * std::atan2(sine, turn.w()) / sine : 2;
-  step.tail<3>() = factor * turn.vec();
+  if (sine == 0) return Eigen::Vector3d::Zero();
+  return turn.vec() * (2 * std::atan2(sine, turn.w()) / sine);
+}
+
+PoseStep step_between(const Frame& from, const Frame& to) {
+  PoseStep step;
+  step << to.position() - from.position(),
+      rotation_vector(to.orientation() * from.orientation().conjugate());
   return step;
 }
 

@@ -1,24 +1,16 @@
 #include "robcl/motion/line.hpp"
 
-#include <cmath>
 #include <iomanip>
 #include <sstream>
 
+#include "robcl/arm/local_inverse.hpp"
+
 namespace robcl::motion {
-namespace {
-
-Eigen::Vector3d turn_between(const Frame& from, const Frame& to) {
-  Eigen::Quaterniond turn = from.orientation().conjugate() * to.orientation();
-  if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
-  const double sine = turn.vec().norm();
-  if (sine == 0) return Eigen::Vector3d::Zero();
-  return turn.vec() * (2 * std::atan2(sine, turn.w()) / sine);
-}
-
-}  // namespace
 
 Line::Line(const Frame& start, const Frame& goal)
-    : start_(start), way_(goal.position() - start.position()), turn_(turn_between(start, goal)) {}
+    : start_(start),
+      way_(goal.position() - start.position()),
+      turn_(arm::rotation_vector(start.orientation().conjugate() * goal.orientation())) {}
 
 Frame Line::at(double part) const {
   const double all = turn();

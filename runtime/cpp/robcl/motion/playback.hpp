@@ -39,9 +39,9 @@ class Playback final : public TrajectoryGenerator {
 
  private:
   enum class Mode {
-    OnTime,   ///< as the time law of the plan says
-    Braking,  ///< to rest, as hard as the limits allow
-    Scaled    ///< from any speed to that of the plan times the override, and then at it
+    OnTime,   ///< the motion follows the time law of the plan
+    Braking,  ///< the motion brakes to rest, as hard as the limits allow
+    Scaled    ///< the motion takes on the speed of the plan times the override, and keeps it
   };
   void leave_law(Mode mode);
   void advance_by_pieces(double seconds);
