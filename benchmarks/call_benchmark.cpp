@@ -1,45 +1,23 @@
 // Round trips of a sensor call beside their limits, as the tables of README.md:
 //   call_benchmark [rounds [part of the titles of the tables wanted]]
 
-#include <stdlib.h>
 #include <sys/utsname.h>
 
 #include <array>
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <string>
 
 #include "benchmarks/limits.hpp"
 #include "benchmarks/ours.hpp"
+#include "benchmarks/own_directory.hpp"
 
 namespace gecos::benchmarks {
 namespace {
 
 using media::Kind;
-
-/// Where the benchmark's broker and sockets are, apart from those of this host.
-class OwnDirectory {
- public:
-  OwnDirectory() {
-    std::string path = std::filesystem::temp_directory_path() / "gecos-benchmark-XXXXXX";
-    if (::mkdtemp(path.data()) == nullptr) throw std::runtime_error("cannot make " + path);
-    path_ = path;
-    ::setenv("GECOS_RUNTIME_DIR", path.c_str(), 1);
-    ::unsetenv("GECOS_BROKER");
-  }
-  ~OwnDirectory() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  OwnDirectory(const OwnDirectory&) = delete;
-  OwnDirectory& operator=(const OwnDirectory&) = delete;
-
- private:
-  std::filesystem::path path_;
-};
 
 std::string processor() {
   std::ifstream about("/proc/cpuinfo");

@@ -56,6 +56,16 @@ robcl::motion::ToolLimits lower_of(const robcl::motion::ToolLimits& one,
           .turn_acceleration = std::min(one.turn_acceleration, other.turn_acceleration)};
 }
 
+std::uint64_t unix_ms() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::milliseconds>(now).count());
+}
+
+JointValues values_of(const std::array<double, robcl::arm::max_axes>& joints, Eigen::Index axes) {
+  return Eigen::Map<const Eigen::VectorXd>(joints.data(), axes);
+}
+
 }  // namespace
 
 std::string to_string(const MoveFailure& failure) { return std::visit(Words{}, failure); }
@@ -66,12 +76,18 @@ ArmDevice::ArmDevice(const robcl::arm::ArmModel& model, const Settings& settings
       tool_limits_(settings.tool_limits),
       controller_(model, settings.control, driver),
       planner_(model, settings.tool_limits),
+      pose_epoch_(unix_ms()),
       flange_from_tool_(settings.tool_offset),
       postures_(robcl::arm::make_inverse(model)) {}
 
 Frame ArmDevice::base() const {
   const gecos::MutexLock lock(reading_);
   return world_from_base_;
+}
+
+std::uint64_t ArmDevice::pose_epoch() const {
+  const gecos::MutexLock lock(reading_);
+  return pose_epoch_;
 }
 
 Frame ArmDevice::tool_offset() const {
@@ -88,24 +104,16 @@ ArmDevice::Sample ArmDevice::sample() const {
     sample.flange = world_from_base_ * Frame::from_quaternion(x, y, z, qw, qx, qy, qz);
     sample.tool = sample.flange * flange_from_tool_;
   }
-  sample.joints.resize(model_.axes());
-  for (Eigen::Index i = 0; i < sample.joints.size(); ++i) {
-    sample.joints[i] = now.joints[static_cast<std::size_t>(i)];
-  }
+  sample.joints = values_of(now.joints, model_.axes());
+  sample.commanded = values_of(now.commanded, model_.axes());
   sample.cycle = now.cycle;
   sample.moving = now.moving;
   sample.measured_at_ns = now.measured_at_ns;
   return sample;
 }
 
-Frame ArmDevice::flange() const { return sample().flange; }
-
-Frame ArmDevice::tool() const { return sample().tool; }
-
-JointValues ArmDevice::joints() const { return sample().joints; }
-
 robcl::arm::Configuration ArmDevice::configuration() const {
-  const JointValues now = joints();
+  const JointValues now = sample().joints;
   const gecos::MutexLock lock(reading_);
   return postures_->configuration(now);
 }
@@ -116,6 +124,7 @@ tl::expected<void, Refused> ArmDevice::mount(const Frame& world_from_base) {
   const gecos::MutexLock standing(moving_, std::adopt_lock);
   const gecos::MutexLock lock(reading_);
   world_from_base_ = world_from_base;
+  ++pose_epoch_;
   return {};
 }
 

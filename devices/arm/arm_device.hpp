@@ -64,9 +64,10 @@ class ArmDevice {
 
   /// The measurements of one cycle of the control loop.
   struct Sample {
-    Frame flange;  ///< pose in the world
-    Frame tool;    ///< pose in the world
-    JointValues joints;
+    Frame flange;             ///< pose in the world
+    Frame tool;               ///< pose in the world
+    JointValues joints;       ///< measured, rad
+    JointValues commanded;    ///< set points of the same cycle, rad
     std::uint64_t cycle = 0;  ///< number of measurements so far
     bool moving = false;
     std::int64_t measured_at_ns = 0;  ///< time of the Unix clock
@@ -74,10 +75,10 @@ class ArmDevice {
   Sample sample() const;
 
   Frame base() const;
-  Frame flange() const;                                 ///< measured pose in the world
-  Frame tool() const;                                   ///< measured pose in the world
+  /// Stands for the present base: each mount changes it. It begins with the time of the Unix clock
+  /// in ms, so that a restarted program has another one.
+  std::uint64_t pose_epoch() const;
   Frame tool_offset() const;                            ///< tool seen from the flange
-  JointValues joints() const;                           ///< measured positions, rad
   double cycle() const { return controller_.cycle(); }  ///< period of the control loop, s
   bool moving() const { return controller_.now().moving; }
   /// Returns the number of control cycles that were missed so far.
@@ -138,6 +139,7 @@ class ArmDevice {
 
   mutable gecos::Mutex reading_;  // never held while waiting
   Frame world_from_base_ GECOS_GUARDED_BY(reading_);
+  std::uint64_t pose_epoch_ GECOS_GUARDED_BY(reading_);
   Frame flange_from_tool_ GECOS_GUARDED_BY(reading_);
   const std::unique_ptr<robcl::arm::InverseKinematics> postures_ GECOS_POINTER_GUARDED_BY(reading_);
 };

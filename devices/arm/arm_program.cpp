@@ -3,9 +3,11 @@
 #include <chrono>
 
 #include "drivers/simulated_driver.hpp"
+#include "gecos/base/log.hpp"
 #include "support/command_line.hpp"
 #include "support/device_main.hpp"
 #include "support/periodic.hpp"
+#include "support/real_time.hpp"
 
 namespace devices {
 namespace {
@@ -28,6 +30,14 @@ std::unique_ptr<JointDriver> simulated(const ArmProgram& program, const CommandL
   return std::make_unique<SimulatedDriver>(in_radians(program.start_degrees), imperfection);
 }
 
+/// Simulated joints need no punctual control loop, so that for them a warning would be too much.
+void begin_control(const ArmProgram& program) {
+  if (const auto missing = make_real_time()) {
+    gecos::log(program.connect ? gecos::LogLevel::Warning : gecos::LogLevel::Info, program.program,
+               "the control loop has " + *missing);
+  }
+}
+
 int run(const ArmProgram& program, const MakeServant& make_servant, const CommandLine& line) {
   const auto model = robcl::arm::ArmModel::from_urdf(
       program.urdf, program.base_link, program.flange_link, program.seconds_to_full_speed);
@@ -37,13 +47,18 @@ int run(const ArmProgram& program, const MakeServant& make_servant, const Comman
   settings.tool_offset = robcl::translate(0, 0, robcl::mm(line.number("tool-length")));
   settings.control.cycle = std::chrono::duration<double>(cycle).count();
   SixAxisDevice arm(*model, settings, *driver);
-  const Periodic control(cycle, [&arm](double seconds) { arm.step(seconds); });
+  const auto servant = make_servant(arm, program.place);
+  const Periodic control(
+      cycle,
+      [&](double seconds) {
+        arm.step(seconds);
+        servant->publish();
+      },
+      [&program] { begin_control(program); });
 
   gecos::Lab lab;
-  const auto servant = make_servant(arm, program.place);
   Served how{program.program, line.text("name")};
   how.simulated = !program.connect;
-  how.beats = {{cycle, [&servant](double) { servant->publish(); }}};
   return serve_device(lab, *servant, how);
 }
 

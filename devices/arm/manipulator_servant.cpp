@@ -64,7 +64,15 @@ gecos::Result<void> ManipulatorServant::set_tool_offset(const Frame& value) {
 
 gecos::Result<void> ManipulatorServant::move(const Frame& goal,
                                              const std::optional<robcl::Trajectory>& how,
+                                             const std::optional<std::uint64_t>& pose_epoch,
                                              Progress& run) {
+  if (pose_epoch && *pose_epoch != arm_.pose_epoch()) {
+    return tl::unexpected(gecos::Fault::rejected(
+        "the base of the arm has been mounted elsewhere since the goal was computed: its pose "
+        "epoch was " +
+        std::to_string(*pose_epoch) + " and is " + std::to_string(arm_.pose_epoch()) +
+        "; read the base and compute the goal again"));
+  }
   const robcl::Trajectory trajectory = how.value_or(robcl::Trajectory{});
   const PathKind path =
       trajectory.path == robcl::PathType::STRAIGHT ? PathKind::Straight : PathKind::Joint;

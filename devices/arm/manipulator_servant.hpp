@@ -22,7 +22,9 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
   }
 
   /// Sends a sample on each stream of the arm if there is a new measurement, and refuses the
-  /// samples of `alter` while no `follow` runs. Only one thread at a time may call this method.
+  /// samples of `alter` while no `follow` runs. Only one thread at a time may call this method. The
+  /// control loop calls it after each cycle, so that a sample is as new as possible: it does not
+  /// wait, and it does not allocate after the first samples.
   void publish();
 
  protected:
@@ -36,13 +38,14 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
   gecos::Result<Frame> base() override { return arm_.base(); }
   gecos::Result<std::string> parent() override { return std::string(); }
   gecos::Result<void> mount(const std::string& carrier, const Frame& offset) override;
-  gecos::Result<Frame> tool() override { return arm_.tool(); }
-  gecos::Result<Frame> flange() override { return arm_.flange(); }
+  gecos::Result<Frame> tool() override { return arm_.sample().tool; }
+  gecos::Result<Frame> flange() override { return arm_.sample().flange; }
   gecos::Result<robcl::Configuration> posture() override;
   gecos::Result<Frame> tool_offset() override { return arm_.tool_offset(); }
   gecos::Result<void> set_tool_offset(const Frame& value) override;
+  gecos::Result<std::uint64_t> pose_epoch() override { return arm_.pose_epoch(); }
   gecos::Result<void> move(const Frame& goal, const std::optional<robcl::Trajectory>& how,
-                           Progress& run) override;
+                           const std::optional<std::uint64_t>& pose_epoch, Progress& run) override;
   gecos::Result<void> follow(robcl::FollowMode axes,
                              const std::optional<robcl::FollowLimits>& limits,
                              FollowCall::Progress& run) override;

@@ -26,9 +26,14 @@ JointValues from_wire(const robcl::Joints& joints) {
 void SixAxisServant::publish_sample(const ArmDevice::Sample& sample) {
   ManipulatorServant::publish_sample(sample);
   publish_joints(on_wire(sample.joints), sample.measured_at_ns);
+  publish_commanded_joints(on_wire(sample.commanded), sample.measured_at_ns);
 }
 
-gecos::Result<robcl::Joints> SixAxisServant::joints() { return on_wire(arm_.joints()); }
+gecos::Result<robcl::Joints> SixAxisServant::joints() { return on_wire(arm_.sample().joints); }
+
+gecos::Result<robcl::Joints> SixAxisServant::commanded_joints() {
+  return on_wire(arm_.sample().commanded);
+}
 
 gecos::Result<void> SixAxisServant::move_joints(const robcl::Joints& target,
                                                 const std::optional<robcl::Trajectory>& how,

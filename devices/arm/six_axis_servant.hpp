@@ -20,6 +20,7 @@ class SixAxisServant : public virtual robcl::SixAxisServant, public ManipulatorS
   void publish_sample(const ArmDevice::Sample& sample) override;
 
   gecos::Result<robcl::Joints> joints() override;
+  gecos::Result<robcl::Joints> commanded_joints() override;
   gecos::Result<void> move_joints(const robcl::Joints& target,
                                   const std::optional<robcl::Trajectory>& how,
                                   Progress& run) override;

@@ -15,8 +15,10 @@ namespace devices {
 class Periodic {
  public:
   /// `work` receives the time since the last cycle in s: `period`, or a multiple of `period` after
-  /// missed cycles.
-  Periodic(gecos::Duration period, std::function<void(double seconds)> work);
+  /// missed cycles. `begin` is called once on the thread, before the first cycle.
+  Periodic(
+      gecos::Duration period, std::function<void(double seconds)> work,
+      std::function<void()> begin = [] {});
 
  private:
   std::jthread thread_;

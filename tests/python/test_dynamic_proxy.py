@@ -147,7 +147,7 @@ def test_the_element_of_a_wrong_list_is_named() -> None:
     ("given", "named", "why"),
     [
         ((), {}, r"move\(\) needs its parameter goal"),
-        ((1, 2, 3), {}, r"move\(\) takes at most 2 arguments, 3 are given"),
+        ((1, 2, 3, 4), {}, r"move\(\) takes at most 3 arguments, 4 are given"),
         ((GOAL,), {"goal": GOAL}, r"move\(\) got two values for its parameter goal"),
         ((GOAL,), {"fast": 1}, r"move\(\) has no parameter fast; give one of goal, how"),
     ],

@@ -112,8 +112,15 @@ class Arm(ManipulatorServant):
         self.mounts.wait(30)
         self.offset = value
 
+    def pose_epoch(self) -> int:
+        return 1
+
     def move(
-        self, goal: Frame, how: Trajectory | None, run: gecos.Execution[MotionProgress]
+        self,
+        goal: Frame,
+        how: Trajectory | None,
+        pose_epoch: int | None,
+        run: gecos.Execution[MotionProgress],
     ) -> None:
         self.moving.set()
         if goal.position[2] < 0:
@@ -482,7 +489,7 @@ def test_describe_shows_members_with_units_ranges_and_access(arm: Arm, run: Run)
     assert code == 0
     assert "  tool: robcl::Frame  (stream out at 250 Hz)\n" in out
     assert "  tool_offset: robcl::Frame  (set: actor)\n" in out
-    assert "  move(goal: robcl::Frame, how: robcl::Trajectory?)  (actor, cancelable, " in out
+    assert "  move(goal: robcl::Frame, how: robcl::Trajectory?, pose_epoch: uint64?)  (actor, " in out
     code, out, _ = run("describe", "ARM", "--json")
     shown = json.loads(out)
     assert shown["interface_name"] == "robcl::Manipulator"

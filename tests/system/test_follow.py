@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import statistics
 import sys
 import time
 
@@ -10,6 +11,7 @@ import pytest
 from processes import Laboratory, until
 from robcl.frames import Frame, distance, translate
 from robcl.manipulator import CorrectionsStopped, FollowMode, Manipulator
+from robcl.six_axis import Joints, SixAxis
 from test_examples import LANGUAGES, carried_out, example
 
 pytestmark = pytest.mark.usefixtures("here")
@@ -53,6 +55,45 @@ def test_corrections_at_one_kilohertz_add_up(language: str, lab_with_arm: Labora
         if printed[0].startswith("500"):
             break
     assert printed == ["500 corrections, 0 dropped", "moved by 50.0 mm"]
+
+
+def test_a_correction_reaches_the_drives_in_the_next_cycle(lab_with_arm: Laboratory) -> None:
+    robot = gecos.Lab().create(SixAxis, "RX90")
+    cycle = robot.cycle().result()
+    commanded = robot.commanded_joints.stream()
+    took = []
+    with gecos.actor(robot):
+        alter = robot.alter.writer()
+        follow = followed(robot)
+        alter.feeds(follow)
+        for i in range(20):
+            before = standing_command(commanded)
+            sent = time.time()
+            alter.send(translate(0.0, 0.0001 if i % 2 else -0.0001, 0.0))
+            sample = commanded.next(1)
+            while sample.value.position[0] == before:
+                sample = commanded.next(1)
+            took.append(sample.stamp - sent)
+        follow.cancel()
+    # One cycle and 100 us are promised; other programs may use the processors of the test.
+    assert statistics.median(took) < 5 * (cycle + 100e-6)
+
+
+def standing_command(commanded: gecos.Stream[Joints]) -> float:
+    """The set point of joint 1, once it has been the same in four cycles."""
+    held, same = float(commanded.next(1).value.position[0]), 1
+    while same < 4:
+        now = float(commanded.next(1).value.position[0])
+        held, same = now, same + 1 if now == held else 1
+    return held
+
+
+def test_a_sample_of_the_arm_is_read_directly_after_its_measurement(
+    lab_with_arm: Laboratory,
+) -> None:
+    stream = gecos.Lab().create(SixAxis, "RX90").joints.stream()
+    ages = [stream.next(1).age for _ in range(250)]
+    assert statistics.median(ages) < 5 * 500e-6
 
 
 def test_an_arm_stands_when_the_program_that_guides_it_is_killed(lab_with_arm: Laboratory) -> None:

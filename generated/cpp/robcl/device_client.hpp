@@ -30,7 +30,7 @@ class Device : public virtual gecos::Object {
   gecos::Command<std::string> parent() const;
 
   /// Places the base on the flange of `carrier`, or in the world when `carrier` is empty.
-  /// Refused while moving.
+  /// Takes its turn among the commands of the device.
   /// May fail with robcl::MountRefused.
   gecos::Command<void> mount(const std::string& carrier, const ::robcl::Frame& offset) const;
 };

@@ -22,7 +22,7 @@ class DeviceServant : public virtual gecos::Servant {
   virtual gecos::Result<std::string> parent() = 0;
 
   /// Places the base on the flange of `carrier`, or in the world when `carrier` is empty.
-  /// Refused while moving.
+  /// Takes its turn among the commands of the device.
   /// May fail with robcl::MountRefused.
   virtual gecos::Result<void> mount(const std::string& carrier, const ::robcl::Frame& offset) = 0;
 

@@ -22,10 +22,12 @@ struct Manipulator_set_tool_offset_arguments {
 struct Manipulator_move_arguments {
   ::robcl::Frame goal{};
   std::optional<::robcl::Trajectory> how{};  ///< [optional]
+  std::optional<std::uint64_t> pose_epoch{};  ///< [optional]
 
   static bool gecos_members(auto& each, auto& self) {
     return each("move.goal", self.goal) && each.may_end() &&
-           each("move.how", self.how, gecos::layout::Optional<gecos::layout::Block>{});
+           each("move.how", self.how, gecos::layout::Optional<gecos::layout::Block>{}) &&
+           each("move.pose_epoch", self.pose_epoch);
   }
 };
 
@@ -58,6 +60,7 @@ using Manipulator_posture_result = gecos::layout::Result<
     ::robcl::Configuration,
     gecos::layout::Block>;
 using Manipulator_tool_offset_result = gecos::layout::Result<::robcl::Frame>;
+using Manipulator_pose_epoch_result = gecos::layout::Result<std::uint64_t>;
 using Manipulator_speed_override_result = gecos::layout::Result<double>;
 using Manipulator_standing_result = gecos::layout::Result<bool>;
 using Manipulator_missed_cycles_result = gecos::layout::Result<std::uint64_t>;

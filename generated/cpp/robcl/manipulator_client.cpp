@@ -55,18 +55,26 @@ gecos::Command<void> Manipulator::set_tool_offset(const ::robcl::Frame& value) c
       [&](auto& to) { value.encode(to); });
 }
 
+gecos::Command<std::uint64_t> Manipulator::pose_epoch() const {
+  return gecos_call<std::uint64_t>(
+      ManipulatorInterface::pose_epoch,
+      [](auto& from, auto& value) { return from.get(value, "pose_epoch"); });
+}
+
 gecos::Command<void, ::robcl::MotionProgress> Manipulator::move(
     const ::robcl::Frame& goal,
-    const std::optional<::robcl::Trajectory>& how) const {
+    const std::optional<::robcl::Trajectory>& how,
+    const std::optional<std::uint64_t>& pose_epoch) const {
   if (how) {
     if (auto why = ::robcl::gecos_violation(*how); !why.empty()) return gecos::session::Refused(
         why);
   }
-  std::size_t size = 57;
+  std::size_t size = 58;
   if (how) {
     size += 4;
     size += how->encoded_size();
   }
+  if (pose_epoch) size += 8;
   return gecos_call<void, ::robcl::MotionProgress>(
       ManipulatorInterface::move, size,
       [&](auto& to) {
@@ -76,6 +84,8 @@ gecos::Command<void, ::robcl::MotionProgress> Manipulator::move(
           to.put_count(how->encoded_size());
           how->encode(to);
         }
+        to.put(pose_epoch.has_value());
+        if (pose_epoch) to.put(*pose_epoch);
       });
 }
 

@@ -40,18 +40,26 @@ class Manipulator : public virtual ::robcl::Device {
   /// Configuration that the arm is in.
   gecos::Command<::robcl::Configuration> posture() const;
 
-  /// Tool frame seen from the flange. Setting it is refused while moving.
+  /// Tool frame seen from the flange. Setting it takes its turn among the commands of the
+  /// arm: it acts on the motions after it.
   gecos::Command<::robcl::Frame> tool_offset() const;
 
-  /// Tool frame seen from the flange. Setting it is refused while moving.
+  /// Tool frame seen from the flange. Setting it takes its turn among the commands of the
+  /// arm: it acts on the motions after it.
   gecos::Command<void> set_tool_offset(const ::robcl::Frame& value) const;
 
+  /// Stands for the present place of the base: each `mount`, and a restart of the server,
+  /// changes it.
+  gecos::Command<std::uint64_t> pose_epoch() const;
+
   /// Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the
-  /// goal.
+  /// goal. Refused if `pose_epoch`, read when the goal was computed, is not the present
+  /// one: the base has another place since then.
   /// May fail with robcl::OutOfReach, robcl::JointLimit, robcl::Singular.
   gecos::Command<void, ::robcl::MotionProgress> move(
       const ::robcl::Frame& goal,
-      const std::optional<::robcl::Trajectory>& how = {}) const;
+      const std::optional<::robcl::Trajectory>& how = {},
+      const std::optional<std::uint64_t>& pose_epoch = {}) const;
 
   /// Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as
   /// planned, 0 pauses it on its path. The factor stays until it is set again.

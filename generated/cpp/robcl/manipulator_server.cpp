@@ -31,20 +31,28 @@ bool ManipulatorServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call
       if (!read) return call.refuse(from.error());
       return call.answer(this->set_tool_offset(value), {});
     }
+    case 0x5e3bb91a:  // pose_epoch
+      return call.answer("robcl::Manipulator::pose_epoch", this->pose_epoch(), {});
     case 0x3507e304: {  // move
       gecos::wire::Decoder from(call.arguments());
       ::robcl::Frame goal{};
       std::optional<::robcl::Trajectory> how{};
+      std::optional<std::uint64_t> pose_epoch{};
       const bool read = goal.decode(from) &&
           (from.at_end() ||
            gecos::wire::get_optional(from, how, "move.how", [&](auto& value) {
              return gecos::wire::get_block(from, value, "move.how");
+           })) &&
+          (from.at_end() ||
+           gecos::wire::get_optional(from, pose_epoch, "move.pose_epoch", [&](auto& _value) {
+             return from.get(_value, "move.pose_epoch");
            }));
       if (!read) return call.refuse(from.error());
       gecos::Execution<::robcl::MotionProgress> run(call);
       return call.answer(this->move(
           goal,
           how,
+          pose_epoch,
           run), {"robcl::OutOfReach", "robcl::JointLimit", "robcl::Singular"});
     }
     case 0xe4bf65c9: {  // override_speed

@@ -41,18 +41,26 @@ class ManipulatorServant : public virtual ::robcl::DeviceServant {
   /// Configuration that the arm is in.
   virtual gecos::Result<::robcl::Configuration> posture() = 0;
 
-  /// Tool frame seen from the flange. Setting it is refused while moving.
+  /// Tool frame seen from the flange. Setting it takes its turn among the commands of the
+  /// arm: it acts on the motions after it.
   virtual gecos::Result<::robcl::Frame> tool_offset() = 0;
 
-  /// Tool frame seen from the flange. Setting it is refused while moving.
+  /// Tool frame seen from the flange. Setting it takes its turn among the commands of the
+  /// arm: it acts on the motions after it.
   virtual gecos::Result<void> set_tool_offset(const ::robcl::Frame& value) = 0;
 
+  /// Stands for the present place of the base: each `mount`, and a restart of the server,
+  /// changes it.
+  virtual gecos::Result<std::uint64_t> pose_epoch() = 0;
+
   /// Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the
-  /// goal.
+  /// goal. Refused if `pose_epoch`, read when the goal was computed, is not the present
+  /// one: the base has another place since then.
   /// May fail with robcl::OutOfReach, robcl::JointLimit, robcl::Singular.
   virtual gecos::Result<void> move(
       const ::robcl::Frame& goal,
       const std::optional<::robcl::Trajectory>& how,
+      const std::optional<std::uint64_t>& pose_epoch,
       gecos::Execution<::robcl::MotionProgress>& run) = 0;
 
   /// Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as

@@ -15,10 +15,10 @@ constinit const gecos::InterfaceDescription* const Puma560Interface::inherits[] 
 constinit const gecos::InterfaceDescription Puma560Interface::description{
     .name = "robcl::Puma560",
     .version = "1.0",
-    .hash = 0x3a140ff6c7fd2170U,
+    .hash = 0xd48f2130d8181561U,
     .bases = bases,
     .inherits = inherits,
-    .model = R"json({"interface":{"kind":"interface","name":"robcl::Puma560","doc":"Unimation Puma 560.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x3a140ff6c7fd2170","members":[]},
+    .model = R"json({"interface":{"kind":"interface","name":"robcl::Puma560","doc":"Unimation Puma 560.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0xd48f2130d8181561","members":[]},
 "types":[],
 "references":[]})json",
 };

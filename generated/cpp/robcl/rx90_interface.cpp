@@ -15,10 +15,10 @@ constinit const gecos::InterfaceDescription* const Rx90Interface::inherits[] = {
 constinit const gecos::InterfaceDescription Rx90Interface::description{
     .name = "robcl::Rx90",
     .version = "1.0",
-    .hash = 0x2f80da90a1b21ce1U,
+    .hash = 0x945054818176f15eU,
     .bases = bases,
     .inherits = inherits,
-    .model = R"json({"interface":{"kind":"interface","name":"robcl::Rx90","doc":"Staeubli RX90.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x2f80da90a1b21ce1","members":[]},
+    .model = R"json({"interface":{"kind":"interface","name":"robcl::Rx90","doc":"Staeubli RX90.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x945054818176f15e","members":[]},
 "types":[],
 "references":[]})json",
 };

@@ -20,5 +20,6 @@ struct SixAxis_move_joints_arguments {
 };
 
 using SixAxis_joints_result = gecos::layout::Result<::robcl::Joints>;
+using SixAxis_commanded_joints_result = gecos::layout::Result<::robcl::Joints>;
 
 }  // namespace robcl

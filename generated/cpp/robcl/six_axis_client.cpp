@@ -24,6 +24,19 @@ tl::expected<gecos::Stream<::robcl::Joints>, gecos::Failure> SixAxis::joints(
       [](auto& from, auto& value) { return value.decode(from); });
 }
 
+gecos::Command<::robcl::Joints> SixAxis::commanded_joints() const {
+  return gecos_call<::robcl::Joints>(
+      SixAxisInterface::commanded_joints,
+      [](auto& from, auto& value) { return value.decode(from); });
+}
+
+tl::expected<gecos::Stream<::robcl::Joints>, gecos::Failure> SixAxis::commanded_joints(
+    gecos::StreamAnnotation) const {
+  return gecos_subscribe<::robcl::Joints>(
+      SixAxisInterface::commanded_joints_stream,
+      [](auto& from, auto& value) { return value.decode(from); });
+}
+
 gecos::Command<void, ::robcl::MotionProgress> SixAxis::move_joints(
     const ::robcl::Joints& target,
     const std::optional<::robcl::Trajectory>& how) const {

@@ -31,6 +31,14 @@ class SixAxis : public virtual ::robcl::Manipulator {
   tl::expected<gecos::Stream<::robcl::Joints>, gecos::Failure> joints(
       gecos::StreamAnnotation) const;
 
+  /// Joint positions that the control loop has sent to the drives: the set points of the
+  /// cycle in which `joints` were measured.
+  gecos::Command<::robcl::Joints> commanded_joints() const;
+
+  /// Samples of commanded_joints, 250 a second.
+  tl::expected<gecos::Stream<::robcl::Joints>, gecos::Failure> commanded_joints(
+      gecos::StreamAnnotation) const;
+
   /// Moves all joints to `target`, arriving together.
   /// May fail with robcl::JointLimit.
   gecos::Command<void, ::robcl::MotionProgress> move_joints(

@@ -6,11 +6,14 @@
 namespace robcl {
 
 constinit const gecos::OperationDescription SixAxisInterface::operations[] = {
+    gecos::getter(0x0a1215a8, "commanded_joints", 0x3f9120ab68c95c24U),
     gecos::getter(0xbff4d1d1, "joints", 0x23e3fbceb31c903fU),
     gecos::operation(0xc46bb1a7, "move_joints", 0xde6f2f910e3f67dcU, {.cancelable = true}),
 };
 
 constinit const gecos::StreamDescription SixAxisInterface::streams[] = {
+    {.code = gecos::FunctionCode{0x0a1215a8}, .name = "commanded_joints",
+     .rate_hz = 250.0, .largest = 48},
     {.code = gecos::FunctionCode{0xbff4d1d1}, .name = "joints",
      .rate_hz = 250.0, .largest = 48},
 };
@@ -24,13 +27,14 @@ constinit const gecos::InterfaceDescription* const SixAxisInterface::inherits[] 
 constinit const gecos::InterfaceDescription SixAxisInterface::description{
     .name = "robcl::SixAxis",
     .version = "1.0",
-    .hash = 0x9a12525573a598a4U,
+    .hash = 0xb51fd46cada47c7dU,
     .bases = bases,
     .inherits = inherits,
     .operations = operations,
     .streams = streams,
-    .model = R"json({"interface":{"kind":"interface","name":"robcl::SixAxis","doc":"An arm with six revolute joints.","version":"1.0","bases":["robcl::Manipulator"],"all_bases":["robcl::Device","robcl::Manipulator"],"hash":"0x9a12525573a598a4","members":[
+    .model = R"json({"interface":{"kind":"interface","name":"robcl::SixAxis","doc":"An arm with six revolute joints.","version":"1.0","bases":["robcl::Manipulator"],"all_bases":["robcl::Device","robcl::Manipulator"],"hash":"0xb51fd46cada47c7d","members":[
 {"kind":"attribute","name":"joints","doc":"Joint positions as measured.","type":"robcl::Joints","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":48},"read_access":"sensor","codes":{"get":3220492753,"stream":3220492753},"hash":"0x23e3fbceb31c903f"},
+{"kind":"attribute","name":"commanded_joints","doc":"Joint positions that the control loop has sent to the drives: the set points of the cycle in which `joints` were measured.","type":"robcl::Joints","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":48},"read_access":"sensor","codes":{"get":168957352,"stream":168957352},"hash":"0x3f9120ab68c95c24"},
 {"kind":"operation","name":"move_joints","doc":"Moves all joints to `target`, arriving together.","parameters":[{"name":"target","direction":"in","type":"robcl::Joints"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true}],"raises":["robcl::JointLimit"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"queue","on_loss":"stop","code":3295392167,"hash":"0xde6f2f910e3f67dc"}]},
 "types":[
 {"kind":"enum","name":"robcl::PathType","default_literal":"JOINT","enumerators":[{"name":"STRAIGHT","value":0},{"name":"JOINT","value":1}]},

@@ -11,12 +11,14 @@ namespace robcl {
 struct SixAxisInterface {
   static const gecos::InterfaceDescription description;
 
-  static const gecos::OperationDescription operations[2];
-  static constexpr const gecos::OperationDescription& joints = operations[0];
-  static constexpr const gecos::OperationDescription& move_joints = operations[1];
+  static const gecos::OperationDescription operations[3];
+  static constexpr const gecos::OperationDescription& commanded_joints = operations[0];
+  static constexpr const gecos::OperationDescription& joints = operations[1];
+  static constexpr const gecos::OperationDescription& move_joints = operations[2];
 
-  static const gecos::StreamDescription streams[1];
-  static constexpr const gecos::StreamDescription& joints_stream = streams[0];
+  static const gecos::StreamDescription streams[2];
+  static constexpr const gecos::StreamDescription& commanded_joints_stream = streams[0];
+  static constexpr const gecos::StreamDescription& joints_stream = streams[1];
 
  private:
   static const std::string_view bases[2];

@@ -15,6 +15,8 @@ bool SixAxisServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
   switch (gecos::number(call.operation().code)) {
     case 0xbff4d1d1:  // joints
       return call.answer("robcl::SixAxis::joints", this->joints(), {});
+    case 0x0a1215a8:  // commanded_joints
+      return call.answer("robcl::SixAxis::commanded_joints", this->commanded_joints(), {});
     case 0xc46bb1a7: {  // move_joints
       gecos::wire::Decoder from(call.arguments());
       ::robcl::Joints target{};
@@ -30,6 +32,14 @@ bool SixAxisServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
     }
   }
   return ::robcl::ManipulatorServant::gecos_answer(call);
+}
+
+void SixAxisServant::publish_commanded_joints(const ::robcl::Joints& value, std::int64_t stamp_ns) {
+  gecos_publish(
+      SixAxisInterface::commanded_joints_stream,
+      "robcl::SixAxis::commanded_joints",
+      value,
+      stamp_ns);
 }
 
 void SixAxisServant::publish_joints(const ::robcl::Joints& value, std::int64_t stamp_ns) {

@@ -15,12 +15,21 @@ class SixAxisServant : public virtual ::robcl::ManipulatorServant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override;
 
+  /// A new sample of `commanded_joints`, measured at `stamp_ns`. One thread at a time.
+  void publish_commanded_joints(
+      const ::robcl::Joints& value,
+      std::int64_t stamp_ns = gecos::unix_now_ns());
+
   /// A new sample of `joints`, measured at `stamp_ns`. One thread at a time.
   void publish_joints(const ::robcl::Joints& value, std::int64_t stamp_ns = gecos::unix_now_ns());
 
  protected:
   /// Joint positions as measured.
   virtual gecos::Result<::robcl::Joints> joints() = 0;
+
+  /// Joint positions that the control loop has sent to the drives: the set points of the
+  /// cycle in which `joints` were measured.
+  virtual gecos::Result<::robcl::Joints> commanded_joints() = 0;
 
   /// Moves all joints to `target`, arriving together.
   /// May fail with robcl::JointLimit.

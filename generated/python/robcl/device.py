@@ -41,7 +41,7 @@ _DEVICE_MOUNT: _Method[None, None] = _method(
 _DEVICE_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Device","doc":"Anything that has a place in the laboratory.","version":"1.0","hash":"0x93ad599693441813","members":[
 {"kind":"attribute","name":"base","doc":"Base of the device in the world.","type":"robcl::Frame","readonly":true,"read_access":"sensor","codes":{"get":3630099484},"hash":"0x6c7e67c50b389010"},
 {"kind":"attribute","name":"parent","doc":"Device whose flange carries this one; empty when it stands in the world.","type":"string","readonly":true,"read_access":"sensor","codes":{"get":2413007473},"hash":"0xa8e7ee76d3bf5589"},
-{"kind":"operation","name":"mount","doc":"Places the base on the flange of `carrier`, or in the world when `carrier` is empty. Refused while moving.","parameters":[{"name":"carrier","direction":"in","type":"string"},{"name":"offset","direction":"in","type":"robcl::Frame"}],"raises":["robcl::MountRefused"],"access":"actor","needs_presence":true,"on_new":"queue","on_loss":"stop","code":3949832166,"hash":"0x40840a23e20bca46"}]},
+{"kind":"operation","name":"mount","doc":"Places the base on the flange of `carrier`, or in the world when `carrier` is empty. Takes its turn among the commands of the device.","parameters":[{"name":"carrier","direction":"in","type":"string"},{"name":"offset","direction":"in","type":"robcl::Frame"}],"raises":["robcl::MountRefused"],"access":"actor","needs_presence":true,"on_new":"queue","on_loss":"stop","code":3949832166,"hash":"0x40840a23e20bca46"}]},
 "types":[
 {"kind":"struct","name":"robcl::Vector","extensibility":"final","members":[{"name":"x","type":"double","unit":"m"},{"name":"y","type":"double","unit":"m"},{"name":"z","type":"double","unit":"m"}],"wire":{"fingerprint":"0xae7e5fba5eeca11e","min_size":24,"fixed_size":24}},
 {"kind":"struct","name":"robcl::Quaternion","doc":"Unit quaternion, w + xi + yj + zk.","extensibility":"final","members":[{"name":"w","type":"double"},{"name":"x","type":"double"},{"name":"y","type":"double"},{"name":"z","type":"double"}],"wire":{"fingerprint":"0x365bdd4bf9100a1f","min_size":32,"fixed_size":32}},
@@ -73,7 +73,7 @@ class Device(_Object):
 
     def mount(self, carrier: str, offset: Frame) -> _Command[None]:
         """Places the base on the flange of `carrier`, or in the world when `carrier` is empty.
-        Refused while moving.
+        Takes its turn among the commands of the device.
 
         May raise MountRefused.
         """
@@ -97,7 +97,7 @@ class DeviceServant(_Servant):
     @_abstractmethod
     def mount(self, carrier: str, offset: Frame) -> None:
         """Places the base on the flange of `carrier`, or in the world when `carrier` is empty.
-        Refused while moving.
+        Takes its turn among the commands of the device.
 
         May raise MountRefused.
         """

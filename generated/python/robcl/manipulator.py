@@ -119,9 +119,19 @@ _MANIPULATOR_SET_TOOL_OFFSET: _Method[None, None] = _method(
     ),
     takes=_values("value", Frame),
 )
+_MANIPULATOR_POSE_EPOCH: _Method[int, None] = _method(
+    _getter(0x5E3BB91A, "pose_epoch", _Access.SENSOR, hash=0x647F63CEFBD156F4),
+    gives="Q",
+)
 _MANIPULATOR_MOVE: _Method[None, MotionProgress] = _method(
     _Operation(0x3507E304, "move", _Access.ACTOR, cancelable=True, hash=0xC58C2180678C1D75),
-    takes=_values("goal how", Frame, _layout.optional(Trajectory), defaults=(None,)),
+    takes=_values(
+        "goal how pose_epoch",
+        Frame,
+        _layout.optional(Trajectory),
+        _layout.optional("Q"),
+        defaults=(None, None),
+    ),
     feedback=MotionProgress,
     raises=(OutOfReach, JointLimit, Singular),
 )
@@ -177,12 +187,13 @@ _MANIPULATOR_STOOD: _EventTable[Manipulator_stood] = _event(
     largest=60,
     hash=0xCD7E2A4C2A3ACB27,
 )
-_MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"nested":["robcl::Manipulator::stood"],"hash":"0xcaa6382fe14de9d6","members":[
+_MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"nested":["robcl::Manipulator::stood"],"hash":"0x68b5f26c973195fc","members":[
 {"kind":"attribute","name":"tool","doc":"Tool frame in the world, as measured.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":20000000},"codes":{"get":656093559,"stream":656093559},"hash":"0xe4a63fbb9f4aa676"},
 {"kind":"attribute","name":"flange","doc":"Flange in the world, as measured: where grippers and sensors are mounted.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":20000000},"codes":{"get":3590499756,"stream":3590499756},"hash":"0x294c864a0a1bb0d9"},
 {"kind":"attribute","name":"posture","doc":"Configuration that the arm is in.","type":"robcl::Configuration","readonly":true,"read_access":"sensor","codes":{"get":2355008027},"hash":"0x3d861e0f224574c5"},
-{"kind":"attribute","name":"tool_offset","doc":"Tool frame seen from the flange. Setting it is refused while moving.","type":"robcl::Frame","read_access":"sensor","write_access":"actor","write_needs_presence":true,"codes":{"get":1576561611,"set":3826381890},"hash":"0xd5db88cc5c4a48ee"},
-{"kind":"operation","name":"move","doc":"Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal.","parameters":[{"name":"goal","direction":"in","type":"robcl::Frame"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true}],"raises":["robcl::OutOfReach","robcl::JointLimit","robcl::Singular"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"queue","on_loss":"stop","code":889709316,"hash":"0xc58c2180678c1d75"},
+{"kind":"attribute","name":"tool_offset","doc":"Tool frame seen from the flange. Setting it takes its turn among the commands of the arm: it acts on the motions after it.","type":"robcl::Frame","read_access":"sensor","write_access":"actor","write_needs_presence":true,"codes":{"get":1576561611,"set":3826381890},"hash":"0xd5db88cc5c4a48ee"},
+{"kind":"attribute","name":"pose_epoch","doc":"Stands for the present place of the base: each `mount`, and a restart of the server, changes it.","type":"uint64","readonly":true,"read_access":"sensor","codes":{"get":1580972314},"hash":"0x647f63cefbd156f4"},
+{"kind":"operation","name":"move","doc":"Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal. Refused if `pose_epoch`, read when the goal was computed, is not the present one: the base has another place since then.","parameters":[{"name":"goal","direction":"in","type":"robcl::Frame"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true},{"name":"pose_epoch","direction":"in","type":"uint64","optional":true}],"raises":["robcl::OutOfReach","robcl::JointLimit","robcl::Singular"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"queue","on_loss":"stop","code":889709316,"hash":"0xc58c2180678c1d75"},
 {"kind":"operation","name":"override_speed","doc":"Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as planned, 0 pauses it on its path. The factor stays until it is set again.","parameters":[{"name":"factor","direction":"in","type":"double","unit":"1","range":{"min":0.0,"max":1.0}}],"access":"actor","needs_presence":true,"on_new":"queue","on_loss":"stop","parallel":true,"code":3837748681,"hash":"0xf909515cb9f6d463"},
 {"kind":"attribute","name":"speed_override","doc":"Factor of `override_speed`.","type":"double","readonly":true,"unit":"1","read_access":"sensor","codes":{"get":34307637},"hash":"0x78256f74e6a4faff"},
 {"kind":"attribute","name":"standing","doc":"Whether the arm stands, by its measured joint positions. After a stop, a command ends before the arm stands.","type":"boolean","readonly":true,"read_access":"sensor","codes":{"get":1808856709},"hash":"0x1031d81d03f43ec5"},
@@ -215,7 +226,7 @@ _MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::
 _MANIPULATOR = _interface(
     "robcl::Manipulator",
     "1.0",
-    0xCAA6382FE14DE9D6,
+    0x68B5F26C973195FC,
     (Device,),
     (
         _MANIPULATOR_TOOL,
@@ -223,6 +234,7 @@ _MANIPULATOR = _interface(
         _MANIPULATOR_POSTURE,
         _MANIPULATOR_TOOL_OFFSET,
         _MANIPULATOR_SET_TOOL_OFFSET,
+        _MANIPULATOR_POSE_EPOCH,
         _MANIPULATOR_MOVE,
         _MANIPULATOR_OVERRIDE_SPEED,
         _MANIPULATOR_SPEED_OVERRIDE,
@@ -263,23 +275,39 @@ class Manipulator(Device):
         return self._gecos_call(_MANIPULATOR_POSTURE, [])
 
     def tool_offset(self) -> _Command[Frame]:
-        """Tool frame seen from the flange. Setting it is refused while moving."""
+        """Tool frame seen from the flange. Setting it takes its turn among the commands of the
+        arm: it acts on the motions after it.
+        """
         return self._gecos_call(_MANIPULATOR_TOOL_OFFSET, [])
 
     def set_tool_offset(self, value: Frame) -> _Command[None]:
-        """Tool frame seen from the flange. Setting it is refused while moving."""
+        """Tool frame seen from the flange. Setting it takes its turn among the commands of the
+        arm: it acts on the motions after it.
+        """
         return self._gecos_call(
             _MANIPULATOR_SET_TOOL_OFFSET,
             _MANIPULATOR_SET_TOOL_OFFSET.request(value),
         )
 
-    def move(self, goal: Frame, how: Trajectory | None = None) -> _Command[None, MotionProgress]:
+    def pose_epoch(self) -> _Command[int]:
+        """Stands for the present place of the base: each `mount`, and a restart of the server,
+        changes it.
+        """
+        return self._gecos_call(_MANIPULATOR_POSE_EPOCH, [])
+
+    def move(
+        self,
+        goal: Frame,
+        how: Trajectory | None = None,
+        pose_epoch: int | None = None,
+    ) -> _Command[None, MotionProgress]:
         """Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the
-        goal.
+        goal. Refused if `pose_epoch`, read when the goal was computed, is not the present
+        one: the base has another place since then.
 
         May raise OutOfReach, JointLimit, Singular.
         """
-        return self._gecos_call(_MANIPULATOR_MOVE, _MANIPULATOR_MOVE.request(goal, how))
+        return self._gecos_call(_MANIPULATOR_MOVE, _MANIPULATOR_MOVE.request(goal, how, pose_epoch))
 
     def override_speed(self, factor: float) -> _Command[None]:
         """Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as
@@ -368,16 +396,33 @@ class ManipulatorServant(DeviceServant):
 
     @_abstractmethod
     def tool_offset(self) -> Frame:
-        """Tool frame seen from the flange. Setting it is refused while moving."""
+        """Tool frame seen from the flange. Setting it takes its turn among the commands of the
+        arm: it acts on the motions after it.
+        """
 
     @_abstractmethod
     def set_tool_offset(self, value: Frame) -> None:
-        """Tool frame seen from the flange. Setting it is refused while moving."""
+        """Tool frame seen from the flange. Setting it takes its turn among the commands of the
+        arm: it acts on the motions after it.
+        """
 
     @_abstractmethod
-    def move(self, goal: Frame, how: Trajectory | None, run: _Execution[MotionProgress]) -> None:
+    def pose_epoch(self) -> int:
+        """Stands for the present place of the base: each `mount`, and a restart of the server,
+        changes it.
+        """
+
+    @_abstractmethod
+    def move(
+        self,
+        goal: Frame,
+        how: Trajectory | None,
+        pose_epoch: int | None,
+        run: _Execution[MotionProgress],
+    ) -> None:
         """Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the
-        goal.
+        goal. Refused if `pose_epoch`, read when the goal was computed, is not the present
+        one: the base has another place since then.
 
         May raise OutOfReach, JointLimit, Singular.
         """

@@ -11,13 +11,13 @@ __all__ = [
     "Puma560Servant",
 ]
 
-_PUMA560_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Puma560","doc":"Unimation Puma 560.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x3a140ff6c7fd2170","members":[]},
+_PUMA560_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Puma560","doc":"Unimation Puma 560.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0xd48f2130d8181561","members":[]},
 "types":[],
 "references":[]}'''
 _PUMA560 = _interface(
     "robcl::Puma560",
     "1.0",
-    0x3A140FF6C7FD2170,
+    0xD48F2130D8181561,
     (SixAxis,),
     (),
     model=_PUMA560_SERVED_MODEL,

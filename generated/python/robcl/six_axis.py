@@ -32,14 +32,20 @@ _SIX_AXIS_JOINTS: _Method[Joints, None] = _method(
     gives=Joints,
     stream=(250.0, 48),
 )
+_SIX_AXIS_COMMANDED_JOINTS: _Method[Joints, None] = _method(
+    _getter(0x0A1215A8, "commanded_joints", _Access.SENSOR, hash=0x3F9120AB68C95C24),
+    gives=Joints,
+    stream=(250.0, 48),
+)
 _SIX_AXIS_MOVE_JOINTS: _Method[None, MotionProgress] = _method(
     _Operation(0xC46BB1A7, "move_joints", _Access.ACTOR, cancelable=True, hash=0xDE6F2F910E3F67DC),
     takes=_values("target how", Joints, _layout.optional(Trajectory), defaults=(None,)),
     feedback=MotionProgress,
     raises=(JointLimit,),
 )
-_SIX_AXIS_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::SixAxis","doc":"An arm with six revolute joints.","version":"1.0","bases":["robcl::Manipulator"],"all_bases":["robcl::Device","robcl::Manipulator"],"hash":"0x9a12525573a598a4","members":[
+_SIX_AXIS_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::SixAxis","doc":"An arm with six revolute joints.","version":"1.0","bases":["robcl::Manipulator"],"all_bases":["robcl::Device","robcl::Manipulator"],"hash":"0xb51fd46cada47c7d","members":[
 {"kind":"attribute","name":"joints","doc":"Joint positions as measured.","type":"robcl::Joints","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":48},"read_access":"sensor","codes":{"get":3220492753,"stream":3220492753},"hash":"0x23e3fbceb31c903f"},
+{"kind":"attribute","name":"commanded_joints","doc":"Joint positions that the control loop has sent to the drives: the set points of the cycle in which `joints` were measured.","type":"robcl::Joints","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":48},"read_access":"sensor","codes":{"get":168957352,"stream":168957352},"hash":"0x3f9120ab68c95c24"},
 {"kind":"operation","name":"move_joints","doc":"Moves all joints to `target`, arriving together.","parameters":[{"name":"target","direction":"in","type":"robcl::Joints"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true}],"raises":["robcl::JointLimit"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"queue","on_loss":"stop","code":3295392167,"hash":"0xde6f2f910e3f67dc"}]},
 "types":[
 {"kind":"enum","name":"robcl::PathType","default_literal":"JOINT","enumerators":[{"name":"STRAIGHT","value":0},{"name":"JOINT","value":1}]},
@@ -53,9 +59,9 @@ _SIX_AXIS_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Six
 _SIX_AXIS = _interface(
     "robcl::SixAxis",
     "1.0",
-    0x9A12525573A598A4,
+    0xB51FD46CADA47C7D,
     (Manipulator,),
-    (_SIX_AXIS_JOINTS, _SIX_AXIS_MOVE_JOINTS),
+    (_SIX_AXIS_JOINTS, _SIX_AXIS_COMMANDED_JOINTS, _SIX_AXIS_MOVE_JOINTS),
     model=_SIX_AXIS_SERVED_MODEL,
 )
 
@@ -72,6 +78,15 @@ class SixAxis(Manipulator):
         Published 250 times a second.
         """
         return _StreamAttribute(self, _SIX_AXIS_JOINTS)
+
+    @property
+    def commanded_joints(self) -> _StreamAttribute[Joints]:
+        """Joint positions that the control loop has sent to the drives: the set points of the
+        cycle in which `joints` were measured.
+
+        Published 250 times a second.
+        """
+        return _StreamAttribute(self, _SIX_AXIS_COMMANDED_JOINTS)
 
     def move_joints(
         self,
@@ -96,6 +111,12 @@ class SixAxisServant(ManipulatorServant):
         """Joint positions as measured."""
 
     @_abstractmethod
+    def commanded_joints(self) -> Joints:
+        """Joint positions that the control loop has sent to the drives: the set points of the
+        cycle in which `joints` were measured.
+        """
+
+    @_abstractmethod
     def move_joints(
         self,
         target: Joints,
@@ -110,3 +131,7 @@ class SixAxisServant(ManipulatorServant):
     def publish_joints(self, value: Joints, stamp: float | None = None) -> None:
         """Publishes a sample of `joints`. `stamp`: Unix time in s; None: now."""
         self._gecos_publish(0xBFF4D1D1, _SIX_AXIS_JOINTS.body(value), stamp)
+
+    def publish_commanded_joints(self, value: Joints, stamp: float | None = None) -> None:
+        """Publishes a sample of `commanded_joints`. `stamp`: Unix time in s; None: now."""
+        self._gecos_publish(0x0A1215A8, _SIX_AXIS_COMMANDED_JOINTS.body(value), stamp)

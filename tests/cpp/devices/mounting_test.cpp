@@ -27,7 +27,7 @@ TEST_F(MountingTest, ACarrierThatWasNotHeardYetIsNotGuessed) {
   ASSERT_FALSE(unknown);
   EXPECT_EQ(unknown.error(),
             "the position of the flange of 'RX90' is unknown: 'RX90' sent no sample yet");
-  EXPECT_TRUE(near(heard(carrier), arm_.flange(), 1e-3, 1e-2));
+  EXPECT_TRUE(near(heard(carrier), arm_.sample().flange, 1e-3, 1e-2));
 }
 
 TEST_F(MountingTest, WhoFollowsTheWorldStands) {
@@ -40,7 +40,8 @@ TEST_F(MountingTest, WhoFollowsTheWorldStands) {
 TEST_F(MountingTest, ADeviceGoesWithTheFlangeThatItIsMountedOn) {
   Mounting mounting(lab_, "RX90", translate(0, 0, 100_mm));
   heard(mounting.carrier());
-  EXPECT_TRUE(near(mounting.base().value(), arm_.flange() * translate(0, 0, 100_mm), 1e-3, 1e-2));
+  EXPECT_TRUE(
+      near(mounting.base().value(), arm_.sample().flange * translate(0, 0, 100_mm), 1e-3, 1e-2));
 
   const auto lease = gecos::actor(robot_);
   const Frame before = mounting.base().value();

@@ -1,6 +1,9 @@
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <thread>
 
+#include "../robcl/allocations.hpp"
 #include "rx90_fixture.hpp"
 #include "support/periodic.hpp"
 
@@ -49,12 +52,12 @@ TEST_F(Rx90Test, AGoalOutOfReachIsRefusedAndTheArmDoesNotMove) {
 
 TEST_F(Rx90Test, StoppedByAnotherProgramItStandsOnItsWay) {
   const auto lease = gecos::actor(robot_);
-  const Frame start = arm_.tool();
+  const Frame start = arm_.sample().tool;
   const Frame goal = start * translate(0, 300_mm, 0);
   const Periodic control(4ms,
                          [this](double seconds) { arm_.step(seconds); });   // as on the real arm
   const auto moving = robot_.move(goal, robcl::Trajectory{.speed = 0.05});  // for seconds
-  while (distance(arm_.tool(), start) < 1e-3) std::this_thread::yield();
+  while (distance(arm_.sample().tool, start) < 1e-3) std::this_thread::yield();
 
   gecos::Lab other;
   ASSERT_TRUE(gecos::stop(other.create<robcl::Manipulator>("RX90").value()).get());
@@ -62,7 +65,7 @@ TEST_F(Rx90Test, StoppedByAnotherProgramItStandsOnItsWay) {
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().detail, gecos::Detail::Stopped);
   while (arm_.moving()) std::this_thread::yield();
-  EXPECT_GT(distance(arm_.tool(), goal), 100_mm);
+  EXPECT_GT(distance(arm_.sample().tool, goal), 100_mm);
 }
 
 TEST_F(Rx90Test, AMotionIsPausedAndGoesOnByTheOverrideOfItsSpeed) {
@@ -101,6 +104,71 @@ TEST_F(Rx90Test, AMotionIsPausedAndGoesOnByTheOverrideOfItsSpeed) {
   const auto faster = robot_.override_speed(1.5).get();
   ASSERT_FALSE(faster);
   EXPECT_EQ(faster.error().detail, gecos::Detail::BadParameter) << faster.error();
+}
+
+TEST_F(Rx90Test, ANewToolAndANewPlaceTakeTheirTurnBehindAMotion) {
+  const auto lease = gecos::actor(robot_);
+  const Frame tool = robot_.tool_offset().get().value();
+  const Frame start = robot_.tool().get().value();
+  const Frame goal = start * translate(0, 0, -50_mm);
+  const auto move = robot_.move(goal);
+  const auto longer = robot_.set_tool_offset(tool * translate(0, 0, 10_mm));
+  const auto mount = robot_.mount("", translate(1, 0, 0));
+  ASSERT_TRUE(get(move, cycle())) << move.get().error();
+  ASSERT_TRUE(get(longer, cycle())) << longer.get().error();
+  ASSERT_TRUE(get(mount, cycle())) << mount.get().error();
+  cycle()();
+  EXPECT_TRUE(near(robot_.tool().get().value(), translate(1, 0, 0) * goal * translate(0, 0, 10_mm),
+                   1e-4, 1e-3));
+}
+
+TEST_F(Rx90Test, AGoalFromBeforeTheBaseGotAnotherPlaceIsRefused) {
+  const auto lease = gecos::actor(robot_);
+  const std::uint64_t epoch = robot_.pose_epoch().get().value();
+  const Frame goal = robot_.tool().get().value() * translate(0, 0, -10_mm);
+  ASSERT_TRUE(get(robot_.move(goal, std::nullopt, epoch), cycle()));
+  const auto mount = robot_.mount("", translate(0, 0, 100_mm));
+  const auto stale = get(robot_.move(goal, std::nullopt, epoch), cycle());
+  ASSERT_TRUE(mount.get());
+  ASSERT_FALSE(stale);
+  EXPECT_EQ(stale.error().detail, gecos::Detail::Rejected) << stale.error();
+  EXPECT_NE(stale.error().text.find("read the base and compute the goal again"), std::string::npos)
+      << stale.error();
+  EXPECT_FALSE(arm_.moving());
+  EXPECT_NE(robot_.pose_epoch().get().value(), epoch);
+}
+
+TEST_F(Rx90Test, StreamsOfMeasuredAndCommandedJointsTellOfTheSameCycle) {
+  const auto lease = gecos::actor(robot_);
+  auto measured = robot_.joints(gecos::stream).value();
+  auto commanded = robot_.commanded_joints(gecos::stream).value();
+  robcl::Joints target = robot_.joints().get().value();
+  target.position[0] += 0.2;
+  double lag = 0;
+  double command = 0;
+  ASSERT_TRUE(get(robot_.move_joints(target), [&] {
+    cycle()();
+    const auto set = commanded.next(0ms);
+    const auto read = measured.next(0ms);
+    ASSERT_TRUE(set && read);
+    EXPECT_EQ(set->stamp, read->stamp);
+    command = set->value.position[0];
+    lag = std::max(lag, std::abs(command - read->value.position[0]));
+  }));
+  EXPECT_GT(lag, 1e-3) << "the simulated servos follow their set points at some distance";
+  EXPECT_NEAR(command, target.position[0], 1e-9);
+}
+
+TEST_F(Rx90Test, TheControlLoopPublishesWithoutAllocating) {
+  const auto joints = robot_.joints(gecos::stream);
+  const auto commanded = robot_.commanded_joints(gecos::stream);
+  const auto tool = robot_.tool(gecos::stream);
+  const auto flange = robot_.flange(gecos::stream);
+  ASSERT_TRUE(joints && commanded && tool && flange);
+  for (int i = 0; i < 100; ++i) cycle()();
+  const robcl::CountAllocations count;
+  for (int i = 0; i < 1000; ++i) cycle()();
+  EXPECT_EQ(count.so_far(), 0);
 }
 
 TEST_F(Rx90Test, StandsOnTheFloorAndOnNoOtherArm) {

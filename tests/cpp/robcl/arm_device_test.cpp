@@ -76,12 +76,12 @@ class Arm : public ::testing::Test {
 };
 
 TEST_F(Arm, StandsWithinATenthOfAMillimetreOfTheGoalWhenAMoveIsFinished) {
-  const Frame goal = arm_.tool() * translate(0.05, 0.1, 0.1);
+  const Frame goal = arm_.sample().tool * translate(0.05, 0.1, 0.1);
   for (const PathKind path : {PathKind::Straight, PathKind::Joint}) {
     const Frame there = path == PathKind::Straight ? goal : goal * translate(0, -0.1, 0);
     const auto moved = run([&] { return arm_.move(there, path, {}, silent_); });
     ASSERT_TRUE(moved.has_value()) << to_string(moved.error());
-    EXPECT_LT(distance(arm_.tool(), there), 1e-4);
+    EXPECT_LT(distance(arm_.sample().tool, there), 1e-4);
     EXPECT_FALSE(arm_.moving());
   }
 }
@@ -93,24 +93,24 @@ TEST_F(Arm, GoalsAndReadingsAreInTheWorldWhereverItIsMounted) {
   const Frame goal = base * Frame::from_euler_zyz(0.5, 0.2, 0.3, 0, 180_deg, 0);
   const auto moved = run([&] { return arm_.move(goal, PathKind::Joint, {}, silent_); });
   ASSERT_TRUE(moved.has_value()) << to_string(moved.error());
-  EXPECT_TRUE(near(arm_.tool(), goal, 1e-4, 1e-3)) << arm_.tool();
-  EXPECT_TRUE(near(arm_.flange() * translate(0, 0, 150_mm), goal, 1e-4, 1e-3));
+  EXPECT_TRUE(near(arm_.sample().tool, goal, 1e-4, 1e-3)) << arm_.sample().tool;
+  EXPECT_TRUE(near(arm_.sample().flange * translate(0, 0, 150_mm), goal, 1e-4, 1e-3));
 }
 
 TEST_F(Arm, KeepsStandingWhereItStandsIfNobodyCommands) {
-  const Frame before = arm_.tool();
+  const Frame before = arm_.sample().tool;
   for (int i = 0; i < 500; ++i) arm_.step(cycle);
-  EXPECT_LT(distance(arm_.tool(), before), 1e-4);
+  EXPECT_LT(distance(arm_.sample().tool, before), 1e-4);
 }
 
 TEST_F(Arm, AMotionThatIsInterruptedStandsOnItsPath) {
-  const Frame start = arm_.tool();
+  const Frame start = arm_.sample().tool;
   const Frame goal = start * translate(0, 0.4, 0);
   SteppingInterrupter interrupter(arm_);
   const auto moved = arm_.move(goal, PathKind::Straight, {}, interrupter);
   ASSERT_FALSE(moved.has_value());
   EXPECT_TRUE(std::holds_alternative<Interrupted>(moved.error())) << to_string(moved.error());
-  const Eigen::Vector3d seen = start.inverse().transform(arm_.tool().position());
+  const Eigen::Vector3d seen = start.inverse().transform(arm_.sample().tool.position());
   EXPECT_GT(seen.y(), 0.1);
   EXPECT_LT(seen.y(), 0.39);
   EXPECT_NEAR(seen.x(), 0, 2e-4);
@@ -128,7 +128,7 @@ TEST_F(Arm, ProgressRisesToOneAndNothingRemains) {
   EXPECT_TRUE(std::is_sorted(listener.fractions.begin(), listener.fractions.end()));
   EXPECT_EQ(listener.fractions.back(), 1);
   EXPECT_EQ(listener.last_remaining, 0);
-  EXPECT_LT((arm_.joints() - target).cwiseAbs().maxCoeff(), 2e-4);
+  EXPECT_LT((arm_.sample().joints - target).cwiseAbs().maxCoeff(), 2e-4);
 }
 
 TEST_F(Arm, MountAndToolAreRefusedWhileItMoves) {
@@ -142,7 +142,7 @@ TEST_F(Arm, MountAndToolAreRefusedWhileItMoves) {
   };
   Announcer announcer;
   auto mover = std::async(std::launch::async, [&] {
-    return arm_.move(arm_.tool() * translate(0, 0.3, 0), PathKind::Straight, {}, announcer);
+    return arm_.move(arm_.sample().tool * translate(0, 0.3, 0), PathKind::Straight, {}, announcer);
   });
   announcer.moving.wait(false);
   const auto mounted = arm_.mount(translate(1, 0, 0));
@@ -158,16 +158,16 @@ TEST_F(Arm, MountAndToolAreRefusedWhileItMoves) {
 }
 
 TEST_F(Arm, WhatCannotBeReachedFailsBeforeAnythingMoves) {
-  const Frame before = arm_.flange();
+  const Frame before = arm_.sample().flange;
   const auto moved = arm_.move(translate(500, 0, 300), PathKind::Joint, {}, silent_);
   ASSERT_FALSE(moved.has_value());
   EXPECT_TRUE(std::holds_alternative<robcl::arm::OutOfReach>(moved.error()));
   robcl::motion::Pace pace;
   pace.speed = 2;
-  const auto hasty = arm_.move(arm_.tool(), PathKind::Joint, pace, silent_);
+  const auto hasty = arm_.move(arm_.sample().tool, PathKind::Joint, pace, silent_);
   ASSERT_FALSE(hasty.has_value());
   EXPECT_EQ(to_string(hasty.error()), "speed is 2.000000, but it must be above 0, at most 1");
-  EXPECT_EQ(arm_.flange(), before);
+  EXPECT_EQ(arm_.sample().flange, before);
 }
 
 TEST_F(Arm, ItsControlCycleAllocatesNothing) {

@@ -102,7 +102,7 @@ TEST(Kinematics, JacobianIsTheDerivativeOfTheFlangePose) {
   constexpr double step = 1e-6;
   for (int i = 0; i < 100; ++i) {
     const JointValues q = random();
-    const Jacobian jacobian = kinematics.jacobian(q);
+    const Jacobian jacobian = kinematics.place(q).jacobian;
     for (Eigen::Index axis = 0; axis < 6; ++axis) {
       JointValues before = q, after = q;
       before[axis] -= step;

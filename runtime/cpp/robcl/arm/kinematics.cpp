@@ -1,5 +1,8 @@
 #include "robcl/arm/kinematics.hpp"
 
+#include <Eigen/Geometry>
+#include <cmath>
+
 namespace robcl::arm {
 
 Frame to_frame(const KDL::Frame& frame) {
@@ -13,43 +16,74 @@ KDL::Frame to_kdl(const Frame& frame) {
   return {KDL::Rotation::Quaternion(x, y, z, w), {frame.x(), frame.y(), frame.z()}};
 }
 
-Kinematics::Kinematics(const ArmModel& model) : chain_(model.chain()) {}
+namespace {
 
-Frame Kinematics::base_from_flange(const JointValues& joints) {
-  KDL::Frame base_from_here = KDL::Frame::Identity();
-  Eigen::Index axis = 0;
-  for (unsigned i = 0; i < chain_.getNrOfSegments(); ++i) {
-    const KDL::Segment& segment = chain_.getSegment(i);
-    const bool turns = segment.getJoint().getType() != KDL::Joint::None;
-    base_from_here = base_from_here * segment.pose(turns ? joints[axis++] : 0);
-  }
-  return to_frame(base_from_here);
+/// Turns a coordinate system by `angle` about its z axis.
+void turn_about_z(Eigen::Matrix3d& turn, double angle) {
+  const double sine = std::sin(angle), cosine = std::cos(angle);
+  const Eigen::Vector3d x = turn.col(0);
+  turn.col(0) = cosine * x + sine * turn.col(1);
+  turn.col(1) = cosine * turn.col(1) - sine * x;
 }
 
-Kinematics::Place Kinematics::place(const JointValues& joints) {
-  Jacobian result(6, joints.size());
-  Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, max_axes> origins(3, joints.size());
-  KDL::Frame base_from_here = KDL::Frame::Identity();
-  Eigen::Index axis = 0;
-  for (unsigned i = 0; i < chain_.getNrOfSegments(); ++i) {
-    const KDL::Segment& segment = chain_.getSegment(i);
+}  // namespace
+
+Kinematics::Kinematics(const ArmModel& model, const Frame& flange_from_tip) {
+  Frame before_from_here;                  // "before" is the last joint, or the base
+  const KDL::Chain chain = model.chain();  // a copy, because KDL::Joint caches its last pose
+  for (unsigned i = 0; i < chain.getNrOfSegments(); ++i) {
+    const KDL::Segment& segment = chain.getSegment(i);
     const KDL::Joint& joint = segment.getJoint();
-    double position = 0;
+    Frame here_from_next = to_frame(segment.pose(0));
     if (joint.getType() != KDL::Joint::None) {
-      const KDL::Vector direction = base_from_here.M * joint.JointAxis();
-      const KDL::Vector origin = base_from_here * joint.JointOrigin();
-      result.col(axis).tail<3>() = Eigen::Vector3d(direction.x(), direction.y(), direction.z());
-      origins.col(axis) = Eigen::Vector3d(origin.x(), origin.y(), origin.z());
-      position = joints[axis++];
+      const Frame here_from_joint(to_eigen(joint.JointOrigin()),
+                                  Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(),
+                                                                     to_eigen(joint.JointAxis())));
+      const Frame before_from_joint = before_from_here * here_from_joint;
+      links_.push_back(link_of(before_from_joint));
+      before_from_here = Frame();
+      here_from_next = here_from_joint.inverse() * here_from_next;
     }
-    base_from_here = base_from_here * segment.pose(position);
+    before_from_here = before_from_here * here_from_next;
   }
-  const Eigen::Vector3d flange(base_from_here.p.x(), base_from_here.p.y(), base_from_here.p.z());
-  for (Eigen::Index i = 0; i < joints.size(); ++i) {
-    const Eigen::Vector3d direction = result.col(i).tail<3>();
-    result.col(i).head<3>() = direction.cross(Eigen::Vector3d(flange - origins.col(i)));
+  flange_ = link_of(before_from_here);
+  tip_ = link_of(before_from_here * flange_from_tip);
+}
+
+Kinematics::Link Kinematics::link_of(const Frame& frame) {
+  return {frame.orientation().toRotationMatrix(), frame.position()};
+}
+
+Frame Kinematics::base_from_flange(const JointValues& joints) const {
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d way = Eigen::Vector3d::Zero();
+  Eigen::Index axis = 0;
+  for (const Link& link : links_) {
+    way += turn * link.way;
+    turn = turn * link.turn;
+    turn_about_z(turn, joints[axis++]);
   }
-  return {to_frame(base_from_here), result};
+  return Frame(way + turn * flange_.way, Eigen::Quaterniond(Eigen::Matrix3d(turn * flange_.turn)));
+}
+
+Kinematics::Place Kinematics::place(const JointValues& joints) const {
+  Jacobian jacobian(6, joints.size());
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d way = Eigen::Vector3d::Zero();
+  Eigen::Index axis = 0;
+  for (const Link& link : links_) {
+    way += turn * link.way;
+    turn = turn * link.turn;
+    jacobian.col(axis).head<3>() = way;  // the origin of the joint, until the tip is known
+    jacobian.col(axis).tail<3>() = turn.col(2);
+    turn_about_z(turn, joints[axis++]);
+  }
+  way += turn * tip_.way;
+  for (Eigen::Index i = 0; i < axis; ++i) {
+    const Eigen::Vector3d lever = way - jacobian.col(i).head<3>();
+    jacobian.col(i).head<3>() = Eigen::Vector3d(jacobian.col(i).tail<3>()).cross(lever);
+  }
+  return {Frame(way, Eigen::Quaterniond(Eigen::Matrix3d(turn * tip_.turn))), jacobian};
 }
 
 }  // namespace robcl::arm

@@ -1,7 +1,9 @@
-// Forward kinematics: the pose and the Jacobian of the flange at given joint positions.
+// Forward kinematics: the pose and the Jacobian of the flange, or of the tool, at given joint
+// positions.
 #pragma once
 
-#include <kdl/chain.hpp>
+#include <kdl/frames.hpp>
+#include <vector>
 
 #include "robcl/arm/joint_values.hpp"
 #include "robcl/arm/model.hpp"
@@ -9,33 +11,44 @@
 
 namespace robcl::arm {
 
-/// Computes forward kinematics by multiplying KDL's segments, without allocating memory. Only one
-/// thread at a time may use a Kinematics object, because KDL::Joint caches its last pose. Copies
-/// are independent of each other.
+/// Computes forward kinematics without allocating memory. The constructor multiplies what is
+/// constant between two joints of the KDL chain, and turns each joint's axis to z: a control cycle
+/// has time for several poses with their Jacobian matrices.
 class Kinematics {
  public:
-  explicit Kinematics(const ArmModel& model);
+  /// `flange_from_tip`: the tip of the arm, whose Jacobian matrix is wanted; for example a tool.
+  explicit Kinematics(const ArmModel& model, const Frame& flange_from_tip = {});
 
   /// Returns the pose of the flange at the joint positions `joints`. @pre `joints` has one position
   /// for each axis.
-  Frame base_from_flange(const JointValues& joints);
-  /// Returns the Jacobian matrix at the joint positions `joints`. Column i is the twist of the
-  /// flange, seen from the base, while joint i turns with 1 rad/s. @pre `joints` has one position
-  /// for each axis.
-  Jacobian jacobian(const JointValues& joints) { return place(joints).jacobian; }
-
+  Frame base_from_flange(const JointValues& joints) const;
   struct Place {
-    Frame base_from_flange;
+    Frame base_from_tip;
+    /// Column i is the twist of the tip, seen from the base, while joint i turns with 1 rad/s.
     Jacobian jacobian;
   };
-  /// Returns both results in one pass along the chain.
-  Place place(const JointValues& joints);
+  /// Returns the place of the tip at the joint positions `joints`. @pre `joints` has one position
+  /// for each axis.
+  Place place(const JointValues& joints) const;
 
  private:
-  KDL::Chain chain_;
+  /// The pose of a joint seen from the joint before it (the first: from the base). The joint turns
+  /// about its z axis.
+  struct Link {
+    Eigen::Matrix3d turn;
+    Eigen::Vector3d way;
+  };
+
+  static Link link_of(const Frame& frame);
+
+  std::vector<Link> links_;
+  Link flange_, tip_;  // seen from the last joint
 };
 
-/// Conversions between KDL::Frame and robcl::Frame.
+/// Conversions between the types of KDL and ours.
+inline Eigen::Vector3d to_eigen(const KDL::Vector& vector) {
+  return {vector.x(), vector.y(), vector.z()};
+}
 Frame to_frame(const KDL::Frame& frame);
 KDL::Frame to_kdl(const Frame& frame);
 

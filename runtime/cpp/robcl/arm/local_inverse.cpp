@@ -26,26 +26,32 @@ PoseStep step_between(const Frame& from, const Frame& to) {
   return step;
 }
 
-DampedInverse::DampedInverse(const Jacobian& jacobian) : jacobian_(jacobian) {
-  Eigen::Matrix<double, 6, 6> square = jacobian * jacobian.transpose();
-  square.diagonal().array() += damping;
-  square_.compute(square);
+DampedInverse::DampedInverse(const Jacobian& jacobian)
+    : jacobian_(jacobian), square_(jacobian.lazyProduct(jacobian.transpose())) {
+  square_.diagonal().array() += damping;
+  root_.compute(square_);
 }
 
 /// The least of the pivots of a symmetric matrix is at least its least eigenvalue.
 double DampedInverse::singularity_distance() const {
-  return std::sqrt(std::max(square_.vectorD().minCoeff() - damping, 0.0));
+  return std::sqrt(std::max(square_.ldlt().vectorD().minCoeff() - damping, 0.0));
 }
 
-std::optional<LocalInverse::Solution> LocalInverse::solve(const Frame& base_from_flange,
-                                                          const JointValues& known) {
-  JointValues joints = known;
+LocalInverse::Solution LocalInverse::at(const JointValues& joints) const {
+  const Kinematics::Place place = forward_.place(joints);
+  return {joints, place.base_from_tip, DampedInverse(place.jacobian)};
+}
+
+std::optional<LocalInverse::Solution> LocalInverse::solve(const Frame& base_from_tool,
+                                                          const Solution& known,
+                                                          double tolerance) const {
+  Solution here = known;
   for (int i = 0; i < most_steps; ++i) {
-    const Kinematics::Place place = forward_.place(joints);
-    const PoseStep away = step_between(place.base_from_flange, base_from_flange);
-    if (away.cwiseAbs().maxCoeff() <= accuracy) return Solution{joints, place};
-    joints += DampedInverse(place.jacobian).joint_speeds(away);
-    if (!((joints - known).cwiseAbs().maxCoeff() <= furthest)) return std::nullopt;
+    const PoseStep away = step_between(here.base_from_tool, base_from_tool);
+    if (away.cwiseAbs().maxCoeff() <= tolerance) return here;
+    const JointValues next = here.joints + here.inverse.joint_speeds(away);
+    if (!((next - known.joints).cwiseAbs().maxCoeff() <= furthest)) return std::nullopt;
+    here = at(next);
   }
   return std::nullopt;
 }

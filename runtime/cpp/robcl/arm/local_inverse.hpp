@@ -30,46 +30,54 @@ class DampedInverse {
   /// `twist`, in m/s and rad/s; of an arm with more than six joints, the least ones. At a
   /// singularity they are finite, and large.
   JointValues joint_speeds(const PoseStep& twist) const {
-    return jacobian_.transpose() * PoseStep(square_.solve(twist));
+    return jacobian_.transpose() * PoseStep(root_.solve(twist));
   }
   /// Returns how far the arm is from a singularity: roughly the least speed of the point, in m/s or
   /// rad/s, for a speed of the joints of 1 rad/s. It is 0 at a singularity.
   double singularity_distance() const;
 
  private:
+  using Square = Eigen::Matrix<double, 6, 6>;
+
   Jacobian jacobian_;
-  Eigen::LDLT<Eigen::Matrix<double, 6, 6>> square_;
+  Square square_;
+  Eigen::LLT<Square> root_;
 };
 
-/// Finds the joint positions for a pose that is near a pose whose joint positions are known. The
-/// solution continues from these, so that the arm keeps its configuration and the turns of its
+/// Finds the joint positions for a pose of the tool near a pose whose joint positions are known.
+/// The solution continues from these, so that the arm keeps its configuration and the turns of its
 /// joints. Works for every arm; an arm with more than six joints moves as little as possible.
 ///
 /// The method is Newton's, with the damped inverse of the Jacobian matrix (Y. Nakamura and H.
 /// Hanafusa, "Inverse Kinematic Solutions with Singularity Robustness for Robot Manipulator
-/// Control", 1986). Never allocates memory. Only one thread at a time may use an object.
+/// Control", 1986). Never allocates memory.
 class LocalInverse {
  public:
-  /// A solution is this accurate, in m and rad.
+  /// A solution is this accurate, in m and rad, unless the caller is content with less.
   static constexpr double accuracy = 1e-10;
   /// No joint of a solution is further than this, in rad, from the known position.
   static constexpr double furthest = 0.5;
 
-  explicit LocalInverse(const ArmModel& model) : forward_(model) {}
+  explicit LocalInverse(const ArmModel& model, const Frame& flange_from_tool = {})
+      : forward_(model, flange_from_tool) {}
 
   struct Solution {
     JointValues joints;
-    Kinematics::Place place;  ///< at `joints`
+    Frame base_from_tool;
+    DampedInverse inverse;  ///< of the tool's Jacobian matrix at `joints`
   };
-  /// Returns joint positions that put the flange at `base_from_flange`; nullopt if there are none
-  /// within `furthest` of `known`, as beyond the reach of the arm and beside a singularity. Does
-  /// not check the limits of the joints.
-  std::optional<Solution> solve(const Frame& base_from_flange, const JointValues& known);
+  /// Returns the solution whose joint positions are `joints`.
+  Solution at(const JointValues& joints) const;
+  /// Returns joint positions that put the tool at `base_from_tool`; nullopt if there are none
+  /// within `furthest` of those of `known`, as beyond the reach of the arm and beside a
+  /// singularity. Does not check the limits of the joints.
+  std::optional<Solution> solve(const Frame& base_from_tool, const Solution& known,
+                                double tolerance = accuracy) const;
 
  private:
   static constexpr int most_steps = 8;
 
-  Kinematics forward_;
+  const Kinematics forward_;
 };
 
 }  // namespace robcl::arm

@@ -57,8 +57,6 @@ double distance_to(const Line& line, const Vector3d& point) {
   return (point - line.point).cross(line.direction).norm();
 }
 
-Vector3d to_eigen(const KDL::Vector& v) { return {v.x(), v.y(), v.z()}; }
-
 std::vector<Line> axes_at_zero(const KDL::Chain& shared) {
   const KDL::Chain chain = shared;  // a copy, because KDL::Joint caches its last pose
   std::vector<Line> lines;

@@ -17,6 +17,9 @@ constexpr double slowest = 20;
 // The tool does not move nearer to a singularity, as DampedInverse measures it: joints
 // would move by more than 20 rad per m of the tool.
 constexpr double near_singularity = 0.05;
+// How accurately the place is computed at which the lead would stand if it braked now, in m and
+// rad. JointLimiter keeps the limits of the joints in any case.
+constexpr double foresight = 1e-6;
 
 /// Returns the twist in the direction of `way` with the given speeds; a part of the way that is
 /// zero stays so.
@@ -36,24 +39,20 @@ arm::PoseStep twist_of(const ToolLead& lead) {
 
 ArmLead::ArmLead(const arm::ArmModel& model, const JointValues& joints,
                  const Frame& flange_from_tool, const ToolLimits& limits)
-    : model_(model),
-      flange_from_tool_(flange_from_tool),
-      limits_(limits),
-      forward_(model),
-      inverse_(model) {
+    : model_(model), limits_(limits), inverse_(model, flange_from_tool), at_(inverse_.at(joints)) {
   put_at(joints);
 }
 
 void ArmLead::put_at(const JointValues& joints) {
-  at_ = {joints, forward_.place(joints)};
+  at_ = inverse_.at(joints);
   change_ = {JointValues::Zero(joints.size()), JointValues::Zero(joints.size())};
-  lead_ = ToolLead{at_.place.base_from_flange * flange_from_tool_};
+  lead_ = ToolLead{at_.base_from_tool};
 }
 
 Hold ArmLead::move(const std::optional<Frame>& target, double share, const JointLimiter& followers,
                    double cycle) {
   if (lead_.at_rest() && (!target || lead_.is_at(*target))) return {};
-  ToolLimits limits = limits_at(at_.place, lead_, target.value_or(lead_.pose));
+  ToolLimits limits = limits_at(at_.inverse, lead_, target.value_or(lead_.pose));
   if (const double excess = bend_excess(); excess > 1) {
     limits.speed = std::min(limits.speed, lead_.speed.norm() / excess);
     limits.turn_speed = std::min(limits.turn_speed, lead_.turn_speed.norm() / excess);
@@ -71,7 +70,7 @@ Hold ArmLead::move(const std::optional<Frame>& target, double share, const Joint
 std::optional<Hold> ArmLead::try_towards(const Frame& target, const ToolLimits& limits,
                                          double cycle) {
   const ToolLead next = lead_.towards(target, limits, cycle);
-  const auto there = solve(next.pose, at_.joints);
+  const auto there = inverse_.solve(next.pose, at_);
   if (!there) return Hold{.out_of_reach = true};
   if (const auto hold = why_not_stop(next, *there, target, limits, cycle)) return hold;
   accept(next, *there, cycle);
@@ -82,12 +81,12 @@ std::optional<Hold> ArmLead::try_towards(const Frame& target, const ToolLimits& 
 /// the tool may be lower there than here: then its way is longer.
 std::optional<Hold> ArmLead::why_not_stop(const ToolLead& lead, const Solution& at,
                                           const Frame& target, const ToolLimits& limits,
-                                          double cycle) {
-  const auto soonest = solve(lead.stop(limits, cycle), at.joints);
+                                          double cycle) const {
+  const auto soonest = inverse_.solve(lead.stop(limits, cycle), at, foresight);
   if (const auto hold = why_not_stand(soonest)) return hold;
-  const ToolLimits there = limits_at(soonest->place, lead, target);
+  const ToolLimits there = limits_at(soonest->inverse, lead, target);
   if (there.acceleration >= limits.acceleration) return std::nullopt;
-  return why_not_stand(solve(lead.stop(there, cycle), at.joints));
+  return why_not_stand(inverse_.solve(lead.stop(there, cycle), at, foresight));
 }
 
 std::optional<Hold> ArmLead::why_not_stand(const std::optional<Solution>& there) const {
@@ -95,10 +94,9 @@ std::optional<Hold> ArmLead::why_not_stand(const std::optional<Solution>& there)
   if (const auto outside = arm::first_outside(model_, there->joints)) {
     return Hold{.limit_axis = static_cast<std::uint32_t>(outside->axis)};
   }
-  const double distance = arm::DampedInverse(there->place.jacobian).singularity_distance();
+  const double distance = there->inverse.singularity_distance();
   // A lead that is nearer already may move away.
-  if (distance >= near_singularity ||
-      distance >= arm::DampedInverse(at_.place.jacobian).singularity_distance()) {
+  if (distance >= near_singularity || distance >= at_.inverse.singularity_distance()) {
     return std::nullopt;
   }
   return Hold{.out_of_reach = true};
@@ -106,7 +104,7 @@ std::optional<Hold> ArmLead::why_not_stand(const std::optional<Solution>& there)
 
 void ArmLead::brake(const ToolLimits& limits, const JointLimiter& followers, double cycle) {
   const ToolLead next = lead_.braking(limits, cycle);
-  const auto there = solve(next.pose, at_.joints);
+  const auto there = inverse_.solve(next.pose, at_);
   // In a bend the joints may need more way to brake than the tool.
   if (!there || arm::first_outside(model_, there->joints)) return put_at(followers.stop(cycle));
   accept(next, *there, cycle);
@@ -121,12 +119,11 @@ void ArmLead::accept(const ToolLead& lead, const Solution& at, double cycle) {
   at_ = at;
 }
 
-/// Returns the limits of the tool at `place`, so low that the joints can follow: with the greatest
-/// speed and acceleration in the direction of the target, and in the direction of the lead's
-/// motion, no joint exceeds its share.
-ToolLimits ArmLead::limits_at(const arm::Kinematics::Place& place, const ToolLead& lead,
+/// Returns the limits of the tool where the arm has `inverse`, so low that the joints can follow:
+/// with the greatest speed and acceleration in the direction of the target, and in the direction of
+/// the lead's motion, no joint exceeds its share.
+ToolLimits ArmLead::limits_at(const arm::DampedInverse& inverse, const ToolLead& lead,
                               const Frame& target) const {
-  const arm::DampedInverse inverse(tool_jacobian(place));
   double slower = 1, softer = 1;
   for (const arm::PoseStep& way : {arm::step_between(lead.pose, target), twist_of(lead)}) {
     const JointValues speeds = inverse.joint_speeds(twist(way, limits_.speed, limits_.turn_speed));
@@ -146,20 +143,10 @@ ToolLimits ArmLead::limits_at(const arm::Kinematics::Place& place, const ToolLea
           .turn_acceleration = limits_.turn_acceleration / softer};
 }
 
-arm::Jacobian ArmLead::tool_jacobian(const arm::Kinematics::Place& place) const {
-  arm::Jacobian jacobian = place.jacobian;
-  const Eigen::Vector3d lever = place.base_from_flange.orientation() * flange_from_tool_.position();
-  for (Eigen::Index i = 0; i < jacobian.cols(); ++i) {
-    jacobian.col(i).head<3>() += jacobian.col(i).tail<3>().cross(lever);
-  }
-  return jacobian;
-}
-
 /// Returns the factor by which the lead is too fast for the bends of the joints' way: their
 /// accelerations at a constant speed of the tool, which rise with the square of that speed.
 double ArmLead::bend_excess() const {
-  const arm::DampedInverse inverse(tool_jacobian(at_.place));
-  const JointValues bend = change_.accelerations - inverse.joint_speeds(change_.acceleration);
+  const JointValues bend = change_.accelerations - at_.inverse.joint_speeds(change_.acceleration);
   double excess = 0;
   for (Eigen::Index i = 0; i < bend.size(); ++i) {
     const double allowed = model_.limits()[static_cast<std::size_t>(i)].acceleration * bend_share;

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <optional>
 
-#include "robcl/arm/kinematics.hpp"
 #include "robcl/arm/local_inverse.hpp"
 #include "robcl/arm/model.hpp"
 #include "robcl/motion/joint_limiter.hpp"
@@ -50,23 +49,17 @@ class ArmLead {
 
   std::optional<Hold> try_towards(const Frame& target, const ToolLimits& limits, double cycle);
   std::optional<Hold> why_not_stop(const ToolLead& lead, const Solution& at, const Frame& target,
-                                   const ToolLimits& limits, double cycle);
+                                   const ToolLimits& limits, double cycle) const;
   std::optional<Hold> why_not_stand(const std::optional<Solution>& there) const;
   void brake(const ToolLimits& limits, const JointLimiter& followers, double cycle);
   void accept(const ToolLead& lead, const Solution& at, double cycle);
-  ToolLimits limits_at(const arm::Kinematics::Place& place, const ToolLead& lead,
+  ToolLimits limits_at(const arm::DampedInverse& inverse, const ToolLead& lead,
                        const Frame& target) const;
-  arm::Jacobian tool_jacobian(const arm::Kinematics::Place& place) const;
   double bend_excess() const;
-  std::optional<Solution> solve(const Frame& tool, const JointValues& known) {
-    return inverse_.solve(tool * flange_from_tool_.inverse(), known);
-  }
 
   const arm::ArmModel model_;
-  const Frame flange_from_tool_;
   const ToolLimits limits_;
-  arm::Kinematics forward_;
-  arm::LocalInverse inverse_;
+  const arm::LocalInverse inverse_;
 
   ToolLead lead_;
   Solution at_;  // at the pose of lead_
