@@ -87,22 +87,23 @@ gecos::Result<void> GripperServant::let_jaws_move(Run& run) {
   }
 }
 
-/// Waits until the simulated world shows that `holder` holds the body `body`, or that no gripper
-/// holds it if `holder` is empty. Otherwise the next motion of the arm could start before the body
-/// is attached or released.
-gecos::Result<void> GripperServant::wait_for_world(const std::string& body,
-                                                   const std::string& holder, Run& run) {
+/// Waits until the simulated world shows that this gripper is, or is no longer, among those that
+/// hold the body `body`. Otherwise the next motion of the arm could start before the body is
+/// attached or released.
+gecos::Result<void> GripperServant::wait_for_world(const std::string& body, WorldShows what,
+                                                   Run& run) {
   const auto deadline = std::chrono::steady_clock::now() + world_takes_notice;
   while (std::chrono::steady_clock::now() < deadline) {
     const auto found =
         world_.call([&](const robcl::World& world) { return world.find(body).get(); });
     if (!found) return tl::unexpected(as_fault(found.error()));
-    if (found->fixed || found->held_by == holder) return {};
+    const bool held = std::ranges::count(found->holders, name_) > 0;
+    if (found->fixed || held == (what == WorldShows::Held)) return {};
     if (run.wait_interrupted(beat)) return tl::unexpected(gecos::Fault::interrupted());
   }
   return tl::unexpected(gecos::Fault::failed(
       "the world '" + world_.name() + "' does not show that the gripper '" + name_ + "' " +
-      (holder.empty() ? "released" : "holds") + " the body '" + body +
+      (what == WorldShows::Released ? "released" : "holds") + " the body '" + body +
       "': check that the option --grippers of robcl-world names this gripper"));
 }
 
@@ -119,7 +120,7 @@ gecos::Result<void> GripperServant::open(double width, Run& run) {
   }
   if (auto moved = let_jaws_move(run); !moved) return moved;
   if (!before.holding || world_.name().empty()) return {};
-  return wait_for_world(before.held, {}, run);
+  return wait_for_world(before.held, WorldShows::Released, run);
 }
 
 gecos::Result<void> GripperServant::close(double force, Run& run) {
@@ -131,7 +132,7 @@ gecos::Result<void> GripperServant::close(double force, Run& run) {
   if (auto moved = let_jaws_move(run); !moved) return moved;
   const SimulatedGripper::State now = gripper_.state();
   if (!now.holding || world_.name().empty()) return {};
-  return wait_for_world(now.held, name_, run);
+  return wait_for_world(now.held, WorldShows::Held, run);
 }
 
 }  // namespace devices

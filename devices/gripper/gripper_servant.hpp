@@ -30,6 +30,7 @@ class GripperServant final : public robcl::GripperServant {
 
  private:
   using Run = gecos::Execution<robcl::GripperState>;
+  enum class WorldShows { Held, Released };
 
   gecos::Result<robcl::Frame> base() override { return mounting_.base(); }
   gecos::Result<std::string> parent() override { return mounting_.parent(); }
@@ -43,7 +44,7 @@ class GripperServant final : public robcl::GripperServant {
 
   gecos::Result<std::optional<SimulatedGripper::Contact>> contact();
   gecos::Result<void> let_jaws_move(Run& run);
-  gecos::Result<void> wait_for_world(const std::string& body, const std::string& holder, Run& run);
+  gecos::Result<void> wait_for_world(const std::string& body, WorldShows what, Run& run);
 
   const std::string name_;
   gecos::Reconnecting<robcl::World> world_;

@@ -67,7 +67,7 @@ tl::expected<void, SimulatedWorld::PlaceProblem> SimulatedWorld::place(std::stri
   SimulatedBody* const body = look_up(name);
   if (!body) return tl::unexpected(PlaceProblem::Unknown);
   if (body->fixed) return tl::unexpected(PlaceProblem::Fixed);
-  if (!body->held_by.empty()) return tl::unexpected(PlaceProblem::Held);
+  if (!body->holders.empty()) return tl::unexpected(PlaceProblem::Held);
   body->box.pose = pose;
   return {};
 }
@@ -76,21 +76,21 @@ void SimulatedWorld::track(const std::string& gripper, const std::string& held,
                            const Frame& carrier) {
   const gecos::MutexLock lock(guard_);
   SimulatedBody* const body = held.empty() ? nullptr : look_up(held);
-  if (!body || body->held_by != gripper) release(gripper);
+  const bool holds = body && std::ranges::count(body->holders, gripper) > 0;
+  if (!holds) release(gripper);
   if (!body || body->fixed) return;
-  if (body->held_by.empty()) {
-    body->held_by = gripper;
-    carrier_from_body_[gripper] = carrier.inverse() * body->box.pose;
+  if (holds && body->holders.back() == gripper) {
+    body->box.pose = carrier * carrier_from_body_[gripper];
+    return;
   }
-  if (body->held_by == gripper) body->box.pose = carrier * carrier_from_body_[gripper];
+  if (!holds) body->holders.push_back(gripper);
+  carrier_from_body_[gripper] = carrier.inverse() * body->box.pose;
 }
 
 void SimulatedWorld::release(const std::string& gripper) {
   if (carrier_from_body_.erase(gripper) == 0) return;
   for (SimulatedBody& body : bodies_) {
-    if (body.held_by != gripper) continue;
-    body.held_by.clear();
-    fall(body);
+    if (std::erase(body.holders, gripper) > 0 && body.holders.empty()) fall(body);
   }
 }
 

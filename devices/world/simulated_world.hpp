@@ -16,14 +16,18 @@ namespace devices {
 struct SimulatedBody {
   std::string name;
   Box box;
-  bool fixed = false;   ///< cannot be gripped or moved
-  std::string held_by;  ///< name of the gripper that holds the body; empty if none
+  bool fixed = false;  ///< cannot be gripped or moved
+  /// Names of the grippers that hold the body, in the order in which they took hold. The last one
+  /// carries the body.
+  std::vector<std::string> holders;
 };
 
 /// A simulated laboratory of bodies. A gripper that grips a body attaches the body, at its present
-/// pose, to the gripper's carrier. A released body falls straight down onto the body below it and
-/// keeps its orientation. A body that is not held does not move, even when the body below it is
-/// taken away. Thread-safe.
+/// pose, to the gripper's carrier. Several grippers may hold one body: the last one that took hold
+/// carries the body, which slides through the jaws of the others. When the carrying gripper lets
+/// go, the last of the others carries the body from where it is. A body that its last holder
+/// releases falls straight down onto the body below it and keeps its orientation. A body that is
+/// not held does not move, even when the body below it is taken away. Thread-safe.
 class SimulatedWorld {
  public:
   struct Hit {
@@ -60,9 +64,9 @@ class SimulatedWorld {
   tl::expected<void, PlaceProblem> place(std::string_view name, const Frame& pose);
 
   /// Reports that `gripper` holds the body `body`, or no body if `body` is empty, and that the
-  /// frame of the gripper's carrier is `carrier` now. Attaches the body if the gripper did not hold
-  /// it before; otherwise moves the body with the carrier. Releases any other body of this gripper.
-  /// Does not attach a fixed body, or a body that another gripper holds.
+  /// frame of the gripper's carrier is `carrier` now. If the gripper did not hold the body before,
+  /// attaches it, also if other grippers hold it. If the gripper carries the body, moves it with
+  /// the carrier. Releases any other body of this gripper. Does not attach a fixed body.
   void track(const std::string& gripper, const std::string& body, const Frame& carrier);
 
  private:
@@ -73,7 +77,8 @@ class SimulatedWorld {
   const double floor_;
   mutable gecos::Mutex guard_;
   std::vector<SimulatedBody> bodies_ GECOS_GUARDED_BY(guard_);
-  // The key is the name of a gripper. There is one entry for each gripper that holds a body.
+  // The key is the name of a gripper. There is one entry for each gripper that holds a body. The
+  // entry of a gripper that does not carry its body follows the body.
   std::map<std::string, Frame> carrier_from_body_ GECOS_GUARDED_BY(guard_);
 };
 

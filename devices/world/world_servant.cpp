@@ -10,7 +10,7 @@ robcl::Body on_wire(const SimulatedBody& body) {
           body.box.pose,
           {body.box.size.x(), body.box.size.y(), body.box.size.z()},
           body.fixed,
-          body.held_by};
+          body.holders};
 }
 
 }  // namespace

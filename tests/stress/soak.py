@@ -150,6 +150,15 @@ def move(moves: int, build: Path, figures: Figures) -> None:
         figures.failed.append(f"robcl_motion_test, RandomMoves, with MOTION_MOVES={moves}")
 
 
+def hand_over(times: int, seed: int, build: Path, figures: Figures) -> None:
+    """A block from one arm to another one and back, at so many random places."""
+    chosen = {"GECOS_BUILD": str(build), "HAND_OVERS": str(times), "HAND_OVER_SEED": str(seed)}
+    test = Path(__file__).resolve().parents[1] / "system" / "test_hand_over.py"
+    command = [sys.executable, "-m", "pytest", "-n0", "-q", "-s", test, "-k", "random"]
+    if subprocess.run(command, env={**os.environ, **chosen}).returncode != 0:
+        figures.failed.append(f"{test.name} with HAND_OVERS={times} HAND_OVER_SEED={seed}")
+
+
 def gather_a_crowd(clients: int, build: Path, env: Mapping[str, str], figures: Figures) -> None:
     """One client process for 20 clients, and one object for ten, in 20 servers at most."""
     objects = max(clients // 10, 1)
@@ -173,6 +182,7 @@ def main() -> int:
     parser.add_argument("--packets", type=int, default=1_000_000, help="to the secure channel")
     parser.add_argument("--stream", type=int, default=60, help="seconds of a stream at 1 kHz")
     parser.add_argument("--moves", type=int, default=20_000, help="of each of two arms")
+    parser.add_argument("--hand-overs", type=int, default=100, help="at random places, both ways")
     parser.add_argument("--clients", type=int, default=1_000, help="idle ones, over each medium")
     asked = parser.parse_args()
     print(f"soak: seed {asked.seed}", flush=True)
@@ -187,6 +197,7 @@ def main() -> int:
         os.environ["GECOS_KEY_DIR"] = env["GECOS_KEY_DIR"]
         gather_a_crowd(asked.clients, build, env, figures)
         move(asked.moves, build, figures)
+        hand_over(asked.hand_overs, asked.seed, build, figures)
         attack_the_channel(asked.packets, build, figures)
         stream(asked.stream, build, figures)
         call_over_a_faulty_line(asked.calls, asked.seed, build, figures)
@@ -209,6 +220,7 @@ def main() -> int:
         f" {figures.freezes} freezes ({figures.in_vain} handlers began in vain after one),"
         f" {figures.cuts} cuts,"
         f" {asked.calls} calls over each of two faulty lines,"
+        f" {2 * asked.hand_overs} hand-overs,"
         f" {asked.packets} hostile packets, {asked.stream} s of a stream over each of two media,"
         f" {figures.outcomes.total()} commands ({told})"
     )

@@ -109,7 +109,8 @@ CASES: list[tuple[str, str, Any]] = [
     ("robcl::Joints", "ready", {"position": [0.0, -1.5707963267948966, 0.5, 0.0, -0.0, 3.0]}),
     ("robcl::Configuration", "a lefty", {"arm": "LEFTY", "bend": "BELOW", "hand": "FLIP"}),
     ("robcl::Body", "a block", {
-        "name": "block", "pose": FRAME, "size": {"x": 0.04, "y": 0.05, "z": 0.06}, "held_by": "G"}),
+        "name": "block", "pose": FRAME, "size": {"x": 0.04, "y": 0.05, "z": 0.06},
+        "holders": ["G", "H"]}),
     ("robcl::RayHit", "a hit", {"hit": True, "range": 0.5, "body_name": "block"}),
     ("robcl::Contact", "none", {"width": 0.08}),
     ("robcl::UnknownBody", "none known", {"name": "x", "known": []}),

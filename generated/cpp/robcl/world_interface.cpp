@@ -4,9 +4,9 @@
 namespace robcl {
 
 constinit const gecos::OperationDescription WorldInterface::operations[] = {
-    gecos::operation(0x25df273d, "bodies", 0x69df8049812b05f7U,
+    gecos::operation(0x25df273d, "bodies", 0x0cdf7406ce04e1a6U,
         {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
-    gecos::operation(0x288edd9e, "find", 0x14ef6719d5498fcbU,
+    gecos::operation(0x288edd9e, "find", 0xb7d10dc92ba93aa4U,
         {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
     gecos::operation(0x72eb48a0, "place", 0xb8cdd7e92e8f35c2U),
     gecos::operation(0xbfa68292, "cast", 0xecbe62dce8ab00dbU,
@@ -18,11 +18,11 @@ constinit const gecos::OperationDescription WorldInterface::operations[] = {
 constinit const gecos::InterfaceDescription WorldInterface::description{
     .name = "robcl::World",
     .version = "1.0",
-    .hash = 0xace7aa6d15ae74eeU,
+    .hash = 0x1e257b51e7f09fdcU,
     .operations = operations,
-    .model = R"json({"interface":{"kind":"interface","name":"robcl::World","doc":"The simulated laboratory: what is in it and where. It watches grippers and arms and moves what they carry.","version":"1.0","hash":"0xace7aa6d15ae74ee","members":[
-{"kind":"operation","name":"bodies","doc":"All bodies, where they are now.","result":"sequence<robcl::Body>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":635381565,"hash":"0x69df8049812b05f7"},
-{"kind":"operation","name":"find","doc":"One body, where it is now.","result":"robcl::Body","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["robcl::UnknownBody"],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":680451486,"hash":"0x14ef6719d5498fcb"},
+    .model = R"json({"interface":{"kind":"interface","name":"robcl::World","doc":"The simulated laboratory: what is in it and where. It watches grippers and arms and moves what they carry.","version":"1.0","hash":"0x1e257b51e7f09fdc","members":[
+{"kind":"operation","name":"bodies","doc":"All bodies, where they are now.","result":"sequence<robcl::Body>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":635381565,"hash":"0x0cdf7406ce04e1a6"},
+{"kind":"operation","name":"find","doc":"One body, where it is now.","result":"robcl::Body","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["robcl::UnknownBody"],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":680451486,"hash":"0xb7d10dc92ba93aa4"},
 {"kind":"operation","name":"cast","doc":"First body on the ray from `origin` along its z axis.","result":"robcl::RayHit","parameters":[{"name":"origin","direction":"in","type":"robcl::Frame"},{"name":"reach","direction":"in","type":"double","unit":"m"}],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":3215360658,"hash":"0xecbe62dce8ab00db"},
 {"kind":"operation","name":"between","doc":"Width at which jaws meet a body when they close along y of `jaws` around it, from `opening`.","result":"robcl::Contact","parameters":[{"name":"jaws","direction":"in","type":"robcl::Frame"},{"name":"opening","direction":"in","type":"double","unit":"m"}],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":3912083491,"hash":"0x8905b0f412a0d8b8"},
 {"kind":"operation","name":"place","doc":"Puts a body somewhere, for preparing an experiment. Refused while it is held.","parameters":[{"name":"name","direction":"in","type":"string"},{"name":"pose","direction":"in","type":"robcl::Frame"}],"raises":["robcl::UnknownBody"],"access":"actor","needs_presence":true,"on_new":"queue","on_loss":"stop","code":1928022176,"hash":"0xb8cdd7e92e8f35c2"}]},
@@ -30,7 +30,7 @@ constinit const gecos::InterfaceDescription WorldInterface::description{
 {"kind":"struct","name":"robcl::Vector","extensibility":"final","members":[{"name":"x","type":"double","unit":"m"},{"name":"y","type":"double","unit":"m"},{"name":"z","type":"double","unit":"m"}],"wire":{"fingerprint":"0xae7e5fba5eeca11e","min_size":24,"fixed_size":24}},
 {"kind":"struct","name":"robcl::Quaternion","doc":"Unit quaternion, w + xi + yj + zk.","extensibility":"final","members":[{"name":"w","type":"double"},{"name":"x","type":"double"},{"name":"y","type":"double"},{"name":"z","type":"double"}],"wire":{"fingerprint":"0x365bdd4bf9100a1f","min_size":32,"fixed_size":32}},
 {"kind":"struct","name":"robcl::Frame","doc":"Position and orientation of a coordinate system, seen from another.","extensibility":"final","maps_to":{"cpp":["robcl::Frame","robcl/frames/frame.hpp"],"python":["robcl.frames","Frame"]},"members":[{"name":"position","type":"robcl::Vector"},{"name":"orientation","type":"robcl::Quaternion"}],"wire":{"fingerprint":"0x249634ce2aa17b5e","min_size":56,"fixed_size":56}},
-{"kind":"struct","name":"robcl::Body","doc":"A box that things can meet, grip and measure. Its frame is in its middle.","extensibility":"appendable","members":[{"name":"name","type":"string"},{"name":"pose","type":"robcl::Frame","doc":"in the world"},{"name":"size","type":"robcl::Vector","doc":"along its own axes"},{"name":"fixed","type":"boolean","doc":"part of the laboratory: cannot be gripped"},{"name":"held_by","type":"string","doc":"gripper that carries it, empty when none"}],"wire":{"fingerprint":"0x6b8048c6826a69eb","min_size":91}},
+{"kind":"struct","name":"robcl::Body","doc":"A box that things can meet, grip and measure. Its frame is in its middle.","extensibility":"appendable","members":[{"name":"name","type":"string"},{"name":"pose","type":"robcl::Frame","doc":"in the world"},{"name":"size","type":"robcl::Vector","doc":"along its own axes"},{"name":"fixed","type":"boolean","doc":"part of the laboratory: cannot be gripped"},{"name":"holders","type":"sequence<string>","doc":"grippers that hold it, in the order in which they took hold; the last one carries it"}],"wire":{"fingerprint":"0x1088ecfcb0e9714c","min_size":90}},
 {"kind":"struct","name":"robcl::RayHit","doc":"What a ray meets first.","extensibility":"appendable","members":[{"name":"hit","type":"boolean"},{"name":"range","type":"double","unit":"m"},{"name":"body_name","type":"string"}],"wire":{"fingerprint":"0x93c7adef79860a8f","min_size":14}},
 {"kind":"struct","name":"robcl::Contact","doc":"What closing jaws would meet.","extensibility":"appendable","members":[{"name":"hit","type":"boolean"},{"name":"width","type":"double","unit":"m"},{"name":"body_name","type":"string"}],"wire":{"fingerprint":"0x94172e9049560a8f","min_size":14}},
 {"kind":"exception","name":"robcl::UnknownBody","extensibility":"final","members":[{"name":"name","type":"string"},{"name":"known","type":"sequence<string>"}],"wire":{"fingerprint":"0x7cd6bc0789c32ab9","min_size":9}}],

@@ -15,7 +15,7 @@ bool JsonStruct<::robcl::Body>::visit(JsonMembers& each, ::robcl::Body& value) {
          each.member("pose", value.pose) &&
          each.member("size", value.size) &&
          each.member("fixed", value.fixed) &&
-         each.member("held_by", value.held_by);
+         each.member("holders", value.holders);
 }
 
 template <>

@@ -10,14 +10,19 @@
 
 namespace robcl {
 
-std::size_t Body::encoded_size() const { return 91 + name.size() + held_by.size(); }
+std::size_t Body::encoded_size() const {
+  std::size_t _size = 90 + name.size() + 5 * holders.size();
+  for (const auto& item : holders) _size += item.size();
+  return _size;
+}
 
 void Body::encode(gecos::wire::Encoder& to) const {
   to.put_string(name);
   pose.encode(to);
   size.encode(to);
   to.put(fixed);
-  to.put_string(held_by);
+  to.put_count(holders.size());
+  for (const auto& item : holders) to.put_string(item);
 }
 
 bool Body::decode([[maybe_unused]] gecos::wire::Decoder& from) {
@@ -25,20 +30,25 @@ bool Body::decode([[maybe_unused]] gecos::wire::Decoder& from) {
          pose.decode(from) &&
          size.decode(from) &&
          from.get(fixed, "Body.fixed") &&
-         from.get_string(held_by, gecos::wire::npos, "Body.held_by") &&
+         gecos::wire::get_sequence(from, holders, 5, gecos::wire::npos, "Body.holders",
+             [&](auto& item) {
+               return from.get_string(item, gecos::wire::npos, "Body.holders");
+             }) &&
          gecos::wire::skip_rest(from);
 }
 
 std::string gecos_violation(const Body& value) {
   if (!gecos::wire::valid_text(value.name)) return gecos::wire::bad_text("Body.name");
-  if (!gecos::wire::valid_text(value.held_by)) return gecos::wire::bad_text("Body.held_by");
+  for (const auto& item : value.holders) {
+    if (!gecos::wire::valid_text(item)) return gecos::wire::bad_text("Body.holders");
+  }
   return {};
 }
 
 std::ostream& operator<<(std::ostream& out, const Body& value) {
   return gecos::wire::print_all(out,
       "Body{name=", value.name, ", pose=", value.pose, ", size=", value.size, ", fixed=",
-      value.fixed, ", held_by=", value.held_by, "}");
+      value.fixed, ", holders=", value.holders, "}");
 }
 
 std::size_t RayHit::encoded_size() const { return 14 + body_name.size(); }

@@ -22,11 +22,11 @@ struct Body {
   ::robcl::Vector size{};
   /// part of the laboratory: cannot be gripped
   bool fixed = false;
-  /// gripper that carries it, empty when none
-  std::string held_by{};
+  /// grippers that hold it, in the order in which they took hold; the last one carries it
+  std::vector<std::string> holders{};
 
   static constexpr std::string_view type_name() { return "robcl::Body"; }
-  static constexpr std::int64_t fingerprint() { return std::int64_t(0x6b8048c6826a69ebU); }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x1088ecfcb0e9714cU); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);

@@ -18,7 +18,15 @@ __all__ = [
 ]
 
 
-@_layout.struct(0x6B8048C6826A69EB, _layout.text(), Frame, Vector, "?", _layout.text(), open=True)
+@_layout.struct(
+    0x1088ECFCB0E9714C,
+    _layout.text(),
+    Frame,
+    Vector,
+    "?",
+    _layout.items(_layout.text()),
+    open=True,
+)
 @_dataclass(slots=True)
 class Body(_layout.Struct):
     """A box that things can meet, grip and measure. Its frame is in its middle."""
@@ -30,8 +38,8 @@ class Body(_layout.Struct):
     """along its own axes"""
     fixed: bool = False
     """part of the laboratory: cannot be gripped"""
-    held_by: str = ""
-    """gripper that carries it, empty when none"""
+    holders: list[str] = _field(default_factory=list)
+    """grippers that hold it, in the order in which they took hold; the last one carries it"""
 
 
 @_layout.struct(0x93C7ADEF79860A8F, "?d", _layout.text(), open=True)

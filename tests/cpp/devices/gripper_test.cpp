@@ -32,7 +32,8 @@ class GripperTest : public Laboratory {
       watch_.tick();
     };
   }
-  std::string holder_of_block() { return in_world_.find("block").get().value().held_by; }
+  using Names = std::vector<std::string>;
+  Names holders_of_block() { return in_world_.find("block").get().value().holders; }
 
   SimulatedWorld world_{-1, {{"block", {translate(0, 0, 150_mm), {0.06, 0.06, 0.1}}, false, {}}}};
   GripperWatch watch_{lab_, world_, "GRIPPER"};
@@ -52,12 +53,79 @@ TEST_F(GripperTest, ClosingHoldsWhatIsBetweenTheJawsAndEndsWhenTheWorldShowsIt) 
   EXPECT_NEAR(jaws.width, 0.06, 1e-9);
   EXPECT_EQ(jaws.force, 30);
   EXPECT_EQ(jaws.held, "block");
-  EXPECT_EQ(holder_of_block(), "GRIPPER");
+  EXPECT_EQ(holders_of_block(), Names{"GRIPPER"});
 
   const auto opened = get(gripper_.open(100_mm), cycle());
   ASSERT_TRUE(opened) << opened.error();
-  EXPECT_EQ(holder_of_block(), "");
+  EXPECT_EQ(holders_of_block(), Names());
   EXPECT_FALSE(gripper_.jaws().get().value().holding);
+}
+
+/// A second gripper whose jaws are at the same block, from the other side.
+class TwoGrippersTest : public GripperTest {
+ protected:
+  void SetUp() override {
+    GripperTest::SetUp();
+    serve("OTHER", other_servant_);
+    other_ = create<robcl::Gripper>("OTHER");
+  }
+  void TearDown() override { stop_serving(); }
+
+  auto both_cycle() {
+    return [this] {
+      cycle()();
+      other_servant_.step(0.005);
+      other_servant_.publish();
+      other_watch_.tick();
+    };
+  }
+  robcl::Frame block() { return in_world_.find("block").get().value().pose; }
+
+  GripperWatch other_watch_{lab_, world_, "OTHER"};
+  GripperServant other_servant_{lab_, "OTHER", "WORLD", "", translate(0, 0, 150_mm), {}};
+  robcl::Gripper other_;
+};
+
+TEST_F(TwoGrippersTest, HandABlockOverAndBackAndItDoesNotMove) {
+  const auto lease = gecos::actor(gripper_);
+  const auto other_lease = gecos::actor(other_);
+  ASSERT_TRUE(get(gripper_.open(100_mm), both_cycle()));
+  ASSERT_TRUE(get(other_.open(100_mm), both_cycle()));
+  ASSERT_TRUE(get(gripper_.close(30), both_cycle()));
+  const robcl::Frame before = block();
+
+  for (int i = 0; i < 2; ++i) {
+    robcl::Gripper& from = i == 0 ? gripper_ : other_;
+    robcl::Gripper& to = i == 0 ? other_ : gripper_;
+    const Names one = i == 0 ? Names{"GRIPPER", "OTHER"} : Names{"OTHER", "GRIPPER"};
+    const auto closed = get(to.close(30), both_cycle());
+    ASSERT_TRUE(closed) << closed.error();
+    EXPECT_EQ(holders_of_block(), one);
+    const auto opened = get(from.open(100_mm), both_cycle());
+    ASSERT_TRUE(opened) << opened.error();
+    EXPECT_EQ(holders_of_block(), Names{one.back()});
+    EXPECT_TRUE(near(block(), before, 1e-12, 1e-12));
+  }
+
+  ASSERT_TRUE(get(gripper_.open(100_mm), both_cycle()));
+  EXPECT_EQ(holders_of_block(), Names());
+  EXPECT_LT(block().z(), before.z() - 0.5) << "it falls to the floor, one metre below";
+}
+
+TEST_F(TwoGrippersTest, AGripperThatTheWorldDoesNotWatchSaysSo) {
+  const auto lease = gecos::actor(gripper_);
+  const auto other_lease = gecos::actor(other_);
+  ASSERT_TRUE(get(gripper_.open(100_mm), both_cycle()));
+  ASSERT_TRUE(get(other_.open(100_mm), both_cycle()));
+  ASSERT_TRUE(get(gripper_.close(30), both_cycle()));
+  const auto closed = get(other_.close(30), [this] {
+    cycle()();
+    other_servant_.step(0.005);
+    other_servant_.publish();
+  });
+  ASSERT_FALSE(closed) << "that another gripper holds the block is no answer";
+  EXPECT_NE(closed.error().text.find("'OTHER' holds the body 'block'"), std::string::npos)
+      << closed.error().text;
 }
 
 TEST_F(GripperTest, RefusesAForceThatItDoesNotHaveWithItsLimitsInTheTextToo) {
