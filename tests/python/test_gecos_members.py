@@ -489,7 +489,9 @@ def test_describe_shows_members_with_units_ranges_and_access(arm: Arm, run: Run)
     assert code == 0
     assert "  tool: robcl::Frame  (stream out at 250 Hz)\n" in out
     assert "  tool_offset: robcl::Frame  (set: actor)\n" in out
-    assert "  move(goal: robcl::Frame, how: robcl::Trajectory?, pose_epoch: uint64?)  (actor, " in out
+    assert (
+        "  move(goal: robcl::Frame, how: robcl::Trajectory?, pose_epoch: uint64?)  (actor, " in out
+    )
     code, out, _ = run("describe", "ARM", "--json")
     shown = json.loads(out)
     assert shown["interface_name"] == "robcl::Manipulator"
