@@ -150,13 +150,13 @@ def move(moves: int, build: Path, figures: Figures) -> None:
         figures.failed.append(f"robcl_motion_test, RandomMoves, with MOTION_MOVES={moves}")
 
 
-def hand_over(times: int, seed: int, build: Path, figures: Figures) -> None:
+def hand_over(times: int, build: Path, figures: Figures) -> None:
     """A block from one arm to another one and back, at so many random places."""
-    chosen = {"GECOS_BUILD": str(build), "HAND_OVERS": str(times), "HAND_OVER_SEED": str(seed)}
+    chosen = {"GECOS_BUILD": str(build), "HAND_OVERS": str(times)}
     test = Path(__file__).resolve().parents[1] / "system" / "test_hand_over.py"
     command = [sys.executable, "-m", "pytest", "-n0", "-q", "-s", test, "-k", "random"]
     if subprocess.run(command, env={**os.environ, **chosen}).returncode != 0:
-        figures.failed.append(f"{test.name} with HAND_OVERS={times} HAND_OVER_SEED={seed}")
+        figures.failed.append(f"{test.name} with HAND_OVERS={times}")
 
 
 def gather_a_crowd(clients: int, build: Path, env: Mapping[str, str], figures: Figures) -> None:
@@ -197,7 +197,7 @@ def main() -> int:
         os.environ["GECOS_KEY_DIR"] = env["GECOS_KEY_DIR"]
         gather_a_crowd(asked.clients, build, env, figures)
         move(asked.moves, build, figures)
-        hand_over(asked.hand_overs, asked.seed, build, figures)
+        hand_over(asked.hand_overs, build, figures)
         attack_the_channel(asked.packets, build, figures)
         stream(asked.stream, build, figures)
         call_over_a_faulty_line(asked.calls, asked.seed, build, figures)
