@@ -1,5 +1,6 @@
-// How long a control cycle of an arm takes, how old a sample of the arm is when a client reads it,
-// and how long a correction takes to the drives. README.md says how to read the tables.
+// How long a control cycle of an arm and the planning of a move take, how old a sample of the arm
+// is when a client reads it, and how long a correction takes to the drives. README.md says how to
+// read the tables.
 
 #include <unistd.h>
 
@@ -18,6 +19,7 @@
 #include "benchmarks/rounds.hpp"
 #include "drivers/simulated_driver.hpp"
 #include "gecos/gecos.hpp"
+#include "robcl/arm/spherical_wrist.hpp"
 #include "robcl/motion/following.hpp"
 #include "robcl/motion/planner.hpp"
 #include "robcl/motion/playback.hpp"
@@ -71,6 +73,25 @@ robcl::arm::ArmModel rx90() {
   return robcl::arm::ArmModel::from_urdf(devices::rx90_urdf, "foot", "flange", 0.25).value();
 }
 
+class RandomJoints {
+ public:
+  explicit RandomJoints(const robcl::arm::ArmModel& model) : model_(model) {}
+
+  robcl::arm::JointValues operator()() {
+    robcl::arm::JointValues joints(6);
+    for (std::size_t i = 0; i < 6; ++i) {
+      const auto& limits = model_.limits()[i];
+      joints[static_cast<Eigen::Index>(i)] =
+          std::uniform_real_distribution(limits.lower, limits.upper)(engine_);
+    }
+    return joints;
+  }
+
+ private:
+  const robcl::arm::ArmModel& model_;
+  std::mt19937 engine_{1};
+};
+
 /// A correction in each cycle, to and fro: .4 mm at .4 m/s for a cycle of 1 ms.
 class ToAndFro final : public robcl::motion::CorrectionSource {
  public:
@@ -123,6 +144,60 @@ void measure_cycles() {
                   robcl::motion::FollowLimits{}, std::make_shared<ToAndFro>()),
               cycles)
       .print("follow, a correction in each cycle", "p99 <= 10");
+}
+
+// The inverse
+
+/// The closed-form inverse of the RX90, at random poses and at the stretched arm READY.
+void measure_inverse() {
+  print_head("The closed-form inverse of the RX90");
+  const auto model = rx90();
+  const auto solver = robcl::arm::SphericalWristInverse::for_arm(model);
+  const robcl::arm::Kinematics forward(model);
+  RandomJoints random(model);
+  const auto measure = [&](const char* what, const char* bar, bool one, bool stretched) {
+    constexpr int solves = 20;  // between two readings of the clock
+    Times times;
+    for (int i = 0; i < 20000; ++i) {
+      robcl::arm::JointValues joints = random();
+      if (stretched) joints << joints[0], robcl::deg(-90), robcl::deg(90), 0, 0, joints[5];
+      const auto pose = forward.base_from_flange(joints);
+      const auto wanted = one ? solver->configuration(front()) : robcl::arm::Configuration{};
+      std::size_t count = 0;
+      const auto begun = std::chrono::steady_clock::now();
+      for (int k = 0; k < solves; ++k) count += solver->all(pose, joints, wanted).count;
+      const Microseconds all = std::chrono::steady_clock::now() - begun;
+      if (count > 0) times.add(all / solves);
+    }
+    times.print(what, bar);
+  };
+  measure("one configuration", "p50 <= 1", true, false);
+  measure("all eight", "p50 <= 2", false, false);
+  measure("one configuration, stretched", "p50 <= 1", true, true);
+  measure("all eight, stretched", "p50 <= 2", false, true);
+}
+
+// Planning
+
+/// Plans random moves of the RX90 from anywhere to anywhere.
+void measure_planning() {
+  const auto model = rx90();
+  robcl::motion::Planner planner(model, {});
+  RandomJoints random(model);
+  Times joint_moves, lines, refusals;
+  while (lines.count() < 500) {
+    const auto from = random(), to = random();
+    const auto goal = planner.base_from_tool(to, {});
+    auto begun = std::chrono::steady_clock::now();
+    if (planner.joints(from, to, {})) joint_moves.add(std::chrono::steady_clock::now() - begun);
+    begun = std::chrono::steady_clock::now();
+    const bool possible = planner.straight(from, goal, {}, {}).has_value();
+    (possible ? lines : refusals).add(std::chrono::steady_clock::now() - begun);
+  }
+  print_head("Planning a move of the RX90 from anywhere to anywhere");
+  joint_moves.print("joint move", "p99 <= 10000");
+  lines.print("straight move", "p99 <= 10000");
+  refusals.print("a line that cannot be moved, refused", "p99 <= 10000");
 }
 
 // Between programs
@@ -220,6 +295,8 @@ int main() {
   try {
     // On a thread of its own, so that the client below has no real-time priority.
     std::thread(gecos::benchmarks::measure_cycles).join();
+    gecos::benchmarks::measure_inverse();
+    gecos::benchmarks::measure_planning();
     gecos::benchmarks::measure_between_programs();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "arm_benchmark: %s\n", error.what());

@@ -290,7 +290,7 @@ class RandomMoves : public ::testing::TestWithParam<ArmModel (*)()> {
     return std::move(*plan);
   }
 
-  const int moves = std::getenv("MOTION_MOVES") ? std::atoi(std::getenv("MOTION_MOVES")) : 250;
+  const int moves = std::getenv("MOTION_MOVES") ? std::atoi(std::getenv("MOTION_MOVES")) : 500;
   const ArmModel model_ = GetParam()();
   Planner planner_{model_, ToolLimits{}};
 };

@@ -153,7 +153,8 @@ bool SphericalWristInverse::verify() {
 }
 
 SphericalWristInverse::Solutions SphericalWristInverse::all(const Frame& base_from_flange,
-                                                            const JointValues& reference) const {
+                                                            const JointValues& reference,
+                                                            const Configuration& wanted) const {
   Solutions found;
   const Vector3d wrist =
       base_from_plane_.transpose() * (base_from_flange.transform(flange_to_wrist_) - origin_);
@@ -162,6 +163,9 @@ SphericalWristInverse::Solutions SphericalWristInverse::all(const Frame& base_fr
   const double forward = std::sqrt(std::max(0.0, from_axis * from_axis - lateral_ * lateral_));
 
   for (const double side : {1.0, -1.0}) {
+    Configuration configuration;
+    configuration.shoulder = side > 0 ? Shoulder::Righty : Shoulder::Lefty;
+    if (!wanted.admits(configuration)) continue;
     const double along = side * forward;  // distance of the wrist centre from axis 1
     const double first = from_axis < singular
                              ? reference[0]
@@ -179,14 +183,13 @@ SphericalWristInverse::Solutions SphericalWristInverse::all(const Frame& base_fr
     const double elbow_angle = std::acos(std::clamp(cosine, -1.0, 1.0));
     const double at_shoulder = elbow_angle < aligned ? 0.0 : elbow_angle;
     for (const double bend : {1.0, -1.0}) {
+      configuration.elbow = side * bend < 0 ? Elbow::Above : Elbow::Below;
+      if (!wanted.admits(configuration)) continue;
       const double upper = target_angle + bend * at_shoulder;
       const Vector2d elbow = at_angle(upper_arm_, upper);
       const double second = upper - upper_arm_angle_;
       const double third = third_sign_ * (angle_of(target - elbow) - forearm_angle_ - second);
-      Configuration configuration;
-      configuration.shoulder = side > 0 ? Shoulder::Righty : Shoulder::Lefty;
-      configuration.elbow = side * bend < 0 ? Elbow::Above : Elbow::Below;
-      add_wrists(base_from_flange, {first, second, third}, reference, configuration, found);
+      add_wrists(base_from_flange, {first, second, third}, reference, configuration, wanted, found);
     }
   }
   return found;
@@ -194,7 +197,7 @@ SphericalWristInverse::Solutions SphericalWristInverse::all(const Frame& base_fr
 
 void SphericalWristInverse::add_wrists(const Frame& base_from_flange, const Vector3d& first_three,
                                        const JointValues& reference, Configuration configuration,
-                                       Solutions& found) const {
+                                       const Configuration& wanted, Solutions& found) const {
   const Matrix3d arm = (AngleAxisd(first_three[0], axes_[0]) *
                         AngleAxisd(first_three[1], axes_[1]) * AngleAxisd(first_three[2], axes_[2]))
                            .toRotationMatrix();
@@ -211,13 +214,15 @@ void SphericalWristInverse::add_wrists(const Frame& base_from_flange, const Vect
   double bend = std::atan2(c * left(0, 2) + s * left(1, 2), left(2, 2));
   double sixth = std::atan2(c * left(1, 0) - s * left(0, 0), c * left(1, 1) - s * left(0, 1));
   for (const Wrist wrist : {Wrist::Noflip, Wrist::Flip}) {
-    Solution& solution = found.each[found.count++];
-    solution.configuration = configuration;
-    solution.configuration.wrist = wrist;
-    solution.joints.resize(6);
-    solution.joints << first_three, fourth, bend - sixth_tilt_, sixth_sign_ * sixth;
-    for (Eigen::Index i = 0; i < 6; ++i) {
-      solution.joints[i] = nearest_angle(solution.joints[i], reference[i]);
+    configuration.wrist = wrist;
+    if (wanted.admits(configuration)) {
+      Solution& solution = found.each[found.count++];
+      solution.configuration = configuration;
+      solution.joints.resize(6);
+      solution.joints << first_three, fourth, bend - sixth_tilt_, sixth_sign_ * sixth;
+      for (Eigen::Index i = 0; i < 6; ++i) {
+        solution.joints[i] = nearest_angle(solution.joints[i], reference[i]);
+      }
     }
     bend = -bend;
     if (!in_line) {
@@ -230,14 +235,20 @@ void SphericalWristInverse::add_wrists(const Frame& base_from_flange, const Vect
 tl::expected<JointValues, Failure> SphericalWristInverse::solve(const Frame& base_from_flange,
                                                                 const JointValues& reference,
                                                                 const Configuration& wanted) {
-  Solutions found = all(base_from_flange, reference);
-  if (found.count == 0) return tl::unexpected(OutOfReach{why_out_of_reach(base_from_flange)});
+  Solutions found = all(base_from_flange, reference, wanted);
+  if (found.count == 0) {
+    if (all(base_from_flange, reference).count == 0) {
+      return tl::unexpected(OutOfReach{why_out_of_reach(base_from_flange)});
+    }
+    std::ostringstream text;
+    text << "no solution in the configuration " << wanted << "; another configuration has one";
+    return tl::unexpected(OutOfReach{text.str()});
+  }
   const JointValues* best = nullptr;
   std::optional<JointLimit> nearest_miss;
   double best_time = 0, miss = 0;
   for (std::size_t i = 0; i < found.count; ++i) {
     JointValues& joints = found.each[i].joints;
-    if (!wanted.admits(found.each[i].configuration)) continue;
     for (Eigen::Index axis = 0; axis < 6; ++axis) {
       joints[axis] = nearest_turn(joints[axis], reference[axis],
                                   model_.limits()[static_cast<std::size_t>(axis)]);
@@ -251,10 +262,7 @@ tl::expected<JointValues, Failure> SphericalWristInverse::solve(const Frame& bas
     if (!best || time < best_time) best = &joints, best_time = time;
   }
   if (best) return *best;
-  if (nearest_miss) return tl::unexpected(*nearest_miss);
-  std::ostringstream text;
-  text << "no solution in the configuration " << wanted << "; another configuration has one";
-  return tl::unexpected(OutOfReach{text.str()});
+  return tl::unexpected(*nearest_miss);
 }
 
 Configuration SphericalWristInverse::configuration(const JointValues& joints) {

@@ -37,8 +37,10 @@ class SphericalWristInverse final : public InverseKinematics {
     std::array<Solution, 8> each;
     std::size_t count = 0;
   };
-  /// Returns all solutions, at most eight. At a singularity, some of them are equal.
-  Solutions all(const Frame& base_from_flange, const JointValues& reference) const;
+  /// Returns all solutions in configurations that `wanted` admits, at most eight. At a singularity,
+  /// some of them are equal.
+  Solutions all(const Frame& base_from_flange, const JointValues& reference,
+                const Configuration& wanted = {}) const;
 
  private:
   explicit SphericalWristInverse(const ArmModel& model) : model_(model) {}
@@ -47,7 +49,7 @@ class SphericalWristInverse final : public InverseKinematics {
   bool verify();
   void add_wrists(const Frame& base_from_flange, const Eigen::Vector3d& first_three,
                   const JointValues& reference, Configuration configuration,
-                  Solutions& found) const;
+                  const Configuration& wanted, Solutions& found) const;
   std::string why_out_of_reach(const Frame& base_from_flange) const;
 
   ArmModel model_;

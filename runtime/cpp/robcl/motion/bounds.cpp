@@ -58,17 +58,20 @@ void PathBounds::cap(std::size_t knot, double fastest) {
   caps_[knot] = std::min(caps_[knot], fastest);
 }
 
-/// Restricts `interval` to the values of u for which the absolute value of `acceleration` is at
-/// most `limit`.
-void PathBounds::restrict(Interval& interval, const Acceleration& acceleration, double limit) {
-  const auto [per_u, offset] = acceleration;
+/// Restricts `interval`, which is that at `x`, to the values of u for which the absolute value of
+/// `acceleration` is at most `limit`.
+void PathBounds::restrict(Interval& interval, const Acceleration& acceleration, double x,
+                          double limit) {
+  const auto [per_u, per_x] = acceleration;
   if (std::abs(per_u) <= negligible) {
-    if (std::abs(offset) > limit) interval = {1, -1};
+    // The limit is one of x alone: where it is exceeded, the interval is empty by that excess.
+    const double excess = std::abs(per_x) * x - limit;
+    if (excess > 0) interval = {excess, 0, std::abs(per_x), 0};
     return;
   }
-  const double one = (limit - offset) / per_u, other = (-limit - offset) / per_u;
-  interval.lower = std::max(interval.lower, std::min(one, other));
-  interval.upper = std::min(interval.upper, std::max(one, other));
+  const double end = limit / std::abs(per_u), middle_per_x = -per_x / per_u;
+  interval.raise_lower(middle_per_x * x - end, middle_per_x);
+  interval.reduce_upper(middle_per_x * x + end, middle_per_x);
 }
 
 double PathBounds::slope(std::size_t knot, Eigen::Index axis, double place) const {
@@ -76,49 +79,52 @@ double PathBounds::slope(std::size_t knot, Eigen::Index axis, double place) cons
   return bend.slope[axis] + place * step() * (bend.curvature[axis] + place / 2 * bend.change[axis]);
 }
 
-/// Returns the acceleration at the fraction `place` of the interval. (ds/dt)² is `x` at the
-/// fraction `part`, and x + 2·u·(place - part)·step at `place`.
+/// Returns the acceleration at the fraction `place` of the interval. (ds/dt)² is x at the fraction
+/// `part`, and x + 2·u·(place - part)·step at `place`.
 PathBounds::Acceleration PathBounds::acceleration(std::size_t knot, Eigen::Index axis, double place,
-                                                  double part, double x) const {
+                                                  double part) const {
   const double curvature = bends_[knot].curvature[axis] + place * bends_[knot].change[axis];
-  return {slope(knot, axis, place) + 2 * (place - part) * step() * curvature, curvature * x};
+  return {slope(knot, axis, place) + 2 * (place - part) * step() * curvature, curvature};
 }
 
 /// Returns the middle Bézier coefficient of the acceleration between the fractions `start` and
 /// `end` of the interval. The acceleration is quadratic in s there, so that it is nowhere greater
 /// than the greatest of its values at both ends and this coefficient.
 PathBounds::Acceleration PathBounds::between(std::size_t knot, Eigen::Index axis, double start,
-                                             double end, double part, double x) const {
-  const auto one = acceleration(knot, axis, start, part, x);
-  const auto middle = acceleration(knot, axis, (start + end) / 2, part, x);
-  const auto other = acceleration(knot, axis, end, part, x);
+                                             double end, double part) const {
+  const auto one = acceleration(knot, axis, start, part);
+  const auto middle = acceleration(knot, axis, (start + end) / 2, part);
+  const auto other = acceleration(knot, axis, end, part);
   return {2 * middle.per_u - (one.per_u + other.per_u) / 2,
-          2 * middle.offset - (one.offset + other.offset) / 2};
+          2 * middle.per_x - (one.per_x + other.per_x) / 2};
 }
 
 PathBounds::Interval PathBounds::over_interval(std::size_t knot, double x) const {
   Interval allowed{-tool_acceleration_, tool_acceleration_};
   for (Eigen::Index axis = 0; axis < accelerations_.size(); ++axis) {
     for (const double place : {0.0, 0.5, 1.0}) {
-      restrict(allowed, acceleration(knot, axis, place, 0, x), accelerations_[axis]);
+      restrict(allowed, acceleration(knot, axis, place, 0), x, accelerations_[axis]);
     }
     const double halfway = std::abs(slope(knot, axis, 0.5));
     if (halfway <= negligible) continue;
-    allowed.upper = std::min(allowed.upper, (squared(speeds_[axis] / halfway) - x) / step());
+    allowed.reduce_upper((squared(speeds_[axis] / halfway) - x) / step(), -1 / step());
   }
   return allowed;
 }
 
-PathBounds::Interval PathBounds::over_rest(std::size_t knot, double part, double x) const {
+/// Returns the values of u that the limits allow everywhere from the fraction `from` of the
+/// interval to its end. (ds/dt)² is `x` at the fraction `part`.
+PathBounds::Interval PathBounds::everywhere(std::size_t knot, double from, double part,
+                                            double x) const {
   Interval allowed{-tool_acceleration_, tool_acceleration_};
   for (Eigen::Index axis = 0; axis < accelerations_.size(); ++axis) {
     const double limit = accelerations_[axis];
-    restrict(allowed, acceleration(knot, axis, part, part, x), limit);
-    double start = part;
+    restrict(allowed, acceleration(knot, axis, from, part), x, limit);
+    double start = from;
     for (double end = piece; end <= 1; end += piece) {
-      if (end <= part) continue;
-      restrict(allowed, between(knot, axis, start, end, part, x), limit);
-      restrict(allowed, acceleration(knot, axis, end, part, x), limit);
+      if (end <= from) continue;
+      restrict(allowed, between(knot, axis, start, end, part), x, limit);
+      restrict(allowed, acceleration(knot, axis, end, part), x, limit);
       start = end;
     }
   }
@@ -130,7 +136,7 @@ double PathBounds::excess(std::size_t knot, double x, double u) const {
   const double after = std::max(x + 2 * u * step(), 0.0);
   for (Eigen::Index axis = 0; axis < accelerations_.size(); ++axis) {
     const auto slowed = [&](const Acceleration& here) {
-      return std::sqrt(std::abs(here.per_u * u + here.offset) / accelerations_[axis]);
+      return std::sqrt(std::abs(here.per_u * u + here.per_x * x) / accelerations_[axis]);
     };
     const auto too_fast = [&](double place) {
       const double speed = std::sqrt(x + place * (after - x));
@@ -141,15 +147,14 @@ double PathBounds::excess(std::size_t knot, double x, double u) const {
     const double bend =
         std::abs(bends_[knot].curvature[axis]) + std::abs(bends_[knot].change[axis]);
     const double steepest = std::abs(bends_[knot].slope[axis]) + step() * bend;
-    if (slowed(between(knot, axis, 0, 1, 0, x)) <= 1 &&
-        slowed(acceleration(knot, axis, 0, 0, x)) <= 1 &&
-        slowed(acceleration(knot, axis, 1, 0, x)) <= 1 &&
+    if (slowed(between(knot, axis, 0, 1, 0)) <= 1 && slowed(acceleration(knot, axis, 0, 0)) <= 1 &&
+        slowed(acceleration(knot, axis, 1, 0)) <= 1 &&
         steepest * std::sqrt(std::max(x, after)) <= speeds_[axis]) {
       continue;
     }
     for (double end = piece; end <= 1; end += piece) {
-      factor = std::max({factor, slowed(between(knot, axis, end - piece, end, 0, x)),
-                         slowed(acceleration(knot, axis, end, 0, x)), too_fast(end)});
+      factor = std::max({factor, slowed(between(knot, axis, end - piece, end, 0)),
+                         slowed(acceleration(knot, axis, end, 0)), too_fast(end)});
     }
   }
   return factor;

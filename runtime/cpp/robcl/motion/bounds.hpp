@@ -17,9 +17,17 @@ namespace robcl::motion {
 /// In each interval between two knots, u is constant and x is linear in s.
 class PathBounds {
  public:
+  /// Allowed values of u at one x. The limits that set its ends are straight lines over x.
   struct Interval {
     double lower = 0, upper = 0;
+    double lower_per_x = 0, upper_per_x = 0;  ///< slopes of these lines
     bool empty() const { return lower > upper; }
+    void raise_lower(double value, double per_x) {
+      if (value > lower) lower = value, lower_per_x = per_x;
+    }
+    void reduce_upper(double value, double per_x) {
+      if (value < upper) upper = value, upper_per_x = per_x;
+    }
   };
 
   /// Makes the limits of the joints, scaled by `pace`.
@@ -41,7 +49,15 @@ class PathBounds {
   Interval over_interval(std::size_t knot, double x) const;
   /// Returns the same from the fraction `part` of that interval, where (ds/dt)² is `x`, to the next
   /// knot. The limits of acceleration hold everywhere in this part. Never allocates memory.
-  Interval over_rest(std::size_t knot, double part, double x) const;
+  Interval over_rest(std::size_t knot, double part, double x) const {
+    return everywhere(knot, part, part, x);
+  }
+  /// Returns the greatest deceleration -d²s/dt² with which the limits of acceleration hold
+  /// everywhere from the fraction `part` of that interval to the next knot, where the motion comes
+  /// to rest. Never allocates memory.
+  double hardest_to_rest(std::size_t knot, double part) const {
+    return -everywhere(knot, part, 1, 0).lower;
+  }
   /// Returns the factor by which a motion must be slowed so that it keeps the limits everywhere
   /// from the knot `knot` to the next one; 1 if it keeps them. (ds/dt)² is `x` at this knot.
   double excess(std::size_t knot, double x, double u) const;
@@ -52,16 +68,17 @@ class PathBounds {
     JointValues slope, curvature;  ///< at the start of the interval
     JointValues change;            ///< of the curvature, up to the end of the interval
   };
-  /// The acceleration of a joint at one place: per_u·u + offset.
+  /// The acceleration of a joint at one place: per_u·u + per_x·x.
   struct Acceleration {
-    double per_u = 0, offset = 0;
+    double per_u = 0, per_x = 0;
   };
+  Interval everywhere(std::size_t knot, double from, double part, double x) const;
   double slope(std::size_t knot, Eigen::Index axis, double place) const;
-  Acceleration acceleration(std::size_t knot, Eigen::Index axis, double place, double part,
-                            double x) const;
-  Acceleration between(std::size_t knot, Eigen::Index axis, double start, double end, double part,
-                       double x) const;
-  static void restrict(Interval& interval, const Acceleration& acceleration, double limit);
+  Acceleration acceleration(std::size_t knot, Eigen::Index axis, double place, double part) const;
+  Acceleration between(std::size_t knot, Eigen::Index axis, double start, double end,
+                       double part) const;
+  static void restrict(Interval& interval, const Acceleration& acceleration, double x,
+                       double limit);
 
   JointValues accelerations_;
   JointValues speeds_;

@@ -36,11 +36,9 @@ template <class LimitTool>
 Plan fastest(Path path, const PathBounds& bounds, const arm::ArmModel& model,
              LimitTool limit_tool) {
   const TimeLaw law = TimeLaw::fastest(bounds);
-  const double factor = excess(bounds, law);
-  const Pace hardest{.acceleration = 1 / square_of(factor)};
-  PathBounds braking(path, model, hardest);
-  limit_tool(braking, hardest);
-  return {std::move(path), std::move(braking), law.slowed(factor)};
+  PathBounds braking(path, model, {});
+  limit_tool(braking);
+  return {std::move(path), std::move(braking), law.slowed(excess(bounds, law))};
 }
 
 Plan standing(const arm::ArmModel& model, const JointValues& at) {
@@ -91,7 +89,7 @@ tl::expected<Plan, Failure> Planner::joints(const JointValues& from, const Joint
       before = here;
     }
   }
-  return fastest(std::move(path), bounds, model_, [](PathBounds&, const Pace&) {});
+  return fastest(std::move(path), bounds, model_, [](PathBounds&) {});
 }
 
 tl::expected<Plan, Failure> Planner::joints_to(const JointValues& from, const Frame& base_from_goal,
@@ -117,8 +115,8 @@ tl::expected<Plan, Failure> Planner::straight(const JointValues& from, const Fra
   if (!path) return tl::unexpected(path.error());
   PathBounds bounds(*path, model_, pace);
   bounds.add_tool(line.length(), line.turn(), limits_, pace);
-  return fastest(std::move(*path), bounds, model_, [&](PathBounds& braking, const Pace& hardest) {
-    braking.add_tool(line.length(), line.turn(), limits_, hardest);
+  return fastest(std::move(*path), bounds, model_, [&](PathBounds& braking) {
+    braking.add_tool(line.length(), line.turn(), limits_, {});
   });
 }
 

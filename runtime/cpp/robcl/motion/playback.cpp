@@ -56,6 +56,8 @@ double Playback::end_of_interval() const {
 /// all limits on the rest of the path (PathBounds). Its d²s/dt² is therefore allowed here, and the
 /// arm can always brake so that it stops at the goal at the latest. A path may bend so that an arm
 /// which is fast cannot brake yet: then the least allowed d²s/dt² is positive.
+///
+/// The motion is never faster than the plan: there, the limits may allow nothing.
 void Playback::begin_piece() {
   const double step = plan_.braking.step();
   piece_.end = end_of_interval();
@@ -63,18 +65,18 @@ void Playback::begin_piece() {
   const double part = 1 - std::min(way / step, 1.0);
   const double x = speed_ * speed_;
   const PathBounds::Interval allowed = plan_.braking.over_rest(piece_.knot, part, x);
-  const bool brakes = mode_ == Mode::Braking || override_ == 0;
-  const double next = (brakes ? 1 : override_) * plan_.law.speed(piece_.knot + 1);
-  const double up_to_next = way > 0 ? (next * next - x) / (2 * way) : 0;
-  if (brakes) {
-    piece_.acceleration = std::min(allowed.lower, up_to_next);
+  const double next = plan_.law.speed(piece_.knot + 1);
+  const auto towards = [&](double speed) { return way > 0 ? (speed * speed - x) / (2 * way) : 0; };
+  if (mode_ == Mode::Braking || override_ == 0) {
+    piece_.acceleration = std::min(allowed.lower, towards(next));
   } else if (next > 0) {
-    piece_.acceleration = std::max(allowed.lower, std::min(allowed.upper, up_to_next));
+    const double wanted = std::min(allowed.upper, towards(override_ * next));
+    piece_.acceleration = std::min(std::max(allowed.lower, wanted), towards(next));
   } else if (x > 0) {
-    piece_.acceleration = up_to_next;
+    piece_.acceleration = towards(0);
   } else {  // from rest to the goal: accelerate over the first half of the way
     piece_.end -= way / 2;
-    piece_.acceleration = std::min(allowed.upper, -allowed.lower);
+    piece_.acceleration = std::min(allowed.upper, plan_.braking.hardest_to_rest(piece_.knot, part));
   }
 }
 

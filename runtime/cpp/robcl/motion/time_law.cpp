@@ -8,33 +8,35 @@ namespace {
 
 using Interval = PathBounds::Interval;
 
+constexpr double no_cap = 1e12;     // 1/s²: (ds/dt)² where no limit of speed holds
+constexpr double rounding = 1e-12;  // relative
+
 /// Returns the allowed values of u = d²s/dt² after the knot `knot`, where (ds/dt)² is `x`. With
 /// these values, (ds/dt)² is at most `next` at the following knot.
 Interval allowed(const PathBounds& bounds, std::size_t knot, double x, double next) {
   Interval u = bounds.over_interval(knot, x);
   const double per_u = 2 * bounds.step();
-  u.lower = std::max(u.lower, -x / per_u);
-  u.upper = std::min(u.upper, (next - x) / per_u);
+  u.raise_lower(-x / per_u, -1 / per_u);
+  u.reduce_upper((next - x) / per_u, -1 / per_u);
   return u;
 }
 
 /// Returns the greatest (ds/dt)² at the knot `knot` from which the arm can reach a (ds/dt)² of at
-/// most `next` at the following knot. The set of allowed values is convex and contains 0, so that
-/// bisection finds its maximum.
+/// most `next` at the following knot.
+///
+/// The width of the interval of allowed values is a concave function of (ds/dt)², made of straight
+/// pieces, and not negative at 0. So Newton's method comes from above to its zero, in as many
+/// steps as there are pieces on the way.
 double fastest_at(const PathBounds& bounds, std::size_t knot, double next) {
-  // If the knot has no speed limit, the loop searches for a value that is too great, so that even
-  // the hardest braking does not reduce it to `next`.
-  double good = 0, bad = bounds.speed_cap(knot);
-  if (!std::isfinite(bad)) {
-    bad = 1;
-    while (bad < 1e12 && !allowed(bounds, knot, bad, next).empty()) bad *= 4;
+  double x = std::min(bounds.speed_cap(knot), no_cap);
+  // Beside the zero, rounding may leave the interval empty: there, a little less is allowed.
+  for (double less = rounding; less < 1; less *= 2) {
+    const Interval u = allowed(bounds, knot, x, next);
+    if (!u.empty()) return x;
+    const double zero = x + (u.lower - u.upper) / (u.upper_per_x - u.lower_per_x);
+    x = std::max(0.0, std::min(zero, x * (1 - less)));
   }
-  if (!allowed(bounds, knot, bad, next).empty()) return bad;
-  for (int round = 0; round < 60 && bad - good > 1e-12 * bad; ++round) {
-    const double middle = (good + bad) / 2;
-    (allowed(bounds, knot, middle, next).empty() ? bad : good) = middle;
-  }
-  return good;
+  return 0;
 }
 
 }  // namespace
