@@ -56,6 +56,25 @@ robcl::motion::ToolLimits lower_of(const robcl::motion::ToolLimits& one,
           .turn_acceleration = std::min(one.turn_acceleration, other.turn_acceleration)};
 }
 
+template <typename Choice>
+bool has(const std::optional<Choice>& present, const std::optional<Choice>& wanted) {
+  return !wanted || present == wanted;
+}
+
+/// Returns why the arm does not have the configuration `wanted` on a straight line, on which it
+/// keeps the configuration `present`.
+std::optional<Refused> why_not_straight(const robcl::arm::Configuration& wanted,
+                                        const robcl::arm::Configuration& present) {
+  if (has(present.shoulder, wanted.shoulder) && has(present.elbow, wanted.elbow) &&
+      has(present.wrist, wanted.wrist)) {
+    return std::nullopt;
+  }
+  std::ostringstream text;
+  text << "a straight move keeps the configuration " << present << " and cannot end as " << wanted
+       << "; use a joint move";
+  return Refused{text.str()};
+}
+
 std::uint64_t unix_ms() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return static_cast<std::uint64_t>(
@@ -164,14 +183,19 @@ tl::expected<void, MoveFailure> ArmDevice::run_plan(const Pace& pace, MotionWatc
   });
 }
 
-tl::expected<void, MoveFailure> ArmDevice::move(const Frame& world_from_goal, PathKind path,
-                                                const Pace& pace, MotionWatcher& watcher) {
+tl::expected<void, MoveFailure> ArmDevice::move(
+    const Frame& world_from_goal, PathKind path, const Pace& pace, MotionWatcher& watcher,
+    const std::optional<robcl::arm::Configuration>& wanted) {
+  if (path == PathKind::Straight && wanted) {
+    if (auto why = why_not_straight(*wanted, configuration())) return tl::unexpected(*why);
+  }
   return run_plan(pace, watcher, [&](const JointValues& from) {
     moving_.assert_held();
     const Frame base_from_goal = base().inverse() * world_from_goal;
     const Frame tool = tool_offset();
-    return path == PathKind::Straight ? planner_.straight(from, base_from_goal, tool, pace)
-                                      : planner_.joints_to(from, base_from_goal, tool, pace);
+    return path == PathKind::Straight
+               ? planner_.straight(from, base_from_goal, tool, pace)
+               : planner_.joints_to(from, base_from_goal, tool, pace, wanted);
   });
 }
 

@@ -100,9 +100,13 @@ class ArmDevice {
   tl::expected<void, Refused> set_tool_offset(const Frame& flange_from_tool);
 
   /// Moves the tool to the frame `world_from_goal` and returns when the arm has arrived there by
-  /// its measured joint positions.
-  tl::expected<void, MoveFailure> move(const Frame& world_from_goal, PathKind path,
-                                       const robcl::motion::Pace& pace, MotionWatcher& watcher);
+  /// its measured joint positions. A joint move ends in a configuration that `wanted` admits.
+  /// Without `wanted`, and on a straight line, the arm keeps its configuration; a straight move to
+  /// another one is Refused.
+  tl::expected<void, MoveFailure> move(
+      const Frame& world_from_goal, PathKind path, const robcl::motion::Pace& pace,
+      MotionWatcher& watcher,
+      const std::optional<robcl::arm::Configuration>& wanted = std::nullopt);
 
   /// Moves the tool by the corrections of `source`, until it fails: with Interrupted when `watcher`
   /// interrupts it, or with CorrectionsStopped. The speeds and accelerations of `limits` are

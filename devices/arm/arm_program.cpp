@@ -39,8 +39,11 @@ void begin_control(const ArmProgram& program) {
 }
 
 int run(const ArmProgram& program, const MakeServant& make_servant, const CommandLine& line) {
-  const auto model = robcl::arm::ArmModel::from_urdf(
-      program.urdf, program.base_link, program.flange_link, program.seconds_to_full_speed);
+  auto model = robcl::arm::ArmModel::from_urdf(program.urdf, program.base_link, program.flange_link,
+                                               program.seconds_to_full_speed);
+  if (model && !program.front_degrees.empty()) {
+    model = model->with_front(in_radians(program.front_degrees));
+  }
   if (!model) return fail(program.program, model.error().text);
   const auto driver = program.connect ? program.connect() : simulated(program, line);
   ArmDevice::Settings settings;

@@ -21,6 +21,8 @@ struct ArmProgram {
   /// Time in s in which a joint reaches its full speed. It determines the acceleration limits of
   /// the joints, because neither the URDF model nor a published source states them.
   double seconds_to_full_speed = 0.25;
+  /// Joint positions at which the arm is righty, above and noflip; see Configuration. May be empty.
+  std::vector<double> front_degrees{};
   std::vector<double> start_degrees;  ///< start positions of the simulated joints
   /// Tells where the arm stands. The text becomes the start of an error of `mount`; see
   /// ManipulatorServant.

@@ -5,20 +5,6 @@
 #include "arm/motion_call.hpp"
 
 namespace devices {
-namespace {
-
-template <typename Wire, typename Known>
-std::optional<Wire> on_wire(const std::optional<Known>& known) {
-  if (!known) return std::nullopt;
-  return static_cast<Wire>(*known);
-}
-
-static_assert(static_cast<int>(robcl::arm::Shoulder::Lefty) ==
-              static_cast<int>(robcl::Shoulder::LEFTY));
-static_assert(static_cast<int>(robcl::arm::Elbow::Below) == static_cast<int>(robcl::Elbow::BELOW));
-static_assert(static_cast<int>(robcl::arm::Wrist::Flip) == static_cast<int>(robcl::Wrist::FLIP));
-
-}  // namespace
 
 void ManipulatorServant::publish() {
   if (following_.try_lock()) {
@@ -50,9 +36,7 @@ gecos::Result<void> ManipulatorServant::mount(const std::string& carrier, const 
 }
 
 gecos::Result<robcl::Configuration> ManipulatorServant::posture() {
-  const robcl::arm::Configuration now = arm_.configuration();
-  return robcl::Configuration{on_wire<robcl::Shoulder>(now.shoulder),
-                              on_wire<robcl::Elbow>(now.elbow), on_wire<robcl::Wrist>(now.wrist)};
+  return on_wire(arm_.configuration());
 }
 
 gecos::Result<void> ManipulatorServant::set_tool_offset(const Frame& value) {
@@ -77,7 +61,7 @@ gecos::Result<void> ManipulatorServant::move(const Frame& goal,
   const PathKind path =
       trajectory.path == robcl::PathType::STRAIGHT ? PathKind::Straight : PathKind::Joint;
   CallWatcher watcher(run);
-  return answer(arm_.move(goal, path, pace_of(trajectory), watcher));
+  return answer(arm_.move(goal, path, pace_of(trajectory), watcher, configuration_of(trajectory)));
 }
 
 gecos::Result<void> ManipulatorServant::follow(robcl::FollowMode axes,

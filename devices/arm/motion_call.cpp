@@ -28,7 +28,31 @@ struct AsFault {
   }
 };
 
+template <typename To, typename From>
+std::optional<To> same(const std::optional<From>& choice) {
+  if (!choice) return std::nullopt;
+  return static_cast<To>(*choice);
+}
+
+static_assert(static_cast<int>(robcl::arm::Shoulder::Lefty) ==
+              static_cast<int>(robcl::Shoulder::LEFTY));
+static_assert(static_cast<int>(robcl::arm::Elbow::Below) == static_cast<int>(robcl::Elbow::BELOW));
+static_assert(static_cast<int>(robcl::arm::Wrist::Flip) == static_cast<int>(robcl::Wrist::FLIP));
+
 }  // namespace
+
+std::optional<robcl::arm::Configuration> configuration_of(const robcl::Trajectory& how) {
+  if (!how.configuration) return std::nullopt;
+  const robcl::Configuration& asked = *how.configuration;
+  return robcl::arm::Configuration{same<robcl::arm::Shoulder>(asked.arm),
+                                   same<robcl::arm::Elbow>(asked.bend),
+                                   same<robcl::arm::Wrist>(asked.hand)};
+}
+
+robcl::Configuration on_wire(const robcl::arm::Configuration& known) {
+  return {same<robcl::Shoulder>(known.shoulder), same<robcl::Elbow>(known.elbow),
+          same<robcl::Wrist>(known.wrist)};
+}
 
 robcl::motion::Pace pace_of(const robcl::Trajectory& how) {
   return {how.speed, how.acceleration, how.tool_speed, how.turn_speed};

@@ -25,6 +25,9 @@ class CallWatcher final : public MotionWatcher {
 };
 
 robcl::motion::Pace pace_of(const robcl::Trajectory& how);
+/// Returns the configuration in which the move must end; nullopt: the present one.
+std::optional<robcl::arm::Configuration> configuration_of(const robcl::Trajectory& how);
+robcl::Configuration on_wire(const robcl::arm::Configuration& known);
 
 /// Returns the reply to a call that moves the arm. Converts each failure to an exception of the
 /// interface or to a fault.

@@ -11,6 +11,7 @@ int main(int count, char** words) {
       .urdf = devices::puma560_urdf,
       .base_link = "foot",
       .flange_link = "flange",
+      .front_degrees = {0, 45, -180, 0, 45, 0},  // qn
       // At the start, the tool is in front of the arm and points down, far from every singularity.
       .start_degrees = {0, 45, -180, 0, -45, 0},
       .place = "a Puma 560 stands on its pedestal",

@@ -11,6 +11,7 @@ int main(int count, char** words) {
       .urdf = devices::rx90_urdf,
       .base_link = "foot",
       .flange_link = "flange",
+      .front_degrees = {0, -20, 110, 0, -45, 0},
       // At the start, the tool is in front of the arm and points down, far from every singularity.
       .start_degrees = {0, -20, 110, 0, 90, 0},
       .place = "an RX90 weighs 111 kg and stands on the floor",

@@ -34,7 +34,7 @@ import time
 import gecos
 from oven import Oven, OvenServant, TooHot
 from robcl.frames import Frame
-from robcl.manipulator import Manipulator
+from robcl.manipulator import Configuration, Manipulator, Trajectory, Wrist
 
 def thermocouple() -> float:
     return 293.0

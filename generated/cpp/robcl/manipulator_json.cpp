@@ -28,13 +28,48 @@ JsonNames JsonEnum<::robcl::Blend>::names() {
 }
 
 template <>
+JsonNames JsonEnum<::robcl::Shoulder>::names() {
+  static constexpr std::array<JsonName, 2> all{{
+      {"RIGHTY", static_cast<std::uint64_t>(::robcl::Shoulder::RIGHTY)},
+      {"LEFTY", static_cast<std::uint64_t>(::robcl::Shoulder::LEFTY)},
+  }};
+  return all;
+}
+
+template <>
+JsonNames JsonEnum<::robcl::Elbow>::names() {
+  static constexpr std::array<JsonName, 2> all{{
+      {"ABOVE", static_cast<std::uint64_t>(::robcl::Elbow::ABOVE)},
+      {"BELOW", static_cast<std::uint64_t>(::robcl::Elbow::BELOW)},
+  }};
+  return all;
+}
+
+template <>
+JsonNames JsonEnum<::robcl::Wrist>::names() {
+  static constexpr std::array<JsonName, 2> all{{
+      {"NOFLIP", static_cast<std::uint64_t>(::robcl::Wrist::NOFLIP)},
+      {"FLIP", static_cast<std::uint64_t>(::robcl::Wrist::FLIP)},
+  }};
+  return all;
+}
+
+template <>
+bool JsonStruct<::robcl::Configuration>::visit(JsonMembers& each, ::robcl::Configuration& value) {
+  return each.member("arm", value.arm) &&
+         each.member("bend", value.bend) &&
+         each.member("hand", value.hand);
+}
+
+template <>
 bool JsonStruct<::robcl::Trajectory>::visit(JsonMembers& each, ::robcl::Trajectory& value) {
   return each.member("speed", value.speed) &&
          each.member("acceleration", value.acceleration) &&
          each.member("path", value.path) &&
          each.member("at_goal", value.at_goal) &&
          each.member("tool_speed", value.tool_speed) &&
-         each.member("turn_speed", value.turn_speed);
+         each.member("turn_speed", value.turn_speed) &&
+         each.member("configuration", value.configuration);
 }
 
 template <>
@@ -93,40 +128,6 @@ bool JsonStruct<::robcl::JointLimit>::visit(JsonMembers& each, ::robcl::JointLim
 template <>
 bool JsonStruct<::robcl::Singular>::visit(JsonMembers& each, ::robcl::Singular& value) {
   return each.member("reason", value.reason);
-}
-
-template <>
-JsonNames JsonEnum<::robcl::Shoulder>::names() {
-  static constexpr std::array<JsonName, 2> all{{
-      {"RIGHTY", static_cast<std::uint64_t>(::robcl::Shoulder::RIGHTY)},
-      {"LEFTY", static_cast<std::uint64_t>(::robcl::Shoulder::LEFTY)},
-  }};
-  return all;
-}
-
-template <>
-JsonNames JsonEnum<::robcl::Elbow>::names() {
-  static constexpr std::array<JsonName, 2> all{{
-      {"ABOVE", static_cast<std::uint64_t>(::robcl::Elbow::ABOVE)},
-      {"BELOW", static_cast<std::uint64_t>(::robcl::Elbow::BELOW)},
-  }};
-  return all;
-}
-
-template <>
-JsonNames JsonEnum<::robcl::Wrist>::names() {
-  static constexpr std::array<JsonName, 2> all{{
-      {"NOFLIP", static_cast<std::uint64_t>(::robcl::Wrist::NOFLIP)},
-      {"FLIP", static_cast<std::uint64_t>(::robcl::Wrist::FLIP)},
-  }};
-  return all;
-}
-
-template <>
-bool JsonStruct<::robcl::Configuration>::visit(JsonMembers& each, ::robcl::Configuration& value) {
-  return each.member("arm", value.arm) &&
-         each.member("bend", value.bend) &&
-         each.member("hand", value.hand);
 }
 
 template <>

@@ -18,6 +18,26 @@ template <>
 JsonNames JsonEnum<::robcl::Blend>::names();
 
 template <>
+struct JsonShape<::robcl::Shoulder> : JsonEnum<::robcl::Shoulder> {};
+template <>
+JsonNames JsonEnum<::robcl::Shoulder>::names();
+
+template <>
+struct JsonShape<::robcl::Elbow> : JsonEnum<::robcl::Elbow> {};
+template <>
+JsonNames JsonEnum<::robcl::Elbow>::names();
+
+template <>
+struct JsonShape<::robcl::Wrist> : JsonEnum<::robcl::Wrist> {};
+template <>
+JsonNames JsonEnum<::robcl::Wrist>::names();
+
+template <>
+struct JsonShape<::robcl::Configuration> : JsonStruct<::robcl::Configuration> {};
+template <>
+bool JsonStruct<::robcl::Configuration>::visit(JsonMembers& each, ::robcl::Configuration& value);
+
+template <>
 struct JsonShape<::robcl::Trajectory> : JsonStruct<::robcl::Trajectory> {};
 template <>
 bool JsonStruct<::robcl::Trajectory>::visit(JsonMembers& each, ::robcl::Trajectory& value);
@@ -63,26 +83,6 @@ template <>
 struct JsonShape<::robcl::Singular> : JsonStruct<::robcl::Singular> {};
 template <>
 bool JsonStruct<::robcl::Singular>::visit(JsonMembers& each, ::robcl::Singular& value);
-
-template <>
-struct JsonShape<::robcl::Shoulder> : JsonEnum<::robcl::Shoulder> {};
-template <>
-JsonNames JsonEnum<::robcl::Shoulder>::names();
-
-template <>
-struct JsonShape<::robcl::Elbow> : JsonEnum<::robcl::Elbow> {};
-template <>
-JsonNames JsonEnum<::robcl::Elbow>::names();
-
-template <>
-struct JsonShape<::robcl::Wrist> : JsonEnum<::robcl::Wrist> {};
-template <>
-JsonNames JsonEnum<::robcl::Wrist>::names();
-
-template <>
-struct JsonShape<::robcl::Configuration> : JsonStruct<::robcl::Configuration> {};
-template <>
-bool JsonStruct<::robcl::Configuration>::visit(JsonMembers& each, ::robcl::Configuration& value);
 
 template <>
 struct JsonShape<::robcl::Manipulator_stood> : JsonStruct<::robcl::Manipulator_stood> {};

@@ -56,10 +56,124 @@ bool decode_enum(gecos::wire::Decoder& from, Blend& value, const char* field) {
   }
 }
 
+std::string_view to_string(Shoulder value) {
+  switch (value) {
+    case Shoulder::RIGHTY: return "RIGHTY";
+    case Shoulder::LEFTY: return "LEFTY";
+  }
+  return "unknown Shoulder";
+}
+
+std::ostream& operator<<(std::ostream& out, Shoulder value) { return out << to_string(value); }
+
+bool decode_enum(gecos::wire::Decoder& from, Shoulder& value, const char* field) {
+  std::int32_t number = 0;
+  if (!from.get(number, field)) return false;
+  switch (number) {
+    case 0: case 1:
+      value = static_cast<Shoulder>(number);
+      return true;
+    default:
+      value = Shoulder::RIGHTY;
+      return true;
+  }
+}
+
+std::string_view to_string(Elbow value) {
+  switch (value) {
+    case Elbow::ABOVE: return "ABOVE";
+    case Elbow::BELOW: return "BELOW";
+  }
+  return "unknown Elbow";
+}
+
+std::ostream& operator<<(std::ostream& out, Elbow value) { return out << to_string(value); }
+
+bool decode_enum(gecos::wire::Decoder& from, Elbow& value, const char* field) {
+  std::int32_t number = 0;
+  if (!from.get(number, field)) return false;
+  switch (number) {
+    case 0: case 1:
+      value = static_cast<Elbow>(number);
+      return true;
+    default:
+      value = Elbow::ABOVE;
+      return true;
+  }
+}
+
+std::string_view to_string(Wrist value) {
+  switch (value) {
+    case Wrist::NOFLIP: return "NOFLIP";
+    case Wrist::FLIP: return "FLIP";
+  }
+  return "unknown Wrist";
+}
+
+std::ostream& operator<<(std::ostream& out, Wrist value) { return out << to_string(value); }
+
+bool decode_enum(gecos::wire::Decoder& from, Wrist& value, const char* field) {
+  std::int32_t number = 0;
+  if (!from.get(number, field)) return false;
+  switch (number) {
+    case 0: case 1:
+      value = static_cast<Wrist>(number);
+      return true;
+    default:
+      value = Wrist::NOFLIP;
+      return true;
+  }
+}
+
+std::size_t Configuration::encoded_size() const {
+  std::size_t size = 3;
+  if (arm) size += 4;
+  if (bend) size += 4;
+  if (hand) size += 4;
+  return size;
+}
+
+void Configuration::encode(gecos::wire::Encoder& to) const {
+  to.put(arm.has_value());
+  if (arm) to.put(static_cast<std::int32_t>(*arm));
+  to.put(bend.has_value());
+  if (bend) to.put(static_cast<std::int32_t>(*bend));
+  to.put(hand.has_value());
+  if (hand) to.put(static_cast<std::int32_t>(*hand));
+}
+
+bool Configuration::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  arm = std::nullopt;
+  bend = std::nullopt;
+  hand = std::nullopt;
+  return (from.at_end() ||
+          gecos::wire::get_optional(from, arm, "Configuration.arm", [&](auto& value) {
+            return ::robcl::decode_enum(from, value, "Configuration.arm");
+          })) &&
+         (from.at_end() ||
+          gecos::wire::get_optional(from, bend, "Configuration.bend", [&](auto& value) {
+            return ::robcl::decode_enum(from, value, "Configuration.bend");
+          })) &&
+         (from.at_end() ||
+          gecos::wire::get_optional(from, hand, "Configuration.hand", [&](auto& value) {
+            return ::robcl::decode_enum(from, value, "Configuration.hand");
+          })) &&
+         gecos::wire::skip_rest(from);
+}
+
+std::ostream& operator<<(std::ostream& out, const Configuration& value) {
+  return gecos::wire::print_all(out,
+      "Configuration{arm=", value.arm, ", bend=", value.bend, ", hand=", value.hand, "}");
+}
+
 std::size_t Trajectory::encoded_size() const {
-  std::size_t size = 26;
+  std::size_t size = 27;
   if (tool_speed) size += 8;
   if (turn_speed) size += 8;
+  if (configuration) {
+    size += 4;
+    size += configuration->encoded_size();
+  }
   return size;
 }
 
@@ -69,11 +183,17 @@ void Trajectory::encode(gecos::wire::Encoder& to) const {
   if (tool_speed) to.put(*tool_speed);
   to.put(turn_speed.has_value());
   if (turn_speed) to.put(*turn_speed);
+  to.put(configuration.has_value());
+  if (configuration) {
+    to.put_count(configuration->encoded_size());
+    configuration->encode(to);
+  }
 }
 
 bool Trajectory::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   tool_speed = std::nullopt;
   turn_speed = std::nullopt;
+  configuration = std::nullopt;
   return from.get(speed, "Trajectory.speed") &&
          gecos::wire::within(from, speed, {0.01, 1.0}, "Trajectory.speed", "[0.01, 1.0]") &&
          from.get(acceleration, "Trajectory.acceleration") &&
@@ -95,6 +215,11 @@ bool Trajectory::decode([[maybe_unused]] gecos::wire::Decoder& from) {
               [&](auto& value) {
                 return from.get(value, "Trajectory.turn_speed");
               })) &&
+         (from.at_end() ||
+          gecos::wire::get_optional(from, configuration, "Trajectory.configuration",
+              [&](auto& value) {
+                return gecos::wire::get_block(from, value, "Trajectory.configuration");
+              })) &&
          gecos::wire::skip_rest(from);
 }
 
@@ -112,7 +237,7 @@ std::ostream& operator<<(std::ostream& out, const Trajectory& value) {
   return gecos::wire::print_all(out,
       "Trajectory{speed=", value.speed, ", acceleration=", value.acceleration, ", path=",
       value.path, ", at_goal=", value.at_goal, ", tool_speed=", value.tool_speed,
-      " m/s, turn_speed=", value.turn_speed, " rad/s}");
+      " m/s, turn_speed=", value.turn_speed, " rad/s, configuration=", value.configuration, "}");
 }
 
 std::size_t MotionProgress::encoded_size() const { return 16; }
@@ -369,116 +494,6 @@ std::string gecos_violation(const Singular& value) {
 std::ostream& operator<<(std::ostream& out, const Singular& value) {
   return gecos::wire::print_all(out,
       "Singular{reason=", value.reason, "}");
-}
-
-std::string_view to_string(Shoulder value) {
-  switch (value) {
-    case Shoulder::RIGHTY: return "RIGHTY";
-    case Shoulder::LEFTY: return "LEFTY";
-  }
-  return "unknown Shoulder";
-}
-
-std::ostream& operator<<(std::ostream& out, Shoulder value) { return out << to_string(value); }
-
-bool decode_enum(gecos::wire::Decoder& from, Shoulder& value, const char* field) {
-  std::int32_t number = 0;
-  if (!from.get(number, field)) return false;
-  switch (number) {
-    case 0: case 1:
-      value = static_cast<Shoulder>(number);
-      return true;
-    default:
-      value = Shoulder::RIGHTY;
-      return true;
-  }
-}
-
-std::string_view to_string(Elbow value) {
-  switch (value) {
-    case Elbow::ABOVE: return "ABOVE";
-    case Elbow::BELOW: return "BELOW";
-  }
-  return "unknown Elbow";
-}
-
-std::ostream& operator<<(std::ostream& out, Elbow value) { return out << to_string(value); }
-
-bool decode_enum(gecos::wire::Decoder& from, Elbow& value, const char* field) {
-  std::int32_t number = 0;
-  if (!from.get(number, field)) return false;
-  switch (number) {
-    case 0: case 1:
-      value = static_cast<Elbow>(number);
-      return true;
-    default:
-      value = Elbow::ABOVE;
-      return true;
-  }
-}
-
-std::string_view to_string(Wrist value) {
-  switch (value) {
-    case Wrist::NOFLIP: return "NOFLIP";
-    case Wrist::FLIP: return "FLIP";
-  }
-  return "unknown Wrist";
-}
-
-std::ostream& operator<<(std::ostream& out, Wrist value) { return out << to_string(value); }
-
-bool decode_enum(gecos::wire::Decoder& from, Wrist& value, const char* field) {
-  std::int32_t number = 0;
-  if (!from.get(number, field)) return false;
-  switch (number) {
-    case 0: case 1:
-      value = static_cast<Wrist>(number);
-      return true;
-    default:
-      value = Wrist::NOFLIP;
-      return true;
-  }
-}
-
-std::size_t Configuration::encoded_size() const {
-  std::size_t size = 3;
-  if (arm) size += 4;
-  if (bend) size += 4;
-  if (hand) size += 4;
-  return size;
-}
-
-void Configuration::encode(gecos::wire::Encoder& to) const {
-  to.put(arm.has_value());
-  if (arm) to.put(static_cast<std::int32_t>(*arm));
-  to.put(bend.has_value());
-  if (bend) to.put(static_cast<std::int32_t>(*bend));
-  to.put(hand.has_value());
-  if (hand) to.put(static_cast<std::int32_t>(*hand));
-}
-
-bool Configuration::decode([[maybe_unused]] gecos::wire::Decoder& from) {
-  arm = std::nullopt;
-  bend = std::nullopt;
-  hand = std::nullopt;
-  return (from.at_end() ||
-          gecos::wire::get_optional(from, arm, "Configuration.arm", [&](auto& value) {
-            return ::robcl::decode_enum(from, value, "Configuration.arm");
-          })) &&
-         (from.at_end() ||
-          gecos::wire::get_optional(from, bend, "Configuration.bend", [&](auto& value) {
-            return ::robcl::decode_enum(from, value, "Configuration.bend");
-          })) &&
-         (from.at_end() ||
-          gecos::wire::get_optional(from, hand, "Configuration.hand", [&](auto& value) {
-            return ::robcl::decode_enum(from, value, "Configuration.hand");
-          })) &&
-         gecos::wire::skip_rest(from);
-}
-
-std::ostream& operator<<(std::ostream& out, const Configuration& value) {
-  return gecos::wire::print_all(out,
-      "Configuration{arm=", value.arm, ", bend=", value.bend, ", hand=", value.hand, "}");
 }
 
 std::size_t Manipulator_stood::encoded_size() const { return 56; }

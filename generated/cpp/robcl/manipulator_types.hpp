@@ -33,6 +33,57 @@ std::ostream& operator<<(std::ostream& out, Blend value);
 /// An unknown number becomes BREAK.
 [[nodiscard]] bool decode_enum(gecos::wire::Decoder& from, Blend& value, const char* field);
 
+enum class Shoulder : std::int32_t {
+  RIGHTY = 0,
+  LEFTY = 1,
+};
+std::string_view to_string(Shoulder value);
+std::ostream& operator<<(std::ostream& out, Shoulder value);
+/// An unknown number becomes RIGHTY.
+[[nodiscard]] bool decode_enum(gecos::wire::Decoder& from, Shoulder& value, const char* field);
+
+enum class Elbow : std::int32_t {
+  ABOVE = 0,
+  BELOW = 1,
+};
+std::string_view to_string(Elbow value);
+std::ostream& operator<<(std::ostream& out, Elbow value);
+/// An unknown number becomes ABOVE.
+[[nodiscard]] bool decode_enum(gecos::wire::Decoder& from, Elbow& value, const char* field);
+
+enum class Wrist : std::int32_t {
+  NOFLIP = 0,
+  FLIP = 1,
+};
+std::string_view to_string(Wrist value);
+std::ostream& operator<<(std::ostream& out, Wrist value);
+/// An unknown number becomes NOFLIP.
+[[nodiscard]] bool decode_enum(gecos::wire::Decoder& from, Wrist& value, const char* field);
+
+/// Which of the ways to reach its pose an arm is in, as one sees it: the wrist in front
+/// of the shoulder (RIGHTY) or behind it, the elbow ABOVE or BELOW the line from shoulder
+/// to wrist, the flange bent up from the forearm (NOFLIP) or down. With the tool down in
+/// front of it, an arm is RIGHTY, ABOVE, FLIP. A member is absent at a singularity, and
+/// where an arm has no such choice; in a wanted configuration, an absent member allows
+/// both.
+struct Configuration {
+  /// [optional]
+  std::optional<::robcl::Shoulder> arm{};
+  /// [optional]
+  std::optional<::robcl::Elbow> bend{};
+  /// [optional]
+  std::optional<::robcl::Wrist> hand{};
+
+  static constexpr std::string_view type_name() { return "robcl::Configuration"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x410bc4d5af6e6201U); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const Configuration&, const Configuration&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const Configuration& value);
+
 /// How to get from here to the goal; the slowest of the limits binds.
 struct Trajectory {
   /// fraction of the robot's own maximum [0.01 to 1.0]
@@ -45,9 +96,11 @@ struct Trajectory {
   std::optional<double> tool_speed{};
   /// [rad/s, optional]
   std::optional<double> turn_speed{};
+  /// [optional]
+  std::optional<::robcl::Configuration> configuration{};
 
   static constexpr std::string_view type_name() { return "robcl::Trajectory"; }
-  static constexpr std::int64_t fingerprint() { return std::int64_t(0xd448702624f0ed77U); }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x43d3878e45340908U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -204,53 +257,6 @@ struct Singular {
 std::ostream& operator<<(std::ostream& out, const Singular& value);
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const Singular& value);
-
-enum class Shoulder : std::int32_t {
-  RIGHTY = 0,
-  LEFTY = 1,
-};
-std::string_view to_string(Shoulder value);
-std::ostream& operator<<(std::ostream& out, Shoulder value);
-/// An unknown number becomes RIGHTY.
-[[nodiscard]] bool decode_enum(gecos::wire::Decoder& from, Shoulder& value, const char* field);
-
-enum class Elbow : std::int32_t {
-  ABOVE = 0,
-  BELOW = 1,
-};
-std::string_view to_string(Elbow value);
-std::ostream& operator<<(std::ostream& out, Elbow value);
-/// An unknown number becomes ABOVE.
-[[nodiscard]] bool decode_enum(gecos::wire::Decoder& from, Elbow& value, const char* field);
-
-enum class Wrist : std::int32_t {
-  NOFLIP = 0,
-  FLIP = 1,
-};
-std::string_view to_string(Wrist value);
-std::ostream& operator<<(std::ostream& out, Wrist value);
-/// An unknown number becomes NOFLIP.
-[[nodiscard]] bool decode_enum(gecos::wire::Decoder& from, Wrist& value, const char* field);
-
-/// Which of the ways to reach its pose the arm is in. A member is absent at a
-/// singularity, and where an arm has no such choice.
-struct Configuration {
-  /// [optional]
-  std::optional<::robcl::Shoulder> arm{};
-  /// [optional]
-  std::optional<::robcl::Elbow> bend{};
-  /// [optional]
-  std::optional<::robcl::Wrist> hand{};
-
-  static constexpr std::string_view type_name() { return "robcl::Configuration"; }
-  static constexpr std::int64_t fingerprint() { return std::int64_t(0x410bc4d5af6e6201U); }
-  std::size_t encoded_size() const;
-  void encode(gecos::wire::Encoder& to) const;
-  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
-
-  friend bool operator==(const Configuration&, const Configuration&) = default;
-};
-std::ostream& operator<<(std::ostream& out, const Configuration& value);
 
 /// The parameters of the event `stood`.
 struct Manipulator_stood {

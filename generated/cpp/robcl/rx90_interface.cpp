@@ -15,10 +15,10 @@ constinit const gecos::InterfaceDescription* const Rx90Interface::inherits[] = {
 constinit const gecos::InterfaceDescription Rx90Interface::description{
     .name = "robcl::Rx90",
     .version = "1.0",
-    .hash = 0x945054818176f15eU,
+    .hash = 0x3589a3ef9fb396bdU,
     .bases = bases,
     .inherits = inherits,
-    .model = R"json({"interface":{"kind":"interface","name":"robcl::Rx90","doc":"Staeubli RX90.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x945054818176f15e","members":[]},
+    .model = R"json({"interface":{"kind":"interface","name":"robcl::Rx90","doc":"Staeubli RX90.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x3589a3ef9fb396bd","members":[]},
 "types":[],
 "references":[]})json",
 };

@@ -47,15 +47,57 @@ class Blend(_IntEnum):
     NOBREAK = 1
 
 
+@_layout.enumeration("i", "RIGHTY")
+class Shoulder(_IntEnum):
+    RIGHTY = 0
+    LEFTY = 1
+
+
+@_layout.enumeration("i", "ABOVE")
+class Elbow(_IntEnum):
+    ABOVE = 0
+    BELOW = 1
+
+
+@_layout.enumeration("i", "NOFLIP")
+class Wrist(_IntEnum):
+    NOFLIP = 0
+    FLIP = 1
+
+
 @_layout.struct(
-    0xD448702624F0ED77,
+    0x410BC4D5AF6E6201,
+    _layout.optional(Shoulder),
+    _layout.optional(Elbow),
+    _layout.optional(Wrist),
+    missing=3,
+    open=True,
+)
+@_dataclass(slots=True)
+class Configuration(_layout.Struct):
+    """Which of the ways to reach its pose an arm is in, as one sees it: the wrist in front
+    of the shoulder (RIGHTY) or behind it, the elbow ABOVE or BELOW the line from shoulder
+    to wrist, the flange bent up from the forearm (NOFLIP) or down. With the tool down in
+    front of it, an arm is RIGHTY, ABOVE, FLIP. A member is absent at a singularity, and
+    where an arm has no such choice; in a wanted configuration, an absent member allows
+    both.
+    """
+
+    arm: Shoulder | None = None
+    bend: Elbow | None = None
+    hand: Wrist | None = None
+
+
+@_layout.struct(
+    0x43D3878E45340908,
     _layout.ranged("d", 0.01, 1.0),
     _layout.ranged("d", 0.01, 1.0),
     PathType,
     Blend,
     _layout.optional("d"),
     _layout.optional("d"),
-    missing=2,
+    _layout.optional(Configuration),
+    missing=3,
     open=True,
 )
 @_dataclass(slots=True)
@@ -72,6 +114,7 @@ class Trajectory(_layout.Struct):
     """[m/s]"""
     turn_speed: float | None = None
     """[rad/s]"""
+    configuration: Configuration | None = None
 
 
 @_layout.struct(0xE2C8D491F2659A98, _layout.ranged("d", 0.0, 1.0), "d", open=True)
@@ -177,43 +220,6 @@ class Singular(_layout.Struct, _DeclaredError):
 
     reason: str = ""
     """[at most 160]"""
-
-
-@_layout.enumeration("i", "RIGHTY")
-class Shoulder(_IntEnum):
-    RIGHTY = 0
-    LEFTY = 1
-
-
-@_layout.enumeration("i", "ABOVE")
-class Elbow(_IntEnum):
-    ABOVE = 0
-    BELOW = 1
-
-
-@_layout.enumeration("i", "NOFLIP")
-class Wrist(_IntEnum):
-    NOFLIP = 0
-    FLIP = 1
-
-
-@_layout.struct(
-    0x410BC4D5AF6E6201,
-    _layout.optional(Shoulder),
-    _layout.optional(Elbow),
-    _layout.optional(Wrist),
-    missing=3,
-    open=True,
-)
-@_dataclass(slots=True)
-class Configuration(_layout.Struct):
-    """Which of the ways to reach its pose the arm is in. A member is absent at a
-    singularity, and where an arm has no such choice.
-    """
-
-    arm: Shoulder | None = None
-    bend: Elbow | None = None
-    hand: Wrist | None = None
 
 
 @_layout.struct(0xF61C72853422178C, Frame, open=True, label="stood")

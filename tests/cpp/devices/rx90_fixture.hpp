@@ -33,8 +33,17 @@ class Rx90Laboratory : public Laboratory {
     return joints;
   }
 
+  static JointValues front() {
+    JointValues joints = ready();
+    joints[4] = robcl::deg(-45);
+    return joints;
+  }
+
   SimulatedDriver driver_{ready(), {}};
-  SixAxisDevice arm_{robcl::arm::ArmModel::from_urdf(rx90_urdf, "foot", "flange", 0.25).value(),
+  SixAxisDevice arm_{robcl::arm::ArmModel::from_urdf(rx90_urdf, "foot", "flange", 0.25)
+                         .value()
+                         .with_front(front())
+                         .value(),
                      {.tool_offset = robcl::translate(0, 0, robcl::mm(150))},
                      driver_};
   ExactArm<robcl::Rx90Servant> servant_{arm_, "an RX90 weighs 111 kg and stands on the floor"};

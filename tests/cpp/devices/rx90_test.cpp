@@ -171,6 +171,36 @@ TEST_F(Rx90Test, TheControlLoopPublishesWithoutAllocating) {
   EXPECT_EQ(count.so_far(), 0);
 }
 
+TEST_F(Rx90Test, AJointMoveEndsInTheConfigurationThatIsAskedForAndAStraightMoveKeepsIt) {
+  const auto lease = gecos::actor(robot_);
+  EXPECT_EQ(
+      robot_.posture().get().value(),
+      (robcl::Configuration{robcl::Shoulder::RIGHTY, robcl::Elbow::ABOVE, robcl::Wrist::FLIP}));
+  const Frame here = robot_.tool().get().value();
+  const robcl::Configuration noflip{.hand = robcl::Wrist::NOFLIP};
+  const auto straight = get(
+      robot_.move(here * translate(0, 0, -10_mm),
+                  robcl::Trajectory{.path = robcl::PathType::STRAIGHT, .configuration = noflip}),
+      cycle());
+  ASSERT_FALSE(straight);
+  EXPECT_EQ(straight.error().detail, gecos::Detail::Rejected) << straight.error();
+  EXPECT_NE(straight.error().text.find(
+                "a straight move keeps the configuration righty, above, flip and cannot end as "
+                "any, any, noflip; use a joint move"),
+            std::string::npos)
+      << straight.error();
+  ASSERT_TRUE(get(robot_.move(here, robcl::Trajectory{.configuration = noflip}), cycle()));
+  EXPECT_TRUE(near(robot_.tool().get().value(), here, 1e-4, 1e-3));
+  EXPECT_EQ(
+      robot_.posture().get().value(),
+      (robcl::Configuration{robcl::Shoulder::RIGHTY, robcl::Elbow::ABOVE, robcl::Wrist::NOFLIP}));
+  ASSERT_TRUE(get(
+      robot_.move(here * translate(0, 0, -10_mm),
+                  robcl::Trajectory{.path = robcl::PathType::STRAIGHT, .configuration = noflip}),
+      cycle()))
+      << "the present configuration may be asked for";
+}
+
 TEST_F(Rx90Test, StandsOnTheFloorAndOnNoOtherArm) {
   const auto lease = gecos::actor(robot_);
   const auto refused = robot_.mount("PUMA", Frame()).get();

@@ -8,9 +8,18 @@
 
 namespace robcl {
 
+inline arm::JointValues joints(std::initializer_list<double> degrees) {
+  arm::JointValues values(static_cast<Eigen::Index>(degrees.size()));
+  Eigen::Index i = 0;
+  for (const double angle : degrees) values[i++] = deg(angle);
+  return values;
+}
+
 inline arm::ArmModel rx90() {
   return arm::ArmModel::from_urdf_file(ROBCL_SOURCE_DIR "/devices/rx90/rx90.urdf", "foot", "flange",
                                        0.25)
+      .value()
+      .with_front(joints({0, -20, 110, 0, -45, 0}))
       .value();
 }
 
@@ -18,6 +27,8 @@ inline arm::ArmModel rx90() {
 inline arm::ArmModel puma560() {
   return arm::ArmModel::from_urdf_file(ROBCL_SOURCE_DIR "/tests/cpp/robcl/puma560.urdf", "link0",
                                        "link7", 0.25)
+      .value()
+      .with_front(joints({0, 45, -180, 0, 45, 0}))  // qn
       .value();
 }
 
@@ -25,13 +36,6 @@ inline arm::ArmModel seven_axes() {
   return arm::ArmModel::from_urdf_file(ROBCL_SOURCE_DIR "/tests/cpp/robcl/seven_axes.urdf", "base",
                                        "flange", 0.25)
       .value();
-}
-
-inline arm::JointValues joints(std::initializer_list<double> degrees) {
-  arm::JointValues values(static_cast<Eigen::Index>(degrees.size()));
-  Eigen::Index i = 0;
-  for (const double angle : degrees) values[i++] = deg(angle);
-  return values;
 }
 
 /// Joint positions anywhere inside the limits, the same in every run.

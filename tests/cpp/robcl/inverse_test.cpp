@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <set>
 #include <sstream>
+#include <stdexcept>
+#include <string>
 
 #include "arms.hpp"
 #include "robcl/arm/kinematics.hpp"
@@ -24,6 +28,10 @@ std::string words(const Configuration& configuration) {
 struct Arm {
   const char* name;
   ArmModel (*model)();
+  const char* urdf;
+  const char* base;
+  std::array<const char*, 3> links;  // whose origins are shoulder, elbow and wrist centre
+  JointValues tool_down;             // in front of the arm, the elbow up
 };
 void PrintTo(const Arm& arm, std::ostream* out) { *out << arm.name; }
 
@@ -63,6 +71,61 @@ TEST_P(ClosedForm, GivesEightDifferentSolutionsEachInTheConfigurationOfItsLabel)
     eight += found.count == 8 ? 1 : 0;
   }
   EXPECT_GT(eight, 500);
+}
+
+/// What somebody sees who looks at the arm: both arms stand at the origin and look along x while
+/// joint 1 is at 0.
+Configuration seen(const Arm& arm, const JointValues& q) {
+  std::array<Eigen::Vector3d, 3> points;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto part = ArmModel::from_urdf_file(arm.urdf, arm.base, arm.links[i], 0.25).value();
+    points[i] = Kinematics(part).base_from_flange(q.head(part.axes())).position();
+  }
+  const Eigen::Vector3d ahead(std::cos(q[0]), std::sin(q[0]), 0);
+  const auto [shoulder, elbow, wrist] = points;
+  const double wx = (wrist - shoulder).dot(ahead), wz = wrist.z() - shoulder.z();
+  const double ex = (elbow - shoulder).dot(ahead), ez = elbow.z() - shoulder.z();
+  return {
+      wx > 0 ? Shoulder::Righty : Shoulder::Lefty,
+      (wx > 0 ? 1 : -1) * (wx * ez - wz * ex) > 0 ? Elbow::Above : Elbow::Below,
+      std::sin(q[4]) * std::sin(arm.model().front().value()[4]) > 0 ? Wrist::Noflip : Wrist::Flip};
+}
+
+TEST_P(ClosedForm, ItsWordsMeanOnePostureOnEveryArm) {
+  const Arm& arm = GetParam();
+  RandomJoints random(model_, 9);
+  int labels = 0;
+  for (int i = 0; i < 50; ++i) {
+    const JointValues q = random();
+    const auto found = inverse_->all(forward_.base_from_flange(q), q);
+    for (std::size_t k = 0; k < found.count; ++k, ++labels) {
+      ASSERT_EQ(found.each[k].configuration, seen(arm, found.each[k].joints))
+          << words(found.each[k].configuration);
+    }
+  }
+  EXPECT_GT(labels, 200);
+  EXPECT_EQ(words(inverse_->configuration(*model_.front())), "righty, above, noflip");
+  EXPECT_EQ(words(inverse_->configuration(arm.tool_down)), "righty, above, flip");
+}
+
+TEST_P(ClosedForm, AFrontThatIsSingularOrOutsideTheTravelIsRefused) {
+  const auto refusal = [&](JointValues front) {
+    try {
+      SphericalWristInverse::for_arm(model_.with_front(front).value());
+    } catch (const std::invalid_argument& refused) {
+      return std::string(refused.what());
+    }
+    return std::string("accepted");
+  };
+  JointValues straight = *model_.front();
+  straight[4] = 0;
+  EXPECT_NE(refusal(straight).find("'front' is at a singularity of the arm; give joint positions"),
+            std::string::npos)
+      << refusal(straight);
+  JointValues outside = *model_.front();
+  outside[1] = 10;
+  EXPECT_EQ(model_.with_front(outside).error().text.rfind("joint 2 of front is at 572.9", 0), 0u);
+  EXPECT_FALSE(model_.with_front(outside.head(5)));
 }
 
 TEST_P(ClosedForm, IsExactAtTheWristSingularityAndBesideIt) {
@@ -107,7 +170,18 @@ TEST_P(ClosedForm, StaysWhereItStandsWhenTheGoalIsWhereItStands) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OnArms, ClosedForm,
-                         ::testing::Values(Arm{"Rx90", rx90}, Arm{"Puma560", puma560}),
+                         ::testing::Values(Arm{"Rx90",
+                                               rx90,
+                                               ROBCL_SOURCE_DIR "/devices/rx90/rx90.urdf",
+                                               "foot",
+                                               {"upper_arm", "elbow", "wrist"},
+                                               joints({0, -20, 110, 0, 90, 0})},
+                                           Arm{"Puma560",
+                                               puma560,
+                                               ROBCL_SOURCE_DIR "/tests/cpp/robcl/puma560.urdf",
+                                               "link0",
+                                               {"link2", "link3", "link5"},
+                                               joints({0, 45, -180, 0, -45, 0})}),
                          [](const auto& made) { return made.param.name; });
 
 class Rx90Inverse : public ::testing::Test {
@@ -143,9 +217,21 @@ TEST_F(Rx90Inverse, AllSolutionsOfTheStretchedArmAreExact) {
 
 TEST_F(Rx90Inverse, TellsNoConfigurationAtASingularity) {
   EXPECT_EQ(inverse_->configuration(joints({0, 0, 0, 0, 0, 0})), Configuration{});
-  EXPECT_EQ(words(inverse_->configuration(joints({0, 0, 90, 0, 90, 0}))), "righty, above, noflip");
-  EXPECT_EQ(words(inverse_->configuration(joints({0, 0, -90, 0, -90, 0}))), "lefty, above, flip");
+  EXPECT_EQ(words(inverse_->configuration(joints({0, 0, 90, 0, 90, 0}))), "righty, above, flip");
+  EXPECT_EQ(words(inverse_->configuration(joints({0, 0, -90, 0, -90, 0}))), "lefty, above, noflip");
   EXPECT_EQ(words(inverse_->configuration(joints({0, 90, -90, 0, 0, 0}))), "righty, below, any");
+}
+
+TEST_F(Rx90Inverse, AFrontWithTheElbowDownIsRefused) {
+  try {
+    make_inverse(model_.with_front(joints({0, 90, -110, 0, -45, 0})).value());
+    FAIL() << "accepted";
+  } catch (const std::invalid_argument& refused) {
+    EXPECT_STREQ(refused.what(),
+                 "rx90: 'front' has the elbow below the line from shoulder to wrist; give joint "
+                 "positions with the elbow up, the wrist in front of the shoulder and the flange "
+                 "bent up");
+  }
 }
 
 TEST_F(Rx90Inverse, TakesTheTurnOfTheLongTravellingJointsThatIsNearest) {

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <optional>
 #include <random>
+#include <sstream>
 #include <string>
 
 #include "allocations.hpp"
@@ -405,6 +406,34 @@ TEST_P(RandomMoves, OverriddenAndPausedAtAnyTimeKeepTheirPathAndAllLimits) {
       ASSERT_EQ(all.back(), plan->goal());
     }
   }
+}
+
+TEST_P(RandomMoves, KeepTheConfigurationOrSayWhichOneCouldReachTheGoal) {
+  RandomJoints random(model_, 17);
+  int kept = 0, named = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const JointValues from = random();
+    const Frame goal = planner_.base_from_tool(random(), {});
+    const auto present = planner_.configuration(from);
+    if (const auto plan = planner_.joints_to(from, goal, {}, {})) {
+      ASSERT_EQ(planner_.configuration(plan->goal()), present);
+      ++kept;
+      continue;
+    }
+    const auto any = planner_.joints_to(from, goal, {}, {}, arm::Configuration{});
+    ASSERT_TRUE(any) << "random() is one";
+    const auto other = planner_.configuration(any->goal());
+    std::ostringstream words;
+    words << "only in another configuration such as " << other << ": ask for it, or for any";
+    const std::string why = to_string(planner_.joints_to(from, goal, {}, {}).error());
+    ASSERT_NE(why.find(words.str()), std::string::npos) << why;
+    const auto asked = planner_.joints_to(from, goal, {}, {}, other);
+    ASSERT_TRUE(asked);
+    ASSERT_EQ(planner_.configuration(asked->goal()), other);
+    ++named;
+  }
+  EXPECT_GT(kept, 100);
+  EXPECT_GT(named, 100);
 }
 
 TEST_F(Motion, AnOverrideScalesTheSpeedAndZeroPausesUntilItIsRaised) {

@@ -1,12 +1,17 @@
 // The eight configurations in which a six-axis arm with a spherical wrist can reach one pose.
 //
+// A configuration is a posture that can be seen, and does not depend on the signs of the axes. The
+// model of an arm names joint positions `front` at which the arm is righty, above and noflip by
+// definition: the elbow up, the wrist in front of the shoulder, the flange bent up from the
+// forearm, as in the nominal pose qn of the Puma 560 (P. Corke). "In front" is fixed in link 1.
+//
 // The definition uses the vertical plane in which the arm moves. d is the horizontal distance of
-// the wrist centre W from axis 1, and is positive in the direction of joint 1. (wx, wz) and (ex,
-// ez) are the horizontal distance and the height of W and of the elbow E, seen from the shoulder.
-// The configuration is righty where d > 0, else lefty, above where sign(d)·(wx·ez - wz·ex) > 0,
-// else below, noflip where joint 5, counted from the angle at which axes 4 and 6 are parallel, is >
-// 0, else flip. Each of these three values is zero exactly at the singularity of the shoulder, of
-// the elbow or of the wrist.
+// the wrist centre W from axis 1, and is positive in front. (wx, wz) and (ex, ez) are the
+// horizontal distance and the height of W and of the elbow E, seen from the shoulder. The
+// configuration is righty where d > 0, else lefty; above where sign(d)·(wx·ez - wz·ex) > 0, else
+// below; noflip where joint 5, counted from the angle at which axes 4 and 6 are parallel, has the
+// sign that it has at `front`, else flip. Each of these three measures is zero exactly at the
+// singularity of the shoulder, of the elbow or of the wrist.
 #pragma once
 
 #include <iosfwd>

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <limits>
 #include <sstream>
+#include <utility>
 
 namespace robcl::arm {
 namespace {
@@ -113,6 +114,24 @@ tl::expected<ArmModel, ModelError> ArmModel::from_urdf_file(const std::filesyste
   if (!in) return refuse(file.string() + ": cannot be read");
   auto model = from_urdf(xml.str(), base_link, flange_link, seconds_to_full_speed);
   if (!model) return refuse(file.string() + ": " + model.error().text);
+  return model;
+}
+
+tl::expected<ArmModel, ModelError> ArmModel::with_front(const JointValues& front) const {
+  if (front.size() != axes()) {
+    return refuse("front has " + std::to_string(front.size()) + " joints, but " + name_ + " has " +
+                  std::to_string(axes()));
+  }
+  for (Eigen::Index i = 0; i < axes(); ++i) {
+    const JointLimits& limits = limits_[static_cast<std::size_t>(i)];
+    if (front[i] >= limits.lower && front[i] <= limits.upper) continue;
+    return refuse("joint " + std::to_string(i + 1) + " of front is at " +
+                  std::to_string(in_deg(front[i])) + " deg, outside its travel from " +
+                  std::to_string(in_deg(limits.lower)) + " to " +
+                  std::to_string(in_deg(limits.upper)) + " deg");
+  }
+  ArmModel model = *this;
+  model.front_ = front;
   return model;
 }
 

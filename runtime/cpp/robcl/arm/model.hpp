@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <kdl/chain.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,11 +35,16 @@ class ArmModel {
                                                            const std::string& flange_link,
                                                            double seconds_to_full_speed);
 
+  /// Returns this model with the joint positions `front`, in rad, at which the arm is righty, above
+  /// and noflip by definition (see Configuration). Fails if `front` is not inside the limits.
+  tl::expected<ArmModel, ModelError> with_front(const JointValues& front) const;
+
   const std::string& name() const { return name_; }
   Eigen::Index axes() const { return static_cast<Eigen::Index>(limits_.size()); }
   const KDL::Chain& chain() const { return chain_; }
   const std::vector<JointLimits>& limits() const { return limits_; }
   const std::vector<std::string>& joint_names() const { return joint_names_; }
+  const std::optional<JointValues>& front() const { return front_; }
 
   /// Returns an upper limit of the distance of the flange from the base, in m.
   double reach() const { return reach_; }
@@ -51,6 +57,7 @@ class ArmModel {
   std::vector<JointLimits> limits_;
   std::vector<std::string> joint_names_;
   double reach_ = 0;
+  std::optional<JointValues> front_;
 };
 
 }  // namespace robcl::arm

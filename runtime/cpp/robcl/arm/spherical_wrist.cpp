@@ -7,6 +7,7 @@
 #include <optional>
 #include <random>
 #include <sstream>
+#include <stdexcept>
 
 namespace robcl::arm {
 namespace {
@@ -84,7 +85,23 @@ std::optional<Choice> by_sign(double measure, Choice positive, Choice negative) 
 std::unique_ptr<SphericalWristInverse> SphericalWristInverse::for_arm(const ArmModel& model) {
   std::unique_ptr<SphericalWristInverse> solver(new SphericalWristInverse(model));
   if (!solver->measure_geometry() || !solver->verify()) return nullptr;
+  solver->look_at_front();
   return solver;
+}
+
+void SphericalWristInverse::look_at_front() {
+  above_ = axes_[0].z() < 0 ? -1 : 1;  // heights count along the base's z
+  if (!model_.front()) return;
+  const Configuration now = configuration(*model_.front());
+  const auto refuse = [&](const std::string& why) {
+    throw std::invalid_argument(model_.name() + ": 'front' " + why +
+                                "; give joint positions with the elbow up, the wrist in front of "
+                                "the shoulder and the flange bent up");
+  };
+  if (!now.shoulder || !now.elbow || !now.wrist) refuse("is at a singularity of the arm");
+  if (*now.elbow != Elbow::Above) refuse("has the elbow below the line from shoulder to wrist");
+  if (*now.shoulder == Shoulder::Lefty) righty_ = -1;
+  if (*now.wrist == Wrist::Flip) noflip_ = -1;
 }
 
 bool SphericalWristInverse::measure_geometry() {
@@ -164,7 +181,7 @@ SphericalWristInverse::Solutions SphericalWristInverse::all(const Frame& base_fr
 
   for (const double side : {1.0, -1.0}) {
     Configuration configuration;
-    configuration.shoulder = side > 0 ? Shoulder::Righty : Shoulder::Lefty;
+    configuration.shoulder = side * righty_ > 0 ? Shoulder::Righty : Shoulder::Lefty;
     if (!wanted.admits(configuration)) continue;
     const double along = side * forward;  // distance of the wrist centre from axis 1
     const double first = from_axis < singular
@@ -183,7 +200,7 @@ SphericalWristInverse::Solutions SphericalWristInverse::all(const Frame& base_fr
     const double elbow_angle = std::acos(std::clamp(cosine, -1.0, 1.0));
     const double at_shoulder = elbow_angle < aligned ? 0.0 : elbow_angle;
     for (const double bend : {1.0, -1.0}) {
-      configuration.elbow = side * bend < 0 ? Elbow::Above : Elbow::Below;
+      configuration.elbow = side * bend * above_ < 0 ? Elbow::Above : Elbow::Below;
       if (!wanted.admits(configuration)) continue;
       const double upper = target_angle + bend * at_shoulder;
       const Vector2d elbow = at_angle(upper_arm_, upper);
@@ -213,8 +230,8 @@ void SphericalWristInverse::add_wrists(const Frame& base_from_flange, const Vect
   const double c = std::cos(fourth), s = std::sin(fourth);
   double bend = std::atan2(c * left(0, 2) + s * left(1, 2), left(2, 2));
   double sixth = std::atan2(c * left(1, 0) - s * left(0, 0), c * left(1, 1) - s * left(0, 1));
-  for (const Wrist wrist : {Wrist::Noflip, Wrist::Flip}) {
-    configuration.wrist = wrist;
+  for (const double sign : {1.0, -1.0}) {
+    configuration.wrist = sign * noflip_ > 0 ? Wrist::Noflip : Wrist::Flip;
     if (wanted.admits(configuration)) {
       Solution& solution = found.each[found.count++];
       solution.configuration = configuration;
@@ -272,10 +289,10 @@ Configuration SphericalWristInverse::configuration(const JointValues& joints) {
   const Vector2d wrist = elbow + at_angle(forearm_, fore);
   const double along = wrist.x() + shoulder_;
   const double side = along < 0 ? -1 : 1;
-  return {
-      by_sign(along, Shoulder::Righty, Shoulder::Lefty),
-      by_sign(side * (wrist.x() * elbow.y() - wrist.y() * elbow.x()), Elbow::Above, Elbow::Below),
-      by_sign(std::sin(joints[4] + sixth_tilt_), Wrist::Noflip, Wrist::Flip)};
+  return {by_sign(righty_ * along, Shoulder::Righty, Shoulder::Lefty),
+          by_sign(above_ * side * (wrist.x() * elbow.y() - wrist.y() * elbow.x()), Elbow::Above,
+                  Elbow::Below),
+          by_sign(noflip_ * std::sin(joints[4] + sixth_tilt_), Wrist::Noflip, Wrist::Flip)};
 }
 
 std::string SphericalWristInverse::why_out_of_reach(const Frame& base_from_flange) const {

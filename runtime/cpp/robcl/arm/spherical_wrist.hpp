@@ -21,7 +21,8 @@ namespace robcl::arm {
 class SphericalWristInverse final : public InverseKinematics {
  public:
   /// Makes a solver for `model`. Returns null if the arm has another geometry, or if the solver's
-  /// solutions for test poses are wrong by forward kinematics.
+  /// solutions for test poses are wrong by forward kinematics. Throws std::invalid_argument if the
+  /// model's `front` is at a singularity, or if the elbow is not above there.
   static std::unique_ptr<SphericalWristInverse> for_arm(const ArmModel& model);
 
   tl::expected<JointValues, Failure> solve(const Frame& base_from_flange,
@@ -47,6 +48,7 @@ class SphericalWristInverse final : public InverseKinematics {
 
   bool measure_geometry();
   bool verify();
+  void look_at_front();
   void add_wrists(const Frame& base_from_flange, const Eigen::Vector3d& first_three,
                   const JointValues& reference, Configuration configuration,
                   const Configuration& wanted, Solutions& found) const;
@@ -73,6 +75,10 @@ class SphericalWristInverse final : public InverseKinematics {
   Eigen::Matrix3d base_from_wrist_;  // z along axis 4, y along axis 5
   double sixth_tilt_ = 0;            // angle from axis 4 to axis 6 about axis 5, at most 90 deg
   double sixth_sign_ = 1;            // -1 if sixth_tilt_ is measured to the reversed axis 6
+
+  // The signs that the measures of Configuration have where the arm is righty, above and noflip.
+  // Without a `front`, righty is in the direction of joint 1, and noflip where joint 5 is positive.
+  double righty_ = 1, above_ = 1, noflip_ = 1;
 };
 
 }  // namespace robcl::arm

@@ -94,11 +94,21 @@ tl::expected<Plan, Failure> Planner::joints(const JointValues& from, const Joint
 
 tl::expected<Plan, Failure> Planner::joints_to(const JointValues& from, const Frame& base_from_goal,
                                                const Frame& flange_from_tool, const Pace& pace,
-                                               const arm::Configuration& wanted) {
+                                               const std::optional<arm::Configuration>& wanted) {
   if (auto far = absurd(base_from_goal)) return tl::unexpected(*far);
-  const auto to = inverse_->solve(base_from_goal * flange_from_tool.inverse(), from, wanted);
-  if (!to) return tl::unexpected(to.error());
-  return joints(from, *to, pace, flange_from_tool);
+  const Frame base_from_flange = base_from_goal * flange_from_tool.inverse();
+  const arm::Configuration present = inverse_->configuration(from);
+  const auto to = inverse_->solve(base_from_flange, from, wanted.value_or(present));
+  if (to) return joints(from, *to, pace, flange_from_tool);
+  if (!wanted) {
+    if (const auto other = inverse_->solve(base_from_flange, from)) {
+      std::ostringstream text;
+      text << "the goal cannot be reached as " << present << ", only in another configuration such "
+           << "as " << inverse_->configuration(*other) << ": ask for it, or for any";
+      return tl::unexpected(OutOfReach{text.str()});
+    }
+  }
+  return tl::unexpected(to.error());
 }
 
 tl::expected<Plan, Failure> Planner::straight(const JointValues& from, const Frame& base_from_goal,

@@ -29,11 +29,13 @@ class Planner {
                                           const Pace& pace, const Frame& flange_from_tool = {});
 
   /// Plans a move of all joints that puts the tool at the frame `base_from_goal`, in a
-  /// configuration that `wanted` admits. If several joint positions are possible, chooses those
-  /// that the arm reaches soonest. May fail with OutOfReach or JointLimit.
-  tl::expected<Plan, arm::Failure> joints_to(const JointValues& from, const Frame& base_from_goal,
-                                             const Frame& flange_from_tool, const Pace& pace,
-                                             const arm::Configuration& wanted = {});
+  /// configuration that `wanted` admits; without `wanted`, in the present one. If several joint
+  /// positions are possible, chooses those that the arm reaches soonest. May fail with OutOfReach
+  /// or JointLimit. If only another configuration than the present one can reach the goal, the
+  /// failure names it.
+  tl::expected<Plan, arm::Failure> joints_to(
+      const JointValues& from, const Frame& base_from_goal, const Frame& flange_from_tool,
+      const Pace& pace, const std::optional<arm::Configuration>& wanted = std::nullopt);
 
   /// Plans a move of the tool along a straight line to the frame `base_from_goal`. During the move,
   /// the tool's orientation turns about one axis, and the arm keeps its present configuration. May
