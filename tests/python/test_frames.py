@@ -17,11 +17,14 @@ from hypothesis import strategies as st
 from robcl.frames import (
     Frame,
     InvalidFrame,
+    Twist,
+    Wrench,
     angle,
     deg,
     distance,
     in_deg,
     in_mm,
+    interpolate,
     mm,
     near,
     rotate_x,
@@ -45,6 +48,79 @@ def same(left: Frame, right: Frame) -> bool:
     return near(left, right, 1e-9, 1e-9)
 
 
+def test_euler_angles_are_read_accurately_beside_their_singularity() -> None:
+    for beside in (1e-3, 1e-5, 1e-7):
+        for b in (math.pi / 2 - beside, beside - math.pi / 2):
+            a, middle, c = Frame.from_euler_zyx(0, 0, 0, 0.3, b, 0.4).euler_zyx()
+            assert abs(middle - b) < 1e-15
+            assert abs(a - 0.3) < 1e-15 / beside and abs(c - 0.4) < 1e-15 / beside
+
+
+@given(frames, frames, st.floats(0, 1))
+def test_an_interpolated_frame_is_on_the_line_and_the_turn(
+    start: Frame, goal: Frame, part: float
+) -> None:
+    between = interpolate(start, goal, part)
+    assert distance(start, between) == pytest.approx(part * distance(start, goal), abs=1e-9)
+    assert angle(start, between) == pytest.approx(part * angle(start, goal), abs=1e-7)
+    assert angle(start, between) + angle(between, goal) == pytest.approx(
+        angle(start, goal), abs=1e-7
+    )
+
+
+def test_interpolation_takes_a_part_from_0_to_1() -> None:
+    with pytest.raises(ValueError, match=r"part is 1.5, but it must be from 0 to 1"):
+        interpolate(Frame(), Frame(), 1.5)
+
+
+@given(frames)
+def test_a_frame_is_its_axis_and_angle(frame: Frame) -> None:
+    turn = frame.rotation_vector()
+    size = float(np.linalg.norm(turn))
+    assert 0 <= size <= math.pi + 1e-15
+    axis = turn if size > 0 else (0.0, 0.0, 1.0)
+    assert same(Frame.from_axis_angle(frame.x, frame.y, frame.z, axis, size), frame)
+
+
+def test_an_axis_or_an_angle_that_is_none_is_refused() -> None:
+    with pytest.raises(InvalidFrame, match=r"axis \(0, 0, 0\) has no direction"):
+        Frame.from_axis_angle(0, 0, 0, (0, 0, 0), 1)
+    for angle_of in (rotate_x, rotate_y, rotate_z):
+        with pytest.raises(InvalidFrame, match="angle inf rad is not finite"):
+            angle_of(math.inf)
+
+
+@given(frames)
+def test_twist_and_wrench_do_the_same_work_seen_from_anywhere(frame: Frame) -> None:
+    twist = Twist((0.1, -0.2, 0.3), (1.0, 2.0, -0.5))
+    wrench = Wrench((5.0, -3.0, 2.0), (0.2, 0.4, -0.6))
+    seen, felt = frame.transform_twist(twist), frame.transform_wrench(wrench)
+    power = np.dot(twist.linear, wrench.force) + np.dot(twist.angular, wrench.torque)
+    assert np.dot(seen.linear, felt.force) + np.dot(seen.angular, felt.torque) == pytest.approx(
+        power
+    )
+
+
+def test_a_twist_moves_the_points_of_a_body() -> None:
+    frame = Frame.from_euler_zyx(0.3, -0.2, 0.5, 0.4, 0.5, 0.6)
+    twist = Twist((0.1, -0.2, 0.3), (1.0, 2.0, -0.5))
+    seen = frame.transform_twist(twist)
+    point = np.array((0.7, 0.1, -0.4))  # of the body, in its coordinates
+    velocity = frame.rotation() @ (twist.linear + np.cross(twist.angular, point))
+    np.testing.assert_allclose(
+        seen.linear + np.cross(seen.angular, frame.transform(point)), velocity, atol=1e-12
+    )
+
+
+def test_numpy_takes_a_frame_as_its_matrix() -> None:
+    frame = Frame.from_euler_zyz(1, 2, 3, 0.1, 0.2, 0.3)
+    np.testing.assert_array_equal(np.asarray(frame), frame.matrix())
+    assert np.asarray(frame, dtype=np.float32).dtype == np.float32
+    np.testing.assert_allclose(np.linalg.inv(frame), frame.inverse().matrix(), atol=1e-12)
+    with pytest.raises(ValueError, match="a Frame has no array in memory"):
+        frame.__array__(copy=False)
+
+
 # Shared with C++
 
 
@@ -63,6 +139,13 @@ def test_singular_orientations_are_read_by_the_agreed_convention(case: Case) -> 
     frame = Frame.from_matrix(case["matrix"])
     for name in case.keys() - {"matrix"}:
         np.testing.assert_allclose(getattr(frame, name)(), case[name], rtol=0, atol=1e-9)
+
+
+def test_a_matrix_gives_the_quaternion_with_the_agreed_sign() -> None:
+    assert len(VECTORS["signs"]) > 500
+    for case in VECTORS["signs"]:
+        read = Frame.from_matrix(case["matrix"]).quaternion()
+        np.testing.assert_allclose(read, case["quaternion"], rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("case", VECTORS["encoded"])

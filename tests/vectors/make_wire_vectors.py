@@ -310,6 +310,7 @@ def frames() -> dict[str, Any]:
     return {
         "fingerprint": "249634ce2aa17b5e",
         "made": made,
+        "signs": quaternion_signs(),
         "encoded": encoded,
         "refused": list(refused_frames()),
         "read": [
@@ -344,6 +345,47 @@ def frames() -> dict[str, Any]:
             },
         ],
     }
+
+
+def quaternion_signs() -> list[dict[str, Any]]:
+    """Rotation matrices with the quaternion w, x, y, z that both languages read from them: of its
+    two signs the one whose first component that is not 0 is positive. They are products of
+    rotations by multiples of 45 degrees, among them half turns about and between the axes."""
+    signs = []
+    for first in range(8):
+        for second in range(8):
+            for third in range(8):
+                halves = [math.radians(45 * turn) / 2 for turn in (first, second, third)]
+                q = (1.0, 0.0, 0.0, 0.0)
+                for half, axis in zip(halves, (3, 2, 3), strict=True):
+                    by = [math.cos(half), 0.0, 0.0, 0.0]
+                    by[axis] = math.sin(half)
+                    q = quaternion_product(q, tuple(by))
+                q = tuple(0.0 if abs(part) < 1e-12 else part for part in q)
+                if next(part for part in q if part != 0) < 0:
+                    q = tuple(-part + 0.0 for part in q)
+                signs.append({"quaternion": list(q), "matrix": homogeneous(rotation(q), [0, 0, 0])})
+    return signs
+
+
+def quaternion_product(left: Any, right: Any) -> Any:
+    aw, ax, ay, az = left
+    bw, bx, by, bz = right
+    return (
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by + ay * bw + az * bx - ax * bz,
+        aw * bz + az * bw + ax * by - ay * bx,
+    )
+
+
+def rotation(q: Any) -> list[list[float]]:
+    w, x, y, z = q
+    return [
+        [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
+    ]
 
 
 def refused_frames() -> Any:

@@ -96,6 +96,70 @@ TEST(Frame, FixedAxesAreZyxFromBackToFront) {
   EXPECT_NEAR(rz, 30_deg, 1e-12);
 }
 
+TEST(Frame, EulerAnglesAreReadAccuratelyBesideTheirSingularity) {
+  for (const double beside : {1e-3, 1e-5, 1e-7}) {
+    for (const double b : {90_deg - beside, beside - 90_deg}) {
+      const auto [a, middle, c] = Frame::from_euler_zyx(0, 0, 0, 0.3, b, 0.4).euler_zyx();
+      EXPECT_NEAR(middle, b, 1e-15);
+      EXPECT_NEAR(a, 0.3, 1e-15 / beside);
+      EXPECT_NEAR(c, 0.4, 1e-15 / beside);
+    }
+  }
+}
+
+TEST(Frame, AMatrixGivesTheQuaternionWhoseFirstComponentIsPositive) {
+  RandomFrames random;
+  for (int i = 0; i < 20000; ++i) {
+    const Frame frame = random.frame();
+    const auto read = Frame::from_matrix(frame.matrix()).quaternion();
+    ASSERT_GE(read[0], 0);
+    const double sign = frame.quaternion()[0] < 0 ? -1 : 1;
+    for (std::size_t k = 0; k < 4; ++k) ASSERT_NEAR(read[k], sign * frame.quaternion()[k], 1e-9);
+  }
+}
+
+TEST(Frame, AnInterpolatedFrameIsOnTheLineAndTheTurn) {
+  RandomFrames random;
+  for (int i = 0; i < 1000; ++i) {
+    const Frame start = random.frame(), goal = random.frame();
+    expect_same(interpolate(start, goal, 0), start);
+    expect_same(interpolate(start, goal, 1), goal);
+    const Frame between = interpolate(start, goal, 0.3);
+    EXPECT_NEAR(distance(start, between), 0.3 * distance(start, goal), 1e-9);
+    EXPECT_NEAR(angle(start, between), 0.3 * angle(start, goal), 1e-9);
+    EXPECT_NEAR(angle(between, goal), 0.7 * angle(start, goal), 1e-9);
+  }
+  EXPECT_THROW(interpolate(Frame(), Frame(), 1.5), std::invalid_argument);
+  EXPECT_THROW(interpolate(Frame(), Frame(), std::nan("")), std::invalid_argument);
+}
+
+TEST(Frame, IsItsAxisAndAngle) {
+  RandomFrames random;
+  for (int i = 0; i < 1000; ++i) {
+    const Frame frame = random.frame();
+    const Eigen::Vector3d turn = frame.rotation_vector();
+    EXPECT_LE(turn.norm(), 180_deg + 1e-15);
+    expect_same(Frame::from_axis_angle(frame.x(), frame.y(), frame.z(), turn, turn.norm()), frame);
+  }
+  EXPECT_THROW(Frame::from_axis_angle(0, 0, 0, Eigen::Vector3d::Zero(), 1), InvalidFrame);
+}
+
+TEST(Frame, TwistAndWrenchDoTheSameWorkSeenFromAnywhere) {
+  RandomFrames random;
+  const Twist twist{{0.1, -0.2, 0.3}, {1.0, 2.0, -0.5}};
+  const Wrench wrench{{5.0, -3.0, 2.0}, {0.2, 0.4, -0.6}};
+  const Eigen::Vector3d point(0.7, 0.1, -0.4);
+  for (int i = 0; i < 100; ++i) {
+    const Frame frame = random.frame();
+    const Twist seen = frame.transform_twist(twist);
+    const Wrench felt = frame.transform_wrench(wrench);
+    EXPECT_NEAR(seen.linear.dot(felt.force) + seen.angular.dot(felt.torque),
+                twist.linear.dot(wrench.force) + twist.angular.dot(wrench.torque), 1e-9);
+    const Eigen::Vector3d velocity = frame.rotation() * (twist.linear + twist.angular.cross(point));
+    EXPECT_LT((seen.linear + seen.angular.cross(frame.transform(point)) - velocity).norm(), 1e-12);
+  }
+}
+
 TEST(Frame, MatrixAndQuaternionComeBackAsTheyWentIn) {
   RandomFrames random;
   for (int i = 0; i < 1000; ++i) {
@@ -133,7 +197,12 @@ TEST(Frame, RefusesAQuaternionThatIsNotOfUnitLengthAndSaysItsLength) {
   }
   EXPECT_THROW(Frame::from_quaternion(0, 0, 0, 0, 0, 0, 0), InvalidFrame);
   EXPECT_THROW(translate(std::nan(""), 0, 0), InvalidFrame);
-  EXPECT_THROW(rotate_x(std::numeric_limits<double>::infinity()), InvalidFrame);
+  try {
+    rotate_x(std::numeric_limits<double>::infinity());
+    FAIL() << "accepted";
+  } catch (const InvalidFrame& error) {
+    EXPECT_STREQ(error.what(), "frame: angle inf rad is not finite");
+  }
 }
 
 TEST(Frame, RefusesMatricesThatAreNotRigid) {

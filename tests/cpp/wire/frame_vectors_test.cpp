@@ -68,6 +68,15 @@ TEST(FrameVectors, SingularOrientationsAreReadByTheAgreedConvention) {
   }
 }
 
+TEST(FrameVectors, AMatrixGivesTheQuaternionWithTheAgreedSign) {
+  ASSERT_GT(section("signs").size(), 500u);
+  for (const Json& json : section("signs")) {
+    const auto read = Frame::from_matrix(matrix_of(json["matrix"])).quaternion();
+    const std::vector<double> wanted = json["quaternion"].numbers();
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(read[i], wanted[i], 1e-12);
+  }
+}
+
 TEST(FrameVectors, SevenDoublesComeBackExactly) {
   ASSERT_FALSE(section("encoded").empty());
   for (const Json& json : section("encoded")) {

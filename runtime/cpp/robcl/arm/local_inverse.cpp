@@ -12,13 +12,6 @@ constexpr double damping = 1e-10;
 
 }  // namespace
 
-Eigen::Vector3d rotation_vector(Eigen::Quaterniond turn) {
-  if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
-  const double sine = turn.vec().norm();  // of half the angle
-  if (sine == 0) return Eigen::Vector3d::Zero();
-  return turn.vec() * (2 * std::atan2(sine, turn.w()) / sine);
-}
-
 PoseStep step_between(const Frame& from, const Frame& to) {
   PoseStep step;
   step << to.position() - from.position(),

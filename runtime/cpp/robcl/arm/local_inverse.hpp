@@ -14,9 +14,6 @@ namespace robcl::arm {
 /// A difference of two poses: the way in m, and the turn as its axis times its angle, in rad.
 using PoseStep = Eigen::Matrix<double, 6, 1>;
 
-/// Returns the axis of `turn` times its angle in rad, which is at most pi.
-Eigen::Vector3d rotation_vector(Eigen::Quaterniond turn);
-
 /// Returns the step from the pose `from` to the pose `to`, along the axes from which both are seen.
 /// The turn is the shorter one, at most pi.
 PoseStep step_between(const Frame& from, const Frame& to);

@@ -1,5 +1,6 @@
 #include "robcl/frames/frame.hpp"
 
+#include <array>
 #include <cmath>
 #include <iomanip>
 #include <ostream>
@@ -13,17 +14,58 @@ constexpr char not_finite[] = "the sum of the coordinates, which must be finite"
 constexpr char no_rotation[] =
     "the length of the orientation's quaternion, which must be 1; without rotation, w is 1";
 
-// If the sine or cosine of the Euler angle b (of b/2 for ZYZ angles) is smaller than this, the
-// angles a and c turn about the same axis. Then c is set to 0.
+// If the sine or cosine of half the middle Euler angle is smaller than this (ZYX: of half the angle
+// plus 45 degrees), the angles a and c turn about the same axis. Then c is set to 0.
 constexpr double parallel_axes = 1e-9;
-
-Eigen::Quaterniond about(const Eigen::Vector3d& axis, double angle) {
-  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis));
-}
 
 double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
 [[noreturn]] void refuse(const std::string& what) { throw InvalidFrame("frame: " + what); }
+
+Eigen::Quaterniond about(const Eigen::Vector3d& axis, double angle) {
+  if (!std::isfinite(angle)) refuse("angle " + std::to_string(angle) + " rad is not finite");
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis));
+}
+
+/// Returns the quaternion of a rotation matrix whose first component that is not 0 is positive.
+/// Computes it from its largest component, so that rounding loses no component. The Python class
+/// does the same arithmetic: both languages give the same sign also beside half a turn.
+Eigen::Quaterniond from_rotation(const Eigen::Matrix3d& m) {
+  const double a = m(0, 0), b = m(0, 1), c = m(0, 2);
+  const double d = m(1, 0), e = m(1, 1), f = m(1, 2);
+  const double g = m(2, 0), h = m(2, 1), i = m(2, 2);
+  const std::array<Eigen::Vector4d, 4> candidates{{{1 + a + e + i, h - f, c - g, d - b},
+                                                   {h - f, 1 + a - e - i, b + d, c + g},
+                                                   {c - g, b + d, 1 - a + e - i, f + h},
+                                                   {d - b, c + g, f + h, 1 - a - e + i}}};
+  std::size_t largest = 0;
+  for (std::size_t part = 1; part < 4; ++part) {
+    const auto at = [&](std::size_t k) { return candidates[k][static_cast<Eigen::Index>(k)]; };
+    if (at(part) > at(largest)) largest = part;
+  }
+  Eigen::Vector4d wxyz = candidates[largest].normalized();
+  for (const double part : wxyz) {
+    if (part == 0) continue;
+    if (part < 0) wxyz = -wxyz;
+    break;
+  }
+  return {wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
+}
+
+/// Returns the Euler angles a, b, c of the rotation Rz(a)·Ry(b)·Rz(c), from the half angles: they
+/// are accurate for every rotation.
+std::array<double, 3> zyz_of(const Eigen::Quaterniond& q) {
+  // With s = (a+c)/2 and d = (a-c)/2, the quaternion w, x, y, z is cos(b/2)·cos s, -sin(b/2)·sin d,
+  // sin(b/2)·cos d, cos(b/2)·sin s.
+  const double cosine = std::hypot(q.w(), q.z());
+  const double sine = std::hypot(q.x(), q.y());
+  const double sum = std::atan2(q.z(), q.w());
+  const double difference = std::atan2(-q.x(), q.y());
+  const double b = 2 * std::atan2(sine, cosine);
+  if (sine < parallel_axes) return {wrapped(2 * sum), b, 0};
+  if (cosine < parallel_axes) return {wrapped(2 * difference), b, 0};
+  return {wrapped(sum + difference), b, wrapped(sum - difference)};
+}
 
 template <typename Numbers>
 std::string listed(const Numbers& numbers) {
@@ -63,6 +105,15 @@ Frame Frame::from_fixed_xyz(double x, double y, double z, double rx, double ry, 
   return from_euler_zyx(x, y, z, rz, ry, rx);
 }
 
+Frame Frame::from_axis_angle(double x, double y, double z, const Eigen::Vector3d& axis,
+                             double angle) {
+  const double length = axis.norm();
+  if (!(length > 0 && std::isfinite(length))) {
+    refuse("axis " + listed(axis) + " has no direction");
+  }
+  return Frame({x, y, z}, about(axis / length, angle));
+}
+
 Frame Frame::from_quaternion(double x, double y, double z, double qw, double qx, double qy,
                              double qz) {
   return Frame({x, y, z}, Eigen::Quaterniond(qw, qx, qy, qz));
@@ -84,34 +135,27 @@ Frame Frame::from_matrix(const Eigen::Matrix4d& matrix) {
     refuse(text.str());
   }
   if (turn.determinant() < 0) refuse("the matrix mirrors (its determinant is -1)");
-  return Frame(matrix.topRightCorner<3, 1>(), Eigen::Quaterniond(turn).normalized());
+  return Frame(matrix.topRightCorner<3, 1>(), from_rotation(turn));
 }
 
-std::array<double, 3> Frame::euler_zyz() const {
-  // With s = (a+c)/2 and d = (a-c)/2, the quaternion w, x, y, z is cos(b/2)·cos s, -sin(b/2)·sin d,
-  // sin(b/2)·cos d, cos(b/2)·sin s.
-  const Quaternion& q = orientation_;
-  const double cosine = std::hypot(q.w(), q.z());
-  const double sine = std::hypot(q.x(), q.y());
-  const double sum = std::atan2(q.z(), q.w());
-  const double difference = std::atan2(-q.x(), q.y());
-  const double b = 2 * std::atan2(sine, cosine);
-  if (sine < parallel_axes) return {wrapped(2 * sum), b, 0};
-  if (cosine < parallel_axes) return {wrapped(2 * difference), b, 0};
-  return {wrapped(sum + difference), b, wrapped(sum - difference)};
-}
+std::array<double, 3> Frame::euler_zyz() const { return zyz_of(orientation()); }
 
 std::array<double, 3> Frame::euler_zyx() const {
-  const Eigen::Matrix3d r = rotation();
-  const double cosine = std::hypot(r(0, 0), r(1, 0));
-  const double b = std::atan2(-r(2, 0), cosine);
-  if (cosine < parallel_axes) return {std::atan2(-r(0, 1), r(1, 1)), b, 0};
-  return {std::atan2(r(1, 0), r(0, 0)), b, std::atan2(r(2, 1), r(2, 2))};
+  // A quarter of a turn about y takes z to x: Rx(c) = Ry(90)·Rz(c)·Ry(-90).
+  auto [a, b, c] = zyz_of(orientation() * about(Eigen::Vector3d::UnitY(), deg(90)));
+  return {a, b - deg(90), c};
 }
 
 std::array<double, 3> Frame::fixed_xyz() const {
   const auto [rz, ry, rx] = euler_zyx();
   return {rx, ry, rz};
+}
+
+Eigen::Vector3d rotation_vector(Eigen::Quaterniond turn) {
+  if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
+  const double sine = turn.vec().norm();  // of half the angle
+  if (sine == 0) return Eigen::Vector3d::Zero();
+  return turn.vec() * (2 * std::atan2(sine, turn.w()) / sine);
 }
 
 std::array<double, 4> Frame::quaternion() const {
@@ -141,6 +185,16 @@ Frame Frame::inverse() const {
 
 Eigen::Vector3d Frame::transform(const Eigen::Vector3d& point) const {
   return position_ + orientation_ * point;
+}
+
+Twist Frame::transform_twist(const Twist& twist) const {
+  const Eigen::Vector3d turning = orientation_ * twist.angular;
+  return {orientation_ * twist.linear + position_.cross(turning), turning};
+}
+
+Wrench Frame::transform_wrench(const Wrench& wrench) const {
+  const Eigen::Vector3d force = orientation_ * wrench.force;
+  return {force, orientation_ * wrench.torque + position_.cross(force)};
 }
 
 bool operator==(const Frame& left, const Frame& right) {
@@ -197,6 +251,18 @@ Frame rotate_y(double angle) {
 
 Frame rotate_z(double angle) {
   return Frame(Eigen::Vector3d::Zero(), about(Eigen::Vector3d::UnitZ(), angle));
+}
+
+Frame interpolate(const Frame& start, const Frame& goal, double part) {
+  if (!(part >= 0 && part <= 1)) {
+    throw std::invalid_argument("part is " + std::to_string(part) + ", but it must be from 0 to 1");
+  }
+  const Eigen::Vector3d way = goal.position() - start.position();
+  const Eigen::Vector3d turn =
+      rotation_vector(start.orientation().conjugate() * goal.orientation());
+  const double angle = turn.norm();
+  const Eigen::Vector3d axis = angle > 0 ? Eigen::Vector3d(turn / angle) : Eigen::Vector3d::UnitX();
+  return Frame(start.position() + part * way, start.orientation() * about(axis, part * angle));
 }
 
 double distance(const Frame& left, const Frame& right) {

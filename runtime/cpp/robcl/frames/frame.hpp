@@ -43,9 +43,28 @@ class InvalidFrame : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
+/// The velocity of a rigid body: of the point of it that is at the origin, in m/s, and of its
+/// rotation, in rad/s. Both vectors are along the axes of one coordinate system.
+struct Twist {
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();
+};
+
+/// A force in N on a rigid body, and its torque about the origin in N·m, along the axes of one
+/// coordinate system.
+struct Wrench {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();
+};
+
+/// Returns the axis of the rotation `turn` times its angle in rad, which is in [0, pi].
+Eigen::Vector3d rotation_vector(Eigen::Quaterniond turn);
+
 /// The position, in m, and the orientation of a coordinate system, seen from another coordinate
 /// system. The type is a value type of 56 bytes with the alignment of a double. A quaternion and
 /// its negative are the same orientation, but `==` returns false for them.
+///
+/// It has more methods than other classes: a pair for each representation of a rotation.
 class Frame {
  public:
   /// The length of a quaternion, or of a column of a rotation matrix, may differ from 1 by this
@@ -63,8 +82,12 @@ class Frame {
   static Frame from_euler_zyz(double x, double y, double z, double a, double b, double c);
   static Frame from_euler_zyx(double x, double y, double z, double a, double b, double c);
   static Frame from_fixed_xyz(double x, double y, double z, double rx, double ry, double rz);
+  /// A rotation about `axis`, of any length but 0, by `angle`.
+  static Frame from_axis_angle(double x, double y, double z, const Eigen::Vector3d& axis,
+                               double angle);
   static Frame from_quaternion(double x, double y, double z, double qw, double qx, double qy,
                                double qz);
+  /// The first component of the quaternion that is not 0 is positive.
   static Frame from_matrix(const Eigen::Matrix4d& matrix);
 
   double x() const { return position_.x(); }
@@ -82,6 +105,8 @@ class Frame {
   /// Returns the angles rx, ry, rz about the fixed axes in rad. They are the angles of `euler_zyx`
   /// in reverse order.
   std::array<double, 3> fixed_xyz() const;
+  /// Returns the axis of the rotation times its angle in rad, which is in [0, pi].
+  Eigen::Vector3d rotation_vector() const { return robcl::rotation_vector(orientation()); }
   /// Returns the orientation as a quaternion w, x, y, z.
   std::array<double, 4> quaternion() const;
   Eigen::Matrix4d matrix() const;
@@ -93,6 +118,10 @@ class Frame {
   /// Converts a point from this frame's coordinate system to the coordinate system from which this
   /// frame is seen.
   Eigen::Vector3d transform(const Eigen::Vector3d& point) const;
+  /// Converts a twist or a wrench in the same way, to the origin and the axes from which this frame
+  /// is seen: with R and p of this frame, R·v + p × R·ω and R·ω; R·f and R·τ + p × R·f.
+  Twist transform_twist(const Twist& twist) const;
+  Wrench transform_wrench(const Wrench& wrench) const;
 
   /// Compares two frames exactly, value by value. The function `near` compares them with
   /// tolerances.
@@ -118,6 +147,11 @@ Frame translate(double x, double y, double z);
 Frame rotate_x(double angle);
 Frame rotate_y(double angle);
 Frame rotate_z(double angle);
+
+/// Returns the frame after the fraction `part` of the way from `start` to `goal`: the position
+/// moves along a straight line, and the orientation turns about one axis, by the shorter way.
+/// Throws std::invalid_argument unless `part` is from 0 to 1.
+Frame interpolate(const Frame& start, const Frame& goal, double part);
 
 /// Returns the distance between the origins of two frames, in m.
 double distance(const Frame& left, const Frame& right);

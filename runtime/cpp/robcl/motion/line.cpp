@@ -3,14 +3,12 @@
 #include <iomanip>
 #include <sstream>
 
-#include "robcl/arm/local_inverse.hpp"
-
 namespace robcl::motion {
 
 Line::Line(const Frame& start, const Frame& goal)
     : start_(start),
       way_(goal.position() - start.position()),
-      turn_(arm::rotation_vector(start.orientation().conjugate() * goal.orientation())) {}
+      turn_(rotation_vector(start.orientation().conjugate() * goal.orientation())) {}
 
 Frame Line::at(double part) const {
   const double all = turn();

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import atan2, cos, hypot, isfinite, pi, remainder, sin, sqrt
+from dataclasses import dataclass
+from math import atan2, copysign, cos, hypot, isfinite, pi, remainder, sin, sqrt
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
@@ -36,6 +37,23 @@ _HERE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 class InvalidFrame(ValueError):
     """The values do not describe a rigid transform. The text says which value is wrong, and by how
     much."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Twist:
+    """The velocity of a rigid body, as arrays (3,) along the axes of one coordinate system."""
+
+    linear: npt.ArrayLike  # of the point of the body that is at the origin, m/s
+    angular: npt.ArrayLike  # rad/s
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Wrench:
+    """A force on a rigid body and its torque, as arrays (3,) along the axes of one coordinate
+    system."""
+
+    force: npt.ArrayLike  # N
+    torque: npt.ArrayLike  # about the origin, N·m
 
 
 class Frame:
@@ -96,6 +114,20 @@ class Frame:
         return Frame.from_euler_zyx(x, y, z, rz, ry, rx)
 
     @staticmethod
+    def from_axis_angle(
+        x: float, y: float, z: float, axis: Sequence[float] | Vector, angle: float
+    ) -> Frame:
+        """Makes a frame from a position in m and a rotation about `axis`, of any length but 0, by
+        `angle` in rad. Raises InvalidFrame."""
+        i, j, k = map(float, axis)
+        length = hypot(i, j, k)
+        if not (length > 0 and isfinite(length)):
+            _refuse(f"axis {_listed((i, j, k))} has no direction")
+        half = _half(angle)
+        sine = sin(half) / length
+        return Frame((x, y, z), (cos(half), i * sine, j * sine, k * sine))
+
+    @staticmethod
     def from_quaternion(
         x: float, y: float, z: float, qw: float, qx: float, qy: float, qz: float
     ) -> Frame:
@@ -103,7 +135,8 @@ class Frame:
 
     @staticmethod
     def from_matrix(matrix: npt.ArrayLike) -> Frame:
-        """Makes a frame from a homogeneous 4x4 matrix. Raises InvalidFrame."""
+        """Makes a frame from a homogeneous 4x4 matrix. The first component of its quaternion that
+        is not 0 is positive. Raises InvalidFrame."""
         m = np.asarray(matrix, dtype=np.float64)
         if m.shape != (4, 4):
             _refuse(f"the matrix has shape {m.shape}, it must be (4, 4)")
@@ -153,35 +186,36 @@ class Frame:
     def euler_zyz(self) -> tuple[float, float, float]:
         """Returns the angles a, b, c in rad: b in [0, pi], a and c in [-pi, pi]. c is 0 if b is 0
         or pi."""
-        # The quaternion is (cos(b/2)·cos s, -sin(b/2)·sin d, sin(b/2)·cos d, cos(b/2)·sin s) with s
-        # = (a + c)/2 and d = (a - c)/2.
-        w, x, y, z = self.quaternion()
-        cosine = hypot(w, z)
-        sine = hypot(x, y)
-        total = atan2(z, w)
-        difference = atan2(-x, y)
-        b = 2 * atan2(sine, cosine)
-        if sine < _PARALLEL_AXES:
-            return _wrapped(2 * total), b, 0.0
-        if cosine < _PARALLEL_AXES:
-            return _wrapped(2 * difference), b, 0.0
-        return _wrapped(total + difference), b, _wrapped(total - difference)
+        return _zyz_of(self.quaternion())
 
     def euler_zyx(self) -> tuple[float, float, float]:
         """Returns the angles a, b, c in rad: b in [-pi/2, pi/2], a and c in [-pi, pi]. c is 0 if b
         is ±pi/2."""
-        r = _rotation(self.quaternion())
-        cosine = hypot(r[0][0], r[1][0])
-        b = atan2(-r[2][0], cosine)
-        if cosine < _PARALLEL_AXES:
-            return atan2(-r[0][1], r[1][1]), b, 0.0
-        return atan2(r[1][0], r[0][0]), b, atan2(r[2][1], r[2][2])
+        # A quarter of a turn about y takes z to x: Rx(c) = Ry(90)·Rz(c)·Ry(-90).
+        a, b, c = _zyz_of(_product(self.quaternion(), _about_y(pi / 2)))
+        return a, b - pi / 2, c
 
     def fixed_xyz(self) -> tuple[float, float, float]:
         """Returns the angles rx, ry, rz in rad. They are the angles of `euler_zyx` in reverse
         order."""
         rz, ry, rx = self.euler_zyx()
         return rx, ry, rz
+
+    def rotation_vector(self) -> Vector:
+        """The axis of the rotation times its angle in rad, an array (3,) of length 0 to pi."""
+        w, *axis = self.quaternion()
+        sine = hypot(*axis)  # of half the angle
+        if sine == 0:
+            return np.zeros(3)
+        angle = 2 * atan2(sine, abs(w))
+        return np.array(axis) * copysign(angle / sine, w)
+
+    def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> Vector:
+        """The homogeneous 4x4 matrix, for numpy: `np.asarray(frame)`. It is made anew, so that
+        `copy=False` raises ValueError."""
+        if copy is False:
+            raise ValueError("a Frame has no array in memory: its matrix is always a new one")
+        return self.matrix().astype(np.float64 if dtype is None else dtype, copy=False)
 
     def rotation(self) -> Vector:
         """The 3x3 rotation matrix."""
@@ -220,6 +254,20 @@ class Frame:
             return np.array(self._moved(*points.tolist()))
         moved: Vector = points @ self.rotation().T + self._numbers[:3]
         return moved
+
+    def transform_twist(self, twist: Twist) -> Twist:
+        """Converts a twist to the origin and the axes from which this frame is seen: with R and p
+        of this frame, R·v + p x R·ω and R·ω."""
+        turning = self.rotation() @ _three(twist.angular)
+        moving = self.rotation() @ _three(twist.linear) + np.cross(self.position, turning)
+        return Twist(moving, turning)
+
+    def transform_wrench(self, wrench: Wrench) -> Wrench:
+        """Converts a wrench to the origin and the axes from which this frame is seen: R·f and R·τ +
+        p x R·f."""
+        force = self.rotation() @ _three(wrench.force)
+        torque = self.rotation() @ _three(wrench.torque) + np.cross(self.position, force)
+        return Wrench(force, torque)
 
     def _moved(self, px: float, py: float, pz: float) -> tuple[float, float, float]:
         x, y, z, w, i, j, k = self._numbers
@@ -301,6 +349,21 @@ def rotate_z(angle: float) -> Frame:
     return Frame(orientation=_about_z(angle))
 
 
+def interpolate(start: Frame, goal: Frame, part: float) -> Frame:
+    """Returns the frame after the fraction `part` of the way from `start` to `goal`: the position
+    moves along a straight line, and the orientation turns about one axis, by the shorter way.
+    Raises ValueError unless `part` is from 0 to 1."""
+    if not 0 <= part <= 1:
+        raise ValueError(f"part is {part}, but it must be from 0 to 1")
+    turn = (start.inverse() * goal).rotation_vector()
+    angle = hypot(*turn)
+    axis = turn if angle > 0 else (1.0, 0.0, 0.0)
+    turned = _product(
+        start.quaternion(), Frame.from_axis_angle(0, 0, 0, axis, part * angle).quaternion()
+    )
+    return Frame(start.position + part * (goal.position - start.position), turned)
+
+
 def distance(left: Frame, right: Frame) -> float:
     """Returns the distance between the two origins in m."""
     return hypot(left.x - right.x, left.y - right.y, left.z - right.z)
@@ -318,16 +381,25 @@ def near(left: Frame, right: Frame, position_tolerance: float, angle_tolerance: 
     return distance(left, right) <= position_tolerance and angle(left, right) <= angle_tolerance
 
 
+def _half(angle: float) -> float:
+    if not isfinite(angle):
+        _refuse(f"angle {angle} rad is not finite")
+    return angle / 2
+
+
 def _about_x(angle: float) -> _Quaternion:
-    return cos(angle / 2), sin(angle / 2), 0.0, 0.0
+    half = _half(angle)
+    return cos(half), sin(half), 0.0, 0.0
 
 
 def _about_y(angle: float) -> _Quaternion:
-    return cos(angle / 2), 0.0, sin(angle / 2), 0.0
+    half = _half(angle)
+    return cos(half), 0.0, sin(half), 0.0
 
 
 def _about_z(angle: float) -> _Quaternion:
-    return cos(angle / 2), 0.0, 0.0, sin(angle / 2)
+    half = _half(angle)
+    return cos(half), 0.0, 0.0, sin(half)
 
 
 def _product(left: _Quaternion, right: _Quaternion) -> _Quaternion:
@@ -350,9 +422,28 @@ def _rotation(q: _Quaternion) -> tuple[tuple[float, ...], ...]:
     )
 
 
+def _zyz_of(q: _Quaternion) -> tuple[float, float, float]:
+    """Returns the Euler angles a, b, c of the rotation Rz(a)·Ry(b)·Rz(c), from the half angles:
+    they are accurate for every rotation."""
+    # The quaternion is (cos(b/2)·cos s, -sin(b/2)·sin d, sin(b/2)·cos d, cos(b/2)·sin s) with s
+    # = (a + c)/2 and d = (a - c)/2.
+    w, x, y, z = q
+    cosine = hypot(w, z)
+    sine = hypot(x, y)
+    total = atan2(z, w)
+    difference = atan2(-x, y)
+    b = 2 * atan2(sine, cosine)
+    if sine < _PARALLEL_AXES:
+        return _wrapped(2 * total), b, 0.0
+    if cosine < _PARALLEL_AXES:
+        return _wrapped(2 * difference), b, 0.0
+    return _wrapped(total + difference), b, _wrapped(total - difference)
+
+
 def _from_rotation(turn: Vector) -> _Quaternion:
-    """Returns the quaternion of a 3x3 rotation matrix. It is computed from the quaternion's largest
-    component, so that rounding loses no component."""
+    """Returns the quaternion of a 3x3 rotation matrix whose first component that is not 0 is
+    positive. It is computed from its largest component, so that rounding loses no component. C++
+    does the same arithmetic: both languages give the same sign also beside half a turn."""
     (a, b, c), (d, e, f), (g, h, i) = turn.tolist()
     candidates = (
         (1 + a + e + i, h - f, c - g, d - b),
@@ -362,8 +453,15 @@ def _from_rotation(turn: Vector) -> _Quaternion:
     )
     largest = max(range(4), key=lambda part: candidates[part][part])
     w, x, y, z = candidates[largest]
-    length = hypot(w, x, y, z)
+    length = copysign(hypot(w, x, y, z), next(part for part in (w, x, y, z) if part != 0))
     return w / length, x / length, y / length, z / length
+
+
+def _three(vector: npt.ArrayLike) -> Vector:
+    numbers = np.asarray(vector, dtype=np.float64)
+    if numbers.shape != (3,):
+        raise ValueError(f"a vector has 3 numbers; this array has shape {numbers.shape}")
+    return numbers
 
 
 def _wrapped(angle: float) -> float:
