@@ -73,8 +73,8 @@ TEST_P(ClosedForm, GivesEightDifferentSolutionsEachInTheConfigurationOfItsLabel)
   EXPECT_GT(eight, 500);
 }
 
-/// What somebody sees who looks at the arm: both arms stand at the origin and look along x while
-/// joint 1 is at 0.
+/// Returns the configuration as one sees it from outside. Both arms stand at the origin and look
+/// along x while joint 1 is at 0.
 Configuration seen(const Arm& arm, const JointValues& q) {
   std::array<Eigen::Vector3d, 3> points;
   for (std::size_t i = 0; i < 3; ++i) {

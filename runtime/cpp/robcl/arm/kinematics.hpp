@@ -11,9 +11,9 @@
 
 namespace robcl::arm {
 
-/// Computes forward kinematics without allocating memory. The constructor multiplies what is
-/// constant between two joints of the KDL chain, and turns each joint's axis to z: a control cycle
-/// has time for several poses with their Jacobian matrices.
+/// Computes forward kinematics without allocating memory. The constructor multiplies the
+/// constant transforms between two joints of the KDL chain, and turns each joint's axis to z: a
+/// control cycle has time for several poses with their Jacobian matrices.
 class Kinematics {
  public:
   /// `flange_from_tip`: the tip of the arm, whose Jacobian matrix is wanted; for example a tool.
