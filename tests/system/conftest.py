@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -14,6 +15,9 @@ import pytest
 from processes import Laboratory, laboratory
 
 TREE = Path(__file__).resolve().parents[2]
+
+# Programs inherit that a signal is ignored. Under nohup, SIGHUP is, and it would end none of them.
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 @pytest.fixture(scope="session")
