@@ -25,7 +25,7 @@ bool has_lock_capability() {
 }
 
 /// Under a limit on locked memory, allocations would fail after mlockall once the limit is reached.
-/// So the memory is locked only if there is no limit.
+/// So the memory is locked only if there is no limit, or if the process may exceed it.
 bool may_lock_all() {
   rlimit limit{};
   if (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY) return true;

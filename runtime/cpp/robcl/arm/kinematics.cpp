@@ -54,36 +54,36 @@ Kinematics::Link Kinematics::link_of(const Frame& frame) {
   return {frame.orientation().toRotationMatrix(), frame.position()};
 }
 
-Frame Kinematics::base_from_flange(const JointValues& joints) const {
+/// Goes along the chain at the joint positions `joints`, and calls `visit` with the index, the
+/// origin and the axis of each joint. Returns the pose of `end`, which is seen from the last joint.
+template <class Visit>
+Frame Kinematics::walk(const JointValues& joints, const Link& end, Visit visit) const {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   Eigen::Vector3d way = Eigen::Vector3d::Zero();
   Eigen::Index axis = 0;
   for (const Link& link : links_) {
     way += turn * link.way;
     turn = turn * link.turn;
+    visit(axis, way, Eigen::Vector3d(turn.col(2)));
     turn_about_z(turn, joints[axis++]);
   }
-  return Frame(way + turn * flange_.way, Eigen::Quaterniond(Eigen::Matrix3d(turn * flange_.turn)));
+  return Frame(way + turn * end.way, Eigen::Quaterniond(Eigen::Matrix3d(turn * end.turn)));
+}
+
+Frame Kinematics::base_from_flange(const JointValues& joints) const {
+  return walk(joints, flange_, [](auto...) {});
 }
 
 Kinematics::Place Kinematics::place(const JointValues& joints) const {
   Jacobian jacobian(6, joints.size());
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d way = Eigen::Vector3d::Zero();
-  Eigen::Index axis = 0;
-  for (const Link& link : links_) {
-    way += turn * link.way;
-    turn = turn * link.turn;
-    jacobian.col(axis).head<3>() = way;  // the origin of the joint, until the tip is known
-    jacobian.col(axis).tail<3>() = turn.col(2);
-    turn_about_z(turn, joints[axis++]);
+  const Frame tip = walk(joints, tip_, [&](Eigen::Index axis, const auto& origin, const auto& z) {
+    jacobian.col(axis) << origin, z;
+  });
+  for (auto column : jacobian.colwise()) {
+    const Eigen::Vector3d lever = tip.position() - column.head<3>();
+    column.head<3>() = Eigen::Vector3d(column.tail<3>()).cross(lever);
   }
-  way += turn * tip_.way;
-  for (Eigen::Index i = 0; i < axis; ++i) {
-    const Eigen::Vector3d lever = way - jacobian.col(i).head<3>();
-    jacobian.col(i).head<3>() = Eigen::Vector3d(jacobian.col(i).tail<3>()).cross(lever);
-  }
-  return {Frame(way, Eigen::Quaterniond(Eigen::Matrix3d(turn * tip_.turn))), jacobian};
+  return {tip, jacobian};
 }
 
 }  // namespace robcl::arm

@@ -40,6 +40,8 @@ class Kinematics {
   };
 
   static Link link_of(const Frame& frame);
+  template <class Visit>
+  Frame walk(const JointValues& joints, const Link& end, Visit visit) const;
 
   std::vector<Link> links_;
   Link flange_, tip_;  // seen from the last joint

@@ -7,15 +7,9 @@ namespace robcl::motion {
 
 Line::Line(const Frame& start, const Frame& goal)
     : start_(start),
+      goal_(goal),
       way_(goal.position() - start.position()),
       turn_(rotation_vector(start.orientation().conjugate() * goal.orientation())) {}
-
-Frame Line::at(double part) const {
-  const double all = turn();
-  const Eigen::Vector3d axis = all > 0 ? Eigen::Vector3d(turn_ / all) : Eigen::Vector3d::UnitX();
-  return Frame(start_.position() + part * way_,
-               start_.orientation() * Eigen::AngleAxisd(part * all, axis));
-}
 
 std::string Line::place(double part) const {
   std::ostringstream text;

@@ -15,13 +15,13 @@ class Line {
   double length() const { return way_.norm(); }  ///< m
   double turn() const { return turn_.norm(); }   ///< rad
   /// Returns the frame after the fraction `part` of the line. `part` is from 0 to 1.
-  Frame at(double part) const;
+  Frame at(double part) const { return interpolate(start_, goal_, part); }
   /// Returns a text for messages that says how far along the line the fraction `part` is, for
   /// example "120.0 mm along the line".
   std::string place(double part) const;
 
  private:
-  Frame start_;
+  Frame start_, goal_;
   Eigen::Vector3d way_;
   Eigen::Vector3d turn_;  // axis times angle (rad), seen from the start
 };
