@@ -362,12 +362,12 @@ TEST_P(RandomMoves, ThatWaitedAtAnyTimeGoOnFromRestOnTheirPathAndKeepAllLimits) 
 /// moves to the nearest place.
 double off_path(const Plan& plan, const JointValues& joints, double& s) {
   const auto away = [&](double at) { return (plan.path.position(at) - joints).norm(); };
-  constexpr double coarse = 1e-3;
-  for (double at = s; at <= 1; at += coarse) {
+  const double coarse = 1e-3 * plan.path.end();
+  for (double at = s; at <= plan.path.end(); at += coarse) {
     if (away(at) < away(s)) s = at;
   }
   for (double step = coarse; step > 1e-13; step /= 2) {
-    while (s + step <= 1 && away(s + step) < away(s)) s += step;
+    while (s + step <= plan.path.end() && away(s + step) < away(s)) s += step;
     while (s - step >= 0 && away(s - step) < away(s)) s -= step;
   }
   return away(s);

@@ -1,61 +1,54 @@
 #include "robcl/motion/bounds.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
-#include <limits>
 
 namespace robcl::motion {
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double piece = 0.125;       // of an interval
 constexpr double negligible = 1e-12;  // rad or m: a smaller movement on the path sets no limit
 
-double squared(double value) { return value * value; }
-
 }  // namespace
 
-PathBounds::PathBounds(const Path& path, const arm::ArmModel& model, const Pace& pace)
-    : accelerations_(model.axes()), speeds_(model.axes()), tool_acceleration_(infinite) {
+PathBounds::PathBounds(const Path& path, const arm::ArmModel& model,
+                       const std::vector<IntervalLimits>& limits)
+    : accelerations_(model.axes()),
+      speeds_(model.axes()),
+      places_(path.places()),
+      caps_(places_.size(), infinite) {
+  assert(limits.size() == path.intervals());
   for (Eigen::Index axis = 0; axis < model.axes(); ++axis) {
-    const auto& limits = model.limits()[static_cast<std::size_t>(axis)];
-    accelerations_[axis] = limits.acceleration * pace.acceleration;
-    speeds_[axis] = limits.speed * pace.speed;
+    const auto& of_joint = model.limits()[static_cast<std::size_t>(axis)];
+    accelerations_[axis] = of_joint.acceleration;
+    speeds_[axis] = of_joint.speed;
   }
-  caps_.assign(path.intervals() + 1, infinite);
-  for (std::size_t i = 0; i <= path.intervals(); ++i) {
-    for (Eigen::Index axis = 0; axis < model.axes(); ++axis) {
-      const double slope = std::abs(path.slope(i)[axis]);
-      if (slope > negligible) cap(i, squared(speeds_[axis] / slope));
-    }
-  }
-  bends_.reserve(path.intervals());
+  stretches_.reserve(path.intervals());
   for (std::size_t i = 0; i < path.intervals(); ++i) {
+    cap(i, path.slope(i), limits[i]);
+    cap(i + 1, path.slope(i + 1), limits[i]);
     const JointValues curvature = path.derivatives(i, 0).curvature;
-    bends_.push_back({path.slope(i), curvature, path.derivatives(i, 1).curvature - curvature});
+    stretches_.push_back(
+        {path.slope(i), curvature, path.derivatives(i, 1).curvature - curvature, limits[i]});
   }
 }
 
-void PathBounds::add_tool(double length, double turn, const ToolLimits& limits, const Pace& pace) {
-  const double speed = std::min(limits.speed * pace.speed, pace.tool_speed.value_or(infinite));
-  const double turning =
-      std::min(limits.turn_speed * pace.speed, pace.turn_speed.value_or(infinite));
-  double fastest = infinite;
-  if (length > negligible) {
-    fastest = std::min(fastest, speed / length);
-    tool_acceleration_ =
-        std::min(tool_acceleration_, limits.acceleration * pace.acceleration / length);
+/// Lowers the cap at the knot `knot`, with the slope `slope`, to that of the interval beside it.
+void PathBounds::cap(std::size_t knot, const JointValues& slope, const IntervalLimits& limits) {
+  double& cap = caps_[knot];
+  cap = std::min(cap, limits.cap);
+  for (Eigen::Index axis = 0; axis < speeds_.size(); ++axis) {
+    const double way = std::abs(slope[axis]);
+    if (way > negligible) cap = std::min(cap, squared(limits.speed * speeds_[axis] / way));
   }
-  if (turn > negligible) {
-    fastest = std::min(fastest, turning / turn);
-    tool_acceleration_ =
-        std::min(tool_acceleration_, limits.turn_acceleration * pace.acceleration / turn);
-  }
-  for (std::size_t i = 0; i < caps_.size(); ++i) cap(i, squared(fastest));
 }
 
-void PathBounds::cap(std::size_t knot, double fastest) {
-  caps_[knot] = std::min(caps_[knot], fastest);
+void PathBounds::tighten(std::size_t knot, double factor) {
+  IntervalLimits& limits = stretches_[knot].limits;
+  limits.speed /= factor;
+  limits.acceleration /= squared(factor);
+  for (const std::size_t end : {knot, knot + 1}) caps_[end] /= squared(factor);
 }
 
 /// Restricts `interval`, which is that at `x`, to the values of u for which the absolute value of
@@ -75,16 +68,22 @@ void PathBounds::restrict(Interval& interval, const Acceleration& acceleration, 
 }
 
 double PathBounds::slope(std::size_t knot, Eigen::Index axis, double place) const {
-  const Bend& bend = bends_[knot];
-  return bend.slope[axis] + place * step() * (bend.curvature[axis] + place / 2 * bend.change[axis]);
+  const Stretch& here = stretches_[knot];
+  return here.slope[axis] +
+         place * step(knot) * (here.curvature[axis] + place / 2 * here.change[axis]);
+}
+
+double PathBounds::acceleration_limit(std::size_t knot, Eigen::Index axis) const {
+  return accelerations_[axis] * stretches_[knot].limits.acceleration;
 }
 
 /// Returns the acceleration at the fraction `place` of the interval. (ds/dt)² is x at the fraction
 /// `part`, and x + 2·u·(place - part)·step at `place`.
 PathBounds::Acceleration PathBounds::acceleration(std::size_t knot, Eigen::Index axis, double place,
                                                   double part) const {
-  const double curvature = bends_[knot].curvature[axis] + place * bends_[knot].change[axis];
-  return {slope(knot, axis, place) + 2 * (place - part) * step() * curvature, curvature};
+  const Stretch& here = stretches_[knot];
+  const double curvature = here.curvature[axis] + place * here.change[axis];
+  return {slope(knot, axis, place) + 2 * (place - part) * step(knot) * curvature, curvature};
 }
 
 /// Returns the middle Bézier coefficient of the acceleration between the fractions `start` and
@@ -99,15 +98,35 @@ PathBounds::Acceleration PathBounds::between(std::size_t knot, Eigen::Index axis
           2 * middle.per_x - (one.per_x + other.per_x) / 2};
 }
 
+/// Returns the values of u that the limits of the tool allow from the fraction `from` of the
+/// interval to its end. (ds/dt)² is `x` at the fraction `part`.
+PathBounds::Interval PathBounds::of_tool(std::size_t knot, double from, double part,
+                                         double x) const {
+  Interval allowed{-infinite, infinite};
+  const IntervalLimits& limits = stretches_[knot].limits;
+  for (const IntervalLimits::Tool& tool : {limits.way, limits.turn}) {
+    if (tool.limit == infinite) continue;
+    for (const double place : {from, 1.0}) {
+      const double way = 2 * (place - part) * step(knot);  // from where x is given
+      restrict(allowed, {tool.per_u + tool.per_x * way, tool.per_x}, x, tool.limit);
+      restrict(allowed, {tool.per_u - tool.per_x * way, -tool.per_x}, x, tool.limit);
+      if (tool.per_x == 0) break;
+    }
+  }
+  return allowed;
+}
+
 PathBounds::Interval PathBounds::over_interval(std::size_t knot, double x) const {
-  Interval allowed{-tool_acceleration_, tool_acceleration_};
+  Interval allowed = of_tool(knot, 0, 0, x);
+  const IntervalLimits& limits = stretches_[knot].limits;
   for (Eigen::Index axis = 0; axis < accelerations_.size(); ++axis) {
     for (const double place : {0.0, 0.5, 1.0}) {
-      restrict(allowed, acceleration(knot, axis, place, 0), x, accelerations_[axis]);
+      restrict(allowed, acceleration(knot, axis, place, 0), x, acceleration_limit(knot, axis));
     }
     const double halfway = std::abs(slope(knot, axis, 0.5));
     if (halfway <= negligible) continue;
-    allowed.reduce_upper((squared(speeds_[axis] / halfway) - x) / step(), -1 / step());
+    const double cap = squared(limits.speed * speeds_[axis] / halfway);
+    allowed.reduce_upper((cap - x) / step(knot), -1 / step(knot));
   }
   return allowed;
 }
@@ -116,9 +135,9 @@ PathBounds::Interval PathBounds::over_interval(std::size_t knot, double x) const
 /// interval to its end. (ds/dt)² is `x` at the fraction `part`.
 PathBounds::Interval PathBounds::everywhere(std::size_t knot, double from, double part,
                                             double x) const {
-  Interval allowed{-tool_acceleration_, tool_acceleration_};
+  Interval allowed = of_tool(knot, from, part, x);
   for (Eigen::Index axis = 0; axis < accelerations_.size(); ++axis) {
-    const double limit = accelerations_[axis];
+    const double limit = acceleration_limit(knot, axis);
     restrict(allowed, acceleration(knot, axis, from, part), x, limit);
     double start = from;
     for (double end = piece; end <= 1; end += piece) {
@@ -133,23 +152,24 @@ PathBounds::Interval PathBounds::everywhere(std::size_t knot, double from, doubl
 
 double PathBounds::excess(std::size_t knot, double x, double u) const {
   double factor = 1;
-  const double after = std::max(x + 2 * u * step(), 0.0);
+  const Stretch& here = stretches_[knot];
+  const double after = std::max(x + 2 * u * step(knot), 0.0);
   for (Eigen::Index axis = 0; axis < accelerations_.size(); ++axis) {
-    const auto slowed = [&](const Acceleration& here) {
-      return std::sqrt(std::abs(here.per_u * u + here.per_x * x) / accelerations_[axis]);
+    const double fastest = here.limits.speed * speeds_[axis];
+    const auto slowed = [&](const Acceleration& at) {
+      return std::sqrt(std::abs(at.per_u * u + at.per_x * x) / acceleration_limit(knot, axis));
     };
     const auto too_fast = [&](double place) {
       const double speed = std::sqrt(x + place * (after - x));
-      return std::abs(slope(knot, axis, place)) * speed / speeds_[axis];
+      return std::abs(slope(knot, axis, place)) * speed / fastest;
     };
     // For nearly all intervals, the coefficients for the whole interval show that nothing exceeds
     // its limit.
-    const double bend =
-        std::abs(bends_[knot].curvature[axis]) + std::abs(bends_[knot].change[axis]);
-    const double steepest = std::abs(bends_[knot].slope[axis]) + step() * bend;
+    const double bend = std::abs(here.curvature[axis]) + std::abs(here.change[axis]);
+    const double steepest = std::abs(here.slope[axis]) + step(knot) * bend;
     if (slowed(between(knot, axis, 0, 1, 0)) <= 1 && slowed(acceleration(knot, axis, 0, 0)) <= 1 &&
         slowed(acceleration(knot, axis, 1, 0)) <= 1 &&
-        steepest * std::sqrt(std::max(x, after)) <= speeds_[axis]) {
+        steepest * std::sqrt(std::max(x, after)) <= fastest) {
       continue;
     }
     for (double end = piece; end <= 1; end += piece) {

@@ -1,13 +1,31 @@
 // The limits of the speed and acceleration along a path, in each interval of the path.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "robcl/arm/model.hpp"
-#include "robcl/motion/pace.hpp"
 #include "robcl/motion/path.hpp"
 
 namespace robcl::motion {
+
+inline constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double squared(double value) { return value * value; }
+
+/// The limits in one interval of a path. The limits of the joints apply as fractions of those of the
+/// model.
+struct IntervalLimits {
+  /// The limit |per_u·u| + |per_x·x| <= limit of u = d²s/dt² and x = (ds/dt)²: the acceleration of
+  /// the tool, where a unit of s moves it by `per_u`, and its way bends by `per_x`.
+  struct Tool {
+    double per_u = 0, per_x = 0;
+    double limit = infinite;
+  };
+
+  double speed = 1, acceleration = 1;  ///< fractions
+  double cap = infinite;               ///< greatest (ds/dt)²
+  Tool way{}, turn{};                  ///< in m and in rad
+};
 
 /// The limits of ds/dt and d²s/dt² along a path with the parameter s. With x = (ds/dt)² and u =
 /// d²s/dt², a joint q(s) has the acceleration q'u + q''x. Therefore all limits are linear in (u,
@@ -30,17 +48,18 @@ class PathBounds {
     }
   };
 
-  /// Makes the limits of the joints, scaled by `pace`.
-  PathBounds(const Path& path, const arm::ArmModel& model, const Pace& pace);
+  /// `limits`: one for each interval of `path`.
+  PathBounds(const Path& path, const arm::ArmModel& model,
+             const std::vector<IntervalLimits>& limits);
 
-  /// Adds the limits of a tool that, evenly over the whole path, moves by `length`, in m, and turns
-  /// by `turn`, in rad.
-  void add_tool(double length, double turn, const ToolLimits& limits, const Pace& pace);
-  /// Limits (ds/dt)² at the knot `knot` to `fastest`.
-  void cap(std::size_t knot, double fastest);
+  /// Divides the limits of acceleration in the interval after the knot `knot` by the square of
+  /// `factor`, and those of speed by `factor`.
+  void tighten(std::size_t knot, double factor);
 
-  std::size_t intervals() const { return caps_.size() - 1; }
-  double step() const { return 1.0 / static_cast<double>(intervals()); }
+  std::size_t intervals() const { return stretches_.size(); }
+  const std::vector<double>& places() const { return places_; }
+  /// Returns the length of s from the knot `knot` to the next one.
+  double step(std::size_t knot) const { return places_[knot + 1] - places_[knot]; }
 
   /// Returns the greatest (ds/dt)² that the speed limits allow at the knot `knot`.
   double speed_cap(std::size_t knot) const { return caps_[knot]; }
@@ -63,28 +82,31 @@ class PathBounds {
   double excess(std::size_t knot, double x, double u) const;
 
  private:
-  /// The curvature of the path is linear in an interval.
-  struct Bend {
+  /// An interval. The curvature of the path is linear in it.
+  struct Stretch {
     JointValues slope, curvature;  ///< at the start of the interval
     JointValues change;            ///< of the curvature, up to the end of the interval
+    IntervalLimits limits;
   };
   /// The acceleration of a joint at one place: per_u·u + per_x·x.
   struct Acceleration {
     double per_u = 0, per_x = 0;
   };
+  void cap(std::size_t knot, const JointValues& slope, const IntervalLimits& limits);
+  Interval of_tool(std::size_t knot, double from, double part, double x) const;
   Interval everywhere(std::size_t knot, double from, double part, double x) const;
   double slope(std::size_t knot, Eigen::Index axis, double place) const;
+  double acceleration_limit(std::size_t knot, Eigen::Index axis) const;
   Acceleration acceleration(std::size_t knot, Eigen::Index axis, double place, double part) const;
   Acceleration between(std::size_t knot, Eigen::Index axis, double start, double end,
                        double part) const;
   static void restrict(Interval& interval, const Acceleration& acceleration, double x,
                        double limit);
 
-  JointValues accelerations_;
-  JointValues speeds_;
-  double tool_acceleration_;  // limit of d²s/dt² by the tool, 1/s²
-  std::vector<double> caps_;  // greatest (ds/dt)² per knot
-  std::vector<Bend> bends_;   // one per interval
+  JointValues accelerations_, speeds_;  // of the joints, at full pace
+  std::vector<double> places_;          // of the knots
+  std::vector<double> caps_;            // greatest (ds/dt)² per knot
+  std::vector<Stretch> stretches_;      // one per interval
 };
 
 }  // namespace robcl::motion

@@ -4,46 +4,65 @@
 #include <cassert>
 
 namespace robcl::motion {
-namespace {
 
-/// Returns the derivative at index `i` of values that are evenly spaced by `step`. The result is
-/// accurate to fourth order in the interior, and to second order near the ends.
-JointValues derivative(const std::vector<JointValues>& values, std::size_t i, double step) {
-  const std::size_t last = values.size() - 1;
-  if (last == 1) return (values[1] - values[0]) / step;
-  if (i == 0) return (-3 * values[0] + 4 * values[1] - values[2]) / (2 * step);
-  if (i == last) {
-    return (3 * values[last] - 4 * values[last - 1] + values[last - 2]) / (2 * step);
+Path::Path(Knots knots) : knots_(std::move(knots)) {
+  assert(knots_.places.size() >= 2 && knots_.places.size() == knots_.joints.size());
+  const std::size_t last = intervals();
+  slopes_.resize(last + 1);
+  std::vector<std::size_t> ends = knots_.joins;
+  ends.push_back(last);
+  std::size_t first = 0;
+  for (const std::size_t end : ends) {
+    for (std::size_t i = first; i <= end; ++i) {
+      const JointValues slope = slope_within(i, first, end);
+      const bool joins = i == first && first > 0;
+      slopes_[i] = joins ? JointValues((slopes_[i] + slope) / 2) : slope;
+    }
+    first = end;
   }
-  if (i == 1 || i + 1 == last) return (values[i + 1] - values[i - 1]) / (2 * step);
-  return (values[i - 2] - values[i + 2] + 8 * (values[i + 1] - values[i - 1])) / (12 * step);
+  if (knots_.first_slope) slopes_.front() = *knots_.first_slope;
 }
 
-}  // namespace
+/// Returns the derivative at the knot `i` of the polynomial through it and the two knots on either
+/// side, as far as they are between the knots `first` and `last`. Inside an evenly spaced path, it
+/// is accurate to fourth order; at its ends, to second order.
+JointValues Path::slope_within(std::size_t i, std::size_t first, std::size_t last) const {
+  const std::size_t from = std::max(first + 2, i) - 2, to = std::min(last, i + 2);
+  const double here = place(i);
+  JointValues slope = JointValues::Zero(knot(i).size());
+  for (std::size_t j = from; j <= to; ++j) {
+    if (j == i) continue;
+    double weight = 1 / (place(j) - here);  // of the difference to the knot j
+    for (std::size_t k = from; k <= to; ++k) {
+      if (k != i && k != j) weight *= (here - place(k)) / (place(j) - place(k));
+    }
+    slope += weight * (knot(j) - knot(i));
+  }
+  return slope;
+}
 
-Path::Path(std::vector<JointValues> knots) : knots_(std::move(knots)) {
-  assert(knots_.size() >= 2);
-  slopes_.reserve(knots_.size());
-  for (std::size_t i = 0; i < knots_.size(); ++i) slopes_.push_back(derivative(knots_, i, step()));
+std::size_t Path::interval_at(double s) const {
+  const auto inner = knots_.places.begin() + 1;
+  const auto after = std::upper_bound(inner, knots_.places.end() - 1, s);
+  return static_cast<std::size_t>(after - inner);
 }
 
 Path::Derivatives Path::derivatives(std::size_t interval, double part) const {
   const std::size_t i = interval;
   const double t = part;
-  const JointValues chord = (knots_[i + 1] - knots_[i]) / step();
-  return {
-      6 * t * (1 - t) * chord + (1 - t) * (1 - 3 * t) * slopes_[i] +
-          t * (3 * t - 2) * slopes_[i + 1],
-      (6 * (1 - 2 * t) * chord + (6 * t - 4) * slopes_[i] + (6 * t - 2) * slopes_[i + 1]) / step()};
+  const JointValues chord = (knot(i + 1) - knot(i)) / step(i);
+  return {6 * t * (1 - t) * chord + (1 - t) * (1 - 3 * t) * slopes_[i] +
+              t * (3 * t - 2) * slopes_[i + 1],
+          (6 * (1 - 2 * t) * chord + (6 * t - 4) * slopes_[i] + (6 * t - 2) * slopes_[i + 1]) /
+              step(i)};
 }
 
 JointValues Path::position(double s) const {
-  const double along = std::clamp(s, 0.0, 1.0) * static_cast<double>(intervals());
-  const std::size_t i = std::min(static_cast<std::size_t>(along), intervals() - 1);
-  const double t = along - static_cast<double>(i);
+  const std::size_t i = interval_at(s);
+  const double t = std::clamp((s - place(i)) / step(i), 0.0, 1.0);
   const double rest = 1 - t;
-  return (1 + 2 * t) * rest * rest * knots_[i] + t * rest * rest * step() * slopes_[i] +
-         t * t * (3 - 2 * t) * knots_[i + 1] - t * t * rest * step() * slopes_[i + 1];
+  return (1 + 2 * t) * rest * rest * knot(i) + t * rest * rest * step(i) * slopes_[i] +
+         t * t * (3 - 2 * t) * knot(i + 1) - t * t * rest * step(i) * slopes_[i + 1];
 }
 
 }  // namespace robcl::motion

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "robcl/arm/joint_values.hpp"
@@ -10,18 +11,40 @@ namespace robcl::motion {
 
 using arm::JointValues;
 
-/// The joint positions as a function of the path parameter s in [0, 1]. The path has knots at equal
-/// steps of s. Between the knots it is a cubic Hermite spline, so that position and slope are
-/// continuous. Reading a path never allocates memory.
+/// The joint positions as a function of the path parameter s. The path has knots; between them it
+/// is a cubic Hermite spline, so that position and slope are continuous. Reading a path never
+/// allocates memory.
 class Path {
  public:
-  /// Makes a path through the joint positions `knots`. @pre there are at least two knots, and all
-  /// have the same number of joints.
-  explicit Path(std::vector<JointValues> knots);
+  /// What a path is made of.
+  struct Knots {
+    std::vector<double> places;       ///< s at each knot, rising
+    std::vector<JointValues> joints;  ///< rad
+    /// Indices of the knots, rising, at which the curvature jumps: the path is smooth between them.
+    std::vector<std::size_t> joins{};
+    /// The first derivative at the first knot, where the path goes on from another one.
+    std::optional<JointValues> first_slope{};
 
-  std::size_t intervals() const { return knots_.size() - 1; }
-  double step() const { return 1.0 / static_cast<double>(intervals()); }
-  const JointValues& knot(std::size_t i) const { return knots_[i]; }
+    void add(double place, JointValues at) {
+      places.push_back(place);
+      joints.push_back(std::move(at));
+    }
+  };
+
+  /// @pre there are at least two knots, and all have the same number of joints.
+  explicit Path(Knots knots);
+
+  std::size_t intervals() const { return knots_.places.size() - 1; }
+  double begin() const { return knots_.places.front(); }  ///< s
+  double end() const { return knots_.places.back(); }     ///< s
+  double place(std::size_t knot) const { return knots_.places[knot]; }
+  const std::vector<double>& places() const { return knots_.places; }
+  /// Returns the length of s from the knot `i` to the next one.
+  double step(std::size_t i) const { return knots_.places[i + 1] - knots_.places[i]; }
+  /// Returns the index of the interval that contains `s`, or of the nearest one.
+  std::size_t interval_at(double s) const;
+
+  const JointValues& knot(std::size_t i) const { return knots_.joints[i]; }
   /// Returns the first derivative of the joint positions by s at the knot `i`.
   const JointValues& slope(std::size_t i) const { return slopes_[i]; }
 
@@ -33,12 +56,13 @@ class Path {
   /// `part` of it, from 0 to 1. The curvature is linear in an interval, and may jump at its ends.
   Derivatives derivatives(std::size_t interval, double part) const;
 
-  /// Returns the joint positions at `s`. For an `s` outside [0, 1], returns the nearer end of the
-  /// path.
+  /// Returns the joint positions at `s`. For an `s` outside the path, returns its nearer end.
   JointValues position(double s) const;
 
  private:
-  std::vector<JointValues> knots_;
+  JointValues slope_within(std::size_t i, std::size_t first, std::size_t last) const;
+
+  Knots knots_;
   std::vector<JointValues> slopes_;
 };
 

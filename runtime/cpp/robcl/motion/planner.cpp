@@ -15,8 +15,6 @@ using arm::OutOfReach;
 constexpr int joint_move_knots = 100;
 constexpr double no_move = 1e-9;  // rad or m: a smaller move counts as none
 
-double square_of(double value) { return value * value; }
-
 /// Returns the factor by which `law` must be slowed so that the joint limits are also kept between
 /// the places that PathBounds::over_interval checks. Where the path of a joint is steep, for
 /// example when an arm starts stretched, an interval between two knots may last many control
@@ -24,27 +22,25 @@ double square_of(double value) { return value * value; }
 double excess(const PathBounds& bounds, const TimeLaw& law) {
   double factor = 1;
   for (std::size_t i = 0; i < bounds.intervals(); ++i) {
-    const double x = square_of(law.speed(i)), after = square_of(law.speed(i + 1));
-    factor = std::max(factor, bounds.excess(i, x, (after - x) / (2 * bounds.step())));
+    const double x = squared(law.speed(i)), after = squared(law.speed(i + 1));
+    factor = std::max(factor, bounds.excess(i, x, (after - x) / (2 * bounds.step(i))));
   }
   return factor;
 }
 
-/// Makes the plan of a move from `bounds`. `limit_tool` adds the limits of the tool to the limits
-/// for braking.
-template <class LimitTool>
-Plan fastest(Path path, const PathBounds& bounds, const arm::ArmModel& model,
-             LimitTool limit_tool) {
-  const TimeLaw law = TimeLaw::fastest(bounds);
-  PathBounds braking(path, model, {});
-  limit_tool(braking);
-  return {std::move(path), std::move(braking), law.slowed(excess(bounds, law))};
+Move standing(const JointValues& at, const Pace& pace, const Frame& flange_from_tool) {
+  return {Path({{0, 1}, {at, at}}), pace, std::nullopt, flange_from_tool, true};
 }
 
-Plan standing(const arm::ArmModel& model, const JointValues& at) {
-  Path path({at, at});
-  PathBounds braking(path, model, {});
-  return {std::move(path), std::move(braking), TimeLaw::standing()};
+/// Returns the time in s in which the joints get from `from` to `to` at their full speed.
+double nominal_duration(const arm::ArmModel& model, const JointValues& from, const JointValues& to,
+                        const Pace& pace) {
+  double longest = 0;
+  for (Eigen::Index axis = 0; axis < from.size(); ++axis) {
+    const double speed = model.limits()[static_cast<std::size_t>(axis)].speed * pace.speed;
+    longest = std::max(longest, std::abs(to[axis] - from[axis]) / speed);
+  }
+  return longest;
 }
 
 }  // namespace
@@ -65,41 +61,63 @@ std::optional<OutOfReach> Planner::absurd(const Frame& base_from_goal) const {
   return OutOfReach{text.str()};
 }
 
-tl::expected<Plan, Failure> Planner::joints(const JointValues& from, const JointValues& to,
-                                            const Pace& pace, const Frame& flange_from_tool) {
-  if (const auto outside = arm::first_outside(model_, to)) return tl::unexpected(*outside);
-  if ((to - from).cwiseAbs().maxCoeff() < no_move) return standing(model_, from);
-  std::vector<JointValues> knots;
-  for (int i = 0; i <= joint_move_knots; ++i) {
-    knots.push_back(from + (to - from) * (static_cast<double>(i) / joint_move_knots));
-  }
-  knots.back() = to;
-  Path path(std::move(knots));
-  PathBounds bounds(path, model_, pace);
-  if (pace.tool_speed || pace.turn_speed) {
-    Frame before = base_from_tool(path.knot(0), flange_from_tool);
-    for (std::size_t i = 1; i <= path.intervals(); ++i) {
-      const Frame here = base_from_tool(path.knot(i), flange_from_tool);
-      const double length = distance(before, here) / path.step();
-      const double turn = angle(before, here) / path.step();
-      for (const std::size_t knot : {i - 1, i}) {
-        if (pace.tool_speed && length > 0) bounds.cap(knot, std::pow(*pace.tool_speed / length, 2));
-        if (pace.turn_speed && turn > 0) bounds.cap(knot, std::pow(*pace.turn_speed / turn, 2));
-      }
-      before = here;
-    }
-  }
-  return fastest(std::move(path), bounds, model_, [](PathBounds&) {});
+tl::expected<Plan, Failure> Planner::planned(const tl::expected<Move, Failure>& move) const {
+  if (!move) return tl::unexpected(move.error());
+  return plan(*move);
 }
 
-tl::expected<Plan, Failure> Planner::joints_to(const JointValues& from, const Frame& base_from_goal,
-                                               const Frame& flange_from_tool, const Pace& pace,
-                                               const std::optional<arm::Configuration>& wanted) {
+Plan Planner::plan(const Move& move) const {
+  PathBounds braking(move.path, model_, braking_limits_of(move, limits_));
+  if (move.stands) return {move.path, std::move(braking), TimeLaw::standing()};
+  const PathBounds bounds(move.path, model_, limits_of(move, limits_));
+  const TimeLaw law = TimeLaw::fastest(bounds);
+  return {move.path, std::move(braking), law.slowed(excess(bounds, law))};
+}
+
+tl::expected<Move, Failure> Planner::joint_move(const JointValues& from, const JointValues& to,
+                                                const Pace& pace, const Frame& flange_from_tool) {
+  if (const auto outside = arm::first_outside(model_, to)) return tl::unexpected(*outside);
+  if ((to - from).cwiseAbs().maxCoeff() < no_move) return standing(from, pace, flange_from_tool);
+  const double duration = nominal_duration(model_, from, to, pace);
+  Path::Knots knots;
+  for (int i = 0; i <= joint_move_knots; ++i) {
+    const double part = static_cast<double>(i) / joint_move_knots;
+    knots.add(part * duration, from + (to - from) * part);
+  }
+  knots.joints.back() = to;
+  Path path(std::move(knots));
+  auto caps = caps_of_tool(path, pace, flange_from_tool);
+  return Move{std::move(path), pace, std::nullopt, flange_from_tool, false, std::move(caps)};
+}
+
+/// Returns the greatest (ds/dt)² in each interval at which the tool keeps the speeds of `pace`;
+/// nothing if it asks for none.
+std::vector<double> Planner::caps_of_tool(const Path& path, const Pace& pace,
+                                          const Frame& flange_from_tool) {
+  std::vector<double> caps;
+  if (!pace.tool_speed && !pace.turn_speed) return caps;
+  Frame before = base_from_tool(path.knot(0), flange_from_tool);
+  for (std::size_t i = 0; i < path.intervals(); ++i) {
+    const Frame after = base_from_tool(path.knot(i + 1), flange_from_tool);
+    const double way = distance(before, after) / path.step(i);
+    const double turn = angle(before, after) / path.step(i);
+    double cap = infinite;
+    if (pace.tool_speed && way > 0) cap = std::min(cap, squared(*pace.tool_speed / way));
+    if (pace.turn_speed && turn > 0) cap = std::min(cap, squared(*pace.turn_speed / turn));
+    caps.push_back(cap);
+    before = after;
+  }
+  return caps;
+}
+
+tl::expected<Move, Failure> Planner::joint_move_to(
+    const JointValues& from, const Frame& base_from_goal, const Frame& flange_from_tool,
+    const Pace& pace, const std::optional<arm::Configuration>& wanted) {
   if (auto far = absurd(base_from_goal)) return tl::unexpected(*far);
   const Frame base_from_flange = base_from_goal * flange_from_tool.inverse();
   const arm::Configuration present = inverse_->configuration(from);
   const auto to = inverse_->solve(base_from_flange, from, wanted.value_or(present));
-  if (to) return joints(from, *to, pace, flange_from_tool);
+  if (to) return joint_move(from, *to, pace, flange_from_tool);
   if (!wanted) {
     if (const auto other = inverse_->solve(base_from_flange, from)) {
       std::ostringstream text;
@@ -111,23 +129,25 @@ tl::expected<Plan, Failure> Planner::joints_to(const JointValues& from, const Fr
   return tl::unexpected(to.error());
 }
 
-tl::expected<Plan, Failure> Planner::straight(const JointValues& from, const Frame& base_from_goal,
-                                              const Frame& flange_from_tool, const Pace& pace) {
+tl::expected<Move, Failure> Planner::straight_move(const JointValues& from,
+                                                   const Frame& base_from_goal,
+                                                   const Frame& flange_from_tool,
+                                                   const Pace& pace) {
   if (auto far = absurd(base_from_goal)) return tl::unexpected(*far);
   const Frame tool_from_flange = flange_from_tool.inverse();
   if (const auto there = inverse_->solve(base_from_goal * tool_from_flange, from); !there) {
     return tl::unexpected(there.error());
   }
   const Frame start = base_from_tool(from, flange_from_tool);
-  if (near(start, base_from_goal, no_move, no_move)) return standing(model_, from);
+  if (near(start, base_from_goal, no_move, no_move)) {
+    return standing(from, pace, flange_from_tool);
+  }
   const Line line(start, base_from_goal);
-  auto path = path_of_line(from, line, tool_from_flange);
+  const ToolLimits tool = scaled(limits_, pace);
+  const double duration = std::max(line.length() / tool.speed, line.turn() / tool.turn_speed);
+  auto path = path_of_line(from, line, tool_from_flange, duration);
   if (!path) return tl::unexpected(path.error());
-  PathBounds bounds(*path, model_, pace);
-  bounds.add_tool(line.length(), line.turn(), limits_, pace);
-  return fastest(std::move(*path), bounds, model_, [&](PathBounds& braking) {
-    braking.add_tool(line.length(), line.turn(), limits_, {});
-  });
+  return Move{*std::move(path), pace, line, flange_from_tool};
 }
 
 }  // namespace robcl::motion

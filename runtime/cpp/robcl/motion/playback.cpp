@@ -17,7 +17,7 @@ JointValues Playback::advance(double seconds) {
     speed_ = state.speed;
     standing_ = time_ >= plan_.law.duration();
   }
-  return standing_ && s_ >= 1 ? plan_.goal() : plan_.path.position(s_);
+  return standing_ && s_ >= plan_.path.end() ? plan_.goal() : plan_.path.position(s_);
 }
 
 void Playback::set_override(double factor) {
@@ -40,14 +40,8 @@ void Playback::rest() {
 
 void Playback::leave_law(Mode mode) {
   mode_ = mode;
-  const std::size_t intervals = plan_.braking.intervals();
-  piece_.knot =
-      std::min(static_cast<std::size_t>(s_ * static_cast<double>(intervals)), intervals - 1);
+  piece_.knot = plan_.path.interval_at(s_);
   begin_piece();
-}
-
-double Playback::end_of_interval() const {
-  return static_cast<double>(piece_.knot + 1) / static_cast<double>(plan_.braking.intervals());
 }
 
 /// Begins the piece of the path from s_ to the end of the interval.
@@ -59,7 +53,7 @@ double Playback::end_of_interval() const {
 ///
 /// The motion is never faster than the plan: there, the limits may allow nothing.
 void Playback::begin_piece() {
-  const double step = plan_.braking.step();
+  const double step = plan_.path.step(piece_.knot);
   piece_.end = end_of_interval();
   const double way = std::max(piece_.end - s_, 0.0);
   const double part = 1 - std::min(way / step, 1.0);
@@ -94,9 +88,13 @@ void Playback::advance_by_pieces(double seconds) {
     }
     seconds -= lasts;
     const bool paused = override_ == 0 && mode_ != Mode::Braking;
-    // Else the arm stops only at the goal.
-    const bool on_the_way = stops && (mode_ == Mode::Braking || paused);
-    s_ = on_the_way ? std::min(s_ + lasts * speed_ / 2, piece_.end) : piece_.end;
+    if (!stops) {
+      s_ = piece_.end;
+    } else if (mode_ == Mode::Braking || paused) {
+      s_ = std::min(s_ + lasts * speed_ / 2, piece_.end);
+    } else {  // the arm stops only at the goal
+      s_ = plan_.path.end();
+    }
     speed_ = stops ? 0 : std::sqrt(left);
     const bool at_knot = s_ >= end_of_interval();
     if (at_knot) ++piece_.knot;

@@ -46,7 +46,7 @@ class Playback final : public TrajectoryGenerator {
   void leave_law(Mode mode);
   void advance_by_pieces(double seconds);
   void begin_piece();
-  double end_of_interval() const;
+  double end_of_interval() const { return plan_.path.place(piece_.knot + 1); }
 
   Plan plan_;
   Mode mode_ = Mode::OnTime;

@@ -19,8 +19,8 @@ using arm::Singular;
 constexpr double line_step = mm(1);     // longest distance of the tool between two knots
 constexpr double turn_step = deg(0.2);  // largest turn of the tool between two knots
 constexpr double joint_step = 0.03;     // rad per joint between two knots; else more knots
-constexpr double joint_jump = 0.1;      // rad per joint between the closest knots; else fail
-constexpr std::size_t closer = 8;       // the number of knots grows at most by this factor
+constexpr double joint_jump = 0.1;      // rad per joint between the closest knots; else the line fails
+constexpr std::size_t closer = 8;       // parts of an interval, at most, where joints turn fast
 constexpr std::size_t fewest = 50, most = 4000;
 
 Failure with_place(Failure failure, const std::string& where) {
@@ -38,87 +38,114 @@ void keep_what_is_known(arm::Configuration& kept, const arm::Configuration& now)
   if (!kept.wrist) kept.wrist = now.wrist;
 }
 
-/// Returns whether the arm is at no singularity, where a joint may have any position.
-bool well_defined(const arm::Configuration& configuration) {
-  return configuration.shoulder && configuration.elbow && configuration.wrist;
-}
-
-struct Step {
-  std::size_t knot = 0;  // index of the knot at the end of the step
+/// Returns the joint that turns most between two joint positions.
+Eigen::Index busiest(const JointValues& from, const JointValues& to) {
   Eigen::Index axis = 0;
-  double change = 0;  // rad
-};
-
-/// Returns the greatest step of a joint between two successive knots.
-Step greatest_step(const std::vector<JointValues>& knots) {
-  Step greatest;
-  for (std::size_t i = 1; i < knots.size(); ++i) {
-    Eigen::Index axis = 0;
-    const double change = (knots[i] - knots[i - 1]).cwiseAbs().maxCoeff(&axis);
-    if (change > greatest.change) greatest = {i, axis, change};
-  }
-  return greatest;
+  (to - from).cwiseAbs().maxCoeff(&axis);
+  return axis;
 }
 
 }  // namespace
 
-tl::expected<std::vector<JointValues>, Failure> Planner::knots_of_line(
-    const JointValues& from, const Line& line, const Frame& tool_from_flange, std::size_t intervals,
-    const std::vector<JointValues>& coarse) {
-  arm::Configuration kept = inverse_->configuration(from);
-  std::vector<JointValues> knots{from};
-  knots.reserve(intervals + 1);
-  for (std::size_t i = 1; i <= intervals; ++i) {
-    const double part = static_cast<double>(i) / static_cast<double>(intervals);
-    const JointValues& before = knots.back();
-    JointValues steady;
-    if (!coarse.empty() && i % 2 == 0 && well_defined(inverse_->configuration(coarse[i / 2]))) {
-      steady = coarse[i / 2];
-    } else {
-      auto solution = inverse_->solve(line.at(part) * tool_from_flange, before, kept);
-      if (!solution) return tl::unexpected(with_place(solution.error(), line.place(part)));
-      steady = std::move(*solution);
+/// Walks along a line from one joint position to the next.
+class LineWalk {
+ public:
+  LineWalk(const arm::ArmModel& model, arm::InverseKinematics& inverse, const Line& line,
+           const Frame& tool_from_flange, const JointValues& from)
+      : model_(model),
+        inverse_(inverse),
+        line_(line),
+        tool_from_flange_(tool_from_flange),
+        at_{from, inverse.configuration(from)} {}
+
+  /// Walks from the fraction `start` of the line to its fraction `end` and adds the knots that are
+  /// needed to `knots`. Where a joint turns fast, they are closer together.
+  tl::expected<void, Failure> walk(double start, double end, double duration, Path::Knots& knots) {
+    const Place begin = at_;
+    for (std::size_t parts = 1;; parts *= 2) {
+      const double each = (end - start) / static_cast<double>(parts);
+      const bool closest = parts == closer;
+      const std::size_t known = knots.places.size();
+      std::size_t done = 0;
+      for (; done < parts; ++done) {
+        const bool last = done + 1 == parts;
+        const double part = last ? end : start + static_cast<double>(done + 1) * each;
+        const JointValues before = at_.joints;
+        if (auto failure = step_to(part)) return tl::unexpected(*std::move(failure));
+        const double change = (at_.joints - before).cwiseAbs().maxCoeff();
+        if (change > (closest ? joint_jump : joint_step)) {
+          if (closest) return tl::unexpected(Failure(too_fast(before, part, each)));
+          break;
+        }
+        knots.add(part * duration, at_.joints);
+      }
+      if (done == parts) return {};
+      at_ = begin;
+      knots.places.resize(known);
+      knots.joints.resize(known);
     }
+  }
+
+ private:
+  struct Place {
+    JointValues joints;
+    arm::Configuration kept;
+  };
+
+  std::optional<Failure> step_to(double part) {
+    auto solution =
+        inverse_.solve(line_.at(part) * tool_from_flange_, at_.joints, at_.kept);
+    if (!solution) return with_place(solution.error(), line_.place(part));
     // The solver adds a whole turn to a joint that would pass its limit. The following loop removes
     // that turn.
-    for (Eigen::Index axis = 0; axis < steady.size(); ++axis) {
-      steady[axis] = arm::nearest_angle(steady[axis], before[axis]);
+    for (Eigen::Index axis = 0; axis < solution->size(); ++axis) {
+      (*solution)[axis] = arm::nearest_angle((*solution)[axis], at_.joints[axis]);
     }
-    if (const auto outside = arm::first_outside(model_, steady)) return tl::unexpected(*outside);
-    knots.push_back(steady);
-    keep_what_is_known(kept, inverse_->configuration(steady));
+    if (const auto outside = arm::first_outside(model_, *solution)) return *outside;
+    at_.joints = *std::move(solution);
+    keep_what_is_known(at_.kept, inverse_.configuration(at_.joints));
+    return std::nullopt;
   }
-  return knots;
-}
 
-tl::expected<Path, Failure> Planner::path_of_line(const JointValues& from, const Line& line,
-                                                  const Frame& tool_from_flange) {
-  const double steps = std::ceil(std::max(line.length() / line_step, line.turn() / turn_step));
-  const auto widest = std::clamp(static_cast<std::size_t>(std::max(steps, 1.0)), fewest, most);
-  std::vector<JointValues> coarse;
-  for (std::size_t intervals = widest;; intervals *= 2) {
-    auto knots = knots_of_line(from, line, tool_from_flange, intervals, coarse);
-    if (!knots) return tl::unexpected(knots.error());
-    const Step step = greatest_step(*knots);
-    const bool closest = intervals >= closer * widest;
-    if (step.change <= (closest ? joint_jump : joint_step)) return Path(std::move(*knots));
-    if (!closest) {
-      coarse = std::move(*knots);
-      continue;
-    }
-    const double each = 1.0 / static_cast<double>(intervals);
+  Singular too_fast(const JointValues& before, double part, double each) const {
+    const Eigen::Index axis = busiest(before, at_.joints);
     std::ostringstream text;
-    text << line.place(static_cast<double>(step.knot) * each) << " joint " << step.axis + 1
-         << " would have to turn " << std::fixed << std::setprecision(1) << in_deg(step.change)
+    text << line_.place(part) << " joint " << axis + 1 << " would have to turn " << std::fixed
+         << std::setprecision(1) << in_deg(std::abs(at_.joints[axis] - before[axis]))
          << " deg within " << std::setprecision(2);
-    if (line.length() > 0) {
-      text << in_mm(line.length() * each) << " mm";
+    if (line_.length() > 0) {
+      text << in_mm(line_.length() * each) << " mm";
     } else {
-      text << in_deg(line.turn() * each) << " deg";
+      text << in_deg(line_.turn() * each) << " deg";
     }
     text << "; avoid the singularity or use a joint move";
-    return tl::unexpected(Singular{text.str()});
+    return Singular{text.str()};
   }
+
+  const arm::ArmModel& model_;
+  arm::InverseKinematics& inverse_;
+  const Line& line_;
+  const Frame tool_from_flange_;
+  Place at_;
+};
+
+tl::expected<Path, Failure> Planner::path_of_line(const JointValues& from, const Line& line,
+                                                  const Frame& tool_from_flange,
+                                                  double duration) {
+  const double steps = std::ceil(std::max(line.length() / line_step, line.turn() / turn_step));
+  const auto intervals = std::clamp(static_cast<std::size_t>(std::max(steps, 1.0)), fewest, most);
+  Path::Knots knots;
+  knots.add(0, from);
+  LineWalk walk(model_, *inverse_, line, tool_from_flange, from);
+  const auto part = [&](std::size_t i) {
+    return static_cast<double>(i) / static_cast<double>(intervals);
+  };
+  for (std::size_t i = 0; i < intervals; ++i) {
+    if (auto walked = walk.walk(part(i), part(i + 1), duration, knots); !walked) {
+      return tl::unexpected(walked.error());
+    }
+  }
+  return Path(std::move(knots));
 }
 
 }  // namespace robcl::motion

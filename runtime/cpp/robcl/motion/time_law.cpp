@@ -10,12 +10,13 @@ using Interval = PathBounds::Interval;
 
 constexpr double no_cap = 1e12;     // 1/s²: (ds/dt)² where no limit of speed holds
 constexpr double rounding = 1e-12;  // relative
+constexpr double rounding_of_start = 1e-9;
 
 /// Returns the allowed values of u = d²s/dt² after the knot `knot`, where (ds/dt)² is `x`. With
 /// these values, (ds/dt)² is at most `next` at the following knot.
 Interval allowed(const PathBounds& bounds, std::size_t knot, double x, double next) {
   Interval u = bounds.over_interval(knot, x);
-  const double per_u = 2 * bounds.step();
+  const double per_u = 2 * bounds.step(knot);
   u.raise_lower(-x / per_u, -1 / per_u);
   u.reduce_upper((next - x) / per_u, -1 / per_u);
   return u;
@@ -41,32 +42,32 @@ double fastest_at(const PathBounds& bounds, std::size_t knot, double next) {
 
 }  // namespace
 
-TimeLaw TimeLaw::fastest(const PathBounds& bounds) {
+std::optional<TimeLaw> TimeLaw::fastest_from(const PathBounds& bounds, double speed) {
   const std::size_t last = bounds.intervals();
   std::vector<double> squared(last + 1, 0.0);
-  for (std::size_t i = last; i-- > 1;) squared[i] = fastest_at(bounds, i, squared[i + 1]);
-  squared[0] = 0;
+  for (std::size_t i = last; i-- > 0;) squared[i] = fastest_at(bounds, i, squared[i + 1]);
+  const double start = speed * speed;
+  if (start > squared[0] * (1 + rounding_of_start)) return std::nullopt;
+  squared[0] = start;
   for (std::size_t i = 0; i < last; ++i) {
     const Interval u = allowed(bounds, i, squared[i], squared[i + 1]);
-    squared[i + 1] = std::clamp(squared[i] + 2 * bounds.step() * u.upper, 0.0, squared[i + 1]);
+    squared[i + 1] = std::clamp(squared[i] + 2 * bounds.step(i) * u.upper, 0.0, squared[i + 1]);
   }
-  return TimeLaw(squared);
+  return TimeLaw(bounds.places(), squared);
 }
 
 TimeLaw TimeLaw::standing() {
-  TimeLaw law({0.0});
+  TimeLaw law({0, 0}, {0, 0});
   law.times_ = {0, 0};
-  law.speeds_ = {0, 0};
   return law;
 }
 
-TimeLaw::TimeLaw(const std::vector<double>& squared_speeds) {
-  const double step =
-      1.0 / static_cast<double>(std::max<std::size_t>(squared_speeds.size() - 1, 1));
+TimeLaw::TimeLaw(std::vector<double> places, const std::vector<double>& squared_speeds)
+    : places_(std::move(places)) {
   double time = 0;
   for (std::size_t i = 0; i < squared_speeds.size(); ++i) {
     speeds_.push_back(std::sqrt(squared_speeds[i]));
-    if (i > 0) time += 2 * step / (speeds_[i - 1] + speeds_[i]);
+    if (i > 0) time += 2 * (places_[i] - places_[i - 1]) / (speeds_[i - 1] + speeds_[i]);
     times_.push_back(time);
   }
 }
@@ -79,26 +80,25 @@ TimeLaw TimeLaw::slowed(double factor) const {
 }
 
 TimeLaw::State TimeLaw::at(double seconds) const {
-  if (seconds >= duration()) return {1, 0, 0};
-  if (seconds <= 0) return {0, 0, 0};
+  if (seconds >= duration()) return {places_.back(), 0, 0};
+  if (seconds <= 0) return {places_.front(), speeds_.front(), 0};
   const auto after = std::upper_bound(times_.begin(), times_.end(), seconds);
   const auto i = static_cast<std::size_t>(after - times_.begin()) - 1;
-  const double span = times_[i + 1] - times_[i];
-  const double acceleration = (speeds_[i + 1] - speeds_[i]) / span;
+  const double acceleration = (speeds_[i + 1] - speeds_[i]) / (times_[i + 1] - times_[i]);
   const double since = seconds - times_[i];
-  const double start = static_cast<double>(i) / static_cast<double>(times_.size() - 1);
-  return {start + since * (speeds_[i] + acceleration * since / 2),
+  return {places_[i] + since * (speeds_[i] + acceleration * since / 2),
           speeds_[i] + acceleration * since, acceleration};
 }
 
 double TimeLaw::time_at(double s) const {
-  const double along = std::clamp(s, 0.0, 1.0) * static_cast<double>(times_.size() - 1);
-  const std::size_t i = std::min(static_cast<std::size_t>(along), times_.size() - 2);
-  const double part = along - static_cast<double>(i);
-  const double before = speeds_[i] * speeds_[i], after = speeds_[i + 1] * speeds_[i + 1];
-  const double speed = std::sqrt(before + part * (after - before));  // (ds/dt)² is linear in s
-  if (speeds_[i] + speed <= 0) return times_[i];
-  return times_[i] + 2 * part / (static_cast<double>(times_.size() - 1) * (speeds_[i] + speed));
+  const auto after = std::upper_bound(places_.begin() + 1, places_.end() - 1, s);
+  const auto i = static_cast<std::size_t>(after - places_.begin()) - 1;
+  const double step = places_[i + 1] - places_[i];
+  const double way = std::clamp(s - places_[i], 0.0, step);
+  const double before = speeds_[i] * speeds_[i], end = speeds_[i + 1] * speeds_[i + 1];
+  const double speed = std::sqrt(before + way / step * (end - before));  // its square is linear in s
+  if (way <= 0) return times_[i];
+  return times_[i] + 2 * way / (speeds_[i] + speed);
 }
 
 }  // namespace robcl::motion

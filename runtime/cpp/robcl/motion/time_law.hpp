@@ -1,13 +1,14 @@
 // Time laws. A time law is the path parameter s as a function of time.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "robcl/motion/bounds.hpp"
 
 namespace robcl::motion {
 
-/// A time law that starts and ends at rest. Between two knots, d²s/dt² is constant.
+/// A time law that ends at rest. Between two knots, d²s/dt² is constant.
 class TimeLaw {
  public:
   struct State {
@@ -21,7 +22,10 @@ class TimeLaw {
   /// hard as these speeds allow. The method is that of H. Pham and Q.-C. Pham, "A New Approach to
   /// Time-Optimal Path Parameterization Based on Reachability Analysis", 2018. If only the limits
   /// of the tool apply, the speed profile is a trapezoid.
-  static TimeLaw fastest(const PathBounds& bounds);
+  static TimeLaw fastest(const PathBounds& bounds) { return *fastest_from(bounds, 0); }
+  /// Returns the fastest time law that starts with the speed ds/dt = `speed`; nullopt if no time
+  /// law with this speed keeps all limits.
+  static std::optional<TimeLaw> fastest_from(const PathBounds& bounds, double speed);
   /// Returns the time law of a path without length.
   static TimeLaw standing();
 
@@ -40,8 +44,9 @@ class TimeLaw {
   double time_at(double s) const;
 
  private:
-  explicit TimeLaw(const std::vector<double>& squared_speeds);
+  TimeLaw(std::vector<double> places, const std::vector<double>& squared_speeds);
 
+  std::vector<double> places_;  // s at each knot
   std::vector<double> times_;   // time at each knot, s
   std::vector<double> speeds_;  // ds/dt at each knot, 1/s
 };

@@ -1,0 +1,53 @@
+#include "robcl/motion/move.hpp"
+
+#include <algorithm>
+
+namespace robcl::motion {
+namespace {
+
+std::vector<IntervalLimits> limits_at(const Move& move, const ToolLimits& limits,
+                                      const Pace& pace) {
+  IntervalLimits each;
+  each.speed = pace.speed;
+  each.acceleration = pace.acceleration;
+  if (move.line) {
+    const ToolLimits tool = scaled(limits, pace);
+    const auto [way, turn] = tool_speed(move);
+    const auto limit = [&each](double per_s, double speed, double acceleration) {
+      if (per_s <= 0) return IntervalLimits::Tool{};
+      each.cap = std::min(each.cap, squared(speed / per_s));
+      return IntervalLimits::Tool{per_s, 0, acceleration};
+    };
+    each.way = limit(way, tool.speed, tool.acceleration);
+    each.turn = limit(turn, tool.turn_speed, tool.turn_acceleration);
+  }
+  std::vector<IntervalLimits> all(move.path.intervals(), each);
+  for (std::size_t i = 0; i < move.caps.size(); ++i) all[i].cap = move.caps[i];
+  return all;
+}
+
+}  // namespace
+
+ToolSpeed tool_speed(const Move& move) {
+  if (!move.line) return {};
+  constexpr double negligible = 1e-12;  // m or rad: a smaller movement sets no limit
+  const auto per_s = [&](double whole) { return whole > negligible ? whole / move.duration() : 0; };
+  return {per_s(move.line->length()), per_s(move.line->turn())};
+}
+
+ToolLimits scaled(const ToolLimits& limits, const Pace& pace) {
+  return {.speed = std::min(limits.speed * pace.speed, pace.tool_speed.value_or(infinite)),
+          .acceleration = limits.acceleration * pace.acceleration,
+          .turn_speed = std::min(limits.turn_speed * pace.speed, pace.turn_speed.value_or(infinite)),
+          .turn_acceleration = limits.turn_acceleration * pace.acceleration};
+}
+
+std::vector<IntervalLimits> limits_of(const Move& move, const ToolLimits& limits) {
+  return limits_at(move, limits, move.pace);
+}
+
+std::vector<IntervalLimits> braking_limits_of(const Move& move, const ToolLimits& limits) {
+  return limits_at(move, limits, Pace{});
+}
+
+}  // namespace robcl::motion

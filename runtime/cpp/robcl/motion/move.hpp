@@ -1,0 +1,43 @@
+// A move of the arm, before the times of its motion are planned.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "robcl/frames/frame.hpp"
+#include "robcl/motion/bounds.hpp"
+#include "robcl/motion/line.hpp"
+#include "robcl/motion/pace.hpp"
+#include "robcl/motion/path.hpp"
+
+namespace robcl::motion {
+
+/// The path of one move and its limits. The path parameter s is the nominal time, in s: at ds/dt =
+/// 1, the slowest joint or the tool moves at the full speed of the move.
+struct Move {
+  Path path;  ///< s is from 0 to the nominal duration
+  Pace pace;
+  std::optional<Line> line;       ///< of the tool, seen from the base; absent for a joint move
+  Frame flange_from_tool;
+  bool stands = false;            ///< the goal is where the arm is
+  std::vector<double> caps{};     ///< greatest (ds/dt)² in each interval; may be empty
+
+  double duration() const { return path.end(); }
+};
+
+/// Returns the way in m and the turn in rad of the tool per unit of s on the line of `move`. For a
+/// joint move, both are 0.
+struct ToolSpeed {
+  double way = 0, turn = 0;
+};
+ToolSpeed tool_speed(const Move& move);
+
+/// The limits of the tool at `pace`.
+ToolLimits scaled(const ToolLimits& limits, const Pace& pace);
+
+/// Returns the limits of each interval of `move`, with the limits of the tool `limits`. At full
+/// pace: those of an arm that brakes on the path, which need no limits of speed.
+std::vector<IntervalLimits> limits_of(const Move& move, const ToolLimits& limits);
+std::vector<IntervalLimits> braking_limits_of(const Move& move, const ToolLimits& limits);
+
+}  // namespace robcl::motion
