@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from gidl.diagnostics import Findings
 from gidl.model import Attribute, Facts, File, Interface, Model, Operation, Struct, Union
-from gidl.policy import Access, OnNew
+from gidl.policy import Access
 
 CODE = "G0708"
 
@@ -25,10 +25,6 @@ def _always(_declared: Declared) -> bool:
 
 def _needs_status(declared: Declared) -> bool:
     return isinstance(declared, Operation) and declared.access >= Access.ACTOR
-
-
-def _blends(declared: Declared) -> bool:
-    return isinstance(declared, Operation) and declared.on_new is OnNew.BLEND
 
 
 def _is_stream(declared: Declared) -> bool:
@@ -73,7 +69,6 @@ NOT_YET = (
         _needs_status,
         "a call that needs actor status is not sent again in a new session",
     ),
-    Term("on_new", '"blend"', _blends, "the arms of robcl stop at each goal"),
     Term("open_stream", "", _always, "over lcm the stream is sealed like any other"),
     Term("bulk", "", _always, "the value is sent like any other value"),
     Term("qos", "latency", _always, _UNMEASURED),

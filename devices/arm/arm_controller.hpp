@@ -86,8 +86,9 @@ class ArmController {
   std::uint64_t beats() const { return beats_.load(); }
 
   /// Hands a motion to the control loop. @pre `wait` returned the outcome of the last motion, and
-  /// `generator` starts at the joint positions `standing_at()`. No other thread uses it until
-  /// `wait` returns the outcome of this motion. Returns the number of the motion.
+  /// `generator` starts at the joint positions `standing_at()`. Until `wait` returns the outcome of
+  /// this motion, other threads use only what the generator permits them. Returns the number of the
+  /// motion.
   std::uint64_t start(std::shared_ptr<robcl::motion::TrajectoryGenerator> generator);
   /// Decelerates the running motion until the arm stands. May be called at any time, even when no
   /// motion runs.

@@ -3,49 +3,18 @@
 
 #include <memory>
 #include <optional>
-#include <string>
-#include <variant>
 
 #include "arm/arm_controller.hpp"
+#include "arm/arm_motion.hpp"
 #include "gecos/base/mutex.hpp"
-#include "robcl/arm/failure.hpp"
 #include "robcl/frames/frame.hpp"
 #include "robcl/motion/following.hpp"
-#include "robcl/motion/planner.hpp"
 
 namespace devices {
 
 using robcl::Frame;
 
 enum class PathKind { Joint, Straight };
-
-/// The interface through which a running motion reports its progress to its caller, and asks
-/// whether the caller interrupts the motion.
-class MotionWatcher {
- public:
-  virtual ~MotionWatcher() = default;
-  /// Returns whether the motion must end. The arm calls this function about every 5 ms; when it
-  /// returns true, the arm decelerates on its path.
-  virtual bool interrupted() = 0;
-  /// Receives the progress of the motion: `fraction` is the passed part of the motion's duration, 0
-  /// to 1; `remaining` is the time until the arm stands, in s.
-  virtual void progress(double fraction, double remaining) = 0;
-};
-
-/// The failure of a motion that its MotionWatcher interrupted. The arm stands somewhere on its
-/// path.
-struct Interrupted {};
-/// The failure of a motion or setting that the state of the arm, or the request itself, does not
-/// allow.
-struct Refused {
-  std::string reason;
-};
-/// The failure of a sensor-guided motion whose corrections stopped. The arm stands.
-struct CorrectionsStopped {};
-using MoveFailure =
-    std::variant<robcl::arm::OutOfReach, robcl::arm::JointLimit, robcl::arm::Singular, Interrupted,
-                 CorrectionsStopped, Refused, DriverFault>;
-std::string to_string(const MoveFailure& failure);
 
 /// An arm with any driver. Only the control loop calls `step`; any thread may call the other
 /// methods.
@@ -102,11 +71,11 @@ class ArmDevice {
   /// Moves the tool to the frame `world_from_goal` and returns when the arm has arrived there by
   /// its measured joint positions. A joint move ends in a configuration that `wanted` admits.
   /// Without `wanted`, and on a straight line, the arm keeps its configuration; a straight move to
-  /// another one is Refused.
+  /// another one is Refused. With `goes_over`, see ArmMotion::Request.
   tl::expected<void, MoveFailure> move(
       const Frame& world_from_goal, PathKind path, const robcl::motion::Pace& pace,
-      MotionWatcher& watcher,
-      const std::optional<robcl::arm::Configuration>& wanted = std::nullopt);
+      MotionWatcher& watcher, const std::optional<robcl::arm::Configuration>& wanted = std::nullopt,
+      bool goes_over = false);
 
   /// Moves the tool by the corrections of `source`, until it fails: with Interrupted when `watcher`
   /// interrupts it, or with CorrectionsStopped. The speeds and accelerations of `limits` are
@@ -118,28 +87,14 @@ class ArmDevice {
 
  protected:
   tl::expected<void, MoveFailure> move_to(const JointValues& target,
-                                          const robcl::motion::Pace& pace, MotionWatcher& watcher);
+                                          const robcl::motion::Pace& pace, MotionWatcher& watcher,
+                                          bool goes_over);
 
  private:
-  using Generator = std::shared_ptr<robcl::motion::TrajectoryGenerator>;
-  template <typename Make>
-  tl::expected<void, MoveFailure> run(MotionWatcher& watcher, Make make);
-  template <typename MakePlan>
-  tl::expected<void, MoveFailure> run_plan(const robcl::motion::Pace& pace, MotionWatcher& watcher,
-                                           MakePlan make_plan);
-  tl::expected<void, MoveFailure> perform(Generator generator, MotionWatcher& watcher)
-      GECOS_REQUIRES(moving_);
-  std::optional<ArmController::Outcome> await_end(std::uint64_t motion, double duration,
-                                                  MotionWatcher& watcher);
-
   const robcl::arm::ArmModel model_;
   const robcl::motion::ToolLimits tool_limits_;
   ArmController controller_;
-
-  gecos::Mutex moving_;  // held until the arm has stopped
-  robcl::motion::Planner planner_ GECOS_GUARDED_BY(moving_);
-  /// Whether the last motion has no outcome yet, because the control loop stalled.
-  bool unfinished_ GECOS_GUARDED_BY(moving_) = false;
+  ArmMotion motion_;
 
   mutable gecos::Mutex reading_;  // never held while waiting
   Frame world_from_base_ GECOS_GUARDED_BY(reading_);
@@ -158,8 +113,8 @@ class SixAxisDevice : public ArmDevice {
   /// `target` has six values.
   tl::expected<void, MoveFailure> move_joints(const JointValues& target,
                                               const robcl::motion::Pace& pace,
-                                              MotionWatcher& watcher) {
-    return move_to(target, pace, watcher);
+                                              MotionWatcher& watcher, bool goes_over = false) {
+    return move_to(target, pace, watcher, goes_over);
   }
 };
 

@@ -61,7 +61,8 @@ gecos::Result<void> ManipulatorServant::move(const Frame& goal,
   const PathKind path =
       trajectory.path == robcl::PathType::STRAIGHT ? PathKind::Straight : PathKind::Joint;
   CallWatcher watcher(run);
-  return answer(arm_.move(goal, path, pace_of(trajectory), watcher, configuration_of(trajectory)));
+  return answer(arm_.move(goal, path, pace_of(trajectory), watcher, configuration_of(trajectory),
+                          goes_over(trajectory)));
 }
 
 gecos::Result<void> ManipulatorServant::follow(robcl::FollowMode axes,

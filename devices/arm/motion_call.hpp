@@ -17,13 +17,18 @@ class CallWatcher final : public MotionWatcher {
   explicit CallWatcher(Progress& run) : run_(run) {}
   bool interrupted() override { return run_.interrupted(); }
   void progress(double fraction, double remaining) override {
-    run_.progress(fraction, {.fraction = fraction, .remaining = remaining});
+    run_.progress(fraction, {.fraction = fraction, .remaining = remaining, .corner = corner_});
   }
+  void taken() override { run_.let_next(); }
+  void passes_goal(double distance) override { corner_ = distance; }
 
  private:
   Progress& run_;
+  std::optional<double> corner_;  // m, distance from the goal to the tool that passes it
 };
 
+/// Returns whether the arm need not stand at the goal.
+inline bool goes_over(const robcl::Trajectory& how) { return how.at_goal == robcl::Blend::NOBREAK; }
 robcl::motion::Pace pace_of(const robcl::Trajectory& how);
 /// Returns the configuration in which the move must end; nullopt: the present one.
 std::optional<robcl::arm::Configuration> configuration_of(const robcl::Trajectory& how);

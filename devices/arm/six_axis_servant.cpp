@@ -42,8 +42,9 @@ gecos::Result<void> SixAxisServant::move_joints(const robcl::Joints& target,
   if (!joints.allFinite()) {
     return tl::unexpected(gecos::Fault::bad_parameter("target: a joint position is not finite"));
   }
+  const robcl::Trajectory trajectory = how.value_or(robcl::Trajectory{});
   CallWatcher watcher(run);
-  return answer(arm_.move_joints(joints, pace_of(how.value_or(robcl::Trajectory{})), watcher));
+  return answer(arm_.move_joints(joints, pace_of(trajectory), watcher, goes_over(trajectory)));
 }
 
 }  // namespace devices

@@ -33,8 +33,8 @@ import threading
 import time
 import gecos
 from oven import Oven, OvenServant, TooHot
-from robcl.frames import Frame
-from robcl.manipulator import Configuration, Manipulator, Trajectory, Wrist
+from robcl.frames import Frame, mm, translate
+from robcl.manipulator import Blend, Configuration, Manipulator, PathType, Trajectory, Wrist
 
 def thermocouple() -> float:
     return 293.0

@@ -47,7 +47,6 @@ def test_each_term_that_does_not_act_is_named_where_it_is_written(
         (1, "@bulk"),
         (2, "@qos(latency)"),
         (4, "@idempotent"),
-        (4, '@on_new("blend")'),
         (4, "@presence"),
         (5, "@bulk"),
         (8, "@qos(liveliness)"),

@@ -143,11 +143,13 @@ def stream(seconds: int, build: Path, figures: Figures) -> None:
 
 
 def move(moves: int, build: Path, figures: Figures) -> None:
-    """Straight and joint moves of two arms, stopped at any time, and held up at any time."""
+    """Straight and joint moves of two arms, stopped at any time, and held up at any time; and
+    chains of such moves that go over into each other."""
     env = {**os.environ, "MOTION_MOVES": str(moves)}
-    test = [build / "tests" / "cpp" / "robcl" / "robcl_motion_test", "--gtest_filter=*RandomMoves*"]
-    if subprocess.run(test, env=env).returncode != 0:
-        figures.failed.append(f"robcl_motion_test, RandomMoves, with MOTION_MOVES={moves}")
+    for name in ("robcl_motion_test", "robcl_move_chain_test"):
+        test = [build / "tests" / "cpp" / "robcl" / name, "--gtest_filter=*Random*"]
+        if subprocess.run(test, env=env).returncode != 0:
+            figures.failed.append(f"{name} with MOTION_MOVES={moves}")
 
 
 def hand_over(times: int, build: Path, figures: Figures) -> None:

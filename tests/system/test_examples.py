@@ -127,6 +127,20 @@ def carried_out(program: Program) -> list[str]:
 
 
 @LANGUAGES
+def test_corners_are_rounded_by_what_their_speed_and_acceleration_say(
+    language: str, lab_with_arm: Laboratory
+) -> None:
+    printed = carried_out(
+        lab_with_arm.run(*example(lab_with_arm, "18_round_corners", "round_corners", language))
+    )
+    standing, rounding = (re.fullmatch(r"(\w+): ([\d.]+) s, .* (\[.*\])", line) for line in printed)
+    assert standing and standing.group(1, 3) == ("BREAK", "[]")
+    # At a right angle: sqrt(2) v²/8a with .25 m/s and 3 m/s².
+    assert rounding and rounding.group(1, 3) == ("NOBREAK", "['3.7', '3.7', '3.7']")
+    assert float(rounding[2]) < float(standing[2])
+
+
+@LANGUAGES
 def test_progress_rises_until_a_third_is_done_and_the_move_is_canceled(
     language: str, lab_with_arm: Laboratory
 ) -> None:

@@ -75,7 +75,8 @@ bool JsonStruct<::robcl::Trajectory>::visit(JsonMembers& each, ::robcl::Trajecto
 template <>
 bool JsonStruct<::robcl::MotionProgress>::visit(JsonMembers& each, ::robcl::MotionProgress& value) {
   return each.member("fraction", value.fraction) &&
-         each.member("remaining", value.remaining);
+         each.member("remaining", value.remaining) &&
+         each.member("corner", value.corner);
 }
 
 template <>

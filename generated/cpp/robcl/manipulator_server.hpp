@@ -54,8 +54,9 @@ class ManipulatorServant : public virtual ::robcl::DeviceServant {
   virtual gecos::Result<std::uint64_t> pose_epoch() = 0;
 
   /// Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the
-  /// goal. Refused if `pose_epoch`, read when the goal was computed, is not the present
-  /// one: the base has another place since then.
+  /// goal or, after NOBREAK, when it is on the path of the next motion. Refused if
+  /// `pose_epoch`, read when the goal was computed, is not the present one: the base has
+  /// another place since then.
   /// May fail with robcl::OutOfReach, robcl::JointLimit, robcl::Singular.
   virtual gecos::Result<void> move(
       const ::robcl::Frame& goal,

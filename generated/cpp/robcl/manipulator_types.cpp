@@ -240,14 +240,27 @@ std::ostream& operator<<(std::ostream& out, const Trajectory& value) {
       " m/s, turn_speed=", value.turn_speed, " rad/s, configuration=", value.configuration, "}");
 }
 
-std::size_t MotionProgress::encoded_size() const { return 16; }
+std::size_t MotionProgress::encoded_size() const {
+  std::size_t size = 17;
+  if (corner) size += 8;
+  return size;
+}
 
-void MotionProgress::encode(gecos::wire::Encoder& to) const { to.put(fraction, remaining); }
+void MotionProgress::encode(gecos::wire::Encoder& to) const {
+  to.put(fraction, remaining, corner.has_value());
+  if (corner) to.put(*corner);
+}
 
 bool MotionProgress::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  corner = std::nullopt;
   return from.get(fraction, "MotionProgress.fraction") &&
          gecos::wire::within(from, fraction, {0.0, 1.0}, "MotionProgress.fraction", "[0.0, 1.0]") &&
          from.get(remaining, "MotionProgress.remaining") &&
+         (from.at_end() ||
+          gecos::wire::get_optional(from, corner, "MotionProgress.corner",
+              [&](auto& value) {
+                return from.get(value, "MotionProgress.corner");
+              })) &&
          gecos::wire::skip_rest(from);
 }
 
@@ -260,7 +273,8 @@ std::string gecos_violation(const MotionProgress& value) {
 
 std::ostream& operator<<(std::ostream& out, const MotionProgress& value) {
   return gecos::wire::print_all(out,
-      "MotionProgress{fraction=", value.fraction, ", remaining=", value.remaining, " s}");
+      "MotionProgress{fraction=", value.fraction, ", remaining=", value.remaining, " s, corner=",
+      value.corner, " m}");
 }
 
 std::string_view to_string(FollowMode value) {

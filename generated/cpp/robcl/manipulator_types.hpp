@@ -22,8 +22,10 @@ std::ostream& operator<<(std::ostream& out, PathType value);
 /// An unknown number becomes JOINT.
 [[nodiscard]] bool decode_enum(gecos::wire::Decoder& from, PathType& value, const char* field);
 
-/// Whether the arm stands at the goal, or may pass it on its way to the next one. Today
-/// every arm stands there: NOBREAK acts like BREAK.
+/// Whether the arm stands at the goal (BREAK), or goes over into the next motion there
+/// (NOBREAK): its deceleration overlaps the acceleration of the next motion, so that the
+/// arm rounds the corner. If no next motion comes before the arm brakes, it stands at the
+/// goal.
 enum class Blend : std::int32_t {
   BREAK = 0,
   NOBREAK = 1,
@@ -116,9 +118,11 @@ struct MotionProgress {
   double fraction = 0;
   /// [s]
   double remaining = 0;
+  /// [m, optional]
+  std::optional<double> corner{};
 
   static constexpr std::string_view type_name() { return "robcl::MotionProgress"; }
-  static constexpr std::int64_t fingerprint() { return std::int64_t(0xe2c8d491f2659a98U); }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x7f3bed462b56f085U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);

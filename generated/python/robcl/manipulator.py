@@ -13,6 +13,7 @@ from gecos.interface import Inward as _InwardTable
 from gecos.interface import Kind as _Kind
 from gecos.interface import Media as _Media
 from gecos.interface import Method as _Method
+from gecos.interface import OnNew as _OnNew
 from gecos.interface import Operation as _Operation
 from gecos.interface import Quality as _Quality
 from gecos.interface import QualityClass as _QualityClass
@@ -124,7 +125,14 @@ _MANIPULATOR_POSE_EPOCH: _Method[int, None] = _method(
     gives="Q",
 )
 _MANIPULATOR_MOVE: _Method[None, MotionProgress] = _method(
-    _Operation(0x3507E304, "move", _Access.ACTOR, cancelable=True, hash=0xC58C2180678C1D75),
+    _Operation(
+        0x3507E304,
+        "move",
+        _Access.ACTOR,
+        cancelable=True,
+        on_new=_OnNew.BLEND,
+        hash=0xC58C2180678C1D75,
+    ),
     takes=_values(
         "goal how pose_epoch",
         Frame,
@@ -193,7 +201,7 @@ _MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::
 {"kind":"attribute","name":"posture","doc":"Configuration that the arm is in.","type":"robcl::Configuration","readonly":true,"read_access":"sensor","codes":{"get":2355008027},"hash":"0x3d861e0f224574c5"},
 {"kind":"attribute","name":"tool_offset","doc":"Tool frame seen from the flange. Setting it takes its turn among the commands of the arm: it acts on the motions after it.","type":"robcl::Frame","read_access":"sensor","write_access":"actor","write_needs_presence":true,"codes":{"get":1576561611,"set":3826381890},"hash":"0xd5db88cc5c4a48ee"},
 {"kind":"attribute","name":"pose_epoch","doc":"Stands for the present place of the base: each `mount`, and a restart of the server, changes it.","type":"uint64","readonly":true,"read_access":"sensor","codes":{"get":1580972314},"hash":"0x647f63cefbd156f4"},
-{"kind":"operation","name":"move","doc":"Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal. Refused if `pose_epoch`, read when the goal was computed, is not the present one: the base has another place since then.","parameters":[{"name":"goal","direction":"in","type":"robcl::Frame"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true},{"name":"pose_epoch","direction":"in","type":"uint64","optional":true}],"raises":["robcl::OutOfReach","robcl::JointLimit","robcl::Singular"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"queue","on_loss":"stop","code":889709316,"hash":"0xc58c2180678c1d75"},
+{"kind":"operation","name":"move","doc":"Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal or, after NOBREAK, when it is on the path of the next motion. Refused if `pose_epoch`, read when the goal was computed, is not the present one: the base has another place since then.","parameters":[{"name":"goal","direction":"in","type":"robcl::Frame"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true},{"name":"pose_epoch","direction":"in","type":"uint64","optional":true}],"raises":["robcl::OutOfReach","robcl::JointLimit","robcl::Singular"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"blend","on_loss":"stop","code":889709316,"hash":"0xc58c2180678c1d75"},
 {"kind":"operation","name":"override_speed","doc":"Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as planned, 0 pauses it on its path. The factor stays until it is set again.","parameters":[{"name":"factor","direction":"in","type":"double","unit":"1","range":{"min":0.0,"max":1.0}}],"access":"actor","needs_presence":true,"on_new":"queue","on_loss":"stop","parallel":true,"code":3837748681,"hash":"0xf909515cb9f6d463"},
 {"kind":"attribute","name":"speed_override","doc":"Factor of `override_speed`.","type":"double","readonly":true,"unit":"1","read_access":"sensor","codes":{"get":34307637},"hash":"0x78256f74e6a4faff"},
 {"kind":"attribute","name":"standing","doc":"Whether the arm stands, by its measured joint positions. After a stop, a command ends before the arm stands.","type":"boolean","readonly":true,"read_access":"sensor","codes":{"get":1808856709},"hash":"0x1031d81d03f43ec5"},
@@ -207,13 +215,13 @@ _MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::
 {"kind":"struct","name":"robcl::Quaternion","doc":"Unit quaternion, w + xi + yj + zk.","extensibility":"final","members":[{"name":"w","type":"double"},{"name":"x","type":"double"},{"name":"y","type":"double"},{"name":"z","type":"double"}],"wire":{"fingerprint":"0x365bdd4bf9100a1f","min_size":32,"fixed_size":32}},
 {"kind":"struct","name":"robcl::Frame","doc":"Position and orientation of a coordinate system, seen from another.","extensibility":"final","maps_to":{"cpp":["robcl::Frame","robcl/frames/frame.hpp"],"python":["robcl.frames","Frame"]},"members":[{"name":"position","type":"robcl::Vector"},{"name":"orientation","type":"robcl::Quaternion"}],"wire":{"fingerprint":"0x249634ce2aa17b5e","min_size":56,"fixed_size":56}},
 {"kind":"enum","name":"robcl::PathType","default_literal":"JOINT","enumerators":[{"name":"STRAIGHT","value":0},{"name":"JOINT","value":1}]},
-{"kind":"enum","name":"robcl::Blend","doc":"Whether the arm stands at the goal, or may pass it on its way to the next one. Today every arm stands there: NOBREAK acts like BREAK.","default_literal":"BREAK","enumerators":[{"name":"BREAK","value":0},{"name":"NOBREAK","value":1}]},
+{"kind":"enum","name":"robcl::Blend","doc":"Whether the arm stands at the goal (BREAK), or goes over into the next motion there (NOBREAK): its deceleration overlaps the acceleration of the next motion, so that the arm rounds the corner. If no next motion comes before the arm brakes, it stands at the goal.","default_literal":"BREAK","enumerators":[{"name":"BREAK","value":0},{"name":"NOBREAK","value":1}]},
 {"kind":"enum","name":"robcl::Shoulder","default_literal":"RIGHTY","enumerators":[{"name":"RIGHTY","value":0},{"name":"LEFTY","value":1}]},
 {"kind":"enum","name":"robcl::Elbow","default_literal":"ABOVE","enumerators":[{"name":"ABOVE","value":0},{"name":"BELOW","value":1}]},
 {"kind":"enum","name":"robcl::Wrist","default_literal":"NOFLIP","enumerators":[{"name":"NOFLIP","value":0},{"name":"FLIP","value":1}]},
 {"kind":"struct","name":"robcl::Configuration","doc":"Which of the ways to reach its pose an arm is in, as one sees it: the wrist in front of the shoulder (RIGHTY) or behind it, the elbow ABOVE or BELOW the line from shoulder to wrist, the flange bent up from the forearm (NOFLIP) or down. With the tool down in front of it, an arm is RIGHTY, ABOVE, FLIP. A member is absent at a singularity, and where an arm has no such choice; in a wanted configuration, an absent member allows both.","extensibility":"appendable","members":[{"name":"arm","type":"robcl::Shoulder","optional":true},{"name":"bend","type":"robcl::Elbow","optional":true},{"name":"hand","type":"robcl::Wrist","optional":true}],"wire":{"fingerprint":"0x410bc4d5af6e6201","min_size":3}},
 {"kind":"struct","name":"robcl::Trajectory","doc":"How to get from here to the goal; the slowest of the limits binds.","extensibility":"appendable","members":[{"name":"speed","type":"double","range":{"min":0.01,"max":1.0},"default":1.0,"doc":"fraction of the robot\u0027s own maximum"},{"name":"acceleration","type":"double","range":{"min":0.01,"max":1.0},"default":1.0},{"name":"path","type":"robcl::PathType"},{"name":"at_goal","type":"robcl::Blend"},{"name":"tool_speed","type":"double","unit":"m/s","optional":true},{"name":"turn_speed","type":"double","unit":"rad/s","optional":true},{"name":"configuration","type":"robcl::Configuration","optional":true}],"wire":{"fingerprint":"0x43d3878e45340908","min_size":27}},
-{"kind":"struct","name":"robcl::MotionProgress","extensibility":"appendable","members":[{"name":"fraction","type":"double","range":{"min":0.0,"max":1.0}},{"name":"remaining","type":"double","unit":"s"}],"wire":{"fingerprint":"0xe2c8d491f2659a98","min_size":16,"fixed_size":16}},
+{"kind":"struct","name":"robcl::MotionProgress","extensibility":"appendable","members":[{"name":"fraction","type":"double","range":{"min":0.0,"max":1.0}},{"name":"remaining","type":"double","unit":"s"},{"name":"corner","type":"double","unit":"m","optional":true}],"wire":{"fingerprint":"0x7f3bed462b56f085","min_size":17}},
 {"kind":"enum","name":"robcl::FollowMode","doc":"The axes along which the corrections of `follow` move and turn the tool: its own, or those of the arm\u0027s base. It turns about its own origin.","default_literal":"IN_TOOL","enumerators":[{"name":"IN_TOOL","value":0},{"name":"IN_BASE","value":1}]},
 {"kind":"struct","name":"robcl::FollowLimits","doc":"Bounds of a sensor-guided motion; without a member, the bound of the arm.","extensibility":"appendable","members":[{"name":"tool_speed","type":"double","unit":"m/s","range":{"min":0.001,"max":10.0},"optional":true},{"name":"turn_speed","type":"double","unit":"rad/s","range":{"min":0.001,"max":30.0},"optional":true},{"name":"distance","type":"double","unit":"m","range":{"min":0.0,"max":10.0},"optional":true},{"name":"angle","type":"double","unit":"rad","range":{"min":0.0,"max":3.0},"optional":true}],"wire":{"fingerprint":"0xd7df8f7fcd3f9241","min_size":4}},
 {"kind":"struct","name":"robcl::FollowState","doc":"What became of the corrections of `follow` so far.","extensibility":"appendable","members":[{"name":"applied","type":"uint32","doc":"corrections that the arm has carried out, or is carrying out"},{"name":"dropped","type":"uint32","doc":"corrections beyond FollowLimits.distance or angle, which had no effect"},{"name":"distance_left","type":"double","unit":"m","doc":"from the tool to its target"},{"name":"angle_left","type":"double","unit":"rad"},{"name":"limit_axis","type":"uint32","doc":"the arm holds because this axis, from 1, is at its limit; else 0"},{"name":"out_of_reach","type":"boolean","doc":"the arm holds at the end of its reach, or beside a singularity"}],"wire":{"fingerprint":"0x8790dcf68707d50d","min_size":29,"fixed_size":29}},
@@ -302,8 +310,9 @@ class Manipulator(Device):
         pose_epoch: int | None = None,
     ) -> _Command[None, MotionProgress]:
         """Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the
-        goal. Refused if `pose_epoch`, read when the goal was computed, is not the present
-        one: the base has another place since then.
+        goal or, after NOBREAK, when it is on the path of the next motion. Refused if
+        `pose_epoch`, read when the goal was computed, is not the present one: the base has
+        another place since then.
 
         May raise OutOfReach, JointLimit, Singular.
         """
@@ -421,8 +430,9 @@ class ManipulatorServant(DeviceServant):
         run: _Execution[MotionProgress],
     ) -> None:
         """Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the
-        goal. Refused if `pose_epoch`, read when the goal was computed, is not the present
-        one: the base has another place since then.
+        goal or, after NOBREAK, when it is on the path of the next motion. Refused if
+        `pose_epoch`, read when the goal was computed, is not the present one: the base has
+        another place since then.
 
         May raise OutOfReach, JointLimit, Singular.
         """

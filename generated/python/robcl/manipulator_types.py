@@ -39,8 +39,10 @@ class PathType(_IntEnum):
 
 @_layout.enumeration("i", "BREAK")
 class Blend(_IntEnum):
-    """Whether the arm stands at the goal, or may pass it on its way to the next one. Today
-    every arm stands there: NOBREAK acts like BREAK.
+    """Whether the arm stands at the goal (BREAK), or goes over into the next motion there
+    (NOBREAK): its deceleration overlaps the acceleration of the next motion, so that the
+    arm rounds the corner. If no next motion comes before the arm brakes, it stands at the
+    goal.
     """
 
     BREAK = 0
@@ -117,13 +119,22 @@ class Trajectory(_layout.Struct):
     configuration: Configuration | None = None
 
 
-@_layout.struct(0xE2C8D491F2659A98, _layout.ranged("d", 0.0, 1.0), "d", open=True)
+@_layout.struct(
+    0x7F3BED462B56F085,
+    _layout.ranged("d", 0.0, 1.0),
+    "d",
+    _layout.optional("d"),
+    missing=1,
+    open=True,
+)
 @_dataclass(slots=True)
 class MotionProgress(_layout.Struct):
     fraction: float = 0.0
     """[0.0 to 1.0]"""
     remaining: float = 0.0
     """[s]"""
+    corner: float | None = None
+    """[m]"""
 
 
 @_layout.enumeration("i", "IN_TOOL")

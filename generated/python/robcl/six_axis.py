@@ -9,6 +9,7 @@ from gecos.command import Command as _Command
 from gecos.execution import Execution as _Execution
 from gecos.interface import Access as _Access
 from gecos.interface import Method as _Method
+from gecos.interface import OnNew as _OnNew
 from gecos.interface import Operation as _Operation
 from gecos.interface import getter as _getter
 from gecos.interface import interface as _interface
@@ -38,7 +39,14 @@ _SIX_AXIS_COMMANDED_JOINTS: _Method[Joints, None] = _method(
     stream=(250.0, 48),
 )
 _SIX_AXIS_MOVE_JOINTS: _Method[None, MotionProgress] = _method(
-    _Operation(0xC46BB1A7, "move_joints", _Access.ACTOR, cancelable=True, hash=0xDE6F2F910E3F67DC),
+    _Operation(
+        0xC46BB1A7,
+        "move_joints",
+        _Access.ACTOR,
+        cancelable=True,
+        on_new=_OnNew.BLEND,
+        hash=0xDE6F2F910E3F67DC,
+    ),
     takes=_values("target how", Joints, _layout.optional(Trajectory), defaults=(None,)),
     feedback=MotionProgress,
     raises=(JointLimit,),
@@ -46,16 +54,16 @@ _SIX_AXIS_MOVE_JOINTS: _Method[None, MotionProgress] = _method(
 _SIX_AXIS_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::SixAxis","doc":"An arm with six revolute joints.","version":"1.0","bases":["robcl::Manipulator"],"all_bases":["robcl::Device","robcl::Manipulator"],"hash":"0x86cd6d6e4afedc2e","members":[
 {"kind":"attribute","name":"joints","doc":"Joint positions as measured.","type":"robcl::Joints","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":48},"read_access":"sensor","codes":{"get":3220492753,"stream":3220492753},"hash":"0x23e3fbceb31c903f"},
 {"kind":"attribute","name":"commanded_joints","doc":"Joint positions that the control loop has sent to the drives: the set points of the cycle in which `joints` were measured.","type":"robcl::Joints","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":48},"read_access":"sensor","codes":{"get":168957352,"stream":168957352},"hash":"0x3f9120ab68c95c24"},
-{"kind":"operation","name":"move_joints","doc":"Moves all joints to `target`, arriving together.","parameters":[{"name":"target","direction":"in","type":"robcl::Joints"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true}],"raises":["robcl::JointLimit"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"queue","on_loss":"stop","code":3295392167,"hash":"0xde6f2f910e3f67dc"}]},
+{"kind":"operation","name":"move_joints","doc":"Moves all joints to `target`, arriving together.","parameters":[{"name":"target","direction":"in","type":"robcl::Joints"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true}],"raises":["robcl::JointLimit"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"blend","on_loss":"stop","code":3295392167,"hash":"0xde6f2f910e3f67dc"}]},
 "types":[
 {"kind":"enum","name":"robcl::PathType","default_literal":"JOINT","enumerators":[{"name":"STRAIGHT","value":0},{"name":"JOINT","value":1}]},
-{"kind":"enum","name":"robcl::Blend","doc":"Whether the arm stands at the goal, or may pass it on its way to the next one. Today every arm stands there: NOBREAK acts like BREAK.","default_literal":"BREAK","enumerators":[{"name":"BREAK","value":0},{"name":"NOBREAK","value":1}]},
+{"kind":"enum","name":"robcl::Blend","doc":"Whether the arm stands at the goal (BREAK), or goes over into the next motion there (NOBREAK): its deceleration overlaps the acceleration of the next motion, so that the arm rounds the corner. If no next motion comes before the arm brakes, it stands at the goal.","default_literal":"BREAK","enumerators":[{"name":"BREAK","value":0},{"name":"NOBREAK","value":1}]},
 {"kind":"enum","name":"robcl::Shoulder","default_literal":"RIGHTY","enumerators":[{"name":"RIGHTY","value":0},{"name":"LEFTY","value":1}]},
 {"kind":"enum","name":"robcl::Elbow","default_literal":"ABOVE","enumerators":[{"name":"ABOVE","value":0},{"name":"BELOW","value":1}]},
 {"kind":"enum","name":"robcl::Wrist","default_literal":"NOFLIP","enumerators":[{"name":"NOFLIP","value":0},{"name":"FLIP","value":1}]},
 {"kind":"struct","name":"robcl::Configuration","doc":"Which of the ways to reach its pose an arm is in, as one sees it: the wrist in front of the shoulder (RIGHTY) or behind it, the elbow ABOVE or BELOW the line from shoulder to wrist, the flange bent up from the forearm (NOFLIP) or down. With the tool down in front of it, an arm is RIGHTY, ABOVE, FLIP. A member is absent at a singularity, and where an arm has no such choice; in a wanted configuration, an absent member allows both.","extensibility":"appendable","members":[{"name":"arm","type":"robcl::Shoulder","optional":true},{"name":"bend","type":"robcl::Elbow","optional":true},{"name":"hand","type":"robcl::Wrist","optional":true}],"wire":{"fingerprint":"0x410bc4d5af6e6201","min_size":3}},
 {"kind":"struct","name":"robcl::Trajectory","doc":"How to get from here to the goal; the slowest of the limits binds.","extensibility":"appendable","members":[{"name":"speed","type":"double","range":{"min":0.01,"max":1.0},"default":1.0,"doc":"fraction of the robot\u0027s own maximum"},{"name":"acceleration","type":"double","range":{"min":0.01,"max":1.0},"default":1.0},{"name":"path","type":"robcl::PathType"},{"name":"at_goal","type":"robcl::Blend"},{"name":"tool_speed","type":"double","unit":"m/s","optional":true},{"name":"turn_speed","type":"double","unit":"rad/s","optional":true},{"name":"configuration","type":"robcl::Configuration","optional":true}],"wire":{"fingerprint":"0x43d3878e45340908","min_size":27}},
-{"kind":"struct","name":"robcl::MotionProgress","extensibility":"appendable","members":[{"name":"fraction","type":"double","range":{"min":0.0,"max":1.0}},{"name":"remaining","type":"double","unit":"s"}],"wire":{"fingerprint":"0xe2c8d491f2659a98","min_size":16,"fixed_size":16}},
+{"kind":"struct","name":"robcl::MotionProgress","extensibility":"appendable","members":[{"name":"fraction","type":"double","range":{"min":0.0,"max":1.0}},{"name":"remaining","type":"double","unit":"s"},{"name":"corner","type":"double","unit":"m","optional":true}],"wire":{"fingerprint":"0x7f3bed462b56f085","min_size":17}},
 {"kind":"exception","name":"robcl::JointLimit","extensibility":"final","members":[{"name":"axis","type":"uint32","doc":"from 1, which is next to the base"},{"name":"value","type":"double","unit":"rad"},{"name":"lower","type":"double","unit":"rad"},{"name":"upper","type":"double","unit":"rad"}],"wire":{"fingerprint":"0x5e97b6d7d7aed1bf","min_size":28,"fixed_size":28}},
 {"kind":"typedef","name":"robcl::JointVector","type":"double[6]"},
 {"kind":"struct","name":"robcl::Joints","doc":"Joint positions of a six-axis arm.","extensibility":"final","members":[{"name":"position","type":"robcl::JointVector","unit":"rad"}],"wire":{"fingerprint":"0xdeb28047fc62f5c4","min_size":48,"fixed_size":48}}],

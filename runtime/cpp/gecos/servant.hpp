@@ -109,6 +109,8 @@ class CallCore {
   /// Returns when the server marked this call as started; nullopt before that.
   virtual std::optional<TimePoint> marked_at() const { return std::nullopt; }
   virtual void progress(double fraction, ByteView feedback) = 0;
+  /// Lets the next command with @on_new("blend") start, see Execution::let_next.
+  virtual void let_next() {}
   /// Only the first call of `finish` or `fail` has an effect.
   virtual void finish(ByteView result) = 0;
   virtual void fail(Failure failure) = 0;
@@ -137,6 +139,7 @@ class IncomingCall {
     return core_->wait_interrupted_until(deadline);
   }
   void progress(double fraction, ByteView feedback) { core_->progress(fraction, feedback); }
+  void let_next() { core_->let_next(); }
   /// For servants that queue calls: call this directly before the handler runs. Returns false when
   /// the call has ended while it was queued, or when its caller has withdrawn it. Then destroy the
   /// call without an answer.
@@ -227,6 +230,11 @@ class Execution {
     }
     call_.progress(fraction, wire::to_bytes(feedback));
   }
+  /// For an operation with @on_new("blend"): lets the next command start beside this one, if its
+  /// operation has that, too. Until then the next command waits, as behind any other command. So
+  /// the handlers begin in the order of their commands, and a handler decides when it is ready for
+  /// the next one. Without effect for other operations.
+  void let_next() { call_.let_next(); }
   const Caller& caller() const { return call_.caller(); }
   /// Returns the number of the command in its caller's session.
   std::uint64_t counter() const { return call_.counter(); }

@@ -15,7 +15,7 @@ using namespace robcl::literals;
 using namespace std::chrono_literals;
 using Rx90Test = Rx90Laboratory;
 
-TEST_F(Rx90Test, StandsAtTheGoalWhenAMoveIsFinishedAlsoWithNoBreak) {
+TEST_F(Rx90Test, StandsAtTheGoalWhenAMoveIsFinishedAlsoWithNoBreakIfNoneFollows) {
   const auto lease = gecos::actor(robot_);
   ASSERT_TRUE(lease) << lease.error();
   const Frame goal = robot_.tool().get().value() * translate(0, 50_mm, 0);
@@ -26,6 +26,53 @@ TEST_F(Rx90Test, StandsAtTheGoalWhenAMoveIsFinishedAlsoWithNoBreak) {
     EXPECT_FALSE(arm_.moving());
     EXPECT_LT(distance(robot_.tool().get().value(), there), 1e-4);
   }
+}
+
+TEST_F(Rx90Test, WithNoBreakTheArmRoundsTheCornerAndSaysHowFarItPassesTheGoal) {
+  const auto lease = gecos::actor(robot_);
+  ASSERT_TRUE(lease) << lease.error();
+  const Frame start = robot_.tool().get().value();
+  const Frame tool = robot_.tool_offset().get().value();
+  const auto straight = [&](const Frame& goal, robcl::Blend at_goal) {
+    return robot_.move(
+        goal, robcl::Trajectory{
+                  .path = robcl::PathType::STRAIGHT, .at_goal = at_goal, .tool_speed = 0.25});
+  };
+  const Periodic control(4ms, [this](double seconds) { arm_.step(seconds); });
+  const auto first = straight(start * translate(0, 200_mm, 0), robcl::Blend::NOBREAK);
+  const auto second = straight(start * translate(0, 200_mm, -100_mm), robcl::Blend::NOBREAK);
+  const auto last = straight(start, robcl::Blend::BREAK);
+  const auto after = robot_.set_tool_offset(tool * translate(0, 0, 10_mm));
+  ASSERT_TRUE(first.get()) << first.get().error();
+  EXPECT_TRUE(arm_.moving());
+  ASSERT_TRUE(first.feedback()->corner);
+  EXPECT_NEAR(*first.feedback()->corner, std::sqrt(2) * 0.25 * 0.25 / (8 * 3.0), 0.0005);
+  ASSERT_TRUE(second.get()) << second.get().error();
+  EXPECT_EQ(after.state(), gecos::State::Running);
+  ASSERT_TRUE(last.get()) << last.get().error();
+  EXPECT_FALSE(last.feedback()->corner);
+  ASSERT_TRUE(after.get()) << after.get().error();
+  EXPECT_LT(distance(robot_.tool().get().value(), start * translate(0, 0, 10_mm)), 1e-4);
+}
+
+TEST_F(Rx90Test, ACanceledMoveCancelsThoseThatItWasToGoOverInto) {
+  const auto lease = gecos::actor(robot_);
+  ASSERT_TRUE(lease) << lease.error();
+  const Frame start = robot_.tool().get().value();
+  const Frame goal = start * translate(0, 300_mm, 0);
+  const Periodic control(4ms, [this](double seconds) { arm_.step(seconds); });
+  const robcl::Trajectory how{
+      .path = robcl::PathType::STRAIGHT, .at_goal = robcl::Blend::NOBREAK, .tool_speed = 0.1};
+  const auto first = robot_.move(goal, how), second = robot_.move(start, how);
+  while (!first.feedback() || !first.feedback()->corner) std::this_thread::yield();
+  first.cancel();
+  for (const auto* const move : {&first, &second}) {
+    const auto ended = move->get();
+    ASSERT_FALSE(ended);
+    EXPECT_EQ(ended.error().detail, gecos::Detail::Canceled) << ended.error();
+  }
+  EXPECT_FALSE(arm_.moving());
+  EXPECT_GT(distance(robot_.tool().get().value(), goal), 50_mm);
 }
 
 TEST_F(Rx90Test, AJointThatCannotTurnSoFarIsNamedCountedFromOne) {

@@ -39,6 +39,24 @@ TEST(ObjectQueue, StartsActorCommandsOneAtATimeInTheirOrder) {
   EXPECT_EQ(queue.next(), second);
 }
 
+TEST(ObjectQueue, StartsABlendBesideOneThatLetsIt) {
+  OperationDescription blends = moves;
+  blends.on_new = OnNew::Blend;
+  ObjectQueue queue(LaneThreads::Many);
+  const auto first = entry(blends), second = entry(blends), third = entry(moves);
+  for (const auto& each : {first, second, third}) ASSERT_TRUE(queue.push(each));
+  ASSERT_EQ(queue.next(), first);
+  EXPECT_EQ(queue.next(), nullptr) << "the first one has not let it";
+  first->lets_next = true;
+  EXPECT_EQ(queue.next(), second);
+  second->lets_next = true;
+  EXPECT_EQ(queue.next(), nullptr) << "the third one does not blend";
+  finish(queue, *first);
+  EXPECT_EQ(queue.next(), nullptr);
+  finish(queue, *second);
+  EXPECT_EQ(queue.next(), third);
+}
+
 TEST(ObjectQueue, KeepsTheLaneUntilTheAnswerThoughTheHandlerReturned) {
   ObjectQueue queue(LaneThreads::One);
   const auto first = entry(moves);

@@ -12,8 +12,8 @@ namespace robcl::motion {
 inline constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double squared(double value) { return value * value; }
 
-/// The limits in one interval of a path. The limits of the joints apply as fractions of those of the
-/// model.
+/// The limits in one interval of a path. The limits of the joints apply as fractions of those of
+/// the model.
 struct IntervalLimits {
   /// The limit |per_u·u| + |per_x·x| <= limit of u = d²s/dt² and x = (ds/dt)²: the acceleration of
   /// the tool, where a unit of s moves it by `per_u`, and its way bends by `per_x`.

@@ -36,10 +36,11 @@ ToolSpeed tool_speed(const Move& move) {
 }
 
 ToolLimits scaled(const ToolLimits& limits, const Pace& pace) {
-  return {.speed = std::min(limits.speed * pace.speed, pace.tool_speed.value_or(infinite)),
-          .acceleration = limits.acceleration * pace.acceleration,
-          .turn_speed = std::min(limits.turn_speed * pace.speed, pace.turn_speed.value_or(infinite)),
-          .turn_acceleration = limits.turn_acceleration * pace.acceleration};
+  return {
+      .speed = std::min(limits.speed * pace.speed, pace.tool_speed.value_or(infinite)),
+      .acceleration = limits.acceleration * pace.acceleration,
+      .turn_speed = std::min(limits.turn_speed * pace.speed, pace.turn_speed.value_or(infinite)),
+      .turn_acceleration = limits.turn_acceleration * pace.acceleration};
 }
 
 std::vector<IntervalLimits> limits_of(const Move& move, const ToolLimits& limits) {

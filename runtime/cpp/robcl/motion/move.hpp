@@ -17,10 +17,10 @@ namespace robcl::motion {
 struct Move {
   Path path;  ///< s is from 0 to the nominal duration
   Pace pace;
-  std::optional<Line> line;       ///< of the tool, seen from the base; absent for a joint move
+  std::optional<Line> line;  ///< of the tool, seen from the base; absent for a joint move
   Frame flange_from_tool;
-  bool stands = false;            ///< the goal is where the arm is
-  std::vector<double> caps{};     ///< greatest (ds/dt)² in each interval; may be empty
+  bool stands = false;         ///< the goal is where the arm is
+  std::vector<double> caps{};  ///< greatest (ds/dt)² in each interval; may be empty
 
   double duration() const { return path.end(); }
 };

@@ -32,17 +32,6 @@ Move standing(const JointValues& at, const Pace& pace, const Frame& flange_from_
   return {Path({{0, 1}, {at, at}}), pace, std::nullopt, flange_from_tool, true};
 }
 
-/// Returns the time in s in which the joints get from `from` to `to` at their full speed.
-double nominal_duration(const arm::ArmModel& model, const JointValues& from, const JointValues& to,
-                        const Pace& pace) {
-  double longest = 0;
-  for (Eigen::Index axis = 0; axis < from.size(); ++axis) {
-    const double speed = model.limits()[static_cast<std::size_t>(axis)].speed * pace.speed;
-    longest = std::max(longest, std::abs(to[axis] - from[axis]) / speed);
-  }
-  return longest;
-}
-
 }  // namespace
 
 Planner::Planner(const arm::ArmModel& model, const ToolLimits& limits)
@@ -61,7 +50,7 @@ std::optional<OutOfReach> Planner::absurd(const Frame& base_from_goal) const {
   return OutOfReach{text.str()};
 }
 
-tl::expected<Plan, Failure> Planner::planned(const tl::expected<Move, Failure>& move) const {
+tl::expected<Plan, Failure> Planner::plan_of(const tl::expected<Move, Failure>& move) const {
   if (!move) return tl::unexpected(move.error());
   return plan(*move);
 }
@@ -78,7 +67,7 @@ tl::expected<Move, Failure> Planner::joint_move(const JointValues& from, const J
                                                 const Pace& pace, const Frame& flange_from_tool) {
   if (const auto outside = arm::first_outside(model_, to)) return tl::unexpected(*outside);
   if ((to - from).cwiseAbs().maxCoeff() < no_move) return standing(from, pace, flange_from_tool);
-  const double duration = nominal_duration(model_, from, to, pace);
+  const double duration = arm::travel_time(model_, from, to) / pace.speed;
   Path::Knots knots;
   for (int i = 0; i <= joint_move_knots; ++i) {
     const double part = static_cast<double>(i) / joint_move_knots;

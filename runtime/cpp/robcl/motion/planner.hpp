@@ -49,16 +49,16 @@ class Planner {
   /// The plans of such moves.
   tl::expected<Plan, arm::Failure> joints(const JointValues& from, const JointValues& to,
                                           const Pace& pace, const Frame& flange_from_tool = {}) {
-    return planned(joint_move(from, to, pace, flange_from_tool));
+    return plan_of(joint_move(from, to, pace, flange_from_tool));
   }
   tl::expected<Plan, arm::Failure> joints_to(
       const JointValues& from, const Frame& base_from_goal, const Frame& flange_from_tool,
       const Pace& pace, const std::optional<arm::Configuration>& wanted = std::nullopt) {
-    return planned(joint_move_to(from, base_from_goal, flange_from_tool, pace, wanted));
+    return plan_of(joint_move_to(from, base_from_goal, flange_from_tool, pace, wanted));
   }
   tl::expected<Plan, arm::Failure> straight(const JointValues& from, const Frame& base_from_goal,
                                             const Frame& flange_from_tool, const Pace& pace) {
-    return planned(straight_move(from, base_from_goal, flange_from_tool, pace));
+    return plan_of(straight_move(from, base_from_goal, flange_from_tool, pace));
   }
 
   Frame base_from_tool(const JointValues& joints, const Frame& flange_from_tool);
@@ -71,7 +71,7 @@ class Planner {
   arm::InverseKinematics& inverse() { return *inverse_; }
 
  private:
-  tl::expected<Plan, arm::Failure> planned(const tl::expected<Move, arm::Failure>& move) const;
+  tl::expected<Plan, arm::Failure> plan_of(const tl::expected<Move, arm::Failure>& move) const;
   tl::expected<Path, arm::Failure> path_of_line(const JointValues& from, const Line& line,
                                                 const Frame& tool_from_flange, double duration);
   std::vector<double> caps_of_tool(const Path& path, const Pace& pace,

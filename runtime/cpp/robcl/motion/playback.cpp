@@ -5,25 +5,63 @@
 
 namespace robcl::motion {
 
-Playback::Playback(Plan plan) : plan_(std::move(plan)) {}
+Playback::Playback(Plan plan) : entered_(nullptr), start_(plan.start()) {
+  stages_.push_back(std::make_unique<Stage>(std::move(plan), 0));
+  stage_ = stages_.front().get();
+  entered_.store(stage_);
+}
+
+void Playback::append(Plan plan, double begins) {
+  const Stage* const entered = entered_.load();
+  while (stages_.front().get() != entered) stages_.pop_front();
+  auto next = std::make_unique<Stage>(std::move(plan), begins);
+  stages_.back()->next.store(next.get());
+  stages_.push_back(std::move(next));
+}
 
 JointValues Playback::advance(double seconds) {
   if (!standing_ && mode_ != Mode::OnTime) {
     advance_by_pieces(seconds);
   } else if (!standing_) {
-    time_ += seconds;
-    const TimeLaw::State state = plan_.law.at(time_);
-    s_ = state.s;
-    speed_ = state.speed;
-    standing_ = time_ >= plan_.law.duration();
+    advance_by_law(seconds);
   }
-  return standing_ && s_ >= plan_.path.end() ? plan_.goal() : plan_.path.position(s_);
+  elapsed_.store(stage_->begins + time_);
+  return standing_ && s_ >= plan().path.end() ? plan().goal() : plan().path.position(s_);
+}
+
+void Playback::advance_by_law(double seconds) {
+  const double before = time_;
+  time_ += seconds;
+  const Stage* const next = stage_->next.load();
+  if (next != nullptr) {
+    const double switches = next->begins - stage_->begins;
+    if (before <= switches && switches <= time_) {
+      enter(*next);
+      return advance_by_law(before + seconds - switches);
+    }
+  }
+  const TimeLaw::State state = plan().law.at(time_);
+  s_ = state.s;
+  speed_ = state.speed;
+  standing_ = time_ >= plan().law.duration();
+}
+
+/// Returns the stage that takes over at the knot where the motion is; null if there is none.
+const Playback::Stage* Playback::next_at_knot() const {
+  const Stage* const next = stage_->next.load();
+  return next != nullptr && next->plan.path.begin() == s_ ? next : nullptr;
+}
+
+void Playback::enter(const Stage& next) {
+  stage_ = &next;
+  entered_.store(&next);
+  time_ = 0;
 }
 
 void Playback::set_override(double factor) {
   if (factor == override_) return;
   override_ = factor;
-  const bool moves = !standing_ && plan_.law.duration() > 0;
+  const bool moves = !standing_ && plan().law.duration() > 0;
   if (moves && mode_ != Mode::Braking) leave_law(Mode::Scaled);
 }
 
@@ -40,7 +78,8 @@ void Playback::rest() {
 
 void Playback::leave_law(Mode mode) {
   mode_ = mode;
-  piece_.knot = plan_.path.interval_at(s_);
+  piece_ = {};
+  piece_.knot = plan().path.interval_at(s_);
   begin_piece();
 }
 
@@ -53,24 +92,40 @@ void Playback::leave_law(Mode mode) {
 ///
 /// The motion is never faster than the plan: there, the limits may allow nothing.
 void Playback::begin_piece() {
-  const double step = plan_.path.step(piece_.knot);
+  const double step = plan().path.step(piece_.knot);
   piece_.end = end_of_interval();
   const double way = std::max(piece_.end - s_, 0.0);
   const double part = 1 - std::min(way / step, 1.0);
   const double x = speed_ * speed_;
-  const PathBounds::Interval allowed = plan_.braking.over_rest(piece_.knot, part, x);
-  const double next = plan_.law.speed(piece_.knot + 1);
+  const PathBounds::Interval allowed = plan().braking.over_rest(piece_.knot, part, x);
+  const double next = plan().law.speed(piece_.knot + 1);
   const auto towards = [&](double speed) { return way > 0 ? (speed * speed - x) / (2 * way) : 0; };
   if (mode_ == Mode::Braking || override_ == 0) {
     piece_.acceleration = std::min(allowed.lower, towards(next));
   } else if (next > 0) {
     const double wanted = std::min(allowed.upper, towards(override_ * next));
     piece_.acceleration = std::min(std::max(allowed.lower, wanted), towards(next));
-  } else if (x > 0) {
-    piece_.acceleration = towards(0);
-  } else {  // from rest to the goal: accelerate over the first half of the way
-    piece_.end -= way / 2;
-    piece_.acceleration = std::min(allowed.upper, plan_.braking.hardest_to_rest(piece_.knot, part));
+  } else {
+    begin_last_piece(way, part, x, allowed.upper);
+  }
+}
+
+/// Begins a piece of the last interval, `way` before the goal and at the fraction `part` of the
+/// interval: the motion accelerates by at most `most`, as long as it can then brake to rest at the
+/// goal. `x` is (ds/dt)².
+void Playback::begin_last_piece(double way, double part, double x, double most) {
+  const double law_speed = override_ * plan().law.speed(piece_.knot);
+  const double braking = std::min(plan().braking.hardest_to_rest(piece_.knot, part),
+                                  law_speed * law_speed / (2 * plan().path.step(piece_.knot)));
+  const double acceleration = std::min(most, braking);
+  const double before = (2 * braking * way - x) / (2 * (acceleration + braking));
+  constexpr double too_short = 0.01;
+  if (!piece_.brakes_after && acceleration > 0 && before > too_short * way) {
+    piece_.brakes_after = true;
+    piece_.end = s_ + before;
+    piece_.acceleration = acceleration;
+  } else {
+    piece_.acceleration = way > 0 ? -x / (2 * way) : 0;
   }
 }
 
@@ -93,36 +148,40 @@ void Playback::advance_by_pieces(double seconds) {
     } else if (mode_ == Mode::Braking || paused) {
       s_ = std::min(s_ + lasts * speed_ / 2, piece_.end);
     } else {  // the arm stops only at the goal
-      s_ = plan_.path.end();
+      s_ = plan().path.end();
     }
     speed_ = stops ? 0 : std::sqrt(left);
     const bool at_knot = s_ >= end_of_interval();
     if (at_knot) ++piece_.knot;
-    const bool at_goal = piece_.knot == plan_.braking.intervals();
+    const Stage* const next = at_knot && mode_ == Mode::Scaled ? next_at_knot() : nullptr;
+    if (next != nullptr) {
+      enter(*next);
+      piece_.knot = 0;
+    }
+    const bool at_goal = piece_.knot == plan().braking.intervals();
     standing_ = at_goal || (stops && !paused);
     if (standing_ || (stops && paused)) break;
     if (mode_ == Mode::Scaled && override_ == 1 && at_knot &&
-        speed_ >= plan_.law.speed(piece_.knot) * (1 - 1e-9)) {
+        speed_ >= plan().law.speed(piece_.knot) * (1 - 1e-9)) {
       mode_ = Mode::OnTime;
-      time_ = plan_.law.time(piece_.knot);
-      advance(seconds);
-      return;
+      time_ = plan().law.time(piece_.knot);
+      return advance_by_law(seconds);
     }
     begin_piece();
   }
   if (mode_ == Mode::Scaled) {
-    time_ = standing_ ? plan_.law.duration() : std::max(time_, plan_.law.time_at(s_));
+    time_ = standing_ ? plan().law.duration() : std::max(time_, plan().law.time_at(s_));
   }
 }
 
 double Playback::fraction() const {
-  if (plan_.law.duration() <= 0) return standing_ ? 1 : 0;
-  return std::min(1.0, time_ / plan_.law.duration());
+  if (plan().law.duration() <= 0) return standing_ ? 1 : 0;
+  return std::min(1.0, time_ / plan().law.duration());
 }
 
 double Playback::remaining() const {
   if (standing_ || stopping()) return 0;
-  const double at_full_speed = std::max(0.0, plan_.law.duration() - time_);
+  const double at_full_speed = std::max(0.0, plan().law.duration() - time_);
   return override_ > 0 ? at_full_speed / override_ : at_full_speed;
 }
 

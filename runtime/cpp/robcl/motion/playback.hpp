@@ -1,20 +1,33 @@
 // The execution of a plan, one control cycle after the other.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <deque>
+#include <memory>
 
 #include "robcl/motion/plan.hpp"
 #include "robcl/motion/trajectory_generator.hpp"
 
 namespace robcl::motion {
 
-/// Computes the set points of the joints for each control cycle of a plan. Never allocates memory,
-/// locks or logs.
+/// Computes the set points of the joints for each control cycle of a plan. Except for `append` and
+/// `elapsed`, only the control loop calls these functions; they never allocate memory, lock or log.
 class Playback final : public TrajectoryGenerator {
  public:
   explicit Playback(Plan plan);
 
-  const JointValues& start() const override { return plan_.start(); }
+  /// Makes the motion go over into `plan`, whose path begins at a knot of the last plan, with the
+  /// position, slope and speed ds/dt of that plan; `begins` is the time of that knot by the time
+  /// laws of all plans so far, in s. If the motion has passed this time already, or brakes, it ends
+  /// as without `plan`. Any one thread may call this function.
+  void append(Plan plan, double begins);
+  /// Returns the time in s since the start, by the time laws of the plans: while an override slows
+  /// the motion, it rises more slowly than time, and after `stop` it stands. Any thread may call
+  /// this function.
+  double elapsed() const { return elapsed_.load(); }
+
+  const JointValues& start() const override { return start_; }
   JointValues advance(double seconds) override;
   void set_override(double factor) override;
 
@@ -29,28 +42,45 @@ class Playback final : public TrajectoryGenerator {
   bool standing() const override { return standing_; }
   bool stopping() const override { return mode_ == Mode::Braking; }
   /// Returns the fraction of the plan's duration that has passed, from 0 to 1. It does not rise
-  /// after `stop`.
+  /// after `stop`. It counts from the start of the plan that the motion follows now.
   double fraction() const override;
   /// Returns the remaining time to the goal in s; 0 after `stop` and at the goal. While the arm
   /// accelerates after `rest`, the time is too short; while the motion is paused, it is that of a
   /// motion that goes on at full speed.
   double remaining() const override;
-  const Plan& plan() const { return plan_; }
 
  private:
+  /// A plan, and the one that takes over from it.
+  struct Stage {
+    Stage(Plan its_plan, double its_begin) : plan(std::move(its_plan)), begins(its_begin) {}
+    const Plan plan;
+    const double begins;  // s, by the time laws of the plans before it
+    std::atomic<const Stage*> next{nullptr};
+  };
   enum class Mode {
     OnTime,   ///< the motion follows the time law of the plan
     Braking,  ///< the motion brakes to rest, as hard as the limits allow
     Scaled    ///< the motion takes on the speed of the plan times the override, and keeps it
   };
+  const Plan& plan() const { return stage_->plan; }
+  void advance_by_law(double seconds);
+  const Stage* next_at_knot() const;
+  void enter(const Stage& next);
   void leave_law(Mode mode);
   void advance_by_pieces(double seconds);
   void begin_piece();
-  double end_of_interval() const { return plan_.path.place(piece_.knot + 1); }
+  void begin_last_piece(double way, double part, double x, double most);
+  double end_of_interval() const { return plan().path.place(piece_.knot + 1); }
 
-  Plan plan_;
+  std::deque<std::unique_ptr<Stage>> stages_;  // used by the thread that appends
+  std::atomic<const Stage*> entered_;          // the stages before it are not used any more
+  std::atomic<double> elapsed_{0};             // orders no other memory
+
+  const JointValues start_;
+  const Stage* stage_;
   Mode mode_ = Mode::OnTime;
-  double time_ = 0;  // s since the start, by the time law of the plan; does not rise while braking
+  // s since the start of the stage, by the time law of its plan; does not rise while braking
+  double time_ = 0;
   double s_ = 0;
   double speed_ = 0;  // ds/dt
   bool standing_ = false;
@@ -61,6 +91,7 @@ class Playback final : public TrajectoryGenerator {
     std::size_t knot = 0;  // the start of the interval
     double end = 0;        // s
     double acceleration = 0;
+    bool brakes_after = false;  // from the end of this piece to the goal
   };
   Piece piece_;
 };

@@ -7,6 +7,7 @@
 
 #include "robcl/motion/line.hpp"
 #include "robcl/motion/planner.hpp"
+#include "robcl/motion/pose_walk.hpp"
 
 namespace robcl::motion {
 namespace {
@@ -16,11 +17,8 @@ using arm::JointLimit;
 using arm::OutOfReach;
 using arm::Singular;
 
-constexpr double line_step = mm(1);     // longest distance of the tool between two knots
-constexpr double turn_step = deg(0.2);  // largest turn of the tool between two knots
-constexpr double joint_step = 0.03;     // rad per joint between two knots; else more knots
-constexpr double joint_jump = 0.1;      // rad per joint between the closest knots; else the line fails
-constexpr std::size_t closer = 8;       // parts of an interval, at most, where joints turn fast
+constexpr double joint_jump = 0.1;  // rad per joint between the closest knots; else the line fails
+constexpr std::size_t closer = 8;   // parts of an interval, at most, where joints turn fast
 constexpr std::size_t fewest = 50, most = 4000;
 
 Failure with_place(Failure failure, const std::string& where) {
@@ -28,14 +26,6 @@ Failure with_place(Failure failure, const std::string& where) {
     reach->reason = where + ": " + reach->reason;
   }
   return failure;
-}
-
-/// Fills the empty members of `kept` with those of `now`. A member is empty until the arm has left
-/// the singularity at which the member is undefined.
-void keep_what_is_known(arm::Configuration& kept, const arm::Configuration& now) {
-  if (!kept.shoulder) kept.shoulder = now.shoulder;
-  if (!kept.elbow) kept.elbow = now.elbow;
-  if (!kept.wrist) kept.wrist = now.wrist;
 }
 
 /// Returns the joint that turns most between two joint positions.
@@ -52,16 +42,12 @@ class LineWalk {
  public:
   LineWalk(const arm::ArmModel& model, arm::InverseKinematics& inverse, const Line& line,
            const Frame& tool_from_flange, const JointValues& from)
-      : model_(model),
-        inverse_(inverse),
-        line_(line),
-        tool_from_flange_(tool_from_flange),
-        at_{from, inverse.configuration(from)} {}
+      : walk_(model, inverse, from), line_(line), tool_from_flange_(tool_from_flange) {}
 
   /// Walks from the fraction `start` of the line to its fraction `end` and adds the knots that are
   /// needed to `knots`. Where a joint turns fast, they are closer together.
   tl::expected<void, Failure> walk(double start, double end, double duration, Path::Knots& knots) {
-    const Place begin = at_;
+    const PoseWalk::Place begin = walk_.at();
     for (std::size_t parts = 1;; parts *= 2) {
       const double each = (end - start) / static_cast<double>(parts);
       const bool closest = parts == closer;
@@ -70,48 +56,34 @@ class LineWalk {
       for (; done < parts; ++done) {
         const bool last = done + 1 == parts;
         const double part = last ? end : start + static_cast<double>(done + 1) * each;
-        const JointValues before = at_.joints;
+        const JointValues before = walk_.at().joints;
         if (auto failure = step_to(part)) return tl::unexpected(*std::move(failure));
-        const double change = (at_.joints - before).cwiseAbs().maxCoeff();
+        const double change = (walk_.at().joints - before).cwiseAbs().maxCoeff();
         if (change > (closest ? joint_jump : joint_step)) {
           if (closest) return tl::unexpected(Failure(too_fast(before, part, each)));
           break;
         }
-        knots.add(part * duration, at_.joints);
+        knots.add(part * duration, walk_.at().joints);
       }
       if (done == parts) return {};
-      at_ = begin;
+      walk_.return_to(begin);
       knots.places.resize(known);
       knots.joints.resize(known);
     }
   }
 
  private:
-  struct Place {
-    JointValues joints;
-    arm::Configuration kept;
-  };
-
   std::optional<Failure> step_to(double part) {
-    auto solution =
-        inverse_.solve(line_.at(part) * tool_from_flange_, at_.joints, at_.kept);
-    if (!solution) return with_place(solution.error(), line_.place(part));
-    // The solver adds a whole turn to a joint that would pass its limit. The following loop removes
-    // that turn.
-    for (Eigen::Index axis = 0; axis < solution->size(); ++axis) {
-      (*solution)[axis] = arm::nearest_angle((*solution)[axis], at_.joints[axis]);
-    }
-    if (const auto outside = arm::first_outside(model_, *solution)) return *outside;
-    at_.joints = *std::move(solution);
-    keep_what_is_known(at_.kept, inverse_.configuration(at_.joints));
-    return std::nullopt;
+    const auto failure = walk_.step_to(line_.at(part) * tool_from_flange_);
+    if (!failure) return std::nullopt;
+    return with_place(*failure, line_.place(part));
   }
 
   Singular too_fast(const JointValues& before, double part, double each) const {
-    const Eigen::Index axis = busiest(before, at_.joints);
+    const Eigen::Index axis = busiest(before, walk_.at().joints);
     std::ostringstream text;
     text << line_.place(part) << " joint " << axis + 1 << " would have to turn " << std::fixed
-         << std::setprecision(1) << in_deg(std::abs(at_.joints[axis] - before[axis]))
+         << std::setprecision(1) << in_deg(std::abs(walk_.at().joints[axis] - before[axis]))
          << " deg within " << std::setprecision(2);
     if (line_.length() > 0) {
       text << in_mm(line_.length() * each) << " mm";
@@ -122,16 +94,13 @@ class LineWalk {
     return Singular{text.str()};
   }
 
-  const arm::ArmModel& model_;
-  arm::InverseKinematics& inverse_;
+  PoseWalk walk_;
   const Line& line_;
   const Frame tool_from_flange_;
-  Place at_;
 };
 
 tl::expected<Path, Failure> Planner::path_of_line(const JointValues& from, const Line& line,
-                                                  const Frame& tool_from_flange,
-                                                  double duration) {
+                                                  const Frame& tool_from_flange, double duration) {
   const double steps = std::ceil(std::max(line.length() / line_step, line.turn() / turn_step));
   const auto intervals = std::clamp(static_cast<std::size_t>(std::max(steps, 1.0)), fewest, most);
   Path::Knots knots;

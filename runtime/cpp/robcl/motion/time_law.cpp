@@ -96,7 +96,8 @@ double TimeLaw::time_at(double s) const {
   const double step = places_[i + 1] - places_[i];
   const double way = std::clamp(s - places_[i], 0.0, step);
   const double before = speeds_[i] * speeds_[i], end = speeds_[i + 1] * speeds_[i + 1];
-  const double speed = std::sqrt(before + way / step * (end - before));  // its square is linear in s
+  const double speed =
+      std::sqrt(before + way / step * (end - before));  // its square is linear in s
   if (way <= 0) return times_[i];
   return times_[i] + 2 * way / (speeds_[i] + speed);
 }

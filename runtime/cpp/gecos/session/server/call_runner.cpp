@@ -134,6 +134,16 @@ void CallRunner::take_answer(ServerCall& call, const Outcome& outcome) {
   run_ready(Starter::Other);
 }
 
+void CallRunner::let_next(ServerCall& call) {
+  {
+    const MutexLock lock(object_.mutex);
+    if (call.operation().on_new != OnNew::Blend || call.state.ended()) return;
+    call.lets_next = true;
+    object_.calls.note_ready();
+  }
+  run_ready(Starter::Other);
+}
+
 void CallRunner::progressed(ServerCall& call, double fraction, ByteView feedback) {
   const MutexLock lock(object_.mutex);
   object_.calls.progressed(call, fraction, feedback);

@@ -29,6 +29,7 @@ class CallRunner {
   bool begin(ServerCall& call);
   void answered(ServerCall& call, ByteView result);
   void answered(ServerCall& call, Failure failure);
+  void let_next(ServerCall& call);
   void progressed(ServerCall& call, double fraction, ByteView feedback);
   /// Sleeps until `call` is interrupted or until `deadline`; returns true when it is interrupted.
   bool wait_interrupted(const ServerCall& call, TimePoint deadline);

@@ -9,10 +9,9 @@ namespace {
 /// so it may use their room.
 bool replaces(const QueueEntry& entry) { return entry.operation.on_new == OnNew::Preempt; }
 
-bool beside_each_other(const QueueEntry& one, const QueueEntry& other) {
-  const bool both_blend =
-      one.operation.on_new == OnNew::Blend && other.operation.on_new == OnNew::Blend;
-  return one.operation.parallel || other.operation.parallel || both_blend;
+bool may_start_beside(const QueueEntry& running, const QueueEntry& next) {
+  const bool blends = running.lets_next && next.operation.on_new == OnNew::Blend;
+  return running.operation.parallel || next.operation.parallel || blends;
 }
 
 }  // namespace
@@ -109,14 +108,14 @@ ObjectQueue::Lane& ObjectQueue::lane_of(const QueueEntry& entry) {
 
 bool ObjectQueue::beside_running(const QueueEntry& entry) const {
   return std::all_of(running_.begin(), running_.end(),
-                     [&](const QueueEntry* other) { return beside_each_other(*other, entry); });
+                     [&](const QueueEntry* other) { return may_start_beside(*other, entry); });
 }
 
 std::vector<QueueEntry*> ObjectQueue::holding_up() const {
   std::vector<QueueEntry*> holding;
   if (actor_.empty()) return holding;
   for (QueueEntry* const running : running_) {
-    if (!beside_each_other(*running, *actor_.front())) holding.push_back(running);
+    if (!may_start_beside(*running, *actor_.front())) holding.push_back(running);
   }
   return holding;
 }

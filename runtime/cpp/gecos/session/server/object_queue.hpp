@@ -27,6 +27,7 @@ struct QueueEntry {
   const std::size_t bytes;  ///< size of the arguments
 
   CallLane lane = CallLane::None;
+  bool lets_next = false;  ///< its handler has let the next command with @on_new("blend") start
 };
 
 enum class LaneThreads : std::uint8_t {

@@ -43,6 +43,8 @@ void ServerCall::progress(double its_fraction, ByteView its_feedback) {
   object().runner().progressed(*this, its_fraction, its_feedback);
 }
 
+void ServerCall::let_next() { object().runner().let_next(*this); }
+
 void ServerCall::finish(ByteView result) { object().runner().answered(*this, result); }
 
 void ServerCall::fail(Failure failure) { object().runner().answered(*this, std::move(failure)); }

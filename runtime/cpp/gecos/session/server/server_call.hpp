@@ -42,6 +42,7 @@ class ServerCall final : public CallCore,
   bool begin() override;
   std::optional<TimePoint> marked_at() const override;
   void progress(double fraction, ByteView feedback) override;
+  void let_next() override;
   void finish(ByteView result) override;
   void fail(Failure failure) override;
 

@@ -113,9 +113,12 @@ void SessionPackets::cancel(ServerSession& session, std::uint64_t counter) {
     calls_.end(*call, Failure{Detail::Canceled, "canceled before it started", {}, {}});
     calls_.note_ready();
   } else if (call->operation().cancelable && !call->state.canceling()) {
-    call->state.on(CallState::Event::Cancel);
-    calls_.interrupt(*call);
-    session.report(*call, Detail::Canceling, 0);
+    cancel_running(session, *call);
+    for (const auto& [later, other] : session.calls.all()) {
+      if (later > counter && call->lets_next && other->operation().on_new == OnNew::Blend) {
+        cancel_running(session, *other);
+      }
+    }
     calls_.end_commands(
         [&](const ServerCall& other) {
           return other.client == call->client && other.state.queued() &&
@@ -130,6 +133,13 @@ void SessionPackets::cancel(ServerSession& session, std::uint64_t counter) {
                 "canceled, because an earlier command of the same client was canceled");
     }
   }
+}
+
+void SessionPackets::cancel_running(ServerSession& session, ServerCall& call) {
+  if (call.state.queued() || call.state.canceling() || call.state.ended()) return;
+  call.state.on(CallState::Event::Cancel);
+  calls_.interrupt(call);
+  session.report(call, Detail::Canceling, 0);
 }
 
 void SessionPackets::answer_again(ServerSession& session, std::uint64_t counter) {

@@ -48,6 +48,7 @@ class SessionPackets {
   bool unheard_since_a_pause(const ServerSession& session) const;
   void withdraw(ServerSession& session);
   void cancel(ServerSession& session, std::uint64_t counter);
+  void cancel_running(ServerSession& session, ServerCall& call);
   void answer_again(ServerSession& session, std::uint64_t counter);
 
   // From the arrival of a call to the queue.

@@ -1,0 +1,268 @@
+#include "arm/arm_motion.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <iomanip>
+#include <sstream>
+#include <utility>
+
+namespace devices {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto beat = 5ms;  // period at which a running motion is looked at
+// A motion stays as it is for so many cycles of the control loop, and for this time in s, in which
+// the next move is planned: so the control loop learns of that move before it begins.
+constexpr double cycles_ahead = 2, time_to_plan = 0.008;
+// The arm can go over into so many moves, because each keeps a thread of the server.
+constexpr std::size_t most_links = 64;
+constexpr double same_place = 1e-6;  // rad
+
+DriverFault stalled_loop() {
+  return {"the control loop has stalled: a call of the driver does not return"};
+}
+
+std::string not_settled(const ArmController::Outcome& outcome) {
+  std::ostringstream text;
+  text << "joint " << outcome.axis + 1 << " does not reach its goal: it stands "
+       << std::setprecision(3) << robcl::in_deg(outcome.away)
+       << " deg away from the goal; check for an obstacle or a dragging brake";
+  return text.str();
+}
+
+ArmMotion::Result result_of(const ArmController::Outcome& outcome) {
+  switch (outcome.end) {
+    case ArmController::End::Arrived:
+      return {};
+    case ArmController::End::Stopped:
+      return tl::unexpected(Interrupted{});
+    case ArmController::End::NotSettled:
+      return tl::unexpected(DriverFault{not_settled(outcome)});
+    case ArmController::End::Fault:
+      break;
+  }
+  return tl::unexpected(outcome.fault);
+}
+
+}  // namespace
+
+std::optional<ArmController::Outcome> OutcomeWatch::look() {
+  auto outcome = controller_.wait(beat);
+  const std::uint64_t beats = controller_.beats();
+  looks_ = beats == beats_ ? looks_ + 1 : 0;
+  beats_ = beats;
+  return outcome;
+}
+
+/// Reserves the arm for the calling thread. Returns why that is not possible.
+std::optional<MoveFailure> ArmMotion::claim() {
+  if (busy_) return Refused{"the arm is moving for another caller; wait until it stops"};
+  if (unfinished_ && !controller_.wait(0ms)) return stalled_loop();
+  unfinished_ = false;
+  busy_ = true;
+  return std::nullopt;
+}
+
+bool ArmMotion::while_standing(const std::function<void()>& change) {
+  const Lock lock(mutex_);
+  if (!busy_) change();
+  return !busy_;
+}
+
+ArmMotion::Result ArmMotion::alone(const std::function<Generator(const JointValues& from)>& make,
+                                   MotionWatcher& watcher) {
+  {
+    const Lock lock(mutex_);
+    if (auto failure = claim()) return tl::unexpected(*std::move(failure));
+  }
+  Result result = tl::unexpected(Interrupted{});
+  bool stalled = false;
+  if (!watcher.interrupted()) {
+    controller_.start(make(controller_.standing_at()));
+    OutcomeWatch outcome(controller_);
+    std::optional<ArmController::Outcome> ended;
+    while (!ended && !outcome.stalled()) {
+      ended = outcome.look();
+      if (watcher.interrupted()) controller_.stop();
+      watcher.progress(0, 0);
+    }
+    stalled = !ended;
+    result = ended ? result_of(*ended) : tl::unexpected(MoveFailure(stalled_loop()));
+  }
+  const Lock lock(mutex_);
+  if (stalled) controller_.stop();  // ends the motion if the control loop continues later
+  unfinished_ = stalled;
+  busy_ = false;
+  return result;
+}
+
+ArmMotion::Result ArmMotion::move(const Request& request, MotionWatcher& watcher) {
+  Lock lock(mutex_);
+  if (links_.empty() || !links_.back()->request.goes_over) {
+    if (auto failure = claim()) return tl::unexpected(*std::move(failure));
+  }
+  Link link{request, watcher};
+  links_.push_back(&link);
+  if (auto failure = plan(link)) {
+    links_.pop_back();
+    busy_ = !links_.empty();
+    return tl::unexpected(*std::move(failure));
+  }
+  return await(lock, link);
+}
+
+/// Waits for the result of `link`. The thread of the first link looks after all of them.
+ArmMotion::Result ArmMotion::await(Lock& lock, Link& link) {
+  while (!link.result) {
+    if (link.joined && link.request.goes_over && !link.told && links_.size() < most_links) {
+      link.told = true;
+      const gecos::MutexUnlock<gecos::Mutex> unlocked(mutex_);
+      link.watcher.taken();
+    } else if (links_.front() == &link) {
+      watch(lock);
+    } else {
+      changed_.wait(lock);
+    }
+  }
+  return *std::move(link.result);
+}
+
+/// Looks at the motion once.
+void ArmMotion::watch(Lock&) {
+  std::optional<ArmController::Outcome> ended;
+  OutcomeWatch& outcome = *outcome_;
+  {
+    const gecos::MutexUnlock<gecos::Mutex> unlocked(mutex_);
+    ended = outcome.look();
+  }
+  look_after_links();
+  if (ended) {
+    end_motion(*ended);
+  } else if (outcome.stalled()) {
+    controller_.stop();  // ends the motion if the control loop continues later
+    unfinished_ = true;
+    end_all(stalled_loop());
+  }
+}
+
+std::optional<MoveFailure> ArmMotion::plan(Link& link) {
+  if (links_.front() == &link) return begin(link);
+  if (!(*(links_.end() - 2))->joined || stopping_) return std::nullopt;
+  auto move = link.request.make(planner_, chain_->goal());
+  if (!move) return move.error();
+  go_over_into(link, *move);
+  return std::nullopt;
+}
+
+std::optional<MoveFailure> ArmMotion::begin(Link& link) {
+  if (link.watcher.interrupted()) return Interrupted{};
+  auto move = link.request.make(planner_, controller_.standing_at());
+  if (!move) return move.error();
+  chain_.emplace(planner_, *std::move(move));
+  playback_ = std::make_shared<robcl::motion::Playback>(chain_->plan());
+  controller_.start(playback_);
+  outcome_.emplace(controller_);
+  stopping_ = false;
+  link.joined = true;
+  link.goal = chain_->goal();
+  set_times();
+  return std::nullopt;
+}
+
+/// Lets the motion go over into `move`, if it still can.
+void ArmMotion::go_over_into(Link& link, const robcl::motion::Move& move) {
+  link.goal = chain_->goal();
+  if (move.stands) {
+    link.joined = true;
+    return set_times();
+  }
+  const double notice = cycles_ahead * controller_.cycle() + time_to_plan;
+  const auto corner = chain_->extend(move, playback_->elapsed() + notice);
+  if (!corner) return;
+  playback_->append(chain_->plan(), chain_->begins());
+  link.joined = true;
+  link.goal = chain_->goal();
+  for (Link* const before : links_) {
+    if (before == &link || before->corner) continue;
+    before->corner = corner;
+    before->watcher.passes_goal(corner->distance);
+  }
+  set_times();
+}
+
+/// Sets the times of the planned moves. Those of corners that the chain has left behind stay.
+void ArmMotion::set_times() {
+  const Link* before = nullptr;
+  for (Link* const link : links_) {
+    if (!link->joined) return;
+    if (before != nullptr && before->corner) {
+      link->begins = chain_->time_at(before->corner->begins).value_or(link->begins);
+    }
+    link->ends =
+        link->corner ? chain_->time_at(link->corner->ends).value_or(link->ends) : chain_->ends();
+    before = link;
+  }
+}
+
+/// Ends the moves whose corners are passed, and reports the progress of the first of the others.
+void ArmMotion::look_after_links() {
+  const double now = playback_->elapsed();
+  while (links_.front()->corner && now >= links_.front()->ends) end_first({});
+  for (Link* const link : links_) stopping_ = link->watcher.interrupted() || stopping_;
+  if (stopping_) controller_.stop();
+  const Link& first = *links_.front();
+  const double whole = first.ends - first.begins, left = std::max(first.ends - now, 0.0);
+  const double factor = controller_.speed_override();
+  const double remaining = stopping_ ? 0 : factor > 0 ? left / factor : left;
+  const bool over = left <= 0 || whole <= 0;
+  first.watcher.progress(over ? 1 : std::clamp(1 - left / whole, 0.0, 1.0), remaining);
+}
+
+/// Ends the moves of a motion that has ended.
+void ArmMotion::end_motion(const ArmController::Outcome& outcome) {
+  const Result result = result_of(outcome);
+  if (result) {
+    const JointValues here = controller_.standing_at();
+    const auto is_here = [&](const Link* link) {
+      return link->joined && (link->goal - here).cwiseAbs().maxCoeff() < same_place;
+    };
+    const auto last = std::find_if(links_.rbegin(), links_.rend(), is_here);
+    for (auto count = links_.rend() - last; count > 0; --count) end_first({});
+  } else if (outcome.end != ArmController::End::Stopped) {
+    return end_all(result.error());
+  }
+  go_on_from_rest();
+}
+
+/// Makes the moves that have not ended: the arm stands before them because it could not go over
+/// into them, or was stopped for others.
+void ArmMotion::go_on_from_rest() {
+  const std::deque<Link*> left = std::exchange(links_, {});
+  for (Link* const link : left) {
+    link->joined = false;
+    link->begins = 0;
+    link->corner.reset();
+    links_.push_back(link);
+    std::optional<MoveFailure> failure = Interrupted{};
+    if (!link->watcher.interrupted()) failure = plan(*link);
+    if (!failure) continue;
+    links_.pop_back();
+    link->result = tl::unexpected(*std::move(failure));
+  }
+  busy_ = !links_.empty();
+  changed_.notify_all();
+}
+
+void ArmMotion::end_all(const MoveFailure& failure) {
+  while (!links_.empty()) end_first(tl::unexpected(failure));
+  busy_ = false;
+}
+
+void ArmMotion::end_first(Result result) {
+  links_.front()->result = std::move(result);
+  links_.pop_front();
+  changed_.notify_all();
+}
+
+}  // namespace devices

@@ -1,0 +1,120 @@
+// Which motion an arm makes, and what becomes of the moves of its callers.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "arm/arm_controller.hpp"
+#include "arm/motion_watcher.hpp"
+#include "arm/move_failure.hpp"
+#include "gecos/base/mutex.hpp"
+#include "robcl/motion/move_chain.hpp"
+#include "robcl/motion/planner.hpp"
+#include "robcl/motion/playback.hpp"
+
+namespace devices {
+
+/// Waits for the outcome of a motion, and notices if the control loop stalls.
+class OutcomeWatch {
+ public:
+  explicit OutcomeWatch(ArmController& controller)
+      : controller_(controller), beats_(controller.beats()) {}
+  /// Waits 5 ms for the outcome. Returns nullopt if the motion still runs.
+  std::optional<ArmController::Outcome> look();
+  /// Returns whether the control loop began no cycle during the last 400 looks. Counts looks and
+  /// not time, because time also passes while the process is suspended.
+  bool stalled() const { return looks_ >= most_looks; }
+
+ private:
+  static constexpr int most_looks = 400;
+
+  ArmController& controller_;
+  std::uint64_t beats_;  // as last seen
+  int looks_ = 0;        // without a new beat
+};
+
+/// Runs the motions of an arm, one at a time. A motion is one move, or several moves that go over
+/// into each other: then several threads are in `move`, each until its own move has ended. The
+/// thread whose move ends next watches the motion. Thread-safe.
+class ArmMotion {
+ public:
+  using Result = tl::expected<void, MoveFailure>;
+  using Generator = std::shared_ptr<robcl::motion::TrajectoryGenerator>;
+
+  /// A move that a caller wants.
+  struct Request {
+    /// Makes the move from the joint positions `from`.
+    std::function<tl::expected<robcl::motion::Move, MoveFailure>(robcl::motion::Planner& planner,
+                                                                 const JointValues& from)>
+        make;
+    /// The arm need not stand at the goal if the next move comes in time.
+    bool goes_over = false;
+  };
+
+  /// Both arguments must exist as long as the new object.
+  ArmMotion(ArmController& controller, robcl::motion::Planner planner)
+      : controller_(controller), planner_(std::move(planner)) {}
+
+  /// Returns when the arm has arrived at the goal by its measured joint positions or, if it goes
+  /// over into the next move, when it is on the path of that one. Refused while the arm makes
+  /// another motion, unless that goes over into this one. If the arm cannot go over, it stands
+  /// before this move begins.
+  Result move(const Request& request, MotionWatcher& watcher);
+
+  /// Makes a motion that no other one follows, by the generator that `make` returns for the joint
+  /// positions at which the arm stands. Returns when the arm stands.
+  Result alone(const std::function<Generator(const JointValues& from)>& make,
+               MotionWatcher& watcher);
+
+  /// Calls `change` if the arm makes no motion, and while it makes none; else returns false.
+  bool while_standing(const std::function<void()>& change);
+
+ private:
+  /// A move that has not ended, on the stack of the thread that waits for it.
+  struct Link {
+    const Request& request;
+    MotionWatcher& watcher;
+    bool joined = false;  // the motion contains it
+    bool told = false;    // the watcher knows that the move is taken
+    JointValues goal{};
+    double begins = 0;  // times in s by MoveChain
+    double ends = 0;
+    /// Where the arm goes over into the next move; nothing if it will stand at the goal.
+    std::optional<robcl::motion::MoveChain::Corner> corner{};
+    std::optional<Result> result{};
+  };
+  using Lock = gecos::MutexLock<gecos::Mutex>;
+
+  std::optional<MoveFailure> claim() GECOS_REQUIRES(mutex_);
+  Result await(Lock& lock, Link& link) GECOS_REQUIRES(mutex_);
+  void watch(Lock& lock) GECOS_REQUIRES(mutex_);
+  /// Returns why `link` cannot be planned; it is not planned either if the arm must stand before.
+  std::optional<MoveFailure> plan(Link& link) GECOS_REQUIRES(mutex_);
+  std::optional<MoveFailure> begin(Link& link) GECOS_REQUIRES(mutex_);
+  void go_over_into(Link& link, const robcl::motion::Move& move) GECOS_REQUIRES(mutex_);
+  void set_times() GECOS_REQUIRES(mutex_);
+  void look_after_links() GECOS_REQUIRES(mutex_);
+  void end_motion(const ArmController::Outcome& outcome) GECOS_REQUIRES(mutex_);
+  void go_on_from_rest() GECOS_REQUIRES(mutex_);
+  void end_all(const MoveFailure& failure) GECOS_REQUIRES(mutex_);
+  void end_first(Result result) GECOS_REQUIRES(mutex_);
+
+  ArmController& controller_;
+
+  gecos::Mutex mutex_;
+  gecos::ConditionVariable changed_;  // links_ or a result
+  robcl::motion::Planner planner_ GECOS_GUARDED_BY(mutex_);
+  bool busy_ GECOS_GUARDED_BY(mutex_) = false;
+  /// The last motion has no outcome yet, because the control loop stalled.
+  bool unfinished_ GECOS_GUARDED_BY(mutex_) = false;
+  std::deque<Link*> links_ GECOS_GUARDED_BY(mutex_);  // in the order of the motion
+  std::optional<robcl::motion::MoveChain> chain_ GECOS_GUARDED_BY(mutex_);
+  std::shared_ptr<robcl::motion::Playback> playback_ GECOS_GUARDED_BY(mutex_);
+  std::optional<OutcomeWatch> outcome_ GECOS_GUARDED_BY(mutex_);
+  bool stopping_ GECOS_GUARDED_BY(mutex_) = false;
+};
+
+}  // namespace devices

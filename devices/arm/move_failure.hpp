@@ -1,0 +1,29 @@
+// Why an arm did not make a motion, or did not end it.
+#pragma once
+
+#include <string>
+#include <variant>
+
+#include "drivers/joint_driver.hpp"
+#include "robcl/arm/failure.hpp"
+
+namespace devices {
+
+/// The failure of a motion that its MotionWatcher interrupted. The arm stands somewhere on its
+/// path.
+struct Interrupted {};
+/// The failure of a motion or setting that the state of the arm, or the request itself, does not
+/// allow.
+struct Refused {
+  std::string reason;
+};
+/// The failure of a sensor-guided motion whose corrections stopped. The arm stands.
+struct CorrectionsStopped {};
+using MoveFailure =
+    std::variant<robcl::arm::OutOfReach, robcl::arm::JointLimit, robcl::arm::Singular, Interrupted,
+                 CorrectionsStopped, Refused, DriverFault>;
+
+std::string to_string(const MoveFailure& failure);
+MoveFailure as_move_failure(const robcl::arm::Failure& failure);
+
+}  // namespace devices

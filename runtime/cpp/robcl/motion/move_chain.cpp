@@ -1,0 +1,280 @@
+#include "robcl/motion/move_chain.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "robcl/motion/pose_walk.hpp"
+
+namespace robcl::motion {
+namespace {
+
+constexpr std::size_t fewest_intervals = 16, most_intervals = 4096;  // of an overlap
+// The limits are kept up to this factor of the time; the rest is rounding.
+constexpr double content = 1.0003;
+constexpr int most_tries = 8;
+
+/// The way from the corner, in s, on the path of the one move and on that of the other, at the time
+/// `t` after the corner. The overlap lasts from -half to half.
+double before_corner(double t, double half) { return -squared(half - t) / (4 * half); }
+double behind_corner(double t, double half) { return squared(half + t) / (4 * half); }
+
+/// The tool on the line of a move, per unit of s: its velocity in the base, and its turn about its
+/// own axes.
+struct Twist {
+  Eigen::Vector3d way = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();
+};
+
+Twist twist_of(const Move& move) {
+  const Frame start = move.line->at(0), goal = move.line->at(1);
+  const Eigen::Quaterniond turned = start.orientation().conjugate() * goal.orientation();
+  return {(goal.position() - start.position()) / move.duration(),
+          rotation_vector(turned) / move.duration()};
+}
+
+Eigen::Quaterniond turned_by(const Eigen::Vector3d& rotation) {
+  return Eigen::Quaterniond(Eigen::AngleAxisd(rotation.norm(), rotation.stableNormalized()));
+}
+
+/// Returns how far apart in s the knots of a move may be.
+double furthest_apart(const Move& move) {
+  double parts = 8;
+  if (move.line) {
+    parts = std::max({parts, move.line->length() / line_step, move.line->turn() / turn_step});
+  }
+  return move.duration() / parts;
+}
+
+/// Returns half the time that the move would need to brake from its full speed: the arm is then
+/// this far from the goal, in s.
+double braking_way(const Move& move, const arm::ArmModel& model, const ToolLimits& limits) {
+  double longest = 0;
+  if (move.line) {
+    const ToolLimits tool = scaled(limits, move.pace);
+    const auto [way, turn] = tool_speed(move);
+    longest = std::max(way / tool.acceleration, turn / tool.turn_acceleration);
+  } else {
+    const JointValues slope = move.path.slope(0).cwiseAbs();
+    for (Eigen::Index axis = 0; axis < slope.size(); ++axis) {
+      const auto& joint = model.limits()[static_cast<std::size_t>(axis)];
+      longest = std::max(longest, slope[axis] / (joint.acceleration * move.pace.acceleration));
+    }
+  }
+  return longest / 2;
+}
+
+/// The limit of the tool in the overlap of two lines, whose velocities differ by `change`. At the
+/// nominal speed, an overlap that is `unhindered` needs exactly the deceleration of the one move
+/// and the acceleration of the other.
+IntervalLimits::Tool tool_in_overlap(double fastest, double change, double half, double unhindered,
+                                     double acceleration) {
+  if (fastest <= 0) return {};
+  return {fastest, change / (2 * half), std::max(acceleration, change / (2 * unhindered))};
+}
+
+}  // namespace
+
+MoveChain::MoveChain(Planner& planner, Move first)
+    : planner_(planner), plan_(planner.plan(first)), last_(std::move(first)) {
+  for (std::size_t i = 0; i <= last_.path.intervals(); ++i) {
+    course_.knots.add(last_.path.place(i), last_.path.knot(i));
+  }
+  course_.limits = limits_of(last_, planner_.tool_limits());
+  course_.braking = braking_limits_of(last_, planner_.tool_limits());
+}
+
+std::optional<double> MoveChain::time_at(double s) const {
+  if (s < plan_.path.begin()) return std::nullopt;
+  return begins_ + plan_.law.time_at(s);
+}
+
+/// Returns the first knot that the motion passes after `time`; nullopt if it is behind
+/// `last_place`.
+std::optional<std::size_t> MoveChain::first_knot_after(double time, double last_place) const {
+  for (std::size_t i = 0; plan_.path.place(i) <= last_place; ++i) {
+    if (begins_ + plan_.law.time(i) >= time) return i;
+  }
+  return std::nullopt;
+}
+
+/// Returns the part of the chain from the knot `first` to the place `end`, where it has a knot,
+/// too.
+MoveChain::Course MoveChain::course_between(std::size_t first, double end) const {
+  Course course;
+  course.knots.add(plan_.path.place(first), plan_.path.knot(first));
+  course.knots.first_slope = first > 0 ? plan_.path.slope(first) : course_.knots.first_slope;
+  for (std::size_t i = first; course.knots.places.back() < end; ++i) {
+    // A knot just before the end would make a very short interval.
+    const bool last = plan_.path.place(i + 1) > end - plan_.path.step(i) / 4;
+    const bool joins = std::ranges::binary_search(course_.knots.joins, i);
+    if (i > first && joins) course.knots.joins.push_back(i - first);
+    if (last) {
+      course.knots.add(end, plan_.path.position(end));
+    } else {
+      course.knots.add(plan_.path.place(i + 1), plan_.path.knot(i + 1));
+    }
+    course.limits.push_back(course_.limits[i]);
+    course.braking.push_back(course_.braking[i]);
+  }
+  return course;
+}
+
+/// Returns the joint positions at the knots of the overlap, without its first one; nullopt if a
+/// pose is beyond a limit, or a joint turns too fast.
+std::optional<std::vector<JointValues>> MoveChain::overlap_joints(const Move& next,
+                                                                  const Overlap& overlap,
+                                                                  std::size_t intervals) {
+  const double half = overlap.half;
+  const Frame tool_from_flange = next.flange_from_tool.inverse();
+  const Frame corner = planner_.base_from_tool(goal(), next.flange_from_tool);
+  const bool lines = last_.line && next.line;
+  const Twist one = lines ? twist_of(last_) : Twist{}, other = lines ? twist_of(next) : Twist{};
+  PoseWalk walk(planner_.model(), planner_.inverse(), overlap.before);
+  std::vector<JointValues> all;
+  for (std::size_t i = 1; i <= intervals; ++i) {
+    const double t = half * (2 * static_cast<double>(i) / static_cast<double>(intervals) - 1);
+    const double before = before_corner(t, half), behind = behind_corner(t, half);
+    JointValues joints;
+    if (lines) {
+      const Eigen::Vector3d way = one.way * before + other.way * behind;
+      const Eigen::Quaterniond turn = turned_by(one.turn * before) * turned_by(other.turn * behind);
+      const Frame tool(corner.position() + way, corner.orientation() * turn);
+      if (walk.step_to(tool * tool_from_flange)) return std::nullopt;
+      joints = walk.at().joints;
+    } else {
+      joints = last_.path.position(last_.duration() + before) + next.path.position(behind) - goal();
+      if (arm::first_outside(planner_.model(), joints)) return std::nullopt;
+    }
+    const JointValues& known = all.empty() ? overlap.before : all.back();
+    if ((joints - known).cwiseAbs().maxCoeff() > joint_step) return std::nullopt;
+    all.push_back(std::move(joints));
+  }
+  all.back() = overlap.after;
+  return all;
+}
+
+/// Adds the knots of the overlap behind its first one. Returns false if there are none.
+bool MoveChain::add_overlap(Course& course, const Move& next, const Overlap& overlap) {
+  const auto spacing = [](const Move& move) {
+    return move.duration() / static_cast<double>(move.path.intervals());
+  };
+  const double finest = std::min(spacing(last_), spacing(next));
+  const auto wanted = static_cast<std::size_t>(std::ceil(overlap.half / finest)) * 2;
+  std::size_t intervals = std::clamp(wanted, fewest_intervals, most_intervals);
+  auto joints = overlap_joints(next, overlap, intervals);
+  while (!joints && intervals < 4 * wanted) {
+    intervals *= 2;
+    joints = overlap_joints(next, overlap, intervals);
+  }
+  if (!joints) return false;
+
+  IntervalLimits limits, braking;
+  limits.speed = std::max(last_.pace.speed, next.pace.speed);
+  limits.acceleration = std::max(last_.pace.acceleration, next.pace.acceleration);
+  limits.cap = 1;
+  if (last_.line && next.line) {
+    const Twist one = twist_of(last_), other = twist_of(next);
+    const auto tool = [&](const Eigen::Vector3d& v, const Eigen::Vector3d& w, double acceleration) {
+      return tool_in_overlap(std::max(v.norm(), w.norm()), (w - v).norm(), overlap.half,
+                             overlap.unhindered, acceleration);
+    };
+    const ToolLimits& full = planner_.tool_limits();
+    limits.way = tool(one.way, other.way, full.acceleration * limits.acceleration);
+    limits.turn = tool(one.turn, other.turn, full.turn_acceleration * limits.acceleration);
+    braking.way = tool(one.way, other.way, full.acceleration);
+    braking.turn = tool(one.turn, other.turn, full.turn_acceleration);
+  }
+  const std::size_t begins = course.knots.places.size() - 1;
+  if (begins > 0) course.knots.joins.push_back(begins);
+  for (std::size_t i = 1; i <= intervals; ++i) {
+    const double part = static_cast<double>(i) / static_cast<double>(intervals);
+    course.knots.add(overlap.corner + overlap.half * (2 * part - 1), (*joints)[i - 1]);
+    course.limits.push_back(limits);
+    course.braking.push_back(braking);
+  }
+  course.knots.joins.push_back(course.knots.places.size() - 1);
+  return true;
+}
+
+/// Adds the part of `next` behind the overlap. A chain of many short moves leaves out knots that
+/// are closer together than its accuracy needs: the time to plan it counts.
+void MoveChain::add_move(Course& course, const Move& next, const Overlap& overlap) const {
+  const auto limits = limits_of(next, planner_.tool_limits());
+  const auto braking = braking_limits_of(next, planner_.tool_limits());
+  const double apart = furthest_apart(next);
+  double cap = infinite;  // of the intervals since the last knot
+  for (std::size_t i = 1; i <= next.path.intervals(); ++i) {
+    const double place = overlap.corner + next.path.place(i);
+    const double since = place - course.knots.places.back();
+    const double step = next.path.step(i - 1);
+    if (since <= 0) continue;
+    cap = std::min(cap, limits[i - 1].cap);
+    const auto turned = [&](std::size_t knot) {
+      return (next.path.knot(knot) - course.knots.joints.back()).cwiseAbs().maxCoeff();
+    };
+    if (i < next.path.intervals()) {
+      const double further = since + next.path.step(i);
+      if (since < step / 4 || (further <= apart && turned(i + 1) <= joint_step)) continue;
+    }
+    course.knots.add(place, next.path.knot(i));
+    course.limits.push_back(limits[i - 1]);
+    course.limits.back().cap = std::exchange(cap, infinite);
+    course.braking.push_back(braking[i - 1]);
+  }
+}
+
+std::optional<Plan> MoveChain::plan_of(const Course& course, double speed) const {
+  Path path(course.knots);
+  const PathBounds limits(path, planner_.model(), course.limits);
+  PathBounds tightened = limits;
+  for (int i = 0; i < most_tries; ++i) {
+    auto law = TimeLaw::fastest_from(tightened, speed);
+    if (!law) return std::nullopt;
+    bool kept = true;
+    for (std::size_t knot = 0; knot < path.intervals(); ++knot) {
+      const double x = squared(law->speed(knot)), after = squared(law->speed(knot + 1));
+      const double excess = limits.excess(knot, x, (after - x) / (2 * limits.step(knot)));
+      if (excess <= content) continue;
+      tightened.tighten(knot, excess);
+      kept = false;
+    }
+    if (kept) {
+      PathBounds braking(path, planner_.model(), course.braking);
+      return Plan{std::move(path), std::move(braking), *std::move(law)};
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<MoveChain::Corner> MoveChain::extend(const Move& next, double after) {
+  if (last_.stands || next.stands) return std::nullopt;
+  const ToolLimits& tool = planner_.tool_limits();
+  Overlap overlap;
+  overlap.corner = end();
+  overlap.unhindered = std::max(braking_way(last_, planner_.model(), tool),
+                                braking_way(next, planner_.model(), tool));
+  overlap.half = std::min({overlap.unhindered, last_.duration() / 2, next.duration() / 2});
+  const double begin = overlap.corner - overlap.half;
+  const auto first = first_knot_after(after, begin);
+  if (!first) return std::nullopt;
+  overlap.before = plan_.path.position(begin);
+  overlap.after = next.path.position(overlap.half);
+
+  Course course = course_between(*first, begin);
+  if (!add_overlap(course, next, overlap)) return std::nullopt;
+  add_move(course, next, overlap);
+  auto plan = plan_of(course, plan_.law.speed(*first));
+  if (!plan) return std::nullopt;
+  begins_ += plan_.law.time(*first);
+  const Frame goal_of_last = planner_.base_from_tool(goal(), next.flange_from_tool);
+  course_ = std::move(course);
+  plan_ = *std::move(plan);
+  last_ = next;
+
+  const Frame passed =
+      planner_.base_from_tool(plan_.path.position(overlap.corner), next.flange_from_tool);
+  return Corner{overlap.corner - overlap.half, overlap.corner + overlap.half,
+                distance(goal_of_last, passed), angle(goal_of_last, passed)};
+}
+
+}  // namespace robcl::motion

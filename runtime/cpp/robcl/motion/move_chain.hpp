@@ -1,0 +1,77 @@
+// Moves that go over into each other, so that the arm does not stand at the goals between them.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "robcl/motion/plan.hpp"
+#include "robcl/motion/planner.hpp"
+
+namespace robcl::motion {
+
+/// Plans successive moves of which each but the last goes over into the next one: before the goal
+/// of a move, its deceleration overlaps the acceleration of the next move. So the arm rounds the
+/// corner at the goal, at a distance that is known before it gets there. Between the corners, the
+/// arm moves on the path of each move.
+///
+/// With the nominal times s of the corner and d of the overlap, the arm has at s + t, for t from -d
+/// to d, the pose that is (t - d)²/4d before the corner on the one path and (t + d)²/4d behind it
+/// on the other. Two lines are joined in this way as poses of the tool, other moves as joint
+/// positions. With the speed v, the acceleration a and the directions u and w, two lines miss their
+/// corner by |w - u|·v²/8a. A corner takes at most half of either move.
+class MoveChain {
+ public:
+  /// Begins at rest. The planner must exist as long as the chain.
+  MoveChain(Planner& planner, Move first);
+
+  /// Where one move goes over into the next one.
+  struct Corner {
+    double begins = 0, ends = 0;  ///< s in the chain
+    double distance = 0;          ///< from the goal to the tool that passes it, m
+    double angle = 0;             ///< rad
+  };
+  /// Lets the move `next` follow without a stop. `next` must start at goal().
+  /// The motion stays as it is until the time `after`. Returns nullopt, and changes nothing, if the
+  /// arm can no longer go over into `next`: it is too late, the corner is beyond a limit, or a move
+  /// has no length.
+  std::optional<Corner> extend(const Move& next, double after);
+
+  /// The plan of the motion from the time begins() on. All times are in s since the start of the
+  /// chain, by the time laws of its plans.
+  const Plan& plan() const { return plan_; }
+  double begins() const { return begins_; }
+  double ends() const { return begins_ + plan_.law.duration(); }
+  double end() const { return plan_.path.end(); }  ///< s
+  const JointValues& goal() const { return plan_.goal(); }
+  /// Returns the time at which the motion is at the place `s`; nullopt if that is before begins().
+  std::optional<double> time_at(double s) const;
+
+ private:
+  /// A path with its limits.
+  struct Course {
+    Path::Knots knots;
+    std::vector<IntervalLimits> limits, braking;
+  };
+  /// How two moves overlap.
+  struct Overlap {
+    double corner = 0;          ///< s
+    double half = 0;            ///< d
+    double unhindered = 0;      ///< d, if both moves are long enough
+    JointValues before, after;  ///< joint positions where the overlap begins and ends
+  };
+  std::optional<std::size_t> first_knot_after(double time, double last_place) const;
+  Course course_between(std::size_t first, double end) const;
+  bool add_overlap(Course& course, const Move& next, const Overlap& overlap);
+  void add_move(Course& course, const Move& next, const Overlap& overlap) const;
+  std::optional<std::vector<JointValues>> overlap_joints(const Move& next, const Overlap& overlap,
+                                                         std::size_t intervals);
+  std::optional<Plan> plan_of(const Course& course, double speed) const;
+
+  Planner& planner_;
+  Course course_;
+  Plan plan_;
+  double begins_ = 0;
+  Move last_;
+};
+
+}  // namespace robcl::motion

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+
+#include "robcl/arm/failure.hpp"
+#include "robcl/arm/inverse.hpp"
+
+namespace robcl::motion {
+
+using arm::JointValues;
+
+/// A joint turns by at most this angle, in rad, between two knots of a path; else the knots are
+/// closer together.
+inline constexpr double joint_step = 0.03;
+
+/// Follows a path of poses in small steps, by the inverse kinematics. The arm keeps the
+/// configuration in which it starts, and the turns of its joints.
+class PoseWalk {
+ public:
+  PoseWalk(const arm::ArmModel& model, arm::InverseKinematics& inverse, const JointValues& from)
+      : model_(model), inverse_(inverse), at_{from, inverse.configuration(from)} {}
+
+  /// Where the walk is.
+  struct Place {
+    JointValues joints;
+    arm::Configuration kept;
+  };
+  const Place& at() const { return at_; }
+  void return_to(const Place& place) { at_ = place; }
+
+  /// Steps to the joint positions that put the flange at `base_from_flange`. If there are none
+  /// inside the limits, returns the reason and stays.
+  std::optional<arm::Failure> step_to(const Frame& base_from_flange);
+
+ private:
+  const arm::ArmModel& model_;
+  arm::InverseKinematics& inverse_;
+  Place at_;
+};
+
+}  // namespace robcl::motion

@@ -1,0 +1,221 @@
+// Moves of several callers that an arm makes as one motion, in real time.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <future>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "arm/arm_device.hpp"
+#include "arms.hpp"
+#include "set_points.hpp"
+#include "standing_driver.hpp"
+
+namespace devices {
+namespace {
+
+using robcl::rx90;
+using robcl::translate;
+using namespace robcl::literals;
+using namespace std::chrono_literals;
+
+constexpr double cycle = 0.004;
+const JointValues ready = robcl::joints({0, -20, 110, 0, 90, 0});
+
+/// Joints that are where they were told to be. Remembers all set points.
+class Recorder : public StandingDriver {
+ public:
+  using StandingDriver::StandingDriver;
+  tl::expected<JointState, DriverFault> exchange(const JointCommand& command, double) override {
+    stands = command.position;
+    const std::lock_guard lock(mutex_);
+    all_.push_back(stands);
+    return state();
+  }
+  std::vector<JointValues> all() const {
+    const std::lock_guard lock(mutex_);
+    return all_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<JointValues> all_;
+};
+
+/// Steps the arm at the pace of time, one cycle after the other: a machine that is busy delays the
+/// arm, and so no cycle is missed.
+class ControlLoop {
+ public:
+  explicit ControlLoop(ArmDevice& arm)
+      : thread_([&arm](std::stop_token stop) {
+          auto next = std::chrono::steady_clock::now();
+          while (!stop.stop_requested()) {
+            arm.step(cycle);
+            std::this_thread::sleep_until(next += 4ms);
+          }
+        }) {}
+
+ private:
+  std::jthread thread_;
+};
+
+class Caller : public MotionWatcher {
+ public:
+  bool interrupted() override { return interrupt; }
+  void progress(double its_fraction, double) override { fraction = its_fraction; }
+  void taken() override {
+    is_taken = true;
+    is_taken.notify_all();
+  }
+  void passes_goal(double distance) override { corner = distance; }
+
+  std::atomic<bool> interrupt{false}, is_taken{false};
+  std::atomic<double> fraction{0}, corner{-1};
+};
+
+class Chain : public ::testing::Test {
+ protected:
+  using Result = tl::expected<void, MoveFailure>;
+
+  /// Asks for a straight move that need not stop at its goal, as a caller of its own.
+  std::future<Result> go_over(const Frame& goal, Caller& caller, double tool_speed = 0.25) {
+    robcl::motion::Pace pace;
+    pace.tool_speed = tool_speed;
+    return std::async(std::launch::async, [=, this, &caller] {
+      return arm_.move(goal, PathKind::Straight, pace, caller, std::nullopt, true);
+    });
+  }
+  Frame beside(double y, double z = 0) const { return start_ * translate(0, y, z); }
+  void expect_stands_at(const Frame& goal) {
+    EXPECT_FALSE(arm_.moving());
+    EXPECT_LT(distance(arm_.sample().tool, goal), 1e-6);
+    ASSERT_NO_FATAL_FAILURE(robcl::motion::expect_within_limits(model_, driver_.all(), {}, cycle));
+  }
+
+  const robcl::arm::ArmModel model_ = rx90();
+  Recorder driver_{ready};
+  SixAxisDevice arm_{model_, {}, driver_};
+  const Frame start_ = arm_.sample().tool;
+  const ControlLoop loop_{arm_};
+};
+
+TEST_F(Chain, TheFirstMoveEndsWhileTheArmMovesOnAndTheCornerIsTold) {
+  Caller one, other;
+  auto first = go_over(beside(0.1), one);
+  one.is_taken.wait(false);
+  auto second = go_over(beside(0.1, -0.1), other);
+  const auto passed = first.get();
+  ASSERT_TRUE(passed) << to_string(passed.error());
+  EXPECT_TRUE(arm_.moving());
+  EXPECT_NEAR(one.corner, std::sqrt(2) * 0.25 * 0.25 / (8 * 3.0), 0.0005);  // |w - u|·v²/8a
+  const auto arrived = second.get();
+  ASSERT_TRUE(arrived) << to_string(arrived.error());
+  EXPECT_EQ(other.corner, -1);
+  EXPECT_EQ(other.fraction, 1);
+  expect_stands_at(beside(0.1, -0.1));
+}
+
+TEST_F(Chain, AGoalThatIsRefusedLeavesTheMoveBeforeItAsItIs) {
+  Caller one, other;
+  auto first = go_over(beside(0.1), one);
+  one.is_taken.wait(false);
+  const auto refused = go_over(beside(5), other).get();
+  ASSERT_FALSE(refused);
+  EXPECT_TRUE(std::holds_alternative<robcl::arm::OutOfReach>(refused.error()));
+  EXPECT_TRUE(first.get());
+  expect_stands_at(beside(0.1));
+}
+
+TEST_F(Chain, AMoveThatComesTooLateBeginsWhenTheArmStands) {
+  Caller one, other;
+  auto first = go_over(beside(0.1), one);
+  while (one.fraction < 0.9) std::this_thread::yield();
+  auto second = go_over(beside(0.2), other);
+  EXPECT_TRUE(first.get());
+  EXPECT_EQ(one.corner, -1);
+  EXPECT_TRUE(second.get());
+  expect_stands_at(beside(0.2));
+}
+
+TEST_F(Chain, AMoveInPlaceBetweenOthersDoesNotStopThem) {
+  Caller callers[3];
+  auto first = go_over(beside(0.1), callers[0]);
+  callers[0].is_taken.wait(false);
+  auto in_place = go_over(beside(0.1), callers[1]);
+  callers[1].is_taken.wait(false);
+  auto last = go_over(beside(0.2), callers[2]);
+  EXPECT_TRUE(first.get());
+  EXPECT_TRUE(in_place.get());
+  EXPECT_TRUE(arm_.moving());
+  EXPECT_TRUE(last.get());
+  expect_stands_at(beside(0.2));
+}
+
+TEST_F(Chain, TheMovesOfOthersGoOnWhenOneIsInterrupted) {
+  Caller callers[3];
+  auto first = go_over(beside(0.1), callers[0]);
+  callers[0].is_taken.wait(false);
+  auto second = go_over(beside(0.1, -0.1), callers[1]);
+  callers[1].is_taken.wait(false);
+  auto third = go_over(beside(0, -0.1), callers[2]);
+  callers[2].is_taken.wait(false);
+  callers[1].interrupt = true;
+  EXPECT_TRUE(first.get());
+  const auto interrupted = second.get();
+  ASSERT_FALSE(interrupted);
+  EXPECT_TRUE(std::holds_alternative<Interrupted>(interrupted.error()));
+  EXPECT_TRUE(third.get());
+  expect_stands_at(beside(0, -0.1));
+}
+
+TEST_F(Chain, AFaultOfTheDrivesEndsAllMoves) {
+  Caller one, other;
+  auto first = go_over(beside(0.1), one);
+  one.is_taken.wait(false);
+  auto second = go_over(beside(0.2), other);
+  other.is_taken.wait(false);
+  driver_.broken = true;
+  driver_.power = DrivePower::Fault;
+  for (auto* const move : {&first, &second}) {
+    const auto ended = move->get();
+    ASSERT_FALSE(ended);
+    EXPECT_TRUE(std::holds_alternative<DriverFault>(ended.error())) << to_string(ended.error());
+  }
+  EXPECT_FALSE(arm_.moving());
+}
+
+TEST_F(Chain, WhoDoesNotGoOverKeepsTheArmForItself) {
+  Caller one, other;
+  auto first = std::async(std::launch::async,
+                          [&] { return arm_.move(beside(0.1), PathKind::Straight, {}, one); });
+  while (one.fraction == 0) std::this_thread::yield();
+  EXPECT_FALSE(one.is_taken);
+  const auto refused = go_over(beside(0.2), other).get();
+  ASSERT_FALSE(refused);
+  EXPECT_TRUE(std::holds_alternative<Refused>(refused.error()));
+  EXPECT_TRUE(first.get());
+}
+
+TEST_F(Chain, HundredsOfMovesFollowWithoutAStop) {
+  std::vector<std::unique_ptr<Caller>> callers;
+  std::vector<std::future<Result>> moves;
+  // A long move, during which the next ones are asked for, and then short ones.
+  for (int i = 0; i <= 200; ++i) {
+    const double along = i <= 100 ? i : 200 - i;
+    callers.push_back(std::make_unique<Caller>());
+    moves.push_back(go_over(beside(0.1 + 0.002 * along, -0.001 * i), *callers.back(), 0.25));
+    callers.back()->is_taken.wait(false);
+  }
+  for (auto& move : moves) {
+    const auto ended = move.get();
+    ASSERT_TRUE(ended) << to_string(ended.error());
+  }
+  for (std::size_t i = 0; i + 1 < callers.size(); ++i) EXPECT_GE(callers[i]->corner, 0) << i;
+  expect_stands_at(beside(0.1, -0.2));
+}
+
+}  // namespace
+}  // namespace devices

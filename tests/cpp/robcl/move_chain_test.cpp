@@ -1,0 +1,276 @@
+// Moves that go over into each other.
+#include "robcl/motion/move_chain.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "allocations.hpp"
+#include "arms.hpp"
+#include "robcl/motion/playback.hpp"
+#include "set_points.hpp"
+
+namespace robcl::motion {
+namespace {
+
+constexpr double cycle = 0.004;                             // s
+const JointValues ready = joints({0, -20, 110, 0, 90, 0});  // tool down in front of the arm
+
+/// A chain of moves, and the control loop that moves the arm by it.
+class Chained {
+ public:
+  Chained(Planner& planner, Move first, double period = cycle)
+      : planner_(planner),
+        period_(period),
+        chain_(planner, std::move(first)),
+        playback_(chain_.plan()),
+        set_points_(2, chain_.plan().start()) {}
+
+  const MoveChain& chain() const { return chain_; }
+  Playback& playback() { return playback_; }
+  const std::vector<JointValues>& set_points() const { return set_points_; }
+
+  std::optional<MoveChain::Corner> extend(const Move& next) {
+    const auto corner = chain_.extend(next, playback_.elapsed() + 0.02);
+    if (corner) playback_.append(chain_.plan(), chain_.begins());
+    return corner;
+  }
+  std::optional<MoveChain::Corner> straight_to(const Frame& goal, const Pace& pace = {}) {
+    const auto next = planner_.straight_move(chain_.goal(), goal, {}, pace);
+    EXPECT_TRUE(next) << to_string(next.error());
+    return next ? extend(*next) : std::nullopt;
+  }
+  void step() { set_points_.push_back(playback_.advance(period_)); }
+  void run_until(double time) {
+    while (playback_.elapsed() < time && !playback_.standing()) step();
+  }
+  void run() {
+    while (!playback_.standing()) step();
+    step(), step();
+  }
+
+  double duration() const { return static_cast<double>(set_points_.size() - 4) * period_; }
+  /// Returns how near the tool came to `place`, in m.
+  double nearest_to(const Frame& place) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const JointValues& at : set_points_) {
+      nearest = std::min(nearest, distance(planner_.base_from_tool(at, {}), place));
+    }
+    return nearest;
+  }
+  /// Returns the least speed of the joints while the motion is between two fractions of its set
+  /// points, in rad/s.
+  double slowest_between(double first, double last) const {
+    const auto count = static_cast<double>(set_points_.size());
+    double slowest = std::numeric_limits<double>::infinity();
+    for (auto k = static_cast<std::size_t>(first * count); static_cast<double>(k) < last * count;
+         ++k) {
+      slowest = std::min(slowest, (set_points_[k] - set_points_[k - 1]).norm() / period_);
+    }
+    return slowest;
+  }
+
+ private:
+  Planner& planner_;
+  const double period_;
+  MoveChain chain_;
+  Playback playback_;
+  std::vector<JointValues> set_points_;
+};
+
+class MoveChains : public ::testing::Test {
+ protected:
+  Move straight(const JointValues& from, const Frame& goal, const Pace& pace = {}) {
+    auto move = planner_.straight_move(from, goal, {}, pace);
+    if (!move) throw std::runtime_error(to_string(move.error()));
+    return *std::move(move);
+  }
+  Move joint(const JointValues& from, const JointValues& to, const Pace& pace = {}) {
+    return *planner_.joint_move(from, to, pace);
+  }
+  void expect_within_limits(const Chained& chained) {
+    motion::expect_within_limits(model_, chained.set_points(), {}, cycle);
+  }
+
+  const arm::ArmModel model_ = rx90();
+  Planner planner_{model_, {}};
+  const Frame start_ = planner_.base_from_tool(ready, {});
+};
+
+TEST_F(MoveChains, FiftyShortLinesTakeTheTimeOfOneLongLine) {
+  const auto along = [&](double part) { return start_ * translate(0, 0, -0.2 * part); };
+  Chained chained(planner_, straight(ready, along(0.02)));
+  for (int i = 2; i <= 50; ++i) {
+    const auto corner = chained.straight_to(along(i / 50.0));
+    ASSERT_TRUE(corner) << "line " << i;
+    EXPECT_LT(corner->distance, 1e-6);
+    chained.step();
+  }
+  chained.run();
+  expect_within_limits(chained);
+  const auto one = planner_.straight(ready, along(1), {}, {});
+  EXPECT_LE(chained.duration(), 1.05 * one->law.duration());
+  for (const JointValues& at : chained.set_points()) {
+    const Eigen::Vector3d way =
+        start_.inverse().transform(planner_.base_from_tool(at, {}).position());
+    ASSERT_LT(way.head<2>().norm(), 1e-5);
+  }
+}
+
+TEST_F(MoveChains, ACornerIsMissedByTheDistanceThatIsToldBefore) {
+  const ToolLimits limits{.speed = 0.25, .acceleration = 1};
+  Planner planner(model_, limits);
+  const Frame corner = start_ * translate(0.15, 0, 0), goal = corner * translate(0, 0.15, 0);
+  Chained chained(planner, *planner.straight_move(ready, corner, {}, {}), 0.001);
+  const auto told = chained.straight_to(goal);
+  ASSERT_TRUE(told);
+  EXPECT_NEAR(told->distance, 0.01105, 0.00001);  // |w - u|·v²/8a
+  chained.run();
+  motion::expect_within_limits(model_, chained.set_points(), {}, 0.001);
+  EXPECT_NEAR(chained.nearest_to(corner), told->distance, 1e-4);
+  EXPECT_GT(chained.slowest_between(0.2, 0.8), 0.05);
+  EXPECT_LT(chained.nearest_to(goal), 1e-6);
+  // Both lines at full speed: the way of 0.3 m, and once the time to accelerate.
+  EXPECT_NEAR(chained.duration(), 0.3 / 0.25 + 0.25, 0.02);
+}
+
+TEST_F(MoveChains, ASlowCornerIsSharpAndRoundAllTheSame) {
+  for (const double speed : {0.01, 0.05, 0.1}) {
+    Pace pace;
+    pace.tool_speed = speed;
+    const Frame corner = start_ * translate(0.02, 0, 0), goal = corner * translate(0, 0.02, 0);
+    Chained chained(planner_, straight(ready, corner, pace), 0.001);
+    const auto told = chained.straight_to(goal, pace);
+    ASSERT_TRUE(told);
+    EXPECT_NEAR(told->distance, std::sqrt(2) * speed * speed / (8 * 3), 1e-7);
+    chained.run();
+    motion::expect_within_limits(model_, chained.set_points(), {}, 0.001);
+    EXPECT_NEAR(chained.nearest_to(corner), told->distance, 2e-5);
+    EXPECT_GT(chained.slowest_between(0.2, 0.8), 0.1 * speed);
+  }
+}
+
+TEST_F(MoveChains, TurnsInPlaceReversalsAndJointMovesAreRoundedToo) {
+  const Frame away = start_ * translate(0, 0.1, -0.05);
+  const Frame turned = away * Frame::from_euler_zyz(0, 0, 0, 0, -0.5, 0.3);
+  Chained chained(planner_, joint(joints({20, -30, 100, 10, 80, 0}), ready));
+  const auto follow = [&](const Move& next) {
+    const auto corner = chained.extend(next);
+    ASSERT_TRUE(corner);
+    EXPECT_GT(chained.chain().time_at(corner->ends), chained.chain().time_at(corner->begins));
+  };
+  follow(straight(ready, away));
+  follow(straight(chained.chain().goal(), turned));
+  follow(straight(chained.chain().goal(), start_));
+  follow(straight(chained.chain().goal(), turned));  // a reversal
+  follow(joint(chained.chain().goal(), joints({-20, -30, 100, 10, 80, 0})));
+  follow(joint(chained.chain().goal(), ready));
+  chained.run();
+  expect_within_limits(chained);
+  EXPECT_GT(chained.slowest_between(0.1, 0.9), 0.001);  // slow only where it turns back
+  EXPECT_EQ(chained.set_points().back(), ready);
+}
+
+TEST_F(MoveChains, AMoveThatComesAfterTheArmBrakesDoesNotFollow) {
+  Chained chained(planner_, straight(ready, start_ * translate(0, 0.1, 0)));
+  chained.run_until(0.8 * chained.chain().ends());
+  EXPECT_FALSE(chained.straight_to(start_));
+  chained.run();
+  expect_within_limits(chained);
+  EXPECT_LT(distance(planner_.base_from_tool(chained.set_points().back(), {}),
+                     start_ * translate(0, 0.1, 0)),
+            1e-9);
+}
+
+TEST_F(MoveChains, AMoveThatTheControlLoopSeesTooLateIsLeftOut) {
+  MoveChain chain(planner_, joint(ready, joints({20, -20, 110, 0, 90, 0})));
+  Playback playback(chain.plan());
+  ASSERT_TRUE(chain.extend(joint(chain.goal(), joints({20, -40, 110, 0, 90, 0})), 0.02));
+  while (playback.elapsed() < 0.1) playback.advance(cycle);
+  playback.append(chain.plan(), chain.begins());
+  JointValues last;
+  while (!playback.standing()) last = playback.advance(cycle);
+  EXPECT_LT((last - joints({20, -20, 110, 0, 90, 0})).norm(), 1e-9);
+}
+
+TEST_F(MoveChains, GoingOverAllocatesNothingInTheControlLoop) {
+  Chained chained(planner_, joint(ready, joints({20, -20, 110, 0, 90, 0})));
+  ASSERT_TRUE(chained.extend(joint(chained.chain().goal(), joints({20, -40, 110, 0, 90, 0}))));
+  CountAllocations allocations;
+  JointValues sum = ready;
+  while (!chained.playback().standing()) sum += chained.playback().advance(cycle);
+  EXPECT_EQ(allocations.so_far(), 0);
+  EXPECT_TRUE(sum.allFinite());
+}
+
+/// Chains of random moves; MOTION_MOVES says how many.
+class RandomChains : public ::testing::TestWithParam<arm::ArmModel (*)()> {
+ protected:
+  std::optional<Move> random_move(const JointValues& from, RandomJoints& random,
+                                  std::mt19937& engine) {
+    const double part = std::uniform_real_distribution(0.02, 0.4)(engine);
+    const JointValues to = from + part * (random() - from);
+    Pace pace;
+    pace.speed = std::uniform_real_distribution(0.2, 1.0)(engine);
+    pace.acceleration = std::uniform_real_distribution(0.2, 1.0)(engine);
+    const bool straight = engine() % 2 == 0;
+    auto move = straight ? planner_.straight_move(from, planner_.base_from_tool(to, {}), {}, pace)
+                         : planner_.joint_move(from, to, pace);
+    if (!move) return std::nullopt;
+    return *std::move(move);
+  }
+
+  const int moves = std::getenv("MOTION_MOVES") ? std::atoi(std::getenv("MOTION_MOVES")) : 500;
+  const arm::ArmModel model_ = GetParam()();
+  Planner planner_{model_, ToolLimits{}};
+};
+INSTANTIATE_TEST_SUITE_P(OfArms, RandomChains, ::testing::Values(&rx90, &puma560),
+                         [](const auto& arm) { return arm.index == 0 ? "rx90" : "puma560"; });
+
+TEST_P(RandomChains, KeepAllLimitsAtAnyTimeOverriddenAndStopped) {
+  RandomJoints random(model_, 18);
+  std::mt19937 engine(18);
+  constexpr std::array factors{0.0, 0.1, 0.5, 0.9, 1.0};
+  int followed = 0, refused = 0;
+  for (int made = 0; made < moves;) {
+    const double period = made % 2 == 0 ? 0.001 : 0.004;
+    const bool overridden = made % 3 == 0;
+    auto first = random_move(random(), random, engine);
+    if (!first) continue;
+    Chained chained(planner_, *std::move(first), period);
+    const auto sometimes = [&](int one_in) {
+      return engine() % static_cast<unsigned>(one_in) == 0;
+    };
+    for (int i = 0; i < 5; ++i, ++made) {
+      const auto next = random_move(chained.chain().goal(), random, engine);
+      if (!next) continue;
+      chained.extend(*next) ? ++followed : ++refused;
+      const auto cycles = std::exponential_distribution<double>(20)(engine) / period;
+      for (double k = 0; k < cycles; ++k) {
+        if (overridden && sometimes(100)) {
+          chained.playback().set_override(factors[engine() % factors.size()]);
+        }
+        chained.step();
+      }
+    }
+    const bool stopped = made % 5 == 0;
+    if (stopped) chained.playback().stop();
+    chained.playback().set_override(1);
+    chained.run();
+    SCOPED_TRACE("chain until move " + std::to_string(made) + " at a period of " +
+                 std::to_string(period));
+    ASSERT_NO_FATAL_FAILURE(expect_within_limits(model_, chained.set_points(), {}, period));
+    if (stopped) continue;
+    ASSERT_EQ(chained.set_points().back(), chained.chain().goal());
+  }
+  EXPECT_GT(followed, moves / 2);
+  RecordProperty("refused", refused);
+}
+
+}  // namespace
+}  // namespace robcl::motion
