@@ -24,7 +24,7 @@
 #include "robcl/motion/planner.hpp"
 #include "robcl/motion/playback.hpp"
 #include "robcl/rx90_client.hpp"
-#include "rx90/rx90_urdf.hpp"
+#include "rx90/rx90_files.hpp"
 #include "support/real_time.hpp"
 
 namespace gecos::benchmarks {
@@ -63,15 +63,9 @@ void print_head(const char* title) {
 
 // The control cycle
 
-robcl::arm::JointValues front() {
-  robcl::arm::JointValues joints(6);
-  joints << 0, robcl::deg(-20), robcl::deg(110), 0, robcl::deg(90), 0;
-  return joints;
-}
+robcl::arm::JointValues front() { return devices::parse_arm(devices::rx90_files).value().start; }
 
-robcl::arm::ArmModel rx90() {
-  return robcl::arm::ArmModel::from_urdf(devices::rx90_urdf, "foot", "flange", 0.25).value();
-}
+robcl::arm::ArmModel rx90() { return devices::parse_arm(devices::rx90_files).value().model; }
 
 class RandomJoints {
  public:

@@ -23,6 +23,7 @@ want() {
       packages+=(
         build-essential cmake ninja-build pkg-config python3-dev
         libeigen3-dev liborocos-kdl-dev liburdfdom-dev libexpected-dev libsodium-dev nlohmann-json3-dev
+        libtomlplusplus-dev
         'libglib2.0-0~libglib2\.0-0(t64)?'
       )
       ;;

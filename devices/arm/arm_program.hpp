@@ -1,32 +1,19 @@
-// The code of a server program for a six-axis arm. All six-axis arms use this code.
+// The code of the server programs for arms. All arms use this code.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <string>
-#include <vector>
 
+#include "arm/arm_file.hpp"
 #include "arm/six_axis_servant.hpp"
 
 namespace devices {
 
-/// The settings in which the program of one arm differs from the programs of other arms.
+/// The settings in which the program of one six-axis arm differs from the programs of other arms.
 struct ArmProgram {
-  std::string program;      ///< name of the program, for example "robcl-rx90"
-  std::string name;         ///< name under which clients find the arm, unless --name is given
-  std::string arm;          ///< name of the arm for people, for example "Staeubli RX90"
-  std::string urdf;         ///< text of the URDF model
-  std::string base_link;    ///< name of the base link in the URDF model
-  std::string flange_link;  ///< name of the flange link in the URDF model
-  /// Time in s in which a joint reaches its full speed. It determines the acceleration limits of
-  /// the joints, because neither the URDF model nor a published source states them.
-  double seconds_to_full_speed = 0.25;
-  /// Joint positions at which the arm is righty, above and noflip; see Configuration. May be empty.
-  std::vector<double> front_degrees{};
-  std::vector<double> start_degrees;  ///< start positions of the simulated joints
-  /// Tells where the arm stands. The text becomes the start of an error of `mount`; see
-  /// ManipulatorServant.
-  std::string place;
+  std::string program;  ///< name of the program, for example "robcl-rx90"
+  ArmFiles files;       ///< the description of the arm
   /// Makes the driver of the real joints. If this function is empty, the program simulates the
   /// joints.
   std::function<std::unique_ptr<JointDriver>()> connect{};
@@ -46,5 +33,9 @@ int serve_arm(const ArmProgram& arm, int count, char** words) {
   };
   return serve_arm(arm, make, count, words);
 }
+
+/// The program robcl-arm: serves the arm of the TOML file that its first argument names, with
+/// simulated joints. An arm of six joints has the interface SixAxis, any other one Manipulator.
+int serve_arm_of_file(int count, char** words);
 
 }  // namespace devices

@@ -19,8 +19,11 @@ std::optional<double> as_number(const std::string& text) {
 }  // namespace
 
 CommandLine::CommandLine(std::string program, std::string purpose, std::vector<Option> options,
-                         int count, char** words)
-    : program_(std::move(program)), purpose_(std::move(purpose)), options_(std::move(options)) {
+                         int count, char** words, std::string operand)
+    : program_(std::move(program)),
+      purpose_(std::move(purpose)),
+      operand_(std::move(operand)),
+      options_(std::move(options)) {
   for (const Option& option : options_) values_[option.word] = option.standard;
   read(count, words);
 }
@@ -51,7 +54,8 @@ void CommandLine::refuse(const std::string& what) {
 }
 
 std::string CommandLine::usage() const {
-  std::string text = "usage: " + program_ + " [--WORD VALUE]...\n" + purpose_ + "\n";
+  std::string text = "usage: " + program_ + (operand_.empty() ? "" : " " + operand_) +
+                     " [--WORD VALUE]...\n" + purpose_ + "\n";
   for (const Option& option : options_) {
     std::string left = "  --" + option.word;
     left.resize(std::max<std::size_t>(left.size() + 1, 22), ' ');

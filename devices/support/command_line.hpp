@@ -21,9 +21,10 @@ struct Option {
 class CommandLine {
  public:
   /// Reads the arguments. Prints the usage if one of them is --help. Prints an error and the usage
-  /// if an argument is bad.
+  /// if an argument is bad. `operand`, if not empty, stands before the options in the usage; the
+  /// program has taken this argument out of `words` itself.
   CommandLine(std::string program, std::string purpose, std::vector<Option> options, int count,
-              char** words);
+              char** words, std::string operand = "");
 
   /// Returns 0 after --help, 2 after a bad argument, and nullopt if the program should continue.
   std::optional<int> exit_status() const { return exit_status_; }
@@ -34,12 +35,14 @@ class CommandLine {
   /// values that are not finite numbers.
   double number(std::string_view word) const;
 
+  /// Prints the error `what` and the usage. `exit_status` is 2 from then on.
+  void refuse(const std::string& what);
+
  private:
   void read(int count, char** words);
   std::string usage() const;
-  void refuse(const std::string& what);
 
-  std::string program_, purpose_;
+  std::string program_, purpose_, operand_;
   std::vector<Option> options_;
   std::map<std::string, std::string, std::less<>> values_;
   std::optional<int> exit_status_;

@@ -21,6 +21,7 @@ ii  liborocos-kdl-dev:amd64
 ii  liburdfdom-dev:amd64
 ii  libexpected-dev
 ii  nlohmann-json3-dev
+ii  libtomlplusplus-dev:amd64
 ii  libsodium-dev:amd64
 ii  libglib2.0-0t64:amd64
 ii  libgtest-dev:amd64

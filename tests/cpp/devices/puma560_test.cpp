@@ -2,7 +2,7 @@
 #include "arm/six_axis_servant.hpp"
 #include "drivers/simulated_driver.hpp"
 #include "laboratory.hpp"
-#include "puma560/puma560_urdf.hpp"
+#include "puma560/puma560_files.hpp"
 #include "robcl/frames/units.hpp"
 #include "robcl/puma560_client.hpp"
 #include "robcl/puma560_server.hpp"
@@ -28,26 +28,12 @@ class Puma560Test : public Laboratory {
     };
   }
 
-  static JointValues ready() {
-    JointValues joints(6);
-    joints << 0, robcl::deg(45), robcl::deg(-180), 0, robcl::deg(-45), 0;
-    return joints;
-  }
-
-  static JointValues front() {
-    JointValues joints = ready();
-    joints[4] = robcl::deg(45);
-    return joints;
-  }
-
-  SimulatedDriver driver_{ready(), {}};
-  SixAxisDevice arm_{robcl::arm::ArmModel::from_urdf(puma560_urdf, "foot", "flange", 0.25)
-                         .value()
-                         .with_front(front())
-                         .value(),
-                     {.tool_offset = translate(0, 0, 150_mm)},
+  const ArmDescription described_ = parse_arm(puma560_files).value();
+  SimulatedDriver driver_{described_.start, {}};
+  SixAxisDevice arm_{described_.model,
+                     {.tool_limits = described_.tool_limits, .tool_offset = described_.tool_offset},
                      driver_};
-  ExactArm<robcl::Puma560Servant> servant_{arm_, "a Puma 560 stands on its pedestal"};
+  ExactArm<robcl::Puma560Servant> servant_{arm_, described_.place};
   robcl::Manipulator robot_;
 };
 
@@ -70,7 +56,7 @@ TEST_F(Puma560Test, SaysInWhichConfigurationItIsAndLeavesOutWhatASingularityHide
   EXPECT_EQ(tool_down.bend, robcl::Elbow::ABOVE);
   EXPECT_EQ(tool_down.hand, robcl::Wrist::FLIP);
 
-  JointValues straight_wrist = ready();
+  JointValues straight_wrist = described_.start;
   straight_wrist[4] = 0;
   SimulatedDriver exact(straight_wrist, {.noise = 0});
   SixAxisDevice arm(arm_.model(), {}, exact);

@@ -7,7 +7,7 @@
 #include "robcl/frames/units.hpp"
 #include "robcl/rx90_client.hpp"
 #include "robcl/rx90_server.hpp"
-#include "rx90/rx90_urdf.hpp"
+#include "rx90/rx90_files.hpp"
 
 namespace devices {
 
@@ -27,26 +27,12 @@ class Rx90Laboratory : public Laboratory {
     };
   }
 
-  static JointValues ready() {
-    JointValues joints(6);
-    joints << 0, robcl::deg(-20), robcl::deg(110), 0, robcl::deg(90), 0;
-    return joints;
-  }
-
-  static JointValues front() {
-    JointValues joints = ready();
-    joints[4] = robcl::deg(-45);
-    return joints;
-  }
-
-  SimulatedDriver driver_{ready(), {}};
-  SixAxisDevice arm_{robcl::arm::ArmModel::from_urdf(rx90_urdf, "foot", "flange", 0.25)
-                         .value()
-                         .with_front(front())
-                         .value(),
-                     {.tool_offset = robcl::translate(0, 0, robcl::mm(150))},
+  const ArmDescription described_ = parse_arm(rx90_files).value();
+  SimulatedDriver driver_{described_.start, {}};
+  SixAxisDevice arm_{described_.model,
+                     {.tool_limits = described_.tool_limits, .tool_offset = described_.tool_offset},
                      driver_};
-  ExactArm<robcl::Rx90Servant> servant_{arm_, "an RX90 weighs 111 kg and stands on the floor"};
+  ExactArm<robcl::Rx90Servant> servant_{arm_, described_.place};
   robcl::Rx90 robot_;
 };
 

@@ -77,7 +77,7 @@ TEST(Puma560Model, StandsWhereThePublishedPosesSay) {
 
 TEST(Puma560Model, OfTheDeviceStandsOnItsPedestalAndEndsAtItsFlange) {
   const ArmModel bare = puma560();
-  const ArmModel served = ArmModel::from_urdf_file(ROBCL_SOURCE_DIR "/devices/puma560/puma560.urdf",
+  const ArmModel served = ArmModel::from_urdf_file(ROBCL_SOURCE_DIR "/devices/arms/puma560.urdf",
                                                    "foot", "flange", 0.25)
                               .value();
   Kinematics of_bare(bare), of_served(served);

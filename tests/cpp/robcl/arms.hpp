@@ -16,7 +16,7 @@ inline arm::JointValues joints(std::initializer_list<double> degrees) {
 }
 
 inline arm::ArmModel rx90() {
-  return arm::ArmModel::from_urdf_file(ROBCL_SOURCE_DIR "/devices/rx90/rx90.urdf", "foot", "flange",
+  return arm::ArmModel::from_urdf_file(ROBCL_SOURCE_DIR "/devices/arms/rx90.urdf", "foot", "flange",
                                        0.25)
       .value()
       .with_front(joints({0, -20, 110, 0, -45, 0}))

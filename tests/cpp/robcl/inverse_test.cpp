@@ -172,7 +172,7 @@ TEST_P(ClosedForm, StaysWhereItStandsWhenTheGoalIsWhereItStands) {
 INSTANTIATE_TEST_SUITE_P(OnArms, ClosedForm,
                          ::testing::Values(Arm{"Rx90",
                                                rx90,
-                                               ROBCL_SOURCE_DIR "/devices/rx90/rx90.urdf",
+                                               ROBCL_SOURCE_DIR "/devices/arms/rx90.urdf",
                                                "foot",
                                                {"upper_arm", "elbow", "wrist"},
                                                joints({0, -20, 110, 0, 90, 0})},

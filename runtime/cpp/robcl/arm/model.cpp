@@ -135,4 +135,12 @@ tl::expected<ArmModel, ModelError> ArmModel::with_front(const JointValues& front
   return model;
 }
 
+ArmModel ArmModel::with_seconds_to_full_speed(const std::vector<double>& seconds) const {
+  ArmModel model = *this;
+  for (std::size_t i = 0; i < model.limits_.size(); ++i) {
+    model.limits_[i].acceleration = model.limits_[i].speed / seconds.at(i);
+  }
+  return model;
+}
+
 }  // namespace robcl::arm

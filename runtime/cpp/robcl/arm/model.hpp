@@ -39,6 +39,10 @@ class ArmModel {
   /// and noflip by definition (see Configuration). Fails if `front` is not inside the limits.
   tl::expected<ArmModel, ModelError> with_front(const JointValues& front) const;
 
+  /// Returns this model with joints that reach their full speed in `seconds`, a time above 0 for
+  /// each joint. @pre `seconds` has a value for each joint.
+  ArmModel with_seconds_to_full_speed(const std::vector<double>& seconds) const;
+
   const std::string& name() const { return name_; }
   Eigen::Index axes() const { return static_cast<Eigen::Index>(limits_.size()); }
   const KDL::Chain& chain() const { return chain_; }

@@ -1,0 +1,64 @@
+// The TOML file that describes an arm, and the URDF file of its joints that the TOML file names.
+// docs/adding-an-arm.md lists the keys of the TOML file.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "gecos/base/result.hpp"
+#include "robcl/arm/joint_values.hpp"
+#include "robcl/arm/model.hpp"
+#include "robcl/frames/frame.hpp"
+#include "robcl/motion/pace.hpp"
+
+namespace devices {
+
+/// An arm as its two files describe it.
+struct ArmDescription {
+  std::string name;               ///< name under which clients find the arm
+  std::string description;        ///< name of the arm for people, for example "Staeubli RX90"
+  robcl::arm::ArmModel model;     ///< with the configuration that `front_deg` defines, if given
+  robcl::arm::JointValues start;  ///< start positions of the simulated joints, rad
+  robcl::motion::ToolLimits tool_limits;
+  robcl::Frame tool_offset;  ///< tool frame seen from the flange
+  /// Tells where the arm stands. The text becomes the start of an error of `mount`; see
+  /// ManipulatorServant.
+  std::string place;
+};
+
+/// What is wrong with the files of an arm, and where.
+struct ArmFileError {
+  std::string file;  ///< the TOML file
+  /// From 1. Of a missing key: the line on which its table begins. 0: the file cannot be read.
+  std::size_t line = 0;
+  std::string key;   ///< for example "tool.offset_mm"; empty if the file is not TOML
+  std::string text;  ///< what is wrong, and what to do
+};
+/// Returns a line such as "rx90.toml:9: front_deg: …".
+std::string to_string(const ArmFileError& error);
+
+/// Returns the text of the URDF file `urdf`, or the reason why it cannot be read.
+using ReadUrdf =
+    std::function<tl::expected<std::string, std::string>(const std::filesystem::path& urdf)>;
+
+/// Reads the text `toml`. `file` is the name of the TOML file, which errors name. `read_urdf` gets
+/// the value of the key `urdf`.
+tl::expected<ArmDescription, ArmFileError> parse_arm(const std::string& toml,
+                                                     const std::string& file,
+                                                     const ReadUrdf& read_urdf);
+
+/// Reads the TOML file `file` and its URDF file.
+tl::expected<ArmDescription, ArmFileError> read_arm(const std::filesystem::path& file);
+
+/// The texts of the two files of an arm. The build makes them a part of the program that serves
+/// exactly this arm; see Arm.cmake.
+struct ArmFiles {
+  const char* file;  ///< name of the TOML file
+  const char* toml;  ///< its text
+  const char* urdf;  ///< the text of the URDF file
+};
+tl::expected<ArmDescription, ArmFileError> parse_arm(const ArmFiles& files);
+
+}  // namespace devices
