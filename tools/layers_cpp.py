@@ -214,6 +214,12 @@ GUESTS = (
         "the JSON library",
         "nlohmann's JSON appears in gecos/wire/json* alone",
     ),
+    Guest(
+        re.compile(r"^toml\+\+/"),
+        re.compile(r"^devices/arm/arm_file\.cpp$"),
+        "toml++",
+        "toml++ appears in devices/arm/arm_file.cpp alone",
+    ),
 )
 
 PURE_MODULES = ("wire", "qos", "access", "crypto")
