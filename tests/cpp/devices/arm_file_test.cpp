@@ -35,6 +35,7 @@ turn_acceleration_deg_per_s2 = 360
 )";
 
 tl::expected<std::string, std::string> rx90_urdf(const std::filesystem::path& path) {
+  if (path == "broken.urdf") return std::string("<robot name='broken'>");
   if (path != "rx90.urdf") return tl::unexpected(std::string("No such file or directory"));
   return rx90_files.urdf;
 }
@@ -105,6 +106,9 @@ const std::vector<Bad> bad{
     {"urdf", "urdf = \"rx91.urdf\"",
      "arm.toml:3: urdf: 'rx91.urdf' cannot be read (No such file or directory); give the path of "
      "the URDF file, relative to the folder of this file"},
+    {"urdf", "urdf = \"broken.urdf\"",
+     "arm.toml:3: urdf: 'broken.urdf': the text is not a URDF robot; the parser printed the reason "
+     "above; correct that file, or base_link and flange_link in this one"},
     {"base_link", "base_link = \"base\"",
      "arm.toml:3: urdf: 'rx90.urdf': the URDF has no link 'base'; correct that file, or base_link "
      "and flange_link in this one"},

@@ -36,6 +36,19 @@ TEST(CommandLine, HelpNamesEveryOptionWithItsStandardValueAndEndsWell) {
             "Prints one line when it is ready and ends on SIGINT or SIGTERM.\n");
 }
 
+TEST(CommandLine, TheUsageHasTheArgumentThatTheProgramReadsItself) {
+  ::testing::internal::CaptureStderr();
+  CommandLine line("robcl-belt", "Serves a belt.", {}, 0, nullptr, "BELT.toml");
+  EXPECT_FALSE(line.exit_status().has_value());
+  line.refuse("the file is missing");
+  EXPECT_EQ(line.exit_status(), 2);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(),
+            "robcl-belt: the file is missing\n"
+            "usage: robcl-belt BELT.toml [--WORD VALUE]...\n"
+            "Serves a belt.\n"
+            "Prints one line when it is ready and ends on SIGINT or SIGTERM.\n");
+}
+
 TEST(CommandLine, SaysWhatIsWrongWithAWordBeforeTheUsage) {
   const auto says = [](std::vector<std::string> words) {
     ::testing::internal::CaptureStderr();

@@ -33,7 +33,7 @@ inline arm::ArmModel puma560() {
 }
 
 inline arm::ArmModel seven_axes() {
-  return arm::ArmModel::from_urdf_file(ROBCL_SOURCE_DIR "/tests/cpp/robcl/seven_axes.urdf", "base",
+  return arm::ArmModel::from_urdf_file(ROBCL_SOURCE_DIR "/devices/arms/iiwa14.urdf", "base",
                                        "flange", 0.25)
       .value();
 }
