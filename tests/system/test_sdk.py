@@ -130,6 +130,12 @@ def test_gecos_up_starts_the_simulated_laboratory(lab: Laboratory, user: User) -
     assert "GRIPPER" in user_lists(lab, user)
 
 
+def test_an_installed_arm_of_two_files_is_served(user: User, meeting: Laboratory) -> None:
+    words = (user.sdk / "bin/robcl-arm", user.sdk / "share/robcl/arms/iiwa14.toml")
+    meeting.start(*user.unseen(*words), ready="IIWA14 is ready")
+    assert "robcl::Manipulator" in user_lists(meeting, user)
+
+
 @pytest.mark.timeout(600)
 def test_a_project_in_cpp_and_python(user: User, meeting: Laboratory) -> None:
     user.build("plain")
