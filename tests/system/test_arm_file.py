@@ -1,7 +1,9 @@
-"""Arms that are two files: served by robcl-arm, and moved by a program that knows Manipulator alone."""
+"""Arms that are two files: robcl-arm serves them, and a program that knows Manipulator alone moves
+them."""
 
 from __future__ import annotations
 
+import re
 import sys
 from math import radians
 from pathlib import Path
@@ -113,6 +115,35 @@ def test_options_come_before_what_the_file_says(lab_with_broker: Laboratory, own
     lab.start(robcl_arm(lab), own_arm, *options, ready="OTHER is ready")
     offset = gecos.Lab().create(Manipulator, "OTHER").tool_offset().result()
     assert offset.position == pytest.approx([0, 0, 0.25])
+
+
+@pytest.fixture
+def arm_of_the_page(tmp_path: Path) -> Path:
+    """The TOML file of the arm in docs/adding-an-arm.md."""
+    page = (TREE / "docs" / "adding-an-arm.md").read_text()
+    for name in ("bench.toml", "bench.urdf"):
+        block = re.search(rf"^`{name}`.*?^```\w+\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+        assert block
+        (tmp_path / name).write_text(block[1])
+    return tmp_path / "bench.toml"
+
+
+def test_the_arm_of_the_page_is_moved(lab_with_broker: Laboratory, arm_of_the_page: Path) -> None:
+    lab = lab_with_broker
+    lab.start(robcl_arm(lab), arm_of_the_page, ready="BENCH is ready")
+    moved = lab.run(sys.executable, MOVE_TOOL, "BENCH")
+    assert moved.finish() == 0, str(moved)
+
+
+def test_the_error_of_the_page_is_what_the_program_says(
+    lab: Laboratory, arm_of_the_page: Path
+) -> None:
+    good = arm_of_the_page.read_text()
+    arm_of_the_page.write_text(good.replace("start_deg = [0, -20", "start_deg = [0, 200"))
+    refused = lab.run(robcl_arm(lab), arm_of_the_page)
+    assert refused.finish() == 2, str(refused)
+    said = refused.output().replace(str(arm_of_the_page), arm_of_the_page.name)
+    assert said in (TREE / "docs" / "adding-an-arm.md").read_text()
 
 
 def test_help_shows_what_the_file_says(lab: Laboratory, own_arm: Path) -> None:
