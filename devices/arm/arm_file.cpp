@@ -332,8 +332,8 @@ tl::expected<ArmDescription, ArmFileError> read_arm(const std::filesystem::path&
                                        "the file cannot be read (" + toml.error() +
                                            "); give the path of the TOML file of an arm"});
   }
-  return parse_arm(*toml, file.string(), [&](const std::filesystem::path& urdf) {
-    return text_of(file.parent_path() / urdf);
+  return parse_arm(*toml, file.string(), [&](const std::filesystem::path& path) {
+    return text_of(file.parent_path() / path);
   });
 }
 
