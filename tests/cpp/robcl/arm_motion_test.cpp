@@ -30,6 +30,7 @@ class Recorder : public StandingDriver {
  public:
   using StandingDriver::StandingDriver;
   tl::expected<JointState, DriverFault> exchange(const JointCommand& command, double) override {
+    if (fails) return tl::unexpected(DriverFault{"no answer from the drives"});
     stands = command.position;
     const std::lock_guard lock(mutex_);
     all_.push_back(stands);
@@ -39,6 +40,7 @@ class Recorder : public StandingDriver {
     const std::lock_guard lock(mutex_);
     return all_;
   }
+  std::atomic<bool> fails{false};
 
  private:
   mutable std::mutex mutex_;
@@ -177,8 +179,7 @@ TEST_F(Chain, AFaultOfTheDrivesEndsAllMoves) {
   one.is_taken.wait(false);
   auto second = go_over(beside(0.2), other);
   other.is_taken.wait(false);
-  driver_.broken = true;
-  driver_.power = DrivePower::Fault;
+  driver_.fails = true;
   for (auto* const move : {&first, &second}) {
     const auto ended = move->get();
     ASSERT_FALSE(ended);

@@ -38,6 +38,18 @@ inline arm::ArmModel seven_axes() {
       .value();
 }
 
+inline arm::ArmModel ur5() {
+  return arm::ArmModel::from_urdf_file(ROBCL_SOURCE_DIR "/tests/cpp/robcl/ur5.urdf", "base",
+                                       "flange", 0.25)
+      .value();
+}
+
+inline arm::ArmModel five_axes() {
+  return arm::ArmModel::from_urdf_file(ROBCL_SOURCE_DIR "/tests/cpp/robcl/five_axes.urdf", "base",
+                                       "flange", 0.25)
+      .value();
+}
+
 /// Joint positions anywhere inside the limits, the same in every run.
 class RandomJoints {
  public:

@@ -45,7 +45,7 @@ class ClosedForm : public ::testing::TestWithParam<Arm> {
 TEST_P(ClosedForm, ReachesEveryPoseThatTheArmReaches) {
   ASSERT_NE(inverse_, nullptr);
   RandomJoints random(model_, 3);
-  for (int i = 0; i < 5000; ++i) {
+  for (int i = 0; i < 10000; ++i) {
     const Frame pose = forward_.base_from_flange(random());
     const auto solution = inverse_->solve(pose, random(), {});
     ASSERT_TRUE(solution.has_value()) << to_string(solution.error());
@@ -278,21 +278,50 @@ TEST(NearestTurn, PrefersTheNearestCopyInsideTheLimits) {
   EXPECT_NEAR(nearest_turn(100_deg, 0, {-45_deg, 45_deg, 1, 1}), 100_deg, 1e-12);
 }
 
-TEST(NumericInverse, ReachesNearlyEveryPoseAndNeverLies) {
-  const ArmModel model = rx90();
-  Kinematics forward(model);
-  NumericInverse inverse(model);
-  RandomJoints random(model, 7);
+/// Arms without a closed form.
+class NumericInverses : public ::testing::TestWithParam<ArmModel (*)()> {
+ protected:
+  const ArmModel model_ = GetParam()();
+  Kinematics forward_{model_};
+  const std::unique_ptr<InverseKinematics> inverse_ = make_inverse(model_);
+};
+constexpr const char* arms_without_closed_form[] = {"Ur5", "SevenAxes", "FiveAxes"};
+INSTANTIATE_TEST_SUITE_P(Of, NumericInverses, ::testing::Values(&ur5, &seven_axes, &five_axes),
+                         [](const auto& made) { return arms_without_closed_form[made.index]; });
+
+TEST_P(NumericInverses, ReachNearlyEveryPoseAndNeverLie) {
+  ASSERT_NE(dynamic_cast<NumericInverse*>(inverse_.get()), nullptr);
+  RandomJoints random(model_, 7);
+  constexpr int poses = 10000;
   int reached = 0;
-  for (int i = 0; i < 200; ++i) {
-    const Frame pose = forward.base_from_flange(random());
-    const auto solution = inverse.solve(pose, random(), {});
+  for (int i = 0; i < poses; ++i) {
+    const Frame pose = forward_.base_from_flange(random());
+    const auto solution = inverse_->solve(pose, random(), {});
     if (!solution) continue;
     ++reached;
-    ASSERT_TRUE(inside(model, *solution));
-    ASSERT_TRUE(near(forward.base_from_flange(*solution), pose, 1e-6, 1e-5));
+    ASSERT_TRUE(inside(model_, *solution));
+    ASSERT_TRUE(near(forward_.base_from_flange(*solution), pose, 1e-9, 1e-9));
   }
-  EXPECT_GE(reached, 190);
+  RecordProperty("reached", reached);
+  EXPECT_GE(reached, poses * 99 / 100);
+}
+
+TEST_P(NumericInverses, StayNearWhereTheArmIs) {
+  RandomJoints random(model_, 8);
+  for (int i = 0; i < 200; ++i) {
+    const JointValues at = random();
+    const Frame beside = forward_.base_from_flange(at + 1e-3 * (random() - at));
+    const auto solution = inverse_->solve(beside, at, {});
+    ASSERT_TRUE(solution.has_value());
+    EXPECT_LT((*solution - at).cwiseAbs().maxCoeff(), 0.5);
+  }
+}
+
+TEST(Ur5, StandsWhereItsMakersParametersSay) {
+  const ArmModel model = ur5();
+  Kinematics forward(model);
+  const Frame flange = forward.base_from_flange(JointValues::Zero(6));
+  EXPECT_LT((flange.position() - Eigen::Vector3d(-0.81725, -0.19145, -0.005491)).norm(), 1e-9);
 }
 
 TEST(MakeInverse, FallsBackToTheNumericSolverForAnArmOfAnotherGeometry) {

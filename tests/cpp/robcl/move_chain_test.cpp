@@ -229,8 +229,9 @@ class RandomChains : public ::testing::TestWithParam<arm::ArmModel (*)()> {
   const arm::ArmModel model_ = GetParam()();
   Planner planner_{model_, ToolLimits{}};
 };
-INSTANTIATE_TEST_SUITE_P(OfArms, RandomChains, ::testing::Values(&rx90, &puma560),
-                         [](const auto& arm) { return arm.index == 0 ? "rx90" : "puma560"; });
+constexpr const char* arm_names[] = {"rx90", "puma560", "seven_axes"};
+INSTANTIATE_TEST_SUITE_P(OfArms, RandomChains, ::testing::Values(&rx90, &puma560, &seven_axes),
+                         [](const auto& arm) { return arm_names[arm.index]; });
 
 TEST_P(RandomChains, KeepAllLimitsAtAnyTimeOverriddenAndStopped) {
   RandomJoints random(model_, 18);

@@ -19,14 +19,12 @@ Eigen::Matrix<double, 6, 1> weights() {
 
 constexpr double solver_error = 1e-8;
 constexpr int solver_steps = 500;
-constexpr double position_error = 1e-6;  // m; largest error of an accepted solution
-constexpr double angle_error = 1e-5;     // rad; largest error of an accepted solution
 
 }  // namespace
 
 NumericInverse::NumericInverse(const ArmModel& model)
     : model_(model),
-      forward_(model),
+      local_(model),
       chain_(model.chain()),
       solver_(chain_, weights(), solver_error, solver_steps) {}
 
@@ -45,11 +43,23 @@ JointValues NumericInverse::start(int attempt, const JointValues& reference) con
   return joints;
 }
 
+/// Returns the solution near `joints`; nullopt if there is none.
+std::optional<JointValues> NumericInverse::refined(const Frame& base_from_flange,
+                                                   JointValues joints) const {
+  const auto solution = local_.solve(base_from_flange, local_.at(joints));
+  if (!solution) return std::nullopt;
+  return solution->joints;
+}
+
 tl::expected<JointValues, Failure> NumericInverse::solve(const Frame& base_from_flange,
                                                          const JointValues& reference,
                                                          const Configuration& wanted) {
   if (wanted != Configuration{}) {
     return tl::unexpected(OutOfReach{"this arm has no configurations to choose from"});
+  }
+  if (const auto near = refined(base_from_flange, reference);
+      near && !first_outside(model_, *near)) {
+    return *near;
   }
   const KDL::Frame goal = to_kdl(base_from_flange);
   KDL::JntArray from(static_cast<unsigned>(reference.size()));
@@ -58,13 +68,12 @@ tl::expected<JointValues, Failure> NumericInverse::solve(const Frame& base_from_
   for (int attempt = 0; attempt < starts; ++attempt) {
     from.data = start(attempt, reference);
     if (solver_.CartToJnt(from, goal, answer) != KDL::SolverI::E_NOERROR) continue;
-    JointValues joints = answer.data;
+    auto found = refined(base_from_flange, answer.data);
+    if (!found) continue;
+    JointValues& joints = *found;
     for (Eigen::Index i = 0; i < joints.size(); ++i) {
       joints[i] =
           nearest_turn(joints[i], reference[i], model_.limits()[static_cast<std::size_t>(i)]);
-    }
-    if (!near(forward_.base_from_flange(joints), base_from_flange, position_error, angle_error)) {
-      continue;
     }
     const auto outside = first_outside(model_, joints);
     if (!outside) return joints;

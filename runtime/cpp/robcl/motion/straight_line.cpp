@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iomanip>
 #include <sstream>
+#include <variant>
 
 #include "robcl/motion/line.hpp"
 #include "robcl/motion/planner.hpp"
@@ -28,12 +29,11 @@ Failure with_place(Failure failure, const std::string& where) {
   return failure;
 }
 
-/// Returns the joint that turns most between two joint positions.
-Eigen::Index busiest(const JointValues& from, const JointValues& to) {
+/// By how much a joint turns, in rad.
+struct Turn {
   Eigen::Index axis = 0;
-  (to - from).cwiseAbs().maxCoeff(&axis);
-  return axis;
-}
+  double angle = 0;
+};
 
 }  // namespace
 
@@ -56,11 +56,10 @@ class LineWalk {
       for (; done < parts; ++done) {
         const bool last = done + 1 == parts;
         const double part = last ? end : start + static_cast<double>(done + 1) * each;
-        const JointValues before = walk_.at().joints;
-        if (auto failure = step_to(part)) return tl::unexpected(*std::move(failure));
-        const double change = (walk_.at().joints - before).cwiseAbs().maxCoeff();
-        if (change > (closest ? joint_jump : joint_step)) {
-          if (closest) return tl::unexpected(Failure(too_fast(before, part, each)));
+        const auto turn = step_to(part);
+        if (!turn) return tl::unexpected(turn.error());
+        if (turn->angle > (closest ? joint_jump : joint_step)) {
+          if (closest) return tl::unexpected(Failure(too_fast(*turn, part, each)));
           break;
         }
         knots.add(part * duration, walk_.at().joints);
@@ -73,18 +72,29 @@ class LineWalk {
   }
 
  private:
-  std::optional<Failure> step_to(double part) {
+  /// Steps to the fraction `part` of the line. Returns the joint that turns most on this step. A
+  /// joint that would have to jump beyond its limit is returned, too: the limit is not the cause.
+  tl::expected<Turn, Failure> step_to(double part) {
+    const JointValues before = walk_.at().joints;
     const auto failure = walk_.step_to(line_.at(part) * tool_from_flange_);
-    if (!failure) return std::nullopt;
-    return with_place(*failure, line_.place(part));
+    Turn turn;
+    if (!failure) {
+      turn.angle = (walk_.at().joints - before).cwiseAbs().maxCoeff(&turn.axis);
+      return turn;
+    }
+    if (const auto* limit = std::get_if<JointLimit>(&*failure)) {
+      turn.axis = static_cast<Eigen::Index>(limit->axis) - 1;
+      const double from = before[turn.axis];
+      turn.angle = std::abs(arm::nearest_angle(limit->value, from) - from);
+      if (turn.angle > joint_jump) return turn;
+    }
+    return tl::unexpected(with_place(*failure, line_.place(part)));
   }
 
-  Singular too_fast(const JointValues& before, double part, double each) const {
-    const Eigen::Index axis = busiest(before, walk_.at().joints);
+  Singular too_fast(const Turn& turn, double part, double each) const {
     std::ostringstream text;
-    text << line_.place(part) << " joint " << axis + 1 << " would have to turn " << std::fixed
-         << std::setprecision(1) << in_deg(std::abs(walk_.at().joints[axis] - before[axis]))
-         << " deg within " << std::setprecision(2);
+    text << line_.place(part) << " joint " << turn.axis + 1 << " would have to turn " << std::fixed
+         << std::setprecision(1) << in_deg(turn.angle) << " deg within " << std::setprecision(2);
     if (line_.length() > 0) {
       text << in_mm(line_.length() * each) << " mm";
     } else {
