@@ -65,7 +65,8 @@ ArmDevice::ArmDevice(const robcl::arm::ArmModel& model, const Settings& settings
       motion_(controller_, Planner(model, settings.tool_limits)),
       pose_epoch_(unix_ms()),
       flange_from_tool_(settings.tool_offset),
-      postures_(robcl::arm::make_inverse(model)) {}
+      postures_(robcl::arm::make_inverse(model)),
+      has_configurations_(postures_->has_configurations()) {}
 
 Frame ArmDevice::base() const {
   const gecos::MutexLock lock(reading_);

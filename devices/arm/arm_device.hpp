@@ -57,6 +57,7 @@ class ArmDevice {
   double speed_override() const { return controller_.speed_override(); }
   DrivePower power() const { return controller_.now().power; }
   robcl::arm::Configuration configuration() const;
+  bool has_configurations() const { return has_configurations_; }
   const robcl::arm::ArmModel& model() const { return model_; }
 
   /// Requests that the control loop clears a fault of the drives and enables the drives again.
@@ -101,6 +102,7 @@ class ArmDevice {
   std::uint64_t pose_epoch_ GECOS_GUARDED_BY(reading_);
   Frame flange_from_tool_ GECOS_GUARDED_BY(reading_);
   const std::unique_ptr<robcl::arm::InverseKinematics> postures_ GECOS_POINTER_GUARDED_BY(reading_);
+  const bool has_configurations_;
 };
 
 /// An arm with six joints. A caller may command the positions of the joints.

@@ -60,9 +60,24 @@ gecos::Result<void> ManipulatorServant::move(const Frame& goal,
   const robcl::Trajectory trajectory = how.value_or(robcl::Trajectory{});
   const PathKind path =
       trajectory.path == robcl::PathType::STRAIGHT ? PathKind::Straight : PathKind::Joint;
+  auto wanted = configuration_of(trajectory);
+  if (path == PathKind::Joint) {
+    const auto set_before = next_configuration_.take(run.caller().session);
+    if (!wanted) wanted = set_before;
+  }
   CallWatcher watcher(run);
-  return answer(arm_.move(goal, path, pace_of(trajectory), watcher, configuration_of(trajectory),
-                          goes_over(trajectory)));
+  return answer(arm_.move(goal, path, pace_of(trajectory), watcher, wanted, goes_over(trajectory)));
+}
+
+gecos::Result<void> ManipulatorServant::set_configuration(const robcl::Configuration& wanted,
+                                                          gecos::Execution<>& run) {
+  const robcl::arm::Configuration known = from_wire(wanted);
+  if (!arm_.has_configurations() && known != robcl::arm::Configuration{}) {
+    return tl::unexpected(gecos::Fault::rejected(
+        "this arm has no configurations to choose from; leave all members of `wanted` out"));
+  }
+  next_configuration_.set(run.caller().session, known);
+  return {};
 }
 
 gecos::Result<void> ManipulatorServant::follow(robcl::FollowMode axes,

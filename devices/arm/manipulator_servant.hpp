@@ -4,6 +4,7 @@
 
 #include "arm/arm_device.hpp"
 #include "arm/follow_call.hpp"
+#include "arm/next_configuration.hpp"
 #include "gecos/base/mutex.hpp"
 #include "robcl/manipulator_server.hpp"
 
@@ -46,6 +47,8 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
   gecos::Result<std::uint64_t> pose_epoch() override { return arm_.pose_epoch(); }
   gecos::Result<void> move(const Frame& goal, const std::optional<robcl::Trajectory>& how,
                            const std::optional<std::uint64_t>& pose_epoch, Progress& run) override;
+  gecos::Result<void> set_configuration(const robcl::Configuration& wanted,
+                                        gecos::Execution<>& run) override;
   gecos::Result<void> follow(robcl::FollowMode axes,
                              const std::optional<robcl::FollowLimits>& limits,
                              FollowCall::Progress& run) override;
@@ -61,6 +64,7 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
  private:
   ArmDevice& arm_;
   const std::string place_;
+  NextConfiguration next_configuration_;
   gecos::Mutex following_;       // held by the handler whose control loop reads `alter`
   bool moved_ = false;           // whether the last published sample was of a moving arm
   std::uint64_t published_ = 0;  // number of the last published measurement

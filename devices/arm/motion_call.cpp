@@ -43,10 +43,12 @@ static_assert(static_cast<int>(robcl::arm::Wrist::Flip) == static_cast<int>(robc
 
 std::optional<robcl::arm::Configuration> configuration_of(const robcl::Trajectory& how) {
   if (!how.configuration) return std::nullopt;
-  const robcl::Configuration& asked = *how.configuration;
-  return robcl::arm::Configuration{same<robcl::arm::Shoulder>(asked.arm),
-                                   same<robcl::arm::Elbow>(asked.bend),
-                                   same<robcl::arm::Wrist>(asked.hand)};
+  return from_wire(*how.configuration);
+}
+
+robcl::arm::Configuration from_wire(const robcl::Configuration& asked) {
+  return {same<robcl::arm::Shoulder>(asked.arm), same<robcl::arm::Elbow>(asked.bend),
+          same<robcl::arm::Wrist>(asked.hand)};
 }
 
 robcl::Configuration on_wire(const robcl::arm::Configuration& known) {

@@ -32,6 +32,7 @@ inline bool goes_over(const robcl::Trajectory& how) { return how.at_goal == robc
 robcl::motion::Pace pace_of(const robcl::Trajectory& how);
 /// Returns the configuration in which the move must end; nullopt: the present one.
 std::optional<robcl::arm::Configuration> configuration_of(const robcl::Trajectory& how);
+robcl::arm::Configuration from_wire(const robcl::Configuration& asked);
 robcl::Configuration on_wire(const robcl::arm::Configuration& known);
 
 /// Returns the reply to a call that moves the arm. Converts each failure to an exception of the

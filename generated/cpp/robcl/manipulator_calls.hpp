@@ -31,6 +31,15 @@ struct Manipulator_move_arguments {
   }
 };
 
+/// The arguments of `set_configuration`.
+struct Manipulator_set_configuration_arguments {
+  ::robcl::Configuration wanted{};
+
+  static bool gecos_members(auto& each, auto& self) {
+    return each("set_configuration.wanted", self.wanted, gecos::layout::Block{});
+  }
+};
+
 /// The arguments of `override_speed`.
 struct Manipulator_override_speed_arguments {
   double factor = 0;  ///< [1, 0.0 to 1.0]

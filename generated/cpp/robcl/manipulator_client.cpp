@@ -89,6 +89,15 @@ gecos::Command<void, ::robcl::MotionProgress> Manipulator::move(
       });
 }
 
+gecos::Command<void> Manipulator::set_configuration(const ::robcl::Configuration& wanted) const {
+  return gecos_call<void>(
+      ManipulatorInterface::set_configuration, 4 + wanted.encoded_size(),
+      [&](auto& to) {
+        to.put_count(wanted.encoded_size());
+        wanted.encode(to);
+      });
+}
+
 gecos::Command<void> Manipulator::override_speed(double factor) const {
   if (!(factor >= 0.0 && factor <= 1.0)) {
     return gecos::session::Refused(

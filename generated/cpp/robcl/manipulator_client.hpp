@@ -62,6 +62,10 @@ class Manipulator : public virtual ::robcl::Device {
       const std::optional<::robcl::Trajectory>& how = {},
       const std::optional<std::uint64_t>& pose_epoch = {}) const;
 
+  /// Configuration in which the next joint move of the same session ends that asks for none
+  /// itself. Moves nothing. Rejected if the arm has no configurations.
+  gecos::Command<void> set_configuration(const ::robcl::Configuration& wanted) const;
+
   /// Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as
   /// planned, 0 pauses it on its path. The factor stays until it is set again.
   /// @param factor [1, 0.0 to 1.0]

@@ -55,6 +55,14 @@ bool ManipulatorServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call
           pose_epoch,
           run), {"robcl::OutOfReach", "robcl::JointLimit", "robcl::Singular"});
     }
+    case 0xade090ae: {  // set_configuration
+      gecos::wire::Decoder from(call.arguments());
+      ::robcl::Configuration wanted{};
+      const bool read = gecos::wire::get_block(from, wanted, "set_configuration.wanted");
+      if (!read) return call.refuse(from.error());
+      gecos::Execution<> run(call);
+      return call.answer(this->set_configuration(wanted, run), {});
+    }
     case 0xe4bf65c9: {  // override_speed
       gecos::wire::Decoder from(call.arguments());
       double factor{};

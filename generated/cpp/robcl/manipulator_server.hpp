@@ -64,6 +64,12 @@ class ManipulatorServant : public virtual ::robcl::DeviceServant {
       const std::optional<std::uint64_t>& pose_epoch,
       gecos::Execution<::robcl::MotionProgress>& run) = 0;
 
+  /// Configuration in which the next joint move of the same session ends that asks for none
+  /// itself. Moves nothing. Rejected if the arm has no configurations.
+  virtual gecos::Result<void> set_configuration(
+      const ::robcl::Configuration& wanted,
+      gecos::Execution<>& run) = 0;
+
   /// Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as
   /// planned, 0 pauses it on its path. The factor stays until it is set again.
   /// @param factor [1, 0.0 to 1.0]

@@ -143,6 +143,17 @@ _MANIPULATOR_MOVE: _Method[None, MotionProgress] = _method(
     feedback=MotionProgress,
     raises=(OutOfReach, JointLimit, Singular),
 )
+_MANIPULATOR_SET_CONFIGURATION: _Method[None, None] = _method(
+    _Operation(
+        0xADE090AE,
+        "set_configuration",
+        _Access.ACTOR,
+        cancelable=True,
+        on_new=_OnNew.BLEND,
+        hash=0x214642D141946A53,
+    ),
+    takes=_values("wanted", Configuration),
+)
 _MANIPULATOR_OVERRIDE_SPEED: _Method[None, None] = _method(
     _Operation(0xE4BF65C9, "override_speed", _Access.ACTOR, parallel=True, hash=0xF909515CB9F6D463),
     takes=_values("factor", _layout.ranged("d", 0.0, 1.0, unit="1")),
@@ -195,13 +206,14 @@ _MANIPULATOR_STOOD: _EventTable[Manipulator_stood] = _event(
     largest=60,
     hash=0xCD7E2A4C2A3ACB27,
 )
-_MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"nested":["robcl::Manipulator::stood"],"hash":"0x72b3795fe720f935","members":[
+_MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"nested":["robcl::Manipulator::stood"],"hash":"0x2e707a6b40cea416","members":[
 {"kind":"attribute","name":"tool","doc":"Tool frame in the world, as measured.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":20000000},"codes":{"get":656093559,"stream":656093559},"hash":"0xe4a63fbb9f4aa676"},
 {"kind":"attribute","name":"flange","doc":"Flange in the world, as measured: where grippers and sensors are mounted.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":20000000},"codes":{"get":3590499756,"stream":3590499756},"hash":"0x294c864a0a1bb0d9"},
 {"kind":"attribute","name":"posture","doc":"Configuration that the arm is in.","type":"robcl::Configuration","readonly":true,"read_access":"sensor","codes":{"get":2355008027},"hash":"0x3d861e0f224574c5"},
 {"kind":"attribute","name":"tool_offset","doc":"Tool frame seen from the flange. Setting it takes its turn among the commands of the arm: it acts on the motions after it.","type":"robcl::Frame","read_access":"sensor","write_access":"actor","write_needs_presence":true,"codes":{"get":1576561611,"set":3826381890},"hash":"0xd5db88cc5c4a48ee"},
 {"kind":"attribute","name":"pose_epoch","doc":"Stands for the present place of the base: each `mount`, and a restart of the server, changes it.","type":"uint64","readonly":true,"read_access":"sensor","codes":{"get":1580972314},"hash":"0x647f63cefbd156f4"},
 {"kind":"operation","name":"move","doc":"Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal or, after NOBREAK, when it is on the path of the next motion. Refused if `pose_epoch`, read when the goal was computed, is not the present one: the base has another place since then.","parameters":[{"name":"goal","direction":"in","type":"robcl::Frame"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true},{"name":"pose_epoch","direction":"in","type":"uint64","optional":true}],"raises":["robcl::OutOfReach","robcl::JointLimit","robcl::Singular"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"blend","on_loss":"stop","code":889709316,"hash":"0xc58c2180678c1d75"},
+{"kind":"operation","name":"set_configuration","doc":"Configuration in which the next joint move of the same session ends that asks for none itself. Moves nothing. Rejected if the arm has no configurations.","parameters":[{"name":"wanted","direction":"in","type":"robcl::Configuration"}],"access":"actor","needs_presence":true,"cancelable":true,"on_new":"blend","on_loss":"stop","code":2917175470,"hash":"0x214642d141946a53"},
 {"kind":"operation","name":"override_speed","doc":"Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as planned, 0 pauses it on its path. The factor stays until it is set again.","parameters":[{"name":"factor","direction":"in","type":"double","unit":"1","range":{"min":0.0,"max":1.0}}],"access":"actor","needs_presence":true,"on_new":"queue","on_loss":"stop","parallel":true,"code":3837748681,"hash":"0xf909515cb9f6d463"},
 {"kind":"attribute","name":"speed_override","doc":"Factor of `override_speed`.","type":"double","readonly":true,"unit":"1","read_access":"sensor","codes":{"get":34307637},"hash":"0x78256f74e6a4faff"},
 {"kind":"attribute","name":"standing","doc":"Whether the arm stands, by its measured joint positions. After a stop, a command ends before the arm stands.","type":"boolean","readonly":true,"read_access":"sensor","codes":{"get":1808856709},"hash":"0x1031d81d03f43ec5"},
@@ -234,7 +246,7 @@ _MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::
 _MANIPULATOR = _interface(
     "robcl::Manipulator",
     "1.0",
-    0x72B3795FE720F935,
+    0x2E707A6B40CEA416,
     (Device,),
     (
         _MANIPULATOR_TOOL,
@@ -244,6 +256,7 @@ _MANIPULATOR = _interface(
         _MANIPULATOR_SET_TOOL_OFFSET,
         _MANIPULATOR_POSE_EPOCH,
         _MANIPULATOR_MOVE,
+        _MANIPULATOR_SET_CONFIGURATION,
         _MANIPULATOR_OVERRIDE_SPEED,
         _MANIPULATOR_SPEED_OVERRIDE,
         _MANIPULATOR_STANDING,
@@ -317,6 +330,15 @@ class Manipulator(Device):
         May raise OutOfReach, JointLimit, Singular.
         """
         return self._gecos_call(_MANIPULATOR_MOVE, _MANIPULATOR_MOVE.request(goal, how, pose_epoch))
+
+    def set_configuration(self, wanted: Configuration) -> _Command[None]:
+        """Configuration in which the next joint move of the same session ends that asks for none
+        itself. Moves nothing. Rejected if the arm has no configurations.
+        """
+        return self._gecos_call(
+            _MANIPULATOR_SET_CONFIGURATION,
+            _MANIPULATOR_SET_CONFIGURATION.request(wanted),
+        )
 
     def override_speed(self, factor: float) -> _Command[None]:
         """Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as
@@ -435,6 +457,12 @@ class ManipulatorServant(DeviceServant):
         another place since then.
 
         May raise OutOfReach, JointLimit, Singular.
+        """
+
+    @_abstractmethod
+    def set_configuration(self, wanted: Configuration, run: _Execution[None]) -> None:
+        """Configuration in which the next joint move of the same session ends that asks for none
+        itself. Moves nothing. Rejected if the arm has no configurations.
         """
 
     @_abstractmethod

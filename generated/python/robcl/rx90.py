@@ -11,13 +11,13 @@ __all__ = [
     "Rx90Servant",
 ]
 
-_RX90_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Rx90","doc":"Staeubli RX90.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x3589a3ef9fb396bd","members":[]},
+_RX90_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Rx90","doc":"Staeubli RX90.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0xc08a139fa4160d8d","members":[]},
 "types":[],
 "references":[]}'''
 _RX90 = _interface(
     "robcl::Rx90",
     "1.0",
-    0x3589A3EF9FB396BD,
+    0xC08A139FA4160D8D,
     (SixAxis,),
     (),
     model=_RX90_SERVED_MODEL,

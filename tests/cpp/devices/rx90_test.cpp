@@ -248,6 +248,29 @@ TEST_F(Rx90Test, AJointMoveEndsInTheConfigurationThatIsAskedForAndAStraightMoveK
       << "the present configuration may be asked for";
 }
 
+TEST_F(Rx90Test, TheConfigurationThatIsSetIsThatOfTheNextJointMoveOfTheSameSession) {
+  const auto lease = gecos::actor(robot_);
+  const Frame here = robot_.tool().get().value();
+  const auto hand = [&] { return robot_.posture().get().value().hand; };
+  ASSERT_EQ(hand(), robcl::Wrist::FLIP);
+  ASSERT_TRUE(get(robot_.set_configuration({.hand = robcl::Wrist::NOFLIP}), cycle()));
+  EXPECT_EQ(hand(), robcl::Wrist::FLIP) << "it moves nothing itself";
+  ASSERT_TRUE(get(robot_.move(here * translate(0, 0, -10_mm),
+                              robcl::Trajectory{.path = robcl::PathType::STRAIGHT}),
+                  cycle()));
+  ASSERT_TRUE(get(robot_.move(here), cycle()));
+  EXPECT_EQ(hand(), robcl::Wrist::NOFLIP);
+  ASSERT_TRUE(get(robot_.move(here * translate(0, 0, -10_mm)), cycle()));
+  EXPECT_EQ(hand(), robcl::Wrist::NOFLIP) << "moves keep it";
+
+  // The option of the move has precedence, and uses up what was set.
+  ASSERT_TRUE(get(robot_.set_configuration({.hand = robcl::Wrist::NOFLIP}), cycle()));
+  const robcl::Configuration flip{.hand = robcl::Wrist::FLIP};
+  ASSERT_TRUE(get(robot_.move(here, robcl::Trajectory{.configuration = flip}), cycle()));
+  ASSERT_TRUE(get(robot_.move(here * translate(0, 0, -10_mm)), cycle()));
+  EXPECT_EQ(hand(), robcl::Wrist::FLIP);
+}
+
 TEST_F(Rx90Test, StandsOnTheFloorAndOnNoOtherArm) {
   const auto lease = gecos::actor(robot_);
   const auto refused = robot_.mount("PUMA", Frame()).get();

@@ -29,6 +29,8 @@ class InverseKinematics {
   /// Returns the configuration of an arm at the joint positions `joints`. A member is empty at its
   /// singularity. All members are empty if the solver does not know configurations.
   virtual Configuration configuration(const JointValues& joints) = 0;
+  /// Returns whether the solver knows configurations.
+  virtual bool has_configurations() const = 0;
 };
 
 /// Makes a solver for `model`. This is the closed-form solver if the geometry of the arm allows it

@@ -27,6 +27,7 @@ class NumericInverse final : public InverseKinematics {
                                            const JointValues& reference,
                                            const Configuration& wanted) override;
   Configuration configuration(const JointValues&) override { return {}; }
+  bool has_configurations() const override { return false; }
 
  private:
   JointValues start(int attempt, const JointValues& reference) const;

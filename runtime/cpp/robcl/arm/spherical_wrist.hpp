@@ -29,6 +29,7 @@ class SphericalWristInverse final : public InverseKinematics {
                                            const JointValues& reference,
                                            const Configuration& wanted) override;
   Configuration configuration(const JointValues& joints) override;
+  bool has_configurations() const override { return true; }
 
   struct Solution {
     JointValues joints;  ///< each within half a turn of the reference; limits are not checked

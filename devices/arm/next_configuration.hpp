@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <utility>
+
+#include "gecos/base/mutex.hpp"
+#include "robcl/arm/configuration.hpp"
+
+namespace devices {
+
+/// The configurations in which the next joint moves of sessions are to end. Thread-safe.
+class NextConfiguration {
+ public:
+  /// Replaces what the session asked for before.
+  void set(std::uint64_t session, const robcl::arm::Configuration& wanted) {
+    const gecos::MutexLock lock(mutex_);
+    static_cast<void>(take_held(session));
+    if (wanted_.size() == most_sessions) wanted_.pop_front();
+    wanted_.emplace_back(session, wanted);
+  }
+  /// Returns what the session asked for, and forgets it; nullopt if it asked for nothing.
+  std::optional<robcl::arm::Configuration> take(std::uint64_t session) {
+    const gecos::MutexLock lock(mutex_);
+    return take_held(session);
+  }
+
+ private:
+  // Sessions that ask and never move are forgotten in the order in which they asked.
+  static constexpr std::size_t most_sessions = 64;
+
+  std::optional<robcl::arm::Configuration> take_held(std::uint64_t session) GECOS_REQUIRES(mutex_) {
+    for (auto at = wanted_.begin(); at != wanted_.end(); ++at) {
+      if (at->first != session) continue;
+      const robcl::arm::Configuration found = at->second;
+      wanted_.erase(at);
+      return found;
+    }
+    return std::nullopt;
+  }
+
+  gecos::Mutex mutex_;
+  std::deque<std::pair<std::uint64_t, robcl::arm::Configuration>> wanted_ GECOS_GUARDED_BY(mutex_);
+};
+
+}  // namespace devices
