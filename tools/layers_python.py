@@ -90,6 +90,11 @@ ROWS = (
         "generated types know the codec, the root of exceptions and hand-written values alone",
     ),
     _row(
+        r"gecos\.cli\.plot(\..*)?",
+        r"matplotlib(\..*)?|numpy(\..*)?|click(\..*)?|gecos(\..*)?",
+        "gecos plot alone draws; matplotlib is not needed by other commands",
+    ),
+    _row(
         r"gecos\.cli(\..*)?",
         r"click(\..*)?|rich(\..*)?|gecos(\..*)?|gecos_idl\.\w+",
         "the command stands on gecos, with click and rich",

@@ -29,6 +29,7 @@ _VERBS = {
     "hz": "members.hz",
     "keys": "keys.keys",
     "ls": "ls.ls",
+    "plot": "plot.verb.plot",
     "schema": "schema.schema",
     "set": "members.set_",
     "stop": "stop.stop",

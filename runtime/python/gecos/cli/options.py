@@ -81,6 +81,7 @@ def members(wanted: Callable[[Any], bool]) -> Completion:
 
 
 name_argument = click.argument("name", shell_complete=_names)
+optional_name_argument = click.argument("name", required=False, shell_complete=_names)
 names_argument = click.argument("names", metavar="NAME...", nargs=-1, shell_complete=_names)
 broker_option = click.option(
     "--broker",

@@ -1,0 +1,1 @@
+"""Records a motion of an arm and draws it: `gecos plot`."""
