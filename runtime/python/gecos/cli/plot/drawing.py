@@ -15,9 +15,8 @@ from gecos.cli.plot.limits import ArmLimits
 from gecos.cli.plot.motion import Course, Motion, magnitude, of_joints, of_tool, times
 from gecos.cli.plot.recording import Recording
 
-_MOST_POINTS = 400
-"""Points of a line in the picture. A picture of 10 s has no more than that, and its file stays
-small."""
+_MOST_POINTS = 300
+"""Points of a line in the picture: so many pixels has it, and so its file stays small."""
 _PLANES = (("top view", 0, 1), ("side view", 0, 2), ("front view", 1, 2))
 _SETTINGS: dict[Any, Any] = {
     "svg.hashsalt": "gecos plot",  # the same picture gives the same file

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import time
 from collections import deque
 from collections.abc import Callable
-from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from gecos.cli.exit_codes import UsageFailure
 from gecos.cli.plot.recording import Recording
 from gecos.dynamic_client import by_name
-from gecos.errors import ConnectionFailed, StreamLost
+from gecos.errors import CommandFailed, ConnectionFailed, StreamLost
 
 if TYPE_CHECKING:
     from gecos.dynamic_client import DynamicObject
@@ -79,7 +79,7 @@ def record(
     missed = int(by_name.read(robot, "missed_cycles").result())
     streams = ("tool", *(_JOINTS if "robcl::SixAxis" in known else ()))
     failure: Exception | None = None
-    with ExitStack() as opened:
+    with contextlib.ExitStack() as opened:
         stood = opened.enter_context(by_name.subscribe(robot, "stood"))
         readers = {each: _Reader(by_name.subscribe(robot, each)) for each in streams}
         for reader in readers.values():
@@ -90,11 +90,10 @@ def record(
         for reader in readers.values():
             reader.keep()
         try:
-            _await_end(robot, stood, readers, seconds)
+            with contextlib.suppress(KeyboardInterrupt):
+                _await_end(robot, stood, readers, seconds)
             missed = int(by_name.read(robot, "missed_cycles").result()) - missed
-        except KeyboardInterrupt:
-            missed = int(by_name.read(robot, "missed_cycles").result()) - missed
-        except (StreamLost, ConnectionFailed) as error:
+        except (StreamLost, ConnectionFailed, CommandFailed) as error:
             failure, missed = error, 0
     samples = {each: list(reader.samples) for each, reader in readers.items()}
     return _joined(name, interface, cycle, missed, samples), failure
