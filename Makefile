@@ -122,6 +122,13 @@ soak:  ## programs killed and stopped, bad lines, idle clients, stopped motions:
 	@cmake --build $(BUILD) -j$(JOBS) --target $(PARTS) tests/stress/all crypto_test stream_rate_test robcl_motion_test robcl_move_chain_test
 	@$(PYTHON) tests/stress/soak.py --build $(BUILD) $(SOAK)
 
+.PHONY: pictures
+pictures:  ## the pictures of docs/motion.md, drawn by `gecos plot` from motions of the simulated RX90
+	@tools/setup.sh tests
+	@$(CONFIGURE) $(GROUPED)
+	@cmake --build $(BUILD) -j$(JOBS) --target gecos-broker robcl-rx90 runtime/python/all
+	@$(PYTHON) tools/draw_motions.py --build $(BUILD)
+
 .PHONY: release
 release:  ## all C++ as fast as it gets, into build-release: link-time and profile-guided optimisation
 	@tools/setup.sh build

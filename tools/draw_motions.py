@@ -20,6 +20,7 @@ from robcl.manipulator import Blend, Manipulator, PathType, Trajectory
 
 TREE = Path(__file__).resolve().parent.parent
 PICTURES = TREE / "docs" / "pictures"
+STANDS = 0.2  # s for which a picture shows the arm before it moves, or a little less
 ARM = TREE / "devices" / "arms" / "rx90.toml"
 
 
@@ -49,6 +50,7 @@ def draw(name: str, move: Callable[[], None]) -> None:
     picture = PICTURES / f"{name}.svg"
     words = ("plot", "RX90", "-o", picture, "--limits", ARM)
     with started("waits until", sys.executable, "-m", "gecos.cli", *words) as plot:
+        time.sleep(STANDS)
         move()
         if plot.wait(60) != 0:
             sys.exit(f"draw_motions: gecos plot has not drawn {picture}")

@@ -146,10 +146,15 @@ def _length(axes: Axes, course: Course, label: str, limit: float | None) -> None
 
 
 def _path(axes: Axes, position: Course, title: str, across: int, up: int) -> None:
+    """All views have the same scale, so that noise across a line is not magnified."""
     few = _thinned(_scaled(position, 1e3))
     axes.plot(few.value[:, across], few.value[:, up])
     axes.plot(*few.value[0, [across, up]], "o", color="C2", markersize=4)
     axes.plot(*few.value[-1, [across, up]], "s", color="C3", markersize=4)
+    lower, upper = few.value.min(axis=0), few.value.max(axis=0)
+    middle, half = (lower + upper) / 2, max(1.0, 0.55 * float((upper - lower).max()))
+    axes.set_xlim(middle[across] - half, middle[across] + half)
+    axes.set_ylim(middle[up] - half, middle[up] + half)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_title(f"path of the tool, {title}", fontsize=8)
     axes.set_xlabel(f"{'xyz'[across]}, mm")
