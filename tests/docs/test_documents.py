@@ -121,6 +121,14 @@ def test_what_gecos_imports_is_required_and_documented() -> None:
         assert set(installed.split()) - {"jinja2"} == imported, page
 
 
+def test_each_picture_of_a_motion_is_small_and_on_a_page() -> None:
+    pictures = sorted((TREE / "docs/pictures").iterdir())
+    assert pictures
+    page = text_of(TREE / "docs/motion.md")
+    assert [each.name for each in pictures if f"](pictures/{each.name})" not in page] == []
+    assert [each.name for each in pictures if each.stat().st_size > 150_000] == []
+
+
 def test_systemd_leaves_the_order_of_the_end_to_gecos_up() -> None:
     """Without this line, systemd sends SIGTERM to all programs of the unit at once."""
     units = re.findall(

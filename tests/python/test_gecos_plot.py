@@ -22,7 +22,9 @@ from gecos.cli.plot.motion import (
     times,
     trimmed,
 )
+from gecos.cli.plot.recorder import _joined
 from gecos.cli.plot.recording import Numbers, Recording, read_csv, write_csv
+from gecos.stream import Sample
 from matplotlib.testing.compare import compare_images
 
 ARMS = Path(__file__).resolve().parents[2] / "devices" / "arms"
@@ -247,6 +249,15 @@ def test_an_arm_without_joint_streams_is_drawn_by_its_tool(table: Path, run: Run
     assert "joint" not in drawn
 
 
+def test_a_picture_is_drawn_although_all_samples_of_the_tool_were_lost(
+    table: Path, run: Run
+) -> None:
+    before = read_csv(table)
+    write_csv(recording(before.joints, before.tool * np.nan), table)
+    code, _, err = run("plot", "--from", str(table))
+    assert code == 0, err
+
+
 def test_the_limits_of_the_rx90_are_read() -> None:
     limits = read_limits(ARMS / "rx90.toml")
     assert limits.joints == tuple(f"joint{i}" for i in range(1, 7))
@@ -353,3 +364,22 @@ def test_without_matplotlib_it_says_how_to_install_it(
     assert code == 1
     assert "pip install matplotlib" in err
     assert len(err.splitlines()) == 1
+
+
+def test_samples_of_one_cycle_stand_in_one_row() -> None:
+    def sample(value: Any, number: int, lost: int = 0) -> Sample[Any]:
+        return Sample(value, 70 + number, lost, 1000.0 + number * CYCLE, 0.0)
+
+    at = {"position": {"x": 0.1, "y": 0.2, "z": 0.3}, "orientation": {}}
+    joints = [sample({"position": [number] * 6}, number) for number in range(3)]
+    tool = [sample(at, 0), sample(at, 2, lost=1)]
+    streams = {"tool": tool, "joints": joints, "commanded_joints": joints[:1] + joints[2:]}
+    joined = _joined("ARM", "robcl::SixAxis", CYCLE, 0, streams)
+    assert joined.number.tolist() == [0, 2]
+    assert joined.tool.tolist() == [[0.1, 0.2, 0.3]] * 2
+    assert joined.joints is not None and joined.joints[:, 0].tolist() == [0, 2]
+    assert joined.lost == {"tool": 1, "joints": 0, "commanded_joints": 0}
+    without = _joined("ARM", "robcl::SixAxis", CYCLE, 0, streams | {"commanded_joints": joints})
+    assert np.isnan(without.tool[1]).all(), "its sample was lost"
+    nothing = _joined("ARM", "robcl::Manipulator", CYCLE, 0, {"tool": []})
+    assert len(nothing) == 0

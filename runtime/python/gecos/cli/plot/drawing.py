@@ -16,7 +16,7 @@ from gecos.cli.plot.motion import Course, Motion, magnitude, of_joints, of_tool,
 from gecos.cli.plot.recording import Recording
 
 _MOST_POINTS = 300
-"""Points of a line in the picture: so many pixels has it, and so its file stays small."""
+"""Points of a line in the picture, so that its file stays small."""
 _PLANES = (("top view", 0, 1), ("side view", 0, 2), ("front view", 1, 2))
 _SETTINGS: dict[Any, Any] = {
     "svg.hashsalt": "gecos plot",  # the same picture gives the same file
@@ -147,7 +147,12 @@ def _length(axes: Axes, course: Course, label: str, limit: float | None) -> None
 
 def _path(axes: Axes, position: Course, title: str, across: int, up: int) -> None:
     """All views have the same scale, so that noise across a line is not magnified."""
+    axes.set_title(f"path of the tool, {title}", fontsize=8)
+    axes.set_xlabel(f"{'xyz'[across]}, mm")
+    axes.set_ylabel(f"{'xyz'[up]}, mm")
     few = _thinned(_scaled(position, 1e3))
+    if not len(few.time):  # all samples were lost
+        return
     axes.plot(few.value[:, across], few.value[:, up])
     axes.plot(*few.value[0, [across, up]], "o", color="C2", markersize=4)
     axes.plot(*few.value[-1, [across, up]], "s", color="C3", markersize=4)
@@ -156,9 +161,6 @@ def _path(axes: Axes, position: Course, title: str, across: int, up: int) -> Non
     axes.set_xlim(middle[across] - half, middle[across] + half)
     axes.set_ylim(middle[up] - half, middle[up] + half)
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set_title(f"path of the tool, {title}", fontsize=8)
-    axes.set_xlabel(f"{'xyz'[across]}, mm")
-    axes.set_ylabel(f"{'xyz'[up]}, mm")
 
 
 def _scaled(course: Course, factor: float) -> Course:
@@ -169,5 +171,5 @@ def _thinned(course: Course) -> Course:
     """Keeps every n-th row, and the last one."""
     rows = len(course.time)
     step = max(1, -(-rows // _MOST_POINTS))
-    kept = np.unique(np.append(np.arange(0, rows, step), rows - 1))
+    kept = np.union1d(np.arange(0, rows, step), np.arange(rows)[-1:])
     return Course(course.time[kept], course.value[kept])

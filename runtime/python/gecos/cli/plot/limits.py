@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from gecos.cli.exit_codes import UsageFailure
-from gecos.cli.plot.recording import Numbers, Recording
+from gecos.cli.plot.recording import Numbers
 
 _EXAMPLE = "docs/adding-an-arm.md shows such a file"
 
@@ -42,15 +42,13 @@ def read_limits(path: Path) -> ArmLimits:
     raise UsageFailure(f"{path}: the limits of an arm are in a file ARM.toml or ARM.urdf; name one")
 
 
-def for_recording(limits: ArmLimits, recording: Recording) -> ArmLimits:
-    """Returns `limits`. Raises UsageFailure if they are those of another arm."""
-    values = recording.commanded if recording.commanded is not None else recording.joints
-    if values is not None and values.shape[1] != len(limits.joints):
+def check_joints(limits: ArmLimits, name: str, joints: int) -> None:
+    """Raises UsageFailure if `limits` are not those of the arm `name`, which has so many joints."""
+    if joints != len(limits.joints):
         raise UsageFailure(
-            f"{recording.name} has {values.shape[1]} joints, but --limits names the file of an arm "
-            f"with {len(limits.joints)} ({', '.join(limits.joints)})"
+            f"{name} has {joints} joints, but --limits names the file of an arm with "
+            f"{len(limits.joints)} ({', '.join(limits.joints)}); name the file of {name}"
         )
-    return limits
 
 
 def _of_toml(path: Path) -> ArmLimits:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from gecos.stream import Sample, Stream
 
 _JOINTS = ("joints", "commanded_joints")
+_SIX = 6
 _BEFORE = 1.0  # s of samples that are kept while the arm stands
 _LOOK = 0.02  # s between two questions whether the arm moves
 _STANDS_FOR = 0.3
@@ -59,25 +60,32 @@ class _Reader(threading.Thread):
         self.join()
 
 
+def joint_count(robot: DynamicObject) -> int:
+    """Returns the number of joints whose streams an arm has."""
+    return _SIX if "robcl::SixAxis" in robot._gecos_model.interfaces else 0
+
+
 def record(
     robot: DynamicObject, patience: float, seconds: float | None, tell: Callable[[str], None]
 ) -> tuple[Recording, Exception | None]:
     """Waits for the next motion of an arm, and records it until the arm stands, for `seconds`, or
-    until Ctrl-C. Tells when it waits. If the server is lost while the arm moves, returns what was
-    recorded and the failure.
+    until Ctrl-C. Tells when it waits and when it records. If the server is lost while the arm
+    moves, returns what was recorded and the failure.
 
     Raises UsageFailure if the object is no arm, TimeoutError if it does not move within `patience`,
     and KeyboardInterrupt for Ctrl-C before the arm moves."""
     name, interface = robot._gecos_session.object_name, robot._gecos_model.interface
-    known = robot._gecos_model.interfaces
-    if "robcl::Manipulator" not in known:
+    if "robcl::Manipulator" not in robot._gecos_model.interfaces:
         raise UsageFailure(
             f"{name} ({interface}) is no arm, whose motion could be drawn; "
             "`gecos ls --interface robcl::Manipulator` lists the arms"
         )
-    cycle = float(by_name.read(robot, "cycle").result())
+    try:
+        cycle = float(by_name.read(robot, "cycle").result())
+    except by_name.UnknownMemberError as error:
+        raise UsageFailure(f"{error}; start its server again, with this version") from None
     missed = int(by_name.read(robot, "missed_cycles").result())
-    streams = ("tool", *(_JOINTS if "robcl::SixAxis" in known else ()))
+    streams = ("tool", *(_JOINTS if joint_count(robot) else ()))
     failure: Exception | None = None
     with contextlib.ExitStack() as opened:
         stood = opened.enter_context(by_name.subscribe(robot, "stood"))
@@ -89,6 +97,7 @@ def record(
         _await_motion(robot, stood, patience)
         for reader in readers.values():
             reader.keep()
+        tell(f"records {name} until it stands" if seconds is None else f"records {name}")
         try:
             with contextlib.suppress(KeyboardInterrupt):
                 _await_end(robot, stood, readers, seconds)
@@ -158,7 +167,7 @@ def _joined(
     columns = {
         "tool": ({s.stamp: _position(s.value) for s in samples["tool"]}, 3),
         **{
-            each: ({s.stamp: s.value["position"] for s in samples[each]}, 6)
+            each: ({s.stamp: s.value["position"] for s in samples[each]}, _SIX)
             for each in _JOINTS
             if each in samples
         },

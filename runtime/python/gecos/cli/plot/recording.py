@@ -49,6 +49,12 @@ class Recording:
     def __len__(self) -> int:
         return len(self.number)
 
+    @property
+    def joint_count(self) -> int:
+        """Number of joints; 0 if the arm has no joint streams."""
+        values = self.commanded if self.commanded is not None else self.joints
+        return 0 if values is None else values.shape[1]
+
     def rows(self, chosen: slice) -> Recording:
         """Returns some of the rows, counted from the first of them."""
         number, stamp = self.number[chosen], self.stamp[chosen]
@@ -158,7 +164,7 @@ def _rows(lines: Sequence[str], heads: Sequence[str], path: Path) -> Iterator[li
         if len(cells) != len(heads):
             raise UsageFailure(f"{path}:{at}: {len(cells)} values, not {len(heads)}; {_OWN_FILES}")
         row = [_number(*each, f"{path}:{at}") for each in zip(heads, cells, strict=True)]
-        if not (row[0] > last[0] and row[1] >= last[1]):
+        if not (row[0] > last[0] and row[1] > last[1]):
             raise UsageFailure(
                 f"{path}:{at}: number and stamp_s do not increase from the line before; "
                 f"{_OWN_FILES}"

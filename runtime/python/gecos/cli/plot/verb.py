@@ -21,7 +21,7 @@ from gecos.cli.options import (
 if TYPE_CHECKING:
     from gecos.cli.plot.recording import Recording
 
-_ENDINGS = (".svg", ".png")
+_SUFFIXES = (".svg", ".png")
 _FILE = click.Path(dir_okay=False, path_type=Path)
 
 
@@ -87,47 +87,55 @@ def plot(
     if picture is None and table is None:
         picture = Path(f"{name}.svg") if recorded is None else recorded.with_suffix(".svg")
     if picture is not None:
-        _check_ending(picture)
+        _check_suffix(picture)
         _check_matplotlib()
     for file in filter(None, (picture, table)):
         _check_writable(file)
 
-    from gecos.cli.plot import limits as arm_limits
+    from gecos.cli.plot.limits import check_joints, read_limits
     from gecos.cli.plot.motion import trimmed
     from gecos.cli.plot.recording import read_csv, write_csv
 
-    limits = arm_limits.read_limits(limits_file) if limits_file else None
+    limits = read_limits(limits_file) if limits_file else None
     ended_by: Exception | None = None
     if recorded is not None:
         recording = read_csv(recorded)
         if len(recording) < 3:
             raise UsageFailure(f"{recorded}: a motion has three samples or more")
+        if limits is not None and recording.joint_count:
+            check_joints(limits, recording.name, recording.joint_count)
     else:
         import gecos
-        from gecos.cli.plot.recorder import record
+        from gecos.cli.plot.recorder import joint_count, record
         from gecos.dynamic_client.connect import connect
 
         assert name is not None
         with gecos.Lab(broker) as lab:
-            raw, ended_by = record(connect(lab, name), patience, seconds, _tell)
+            robot = connect(lab, name)
+            if limits is not None and joint_count(robot):
+                check_joints(limits, name, joint_count(robot))
+            raw, ended_by = record(robot, patience, seconds, _tell)
+        if len(raw) < 3:
+            raise ended_by or RuntimeError(
+                f"{name} has sent no samples while it moved; `gecos hz {name} tool` shows how "
+                "many it sends"
+            )
         recording = trimmed(raw, seconds)
     if table is not None:
         write_csv(recording, table)
     if picture is not None:
         from gecos.cli.plot.drawing import draw
 
-        if limits is not None:
-            limits = arm_limits.for_recording(limits, recording)
         draw(recording, limits, picture)
     _report(recording, picture, table, as_json)
     if ended_by is not None:
         raise ended_by
 
 
-def _check_ending(picture: Path) -> None:
-    if picture.suffix not in _ENDINGS:
+def _check_suffix(picture: Path) -> None:
+    if picture.suffix not in _SUFFIXES:
         raise click.BadParameter(
-            f"{str(picture)!r} does not end in {' or '.join(_ENDINGS)}", param_hint="--output"
+            f"{str(picture)!r} does not end in {' or '.join(_SUFFIXES)}", param_hint="--output"
         )
 
 
