@@ -682,6 +682,7 @@ def contexts(group: click.Group, above: click.Context | None = None) -> Iterator
         ("gecos hz ARM ", ["tool", "flange", "stood"]),
         ("gecos call ARM ", ["mount", "move", "override_speed", "follow"]),
         ("gecos call NOBODY ", []),
+        ("gecos plot A", ["ARM"]),
         ("gecos stop A", ["ARM"]),
     ],
 )

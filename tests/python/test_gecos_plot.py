@@ -193,7 +193,7 @@ def test_a_table_that_ends_early_is_refused(tmp_path: Path, run: Run) -> None:
     )
     (tmp_path / "motion.csv").write_text(GOOD)
     code, _, err = run("plot", "--from", f"{tmp_path}/motion.csv")
-    assert (code, "three samples or more" in err) == (2, True)
+    assert (code, "a motion has at least 3 samples" in err) == (2, True)
 
 
 @pytest.fixture

@@ -97,9 +97,9 @@ def record(
         _await_motion(robot, stood, patience)
         for reader in readers.values():
             reader.keep()
-        tell(f"records {name} until it stands" if seconds is None else f"records {name}")
         try:
             with contextlib.suppress(KeyboardInterrupt):
+                tell(f"records {name} until it stands" if seconds is None else f"records {name}")
                 _await_end(robot, stood, readers, seconds)
             missed = int(by_name.read(robot, "missed_cycles").result()) - missed
         except (StreamLost, ConnectionFailed, CommandFailed) as error:

@@ -19,9 +19,11 @@ from gecos.cli.options import (
 )
 
 if TYPE_CHECKING:
+    from gecos.cli.plot.limits import ArmLimits
     from gecos.cli.plot.recording import Recording
 
 _SUFFIXES = (".svg", ".png")
+_FEWEST = 3  # samples of a motion that has an acceleration
 _FILE = click.Path(dir_okay=False, path_type=Path)
 
 
@@ -92,36 +94,18 @@ def plot(
     for file in filter(None, (picture, table)):
         _check_writable(file)
 
-    from gecos.cli.plot.limits import check_joints, read_limits
-    from gecos.cli.plot.motion import trimmed
-    from gecos.cli.plot.recording import read_csv, write_csv
+    from gecos.cli.plot.limits import read_limits
 
     limits = read_limits(limits_file) if limits_file else None
     ended_by: Exception | None = None
     if recorded is not None:
-        recording = read_csv(recorded)
-        if len(recording) < 3:
-            raise UsageFailure(f"{recorded}: a motion has three samples or more")
-        if limits is not None and recording.joint_count:
-            check_joints(limits, recording.name, recording.joint_count)
+        recording = _read(recorded, limits)
     else:
-        import gecos
-        from gecos.cli.plot.recorder import joint_count, record
-        from gecos.dynamic_client.connect import connect
-
         assert name is not None
-        with gecos.Lab(broker) as lab:
-            robot = connect(lab, name)
-            if limits is not None and joint_count(robot):
-                check_joints(limits, name, joint_count(robot))
-            raw, ended_by = record(robot, patience, seconds, _tell)
-        if len(raw) < 3:
-            raise ended_by or RuntimeError(
-                f"{name} has sent no samples while it moved; `gecos hz {name} tool` shows how "
-                "many it sends"
-            )
-        recording = trimmed(raw, seconds)
+        recording, ended_by = _record(name, limits, patience, seconds, broker)
     if table is not None:
+        from gecos.cli.plot.recording import write_csv
+
         write_csv(recording, table)
     if picture is not None:
         from gecos.cli.plot.drawing import draw
@@ -130,6 +114,45 @@ def plot(
     _report(recording, picture, table, as_json)
     if ended_by is not None:
         raise ended_by
+
+
+def _read(file: Path, limits: ArmLimits | None) -> Recording:
+    from gecos.cli.plot.limits import check_joints
+    from gecos.cli.plot.recording import read_csv
+
+    recording = read_csv(file)
+    if len(recording) < _FEWEST:
+        raise UsageFailure(f"{file}: a motion has at least {_FEWEST} samples")
+    if limits is not None and recording.joint_count:
+        check_joints(limits, recording.name, recording.joint_count)
+    return recording
+
+
+def _record(
+    name: str,
+    limits: ArmLimits | None,
+    patience: float,
+    seconds: float | None,
+    broker: str | None,
+) -> tuple[Recording, Exception | None]:
+    """Returns the recording, and why it ended if its server was lost."""
+    import gecos
+    from gecos.cli.plot.limits import check_joints
+    from gecos.cli.plot.motion import trimmed
+    from gecos.cli.plot.recorder import joint_count, record
+    from gecos.dynamic_client.connect import connect
+
+    with gecos.Lab(broker) as lab:
+        robot = connect(lab, name)
+        if limits is not None and joint_count(robot):
+            check_joints(limits, name, joint_count(robot))
+        recording, ended_by = record(robot, patience, seconds, _tell)
+    if len(recording) < _FEWEST:
+        raise ended_by or RuntimeError(
+            f"{name} has sent no samples while it moved; `gecos hz {name} tool` shows how many it "
+            "sends"
+        )
+    return trimmed(recording, seconds), ended_by
 
 
 def _check_suffix(picture: Path) -> None:
