@@ -30,10 +30,10 @@ def ruckig_duration(move: dict[str, Any], limits: dict[str, Any]) -> float:
     asked.current_position, asked.target_position = move["from"], move["to"]
     asked.max_velocity, asked.max_acceleration = limits["speeds"], limits["accelerations"]
     asked.max_jerk = [float("inf")] * axes
-    planned = ruckig.Trajectory(axes)
-    if ruckig.Ruckig(axes).calculate(asked, planned) < 0:
+    trajectory = ruckig.Trajectory(axes)
+    if ruckig.Ruckig(axes).calculate(asked, trajectory) < 0:
         raise RuntimeError(f"ruckig does not plan {move}")
-    duration: float = planned.duration
+    duration: float = trajectory.duration
     return duration
 
 
@@ -55,10 +55,10 @@ def toppra_duration(move: dict[str, Any], limits: dict[str, Any]) -> float:
         gridpoints=np.linspace(0, 1, GRID + 1),
         solver_wrapper="seidel",
     )
-    planned = planner.compute_trajectory()
-    if planned is None:
+    trajectory = planner.compute_trajectory()
+    if trajectory is None:
         raise RuntimeError("toppra does not plan a line")
-    duration: float = planned.duration
+    duration: float = trajectory.duration
     return duration
 
 

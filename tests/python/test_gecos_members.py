@@ -78,6 +78,9 @@ class Arm(ManipulatorServant):
     def cycle(self) -> float:
         return 0.004
 
+    def set_configuration(self, wanted: Configuration, run: gecos.Execution) -> None:
+        pass
+
     def override_speed(self, factor: float) -> None:
         self.factor = factor
 
@@ -680,7 +683,7 @@ def contexts(group: click.Group, above: click.Context | None = None) -> Iterator
         ("gecos get ARM to", ["tool", "tool_offset"]),
         ("gecos set ARM to", ["tool_offset"]),
         ("gecos hz ARM ", ["tool", "flange", "stood"]),
-        ("gecos call ARM ", ["mount", "move", "override_speed", "follow"]),
+        ("gecos call ARM ", ["mount", "move", "set_configuration", "override_speed", "follow"]),
         ("gecos call NOBODY ", []),
         ("gecos plot A", ["ARM"]),
         ("gecos stop A", ["ARM"]),
