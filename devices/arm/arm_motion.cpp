@@ -17,7 +17,6 @@ constexpr auto beat = 5ms;  // period at which a running motion is looked at
 constexpr double cycles_ahead = 2, time_to_plan = 0.008;
 // The arm can go over into so many moves, because each keeps a thread of the server.
 constexpr std::size_t most_links = 64;
-constexpr double same_place = 1e-6;  // rad
 
 DriverFault stalled_loop() {
   return {"the control loop has stalled: a call of the driver does not return"};
@@ -165,14 +164,14 @@ std::optional<MoveFailure> ArmMotion::begin(Link& link) {
   outcome_.emplace(controller_);
   stopping_ = false;
   link.joined = true;
-  link.goal = chain_->goal();
+  link.plan = plans_ = 0;
   set_times();
   return std::nullopt;
 }
 
 /// Lets the motion go over into `move`, if it still can.
 void ArmMotion::go_over_into(Link& link, const robcl::motion::Move& move) {
-  link.goal = chain_->goal();
+  link.plan = plans_;
   if (move.stands) {
     link.joined = true;
     return set_times();
@@ -182,7 +181,7 @@ void ArmMotion::go_over_into(Link& link, const robcl::motion::Move& move) {
   if (!corner) return;
   playback_->append(chain_->plan(), chain_->begins());
   link.joined = true;
-  link.goal = chain_->goal();
+  link.plan = ++plans_;
   for (Link* const before : links_) {
     if (before == &link || before->corner) continue;
     before->corner = corner;
@@ -223,12 +222,10 @@ void ArmMotion::look_after_links() {
 void ArmMotion::end_motion(const ArmController::Outcome& outcome) {
   const Result result = result_of(outcome);
   if (result) {
-    const JointValues here = controller_.standing_at();
-    const auto is_here = [&](const Link* link) {
-      return link->joined && (link->goal - here).cwiseAbs().maxCoeff() < same_place;
+    const auto arrived = [&](const Link& link) {
+      return link.joined && link.plan <= playback_->entered();
     };
-    const auto last = std::find_if(links_.rbegin(), links_.rend(), is_here);
-    for (auto count = links_.rend() - last; count > 0; --count) end_first({});
+    while (!links_.empty() && arrived(*links_.front())) end_first({});
   } else if (outcome.end != ArmController::End::Stopped) {
     return end_all(result.error());
   }

@@ -77,10 +77,10 @@ class ArmMotion {
   struct Link {
     const Request& request;
     MotionWatcher& watcher;
-    bool joined = false;  // the motion contains it
-    bool told = false;    // the watcher knows that the move is taken
-    JointValues goal{};
-    double begins = 0;  // times in s by MoveChain
+    bool joined = false;   // the motion contains it
+    bool told = false;     // the watcher knows that the move is taken
+    std::size_t plan = 0;  // number of the first plan in `playback_` that leads to its goal
+    double begins = 0;     // times in s by MoveChain
     double ends = 0;
     /// Where the arm goes over into the next move; nothing if it will stand at the goal.
     std::optional<robcl::motion::MoveChain::Corner> corner{};
@@ -113,6 +113,7 @@ class ArmMotion {
   std::deque<Link*> links_ GECOS_GUARDED_BY(mutex_);  // in the order of the motion
   std::optional<robcl::motion::MoveChain> chain_ GECOS_GUARDED_BY(mutex_);
   std::shared_ptr<robcl::motion::Playback> playback_ GECOS_GUARDED_BY(mutex_);
+  std::size_t plans_ GECOS_GUARDED_BY(mutex_) = 0;  // appended to playback_
   std::optional<OutcomeWatch> outcome_ GECOS_GUARDED_BY(mutex_);
   bool stopping_ GECOS_GUARDED_BY(mutex_) = false;
 };

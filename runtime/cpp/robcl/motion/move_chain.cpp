@@ -162,7 +162,7 @@ bool MoveChain::add_overlap(Course& course, const Move& next, const Overlap& ove
   const auto wanted = static_cast<std::size_t>(std::ceil(overlap.half / finest)) * 2;
   std::size_t intervals = std::clamp(wanted, fewest_intervals, most_intervals);
   auto joints = overlap_joints(next, overlap, intervals);
-  while (!joints && intervals < 4 * wanted) {
+  for (int finer = 0; !joints && finer < 2; ++finer) {
     intervals *= 2;
     joints = overlap_joints(next, overlap, intervals);
   }

@@ -6,7 +6,7 @@
 namespace robcl::motion {
 
 Playback::Playback(Plan plan) : entered_(nullptr), start_(plan.start()) {
-  stages_.push_back(std::make_unique<Stage>(std::move(plan), 0));
+  stages_.push_back(std::make_unique<Stage>(std::move(plan), 0, 0));
   stage_ = stages_.front().get();
   entered_.store(stage_);
 }
@@ -14,7 +14,7 @@ Playback::Playback(Plan plan) : entered_(nullptr), start_(plan.start()) {
 void Playback::append(Plan plan, double begins) {
   const Stage* const entered = entered_.load();
   while (stages_.front().get() != entered) stages_.pop_front();
-  auto next = std::make_unique<Stage>(std::move(plan), begins);
+  auto next = std::make_unique<Stage>(std::move(plan), begins, stages_.back()->number + 1);
   stages_.back()->next.store(next.get());
   stages_.push_back(std::move(next));
 }

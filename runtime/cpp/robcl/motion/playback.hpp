@@ -22,6 +22,9 @@ class Playback final : public TrajectoryGenerator {
   /// laws of all plans so far, in s. If the motion has passed this time already, or brakes, it ends
   /// as without `plan`. Any one thread may call this function.
   void append(Plan plan, double begins);
+  /// Returns the number of the plan that the motion follows: 0 for the first one, 1 for the first
+  /// one that was appended. Only the thread that appends may call this function.
+  std::size_t entered() const { return entered_.load()->number; }
   /// Returns the time in s since the start, by the time laws of the plans: while an override slows
   /// the motion, it rises more slowly than time, and after `stop` it stands. Any thread may call
   /// this function.
@@ -52,9 +55,11 @@ class Playback final : public TrajectoryGenerator {
  private:
   /// A plan, and the one that takes over from it.
   struct Stage {
-    Stage(Plan its_plan, double its_begin) : plan(std::move(its_plan)), begins(its_begin) {}
+    Stage(Plan its_plan, double its_begin, std::size_t its_number)
+        : plan(std::move(its_plan)), begins(its_begin), number(its_number) {}
     const Plan plan;
     const double begins;  // s, by the time laws of the plans before it
+    const std::size_t number;
     std::atomic<const Stage*> next{nullptr};
   };
   enum class Mode {
