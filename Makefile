@@ -93,13 +93,14 @@ bench-peers:  ## ours beside omniORB, Ice, Cap'n Proto, iceoryx, iceoryx2 and LC
 	@$(PYTHON) benchmarks/peers/bench_peers.py --build build-release $(BENCH)
 
 .PHONY: bench-motion
-bench-motion:  ## the durations of our moves beside those of ruckig and toppra, in one run
+bench-motion:  ## our moves beside those of ruckig and toppra, our inverse beside other libraries
 	@tools/setup.sh build
 	@$(CONFIGURE)
-	@cmake --build $(BUILD) -j$(JOBS) --target plan_moves
+	@cmake --build $(BUILD) -j$(JOBS) --target plan_moves solve_poses
 	@test -x $(BUILD)/planners/bin/python || $(PYTHON) -m venv $(BUILD)/planners
 	@$(BUILD)/planners/bin/python -m pip install --quiet --disable-pip-version-check -r benchmarks/motion/requirements.txt
 	@$(BUILD)/planners/bin/python benchmarks/motion/beside_planners.py --build $(BUILD) $(BENCH)
+	@$(BUILD)/planners/bin/python benchmarks/motion/beside_solvers.py --build $(BUILD)
 
 # Each run says what it found; all of them run, whatever the others said. FUZZ_SECONDS=60 FUZZ_SETS=20 for shorter ones.
 FUZZ_SECONDS ?= 600
