@@ -12,6 +12,7 @@ from processes import Laboratory, until
 from robcl.frames import Frame, distance, translate
 from robcl.manipulator import CorrectionsStopped, FollowMode, Manipulator
 from robcl.six_axis import Joints, SixAxis
+from test_arm_file import ARMS, robcl_arm
 from test_examples import LANGUAGES, carried_out, example
 
 pytestmark = pytest.mark.usefixtures("here")
@@ -48,10 +49,16 @@ def followed(robot: Manipulator) -> gecos.Command[None]:
 
 
 @LANGUAGES
-def test_corrections_at_one_kilohertz_add_up(language: str, lab_with_arm: Laboratory) -> None:
-    guide = example(lab_with_arm, "17_follow_a_sensor", "follow_a_sensor", language)
+@pytest.mark.parametrize("arm", ["rx90", "puma560", "iiwa14"])
+def test_corrections_at_one_kilohertz_add_up(
+    arm: str, language: str, lab_with_broker: Laboratory
+) -> None:
+    lab = lab_with_broker
+    file = ARMS / f"{arm}.toml"
+    lab.start(robcl_arm(lab), file, "--name", "RX90", ready="RX90 is ready")
+    guide = example(lab, "17_follow_a_sensor", "follow_a_sensor", language)
     for _ in range(TRIES):
-        printed = carried_out(lab_with_arm.run(*guide))
+        printed = carried_out(lab.run(*guide))
         if printed[0].startswith("500"):
             break
     assert printed == ["500 corrections, 0 dropped", "moved by 50.0 mm"]
