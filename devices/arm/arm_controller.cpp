@@ -102,10 +102,14 @@ void ArmController::step(double seconds) {
   if (loop_.phase == Phase::Standing && started_.load()) begin_motion();
   const JointValues before = loop_.command;
   if (loop_.phase == Phase::Moving) move(missed);
+  const bool undefined = !loop_.command.allFinite();
+  if (undefined) loop_.command = before;
   auto answer = driver_.exchange(command_for(before), seconds);
   std::optional<Outcome> end;
   if (loop_.phase != Phase::Standing) {
-    if (auto fault = fault_of(answer, seconds)) {
+    if (undefined) {
+      end = Outcome{End::Fault, 0, 0, {"a set point of the motion is not finite; the arm stands"}};
+    } else if (auto fault = fault_of(answer, seconds)) {
       end = Outcome{End::Fault, 0, 0, std::move(*fault)};
     } else if (loop_.phase == Phase::Settling) {
       end = settle(answer->position, seconds);

@@ -46,6 +46,8 @@ std::size_t line_of(const toml::node& value) {
   return std::max<std::size_t>(value.source().begin.line, 1);
 }
 
+constexpr double least = 1e-6, most = 1e6;  // no arm has a limit of speed or acceleration beyond
+
 /// One key of a TOML file.
 struct Key {
   const char* name;
@@ -137,6 +139,9 @@ class Table {
   double positive(const Key& key, const toml::node& value) const {
     const double number = this->number(key, value);
     if (!(number > 0)) refuse(key, words(number) + " is not above 0; give " + key.wanted);
+    if (number < least || number > most) {
+      refuse(key, words(number) + " is not between 1e-6 and 1e6; give " + key.wanted);
+    }
     return number;
   }
 

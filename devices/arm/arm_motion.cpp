@@ -145,7 +145,16 @@ void ArmMotion::watch(Lock&) {
   }
 }
 
+/// Other threads know the link by its address: an exception must not leave it behind.
 std::optional<MoveFailure> ArmMotion::plan(Link& link) {
+  try {
+    return begin_or_follow(link);
+  } catch (const std::exception& why) {
+    return Refused{std::string("the motion cannot be planned: ") + why.what()};
+  }
+}
+
+std::optional<MoveFailure> ArmMotion::begin_or_follow(Link& link) {
   if (links_.front() == &link) return begin(link);
   if (!(*(links_.end() - 2))->joined || stopping_) return std::nullopt;
   auto move = link.request.make(planner_, chain_->goal());
@@ -185,6 +194,7 @@ void ArmMotion::go_over_into(Link& link, const robcl::motion::Move& move) {
   for (Link* const before : links_) {
     if (before == &link || before->corner) continue;
     before->corner = corner;
+    before->corner_plan = plans_;
     before->watcher.passes_goal(corner->distance);
   }
   set_times();
@@ -207,7 +217,10 @@ void ArmMotion::set_times() {
 /// Ends the moves whose corners are passed, and reports the progress of the first of the others.
 void ArmMotion::look_after_links() {
   const double now = playback_->elapsed();
-  while (links_.front()->corner && now >= links_.front()->ends) end_first({});
+  const auto passed = [&](const Link& link) {
+    return link.corner && link.corner_plan <= playback_->entered() && now >= link.ends;
+  };
+  while (passed(*links_.front())) end_first({});
   for (Link* const link : links_) stopping_ = link->watcher.interrupted() || stopping_;
   if (stopping_) controller_.stop();
   const Link& first = *links_.front();

@@ -84,6 +84,7 @@ class ArmMotion {
     double ends = 0;
     /// Where the arm goes over into the next move; nothing if it will stand at the goal.
     std::optional<robcl::motion::MoveChain::Corner> corner{};
+    std::size_t corner_plan = 0;  // number of the first plan that has the corner
     std::optional<Result> result{};
   };
   using Lock = gecos::MutexLock<gecos::Mutex>;
@@ -93,6 +94,7 @@ class ArmMotion {
   void watch(Lock& lock) GECOS_REQUIRES(mutex_);
   /// Returns why `link` cannot be planned; it is not planned either if the arm must stand before.
   std::optional<MoveFailure> plan(Link& link) GECOS_REQUIRES(mutex_);
+  std::optional<MoveFailure> begin_or_follow(Link& link) GECOS_REQUIRES(mutex_);
   std::optional<MoveFailure> begin(Link& link) GECOS_REQUIRES(mutex_);
   void go_over_into(Link& link, const robcl::motion::Move& move) GECOS_REQUIRES(mutex_);
   void set_times() GECOS_REQUIRES(mutex_);

@@ -146,8 +146,12 @@ TEST_F(Edges, WhatIsNoGoalIsRefused) {
   joints.position[3] = nan;
   is_refused([&] { return robot_.move_joints(joints); }, gecos::Detail::BadParameter,
              "a joint position is not finite");
-  is_refused([&] { return robot_.move(tool(), robcl::Trajectory{.tool_speed = -1}); },
-             gecos::Detail::Rejected, "tool_speed is -1.000000, but it must be above 0 m/s");
+  for (const double slow : {-1.0, 0.0, 1e-8, 5e-324, nan}) {
+    is_refused([&] { return robot_.move(tool(), robcl::Trajectory{.tool_speed = slow}); },
+               gecos::Detail::Rejected, "but it must be at least 1e-6 m/s");
+    is_refused([&] { return robot_.move(tool(), robcl::Trajectory{.turn_speed = slow}); },
+               gecos::Detail::Rejected, "but it must be at least 1e-6 rad/s");
+  }
 }
 
 }  // namespace

@@ -166,7 +166,7 @@ TEST_F(Arm, WhatCannotBeReachedFailsBeforeAnythingMoves) {
   pace.speed = 2;
   const auto hasty = arm_.move(arm_.sample().tool, PathKind::Joint, pace, silent_);
   ASSERT_FALSE(hasty.has_value());
-  EXPECT_EQ(to_string(hasty.error()), "speed is 2.000000, but it must be above 0, at most 1");
+  EXPECT_EQ(to_string(hasty.error()), "speed is 2, but it must be above 0, at most 1");
   EXPECT_EQ(arm_.sample().flange, before);
 }
 

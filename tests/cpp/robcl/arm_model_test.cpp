@@ -133,7 +133,7 @@ TEST(ArmModel, RefusesWhatIsNoArmAndSaysWhy) {
             "joint 'j' is not revolute, continuous or fixed; other types are not supported");
   EXPECT_EQ(refusal(robot("type='revolute'><limit lower='0' upper='1' velocity='0' effort='1'/>"),
                     "a", "b"),
-            "joint 'j' needs a velocity limit above 0");
+            "joint 'j' needs a velocity limit from 1e-6 to 1e6 rad/s");
   EXPECT_EQ(refusal(robot("type='revolute'><limit lower='1' upper='1' velocity='1' effort='1'/>"),
                     "a", "b"),
             "joint 'j': its lower limit must be below its upper limit");
@@ -146,6 +146,20 @@ TEST(ArmModel, RefusesWhatIsNoArmAndSaysWhy) {
   EXPECT_EQ(refusal(robot("type='fixed'>"), "b", "a"), "link 'a' is not a descendant of link 'b'");
   EXPECT_EQ(refusal(robot("type='fixed'>"), "a", "b"),
             "the arm has 0 moving joints; 1 to 8 are supported");
+  EXPECT_EQ(refusal(robot("type='revolute'><limit lower='0' upper='1' velocity='1' effort='1'/>"
+                          "<axis xyz='0 0 0'/>"),
+                    "a", "b"),
+            "joint 'j' has an <axis> without a direction");
+  EXPECT_EQ(refusal(robot("type='revolute'><limit lower='0' upper='1' velocity='1' effort='1'/>"
+                          "<origin xyz='0 0 1e308'/>"),
+                    "a", "b"),
+            "joint 'j' is further than 1000 m from the one before it");
+  EXPECT_EQ(refusal("<robot name='loop'><link name='a'/><link name='b'/><link name='c'/>"
+                    "<joint name='1' type='fixed'><parent link='b'/><child link='c'/></joint>"
+                    "<joint name='2' type='fixed'><parent link='c'/><child link='b'/></joint>"
+                    "</robot>",
+                    "a", "c"),
+            "link 'c' is not a descendant of link 'a'");
   const auto missing = ArmModel::from_urdf_file("/nowhere/x.urdf", "a", "b", 0.25);
   EXPECT_EQ(missing.error().text, "/nowhere/x.urdf: cannot be read");
 }

@@ -200,6 +200,25 @@ TEST_F(Chain, WhoDoesNotGoOverKeepsTheArmForItself) {
   EXPECT_TRUE(first.get());
 }
 
+TEST(ArmMotions, AMoveWhosePlanningThrowsIsRefusedAndTheNextOneGoesOn) {
+  const auto model = rx90();
+  Recorder driver(ready);
+  ArmController controller(model, {}, driver);
+  ArmMotion motion(controller, robcl::motion::Planner(model, {}));
+  Caller caller;
+  const ArmMotion::Request throws{
+      [](auto&, const auto&) -> tl::expected<robcl::motion::Move, MoveFailure> {
+        throw std::runtime_error("no memory for it");
+      },
+      true};
+  for (int i = 0; i < 2; ++i) {
+    const auto refused = motion.move(throws, caller);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(to_string(refused.error()), "the motion cannot be planned: no memory for it");
+  }
+  EXPECT_TRUE(motion.while_standing([] {}));
+}
+
 TEST_F(Chain, HundredsOfMovesFollowWithoutAStop) {
   std::vector<std::unique_ptr<Caller>> callers;
   std::vector<std::future<Result>> moves;

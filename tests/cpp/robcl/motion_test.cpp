@@ -471,7 +471,7 @@ TEST(Pace, ItsProblemIsNamed) {
   EXPECT_EQ(problem_of({}), std::nullopt);
   Pace pace;
   pace.speed = 0;
-  EXPECT_EQ(problem_of(pace), "speed is 0.000000, but it must be above 0, at most 1");
+  EXPECT_EQ(problem_of(pace), "speed is 0, but it must be above 0, at most 1");
   pace = {};
   pace.tool_speed = std::nan("");
   EXPECT_TRUE(problem_of(pace).has_value());

@@ -176,6 +176,23 @@ TEST_F(MoveChains, TurnsInPlaceReversalsAndJointMovesAreRoundedToo) {
   EXPECT_EQ(chained.set_points().back(), ready);
 }
 
+TEST_F(MoveChains, MovesThatComeInOneMomentAllFollowAtAnyOverride) {
+  const auto along = [&](double part) { return start_ * translate(0, 0, -0.2 * part); };
+  for (const double factor : {1.0, 0.6, 0.1}) {
+    Chained chained(planner_, straight(ready, along(0.05)));
+    chained.playback().set_override(factor);
+    for (int i = 2; i <= 20; ++i) {
+      ASSERT_TRUE(chained.straight_to(along(i / 20.0))) << "line " << i;
+      if (i == 4) chained.step();
+    }
+    chained.run();
+    expect_within_limits(chained);
+    EXPECT_LT(chained.nearest_to(along(1)), 1e-9);
+    const auto one = planner_.straight(ready, along(1), {}, {});
+    EXPECT_LE(chained.duration(), 1.1 * one->law.duration() / factor);
+  }
+}
+
 TEST_F(MoveChains, AMoveThatComesAfterTheArmBrakesDoesNotFollow) {
   Chained chained(planner_, straight(ready, start_ * translate(0, 0.1, 0)));
   chained.run_until(0.8 * chained.chain().ends());

@@ -119,6 +119,19 @@ TEST(ObjectQueue, RunsAParallelCommandBesideAnother) {
   EXPECT_EQ(queue.next(), nullptr);
 }
 
+TEST(ObjectQueue, AParallelCommandDoesNotWaitForThoseBeforeIt) {
+  OperationDescription blinks = operation(access::Status::Actor);
+  blinks.parallel = true;
+  ObjectQueue queue(LaneThreads::Many);
+  const auto move = entry(moves), waits = entry(moves), blink = entry(blinks);
+  for (const auto& one : {move, waits, blink}) ASSERT_TRUE(queue.push(one));
+  EXPECT_EQ(queue.next(), move);
+  EXPECT_EQ(queue.next(), blink);
+  EXPECT_EQ(queue.next(), nullptr);
+  finish(queue, *move);
+  EXPECT_EQ(queue.next(), waits);
+}
+
 TEST(ObjectQueue, KeepsAnOrderedReadingBehindTheCommandsOfItsCallerOnly) {
   OperationDescription probes = operation(access::Status::Sensor);
   probes.ordered = true;

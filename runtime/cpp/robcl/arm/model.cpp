@@ -12,6 +12,8 @@
 namespace robcl::arm {
 namespace {
 
+constexpr double furthest = 1000;  // m, between two joints
+
 KDL::Vector to_kdl(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 
 KDL::Frame to_kdl(const urdf::Pose& pose) {
@@ -32,7 +34,8 @@ std::vector<urdf::JointConstSharedPtr> joints_between(const urdf::ModelInterface
   std::string link = flange;
   while (link != base) {
     const urdf::JointConstSharedPtr joint = robot.getLink(link)->parent_joint;
-    if (!joint) return {};
+    const bool loop = joints.size() > robot.links_.size();
+    if (!joint || loop) return {};
     joints.push_back(joint);
     link = joint->parent_link_name;
   }
@@ -45,8 +48,9 @@ tl::expected<JointLimits, ModelError> limits_of(const urdf::Joint& joint,
   const bool endless = joint.type == urdf::Joint::CONTINUOUS;
   if (!joint.limits) return refuse("joint '" + joint.name + "' needs a <limit> element");
   const urdf::JointLimits& given = *joint.limits;
-  if (!(given.velocity > 0))
-    return refuse("joint '" + joint.name + "' needs a velocity limit above 0");
+  if (!(given.velocity >= 1e-6 && given.velocity <= 1e6)) {
+    return refuse("joint '" + joint.name + "' needs a velocity limit from 1e-6 to 1e6 rad/s");
+  }
   if (!endless && !(given.lower < given.upper)) {
     return refuse("joint '" + joint.name + "': its lower limit must be below its upper limit");
   }
@@ -75,6 +79,9 @@ tl::expected<ArmModel, ModelError> ArmModel::from_urdf(const std::string& xml,
   model.name_ = robot->getName();
   for (const urdf::JointConstSharedPtr& joint : joints) {
     const KDL::Frame place = to_kdl(joint->parent_to_joint_origin_transform);
+    if (!(place.p.Norm() <= furthest)) {
+      return refuse("joint '" + joint->name + "' is further than 1000 m from the one before it");
+    }
     model.reach_ += place.p.Norm();
     if (joint->mimic) {
       return refuse("joint '" + joint->name + "' has a <mimic> element: it follows joint '" +
@@ -88,6 +95,9 @@ tl::expected<ArmModel, ModelError> ArmModel::from_urdf(const std::string& xml,
     if (joint->type != urdf::Joint::REVOLUTE && joint->type != urdf::Joint::CONTINUOUS) {
       return refuse("joint '" + joint->name +
                     "' is not revolute, continuous or fixed; other types are not supported");
+    }
+    if (const double length = to_kdl(joint->axis).Norm(); !(length > 1e-6 && length < 1e6)) {
+      return refuse("joint '" + joint->name + "' has an <axis> without a direction");
     }
     auto limits = limits_of(*joint, seconds_to_full_speed);
     if (!limits) return tl::unexpected(limits.error());

@@ -265,16 +265,16 @@ std::optional<MoveChain::Corner> MoveChain::extend(const Move& next, double afte
   add_move(course, next, overlap);
   auto plan = plan_of(course, plan_.law.speed(*first));
   if (!plan) return std::nullopt;
+  const auto tool_at = [&](const JointValues& joints) {
+    return planner_.base_from_tool(joints, next.flange_from_tool);
+  };
+  const Frame corner = tool_at(goal()), passed = tool_at(plan->path.position(overlap.corner));
   begins_ += plan_.law.time(*first);
-  const Frame goal_of_last = planner_.base_from_tool(goal(), next.flange_from_tool);
   course_ = std::move(course);
   plan_ = *std::move(plan);
   last_ = next;
-
-  const Frame passed =
-      planner_.base_from_tool(plan_.path.position(overlap.corner), next.flange_from_tool);
-  return Corner{overlap.corner - overlap.half, overlap.corner + overlap.half,
-                distance(goal_of_last, passed), angle(goal_of_last, passed)};
+  return Corner{begin, overlap.corner + overlap.half, distance(corner, passed),
+                angle(corner, passed)};
 }
 
 }  // namespace robcl::motion

@@ -1,10 +1,16 @@
 #include "robcl/motion/pace.hpp"
 
+#include <sstream>
+
 namespace robcl::motion {
 namespace {
 
+constexpr double least_speed = 1e-6;  // m/s or rad/s: below, the times of a plan lose their digits
+
 std::string says(const char* what, double value, const char* wanted) {
-  return std::string(what) + " is " + std::to_string(value) + ", but it must be " + wanted;
+  std::ostringstream text;
+  text << what << " is " << value << ", but it must be " << wanted;
+  return text.str();
 }
 
 }  // namespace
@@ -15,11 +21,11 @@ std::optional<std::string> problem_of(const Pace& pace) {
   if (!(pace.acceleration > 0 && pace.acceleration <= 1)) {
     return says("acceleration", pace.acceleration, "above 0, at most 1");
   }
-  if (pace.tool_speed && !(*pace.tool_speed > 0)) {
-    return says("tool_speed", *pace.tool_speed, "above 0 m/s");
+  if (pace.tool_speed && !(*pace.tool_speed >= least_speed)) {
+    return says("tool_speed", *pace.tool_speed, "at least 1e-6 m/s");
   }
-  if (pace.turn_speed && !(*pace.turn_speed > 0)) {
-    return says("turn_speed", *pace.turn_speed, "above 0 rad/s");
+  if (pace.turn_speed && !(*pace.turn_speed >= least_speed)) {
+    return says("turn_speed", *pace.turn_speed, "at least 1e-6 rad/s");
   }
   return std::nullopt;
 }

@@ -19,8 +19,8 @@ struct ToolLimits {
 struct Pace {
   double speed = 1;                    ///< fraction of the robot's maximum, above 0, at most 1
   double acceleration = 1;             ///< fraction of the robot's maximum, above 0, at most 1
-  std::optional<double> tool_speed{};  ///< m/s, above 0
-  std::optional<double> turn_speed{};  ///< rad/s, above 0
+  std::optional<double> tool_speed{};  ///< m/s, at least 1e-6
+  std::optional<double> turn_speed{};  ///< rad/s, at least 1e-6
 };
 
 /// Returns an error text if `pace` is invalid; nullopt if it is valid.

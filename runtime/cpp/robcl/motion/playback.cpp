@@ -46,10 +46,17 @@ void Playback::advance_by_law(double seconds) {
   standing_ = time_ >= plan().law.duration();
 }
 
-/// Returns the stage that takes over at the knot where the motion is; null if there is none.
-const Playback::Stage* Playback::next_at_knot() const {
-  const Stage* const next = stage_->next.load();
-  return next != nullptr && next->plan.path.begin() == s_ ? next : nullptr;
+/// Enters the stages that take over at the place where the motion is; several may do so at the same
+/// knot. Returns whether there was one.
+bool Playback::enter_stages_here() {
+  bool entered = false;
+  for (const Stage* next = stage_->next.load(); next != nullptr && next->plan.path.begin() == s_;
+       next = stage_->next.load()) {
+    enter(*next);
+    piece_ = {};
+    entered = true;
+  }
+  return entered;
 }
 
 void Playback::enter(const Stage& next) {
@@ -130,6 +137,7 @@ void Playback::begin_last_piece(double way, double part, double x, double most) 
 }
 
 void Playback::advance_by_pieces(double seconds) {
+  if (mode_ == Mode::Scaled && enter_stages_here()) begin_piece();
   while (!standing_) {
     const double way = std::max(piece_.end - s_, 0.0), u = piece_.acceleration;
     const double left = speed_ * speed_ + 2 * u * way;  // (ds/dt)² at the end of the piece
@@ -153,11 +161,7 @@ void Playback::advance_by_pieces(double seconds) {
     speed_ = stops ? 0 : std::sqrt(left);
     const bool at_knot = s_ >= end_of_interval();
     if (at_knot) ++piece_.knot;
-    const Stage* const next = at_knot && mode_ == Mode::Scaled ? next_at_knot() : nullptr;
-    if (next != nullptr) {
-      enter(*next);
-      piece_.knot = 0;
-    }
+    if (at_knot && mode_ == Mode::Scaled) enter_stages_here();
     const bool at_goal = piece_.knot == plan().braking.intervals();
     standing_ = at_goal || (stops && !paused);
     if (standing_ || (stops && paused)) break;

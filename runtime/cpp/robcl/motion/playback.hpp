@@ -69,7 +69,7 @@ class Playback final : public TrajectoryGenerator {
   };
   const Plan& plan() const { return stage_->plan; }
   void advance_by_law(double seconds);
-  const Stage* next_at_knot() const;
+  bool enter_stages_here();
   void enter(const Stage& next);
   void leave_law(Mode mode);
   void advance_by_pieces(double seconds);

@@ -122,9 +122,18 @@ std::vector<QueueEntry*> ObjectQueue::holding_up() const {
 
 std::shared_ptr<QueueEntry> ObjectQueue::next() {
   if (threads_ == LaneThreads::One && inside_ != 0) return nullptr;
-  Lane* lane = !safety_.empty() ? &safety_ : !sensor_.empty() ? &sensor_ : nullptr;
-  if (lane == nullptr && !actor_.empty() && beside_running(*actor_.front())) lane = &actor_;
-  return lane == nullptr ? nullptr : start(*lane, lane->begin());
+  for (Lane* const lane : {&safety_, &sensor_}) {
+    if (!lane->empty()) return start(*lane, lane->begin());
+  }
+  const auto at = next_command();
+  return at == actor_.end() ? nullptr : start(actor_, at);
+}
+
+/// Returns the actor command that may start next: the first one or, while that has to wait, the
+/// first one that is @parallel; the end of the lane if there is none.
+ObjectQueue::Lane::iterator ObjectQueue::next_command() {
+  if (actor_.empty() || beside_running(*actor_.front())) return actor_.begin();
+  return std::ranges::find_if(actor_, [](const auto& entry) { return entry->operation.parallel; });
 }
 
 std::shared_ptr<QueueEntry> ObjectQueue::next(FunctionRef<bool(const QueueEntry&)> wanted) {
@@ -133,10 +142,8 @@ std::shared_ptr<QueueEntry> ObjectQueue::next(FunctionRef<bool(const QueueEntry&
     const auto at = std::ranges::find_if(*lane, [&](const auto& entry) { return wanted(*entry); });
     if (at != lane->end()) return start(*lane, at);
   }
-  if (actor_.empty() || !wanted(*actor_.front()) || !beside_running(*actor_.front())) {
-    return nullptr;
-  }
-  return start(actor_, actor_.begin());
+  const auto at = next_command();
+  return at == actor_.end() || !wanted(**at) ? nullptr : start(actor_, at);
 }
 
 std::shared_ptr<QueueEntry> ObjectQueue::start(Lane& lane, Lane::iterator at) {

@@ -38,7 +38,7 @@ enum class LaneThreads : std::uint8_t {
 /// Decides in which order the calls of one object start. The queue has three lanes: safety
 /// operations start first, then sensor operations, then actor commands. The lane of the actor
 /// commands is bounded and first in, first out. Actor commands run one at a time, unless the
-/// interface says otherwise. Not thread-safe.
+/// interface says otherwise; a @parallel one does not wait for those before it. Not thread-safe.
 class ObjectQueue {
  public:
   static constexpr std::size_t most_of_object = 256;
@@ -88,6 +88,7 @@ class ObjectQueue {
   using Lane = std::deque<std::shared_ptr<QueueEntry>>;
   Lane& lane_of(const QueueEntry& entry);
   bool keeps_place(const QueueEntry& entry) const;
+  Lane::iterator next_command();
   std::shared_ptr<QueueEntry> start(Lane& lane, Lane::iterator at);
   std::optional<Full> too_large(const QueueEntry& entry) const;
   bool beside_running(const QueueEntry& entry) const;
