@@ -217,8 +217,9 @@ void ArmMotion::set_times() {
 /// Ends the moves whose corners are passed, and reports the progress of the first of the others.
 void ArmMotion::look_after_links() {
   const double now = playback_->elapsed();
+  const std::size_t entered = playback_->entered();
   const auto passed = [&](const Link& link) {
-    return link.corner && link.corner_plan <= playback_->entered() && now >= link.ends;
+    return link.corner && link.corner_plan <= entered && now >= link.ends;
   };
   while (passed(*links_.front())) end_first({});
   for (Link* const link : links_) stopping_ = link->watcher.interrupted() || stopping_;
@@ -235,9 +236,8 @@ void ArmMotion::look_after_links() {
 void ArmMotion::end_motion(const ArmController::Outcome& outcome) {
   const Result result = result_of(outcome);
   if (result) {
-    const auto arrived = [&](const Link& link) {
-      return link.joined && link.plan <= playback_->entered();
-    };
+    const std::size_t entered = playback_->entered();
+    const auto arrived = [&](const Link& link) { return link.joined && link.plan <= entered; };
     while (!links_.empty() && arrived(*links_.front())) end_first({});
   } else if (outcome.end != ArmController::End::Stopped) {
     return end_all(result.error());
