@@ -71,7 +71,7 @@ class Serving {
  private:
   std::unique_ptr<JointDriver> simulated_driver() const {
     SimulatedDriver::Imperfection imperfection;
-    imperfection.seed = static_cast<unsigned>(line_.number("seed"));
+    imperfection.seed = static_cast<unsigned>(static_cast<long>(line_.number("seed")));
     return std::make_unique<SimulatedDriver>(arm_.start, imperfection);
   }
 

@@ -34,7 +34,7 @@ int run(int count, char** words) {
   devices::SimulatedBeam::Settings settings;
   settings.lower = robcl::mm(line.number("lower"));
   settings.upper = robcl::mm(line.number("upper"));
-  settings.seed = static_cast<unsigned>(line.number("seed"));
+  settings.seed = static_cast<unsigned>(static_cast<long>(line.number("seed")));
   if (settings.lower < 0 || settings.upper <= settings.lower) {
     std::fputs("robcl-lds: --lower must be at least 0 and below --upper\n", stderr);
     return 2;

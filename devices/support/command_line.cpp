@@ -12,7 +12,8 @@ namespace {
 std::optional<double> as_number(const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0' || !std::isfinite(value)) return std::nullopt;
+  constexpr double most = 1e9;  // more is a slip, and not every integer type holds it
+  if (text.empty() || *end != '\0' || !(std::abs(value) <= most)) return std::nullopt;
   return value;
 }
 

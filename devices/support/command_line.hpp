@@ -32,7 +32,7 @@ class CommandLine {
   const std::string& text(std::string_view word) const;
   /// Returns the value of the option `word` as a number, in the unit that the help text of the
   /// option states. @pre the default value of the option is a number; the constructor then refuses
-  /// values that are not finite numbers.
+  /// values that are not numbers from -1e9 to 1e9.
   double number(std::string_view word) const;
 
   /// Prints the error `what` and the usage. `exit_status` is 2 from then on.

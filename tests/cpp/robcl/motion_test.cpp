@@ -467,6 +467,32 @@ TEST_F(Motion, AnOverrideScalesTheSpeedAndZeroPausesUntilItIsRaised) {
   EXPECT_TRUE(stopped.standing()) << "a paused motion can be stopped";
 }
 
+TEST(Paths, AJointThatGoesTooFarBetweenTwoKnotsIsFound) {
+  const ArmModel model = rx90();
+  Path::Knots knots;
+  const double upper = model.limits()[1].upper;
+  const std::array<double, 5> below{0.3, 0.1, 0.01, 0.01, 0.1};
+  for (std::size_t i = 0; i < below.size(); ++i) {
+    JointValues at = ready;
+    at[1] = upper - below[i];
+    knots.add(static_cast<double>(i), at);
+  }
+  const Path path(knots);
+  double highest = 0;
+  for (double s = 0; s < path.end(); s += 1e-4) highest = std::max(highest, path.position(s)[1]);
+  ASSERT_GT(highest, upper);
+  double found = 0;
+  for (std::size_t i = 0; i < path.intervals(); ++i) {
+    found = std::max(found, path.range(i).highest[1]);
+  }
+  EXPECT_NEAR(found, highest, 1e-8);
+  const auto outside = first_outside(model, path);
+  ASSERT_TRUE(outside);
+  EXPECT_EQ(outside->axis, 2U);
+  EXPECT_NEAR(outside->value, highest, 1e-8);
+  EXPECT_FALSE(first_outside(model, Path({{0, 1}, {ready, ready}})));
+}
+
 TEST(Pace, ItsProblemIsNamed) {
   EXPECT_EQ(problem_of({}), std::nullopt);
   Pace pace;

@@ -225,6 +225,7 @@ void MoveChain::add_move(Course& course, const Move& next, const Overlap& overla
 
 std::optional<Plan> MoveChain::plan_of(const Course& course, double speed) const {
   Path path(course.knots);
+  if (first_outside(planner_.model(), path)) return std::nullopt;
   const PathBounds limits(path, planner_.model(), course.limits);
   PathBounds tightened = limits;
   for (int i = 0; i < most_tries; ++i) {

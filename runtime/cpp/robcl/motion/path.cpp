@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
+
+#include "robcl/arm/inverse.hpp"
 
 namespace robcl::motion {
 
@@ -55,6 +58,38 @@ Path::Derivatives Path::derivatives(std::size_t interval, double part) const {
               t * (3 * t - 2) * slopes_[i + 1],
           (6 * (1 - 2 * t) * chord + (6 * t - 4) * slopes_[i] + (6 * t - 2) * slopes_[i + 1]) /
               step(i)};
+}
+
+Path::Range Path::range(std::size_t i) const {
+  Range range{knot(i).cwiseMin(knot(i + 1)), knot(i).cwiseMax(knot(i + 1))};
+  for (Eigen::Index axis = 0; axis < knot(i).size(); ++axis) {
+    // The position at the fraction t is knot + t·(b + t·(c + t·d)).
+    const double chord = knot(i + 1)[axis] - knot(i)[axis];
+    const double b = step(i) * slopes_[i][axis], after = step(i) * slopes_[i + 1][axis];
+    const double c = 3 * chord - 2 * b - after, d = b + after - 2 * chord;
+    const double root = std::sqrt(std::max(c * c - 3 * b * d, 0.0));
+    // Both forms of each zero of the derivative b + 2ct + 3dt², of which one keeps its digits.
+    for (const double t :
+         {(-c + root) / (3 * d), (-c - root) / (3 * d), b / (-c - root), b / (-c + root)}) {
+      if (!(t > 0 && t < 1)) continue;
+      const double there = knot(i)[axis] + t * (b + t * (c + t * d));
+      range.lowest[axis] = std::min(range.lowest[axis], there);
+      range.highest[axis] = std::max(range.highest[axis], there);
+    }
+  }
+  return range;
+}
+
+std::optional<arm::JointLimit> first_outside(const arm::ArmModel& model, const Path& path) {
+  Path::Range all = path.range(0);
+  for (std::size_t i = 1; i < path.intervals(); ++i) {
+    const Path::Range range = path.range(i);
+    all.lowest = all.lowest.cwiseMin(range.lowest);
+    all.highest = all.highest.cwiseMax(range.highest);
+  }
+  constexpr double rounding = 1e-9;  // rad
+  if (auto below = arm::first_outside(model, all.lowest.array() + rounding)) return below;
+  return arm::first_outside(model, all.highest.array() - rounding);
 }
 
 JointValues Path::position(double s) const {

@@ -5,7 +5,9 @@
 #include <optional>
 #include <vector>
 
+#include "robcl/arm/failure.hpp"
 #include "robcl/arm/joint_values.hpp"
+#include "robcl/arm/model.hpp"
 
 namespace robcl::motion {
 
@@ -56,6 +58,14 @@ class Path {
   /// `part` of it, from 0 to 1. The curvature is linear in an interval, and may jump at its ends.
   Derivatives derivatives(std::size_t interval, double part) const;
 
+  /// Where the joints get to.
+  struct Range {
+    JointValues lowest, highest;
+  };
+  /// Returns the least and the greatest positions of the joints from the knot `i` to the next one:
+  /// between two knots, a joint may go further than at both of them.
+  Range range(std::size_t i) const;
+
   /// Returns the joint positions at `s`. For an `s` outside the path, returns its nearer end.
   JointValues position(double s) const;
 
@@ -65,5 +75,9 @@ class Path {
   Knots knots_;
   std::vector<JointValues> slopes_;
 };
+
+/// Returns the joint that gets furthest outside its limits on `path`; nullopt if all joints stay
+/// inside.
+std::optional<arm::JointLimit> first_outside(const arm::ArmModel& model, const Path& path);
 
 }  // namespace robcl::motion
