@@ -7,35 +7,18 @@
 #include <iomanip>
 #include <iostream>
 #include <random>
-#include <string>
 #include <vector>
 
 #include "arm/arm_file.hpp"
+#include "motion/moves.hpp"
 #include "robcl/motion/planner.hpp"
 
 namespace {
 
-using robcl::motion::JointValues;
+using benchmarks::JointValues;
+using benchmarks::print;
+using benchmarks::random_joints;
 using robcl::motion::Plan;
-
-void print(const char* key, const std::vector<double>& values) {
-  std::cout << '"' << key << "\": [";
-  for (std::size_t i = 0; i < values.size(); ++i) std::cout << (i > 0 ? ", " : "") << values[i];
-  std::cout << ']';
-}
-
-void print(const char* key, const JointValues& joints) {
-  print(key, std::vector<double>(joints.begin(), joints.end()));
-}
-
-JointValues random_joints(const robcl::arm::ArmModel& model, std::mt19937& engine) {
-  JointValues joints(model.axes());
-  for (Eigen::Index i = 0; i < joints.size(); ++i) {
-    const auto& limits = model.limits()[static_cast<std::size_t>(i)];
-    joints[i] = std::uniform_real_distribution(limits.lower, limits.upper)(engine);
-  }
-  return joints;
-}
 
 void print_limits(const devices::ArmDescription& arm) {
   std::vector<double> speeds, accelerations;
@@ -67,16 +50,11 @@ void print_line(const robcl::Frame& start, const robcl::Frame& goal, const Plan&
   std::cout << "{\"duration\": " << plan.law.duration() << ", ";
   print("places", plan.path.places());
   std::cout << ", \"length\": " << distance(start, goal) << ", \"turn\": " << angle(start, goal)
-            << ", \"joints\": [";
-  for (std::size_t i = 0; i <= plan.path.intervals(); ++i) {
-    const JointValues& joints = plan.path.knot(i);
-    std::cout << (i > 0 ? ", [" : "[");
-    for (Eigen::Index axis = 0; axis < joints.size(); ++axis) {
-      std::cout << (axis > 0 ? ", " : "") << joints[axis];
-    }
-    std::cout << ']';
-  }
-  std::cout << "]}\n";
+            << ", ";
+  std::vector<JointValues> joints;
+  for (std::size_t i = 0; i <= plan.path.intervals(); ++i) joints.push_back(plan.path.knot(i));
+  print("joints", joints);
+  std::cout << "}\n";
 }
 
 }  // namespace

@@ -12,12 +12,14 @@
 #include <vector>
 
 #include "arm/arm_file.hpp"
+#include "motion/moves.hpp"
 #include "robcl/arm/kinematics.hpp"
 #include "robcl/arm/spherical_wrist.hpp"
 
 namespace {
 
-using robcl::arm::JointValues;
+using benchmarks::JointValues;
+using benchmarks::print;
 
 /// Solves, and remembers how long that took and how often it succeeded.
 class Solver {
@@ -31,27 +33,15 @@ class Solver {
     solved_ += solved ? 1 : 0;
   }
   void print(const char* name) const {
-    std::cout << '"' << name << "\": {\"solved\": " << solved_ << ", \"us\": [";
-    for (std::size_t i = 0; i < times_.size(); ++i) std::cout << (i > 0 ? "," : "") << times_[i];
-    std::cout << "]}";
+    std::cout << '"' << name << "\": {\"solved\": " << solved_ << ", ";
+    benchmarks::print("us", times_);
+    std::cout << '}';
   }
 
  private:
   std::vector<double> times_;
   int solved_ = 0;
 };
-
-void print(const char* name, const std::vector<JointValues>& all) {
-  std::cout << '"' << name << "\": [";
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    std::cout << (i > 0 ? ",[" : "[");
-    for (Eigen::Index axis = 0; axis < all[i].size(); ++axis) {
-      std::cout << (axis > 0 ? "," : "") << all[i][axis];
-    }
-    std::cout << ']';
-  }
-  std::cout << ']';
-}
 
 Eigen::Matrix<double, 6, 1> weights() {
   Eigen::Matrix<double, 6, 1> each;
@@ -80,14 +70,7 @@ int main(int count, char** words) {
   const KDL::Chain chain = arm->model.chain();
   KDL::ChainIkSolverPos_LMA kdl(chain, weights(), 1e-8, 500);
   std::mt19937 engine(1);
-  const auto anywhere = [&] {
-    JointValues joints(arm->model.axes());
-    for (Eigen::Index i = 0; i < joints.size(); ++i) {
-      const auto& limits = arm->model.limits()[static_cast<std::size_t>(i)];
-      joints[i] = std::uniform_real_distribution(limits.lower, limits.upper)(engine);
-    }
-    return joints;
-  };
+  const auto anywhere = [&] { return benchmarks::random_joints(arm->model, engine); };
   Solver one, all, by_kdl;
   std::vector<JointValues> poses, references;
   for (int i = std::atoi(words[2]); i > 0; --i) {
