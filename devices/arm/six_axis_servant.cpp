@@ -1,10 +1,5 @@
 #include "arm/six_axis_servant.hpp"
 
-#include <iomanip>
-#include <numbers>
-#include <optional>
-#include <sstream>
-
 #include "arm/motion_call.hpp"
 
 namespace devices {
@@ -24,23 +19,6 @@ JointValues from_wire(const robcl::Joints& joints) {
     known[static_cast<Eigen::Index>(i)] = joints.position[i];
   }
   return known;
-}
-
-/// Returns a text about the first joint that is to stand more than a turn outside its range: its
-/// position seems to be in degrees. Returns nullopt if there is none.
-std::optional<std::string> perhaps_degrees(const JointValues& target,
-                                           const robcl::arm::ArmModel& model) {
-  constexpr double turn = 2 * std::numbers::pi;
-  for (Eigen::Index axis = 0; axis < target.size(); ++axis) {
-    const auto& limits = model.limits()[static_cast<std::size_t>(axis)];
-    if (target[axis] >= limits.lower - turn && target[axis] <= limits.upper + turn) continue;
-    std::ostringstream text;
-    text << std::setprecision(4) << "joint " << axis + 1 << " is to stand at " << target[axis]
-         << " rad, but its range is " << limits.lower << " to " << limits.upper
-         << " rad: are these degrees?";
-    return text.str();
-  }
-  return std::nullopt;
 }
 
 }  // namespace
@@ -63,9 +41,6 @@ gecos::Result<void> SixAxisServant::move_joints(const robcl::Joints& target,
   const JointValues joints = from_wire(target);
   if (!joints.allFinite()) {
     return tl::unexpected(gecos::Fault::bad_parameter("target: a joint position is not finite"));
-  }
-  if (const auto joint = perhaps_degrees(joints, arm_.model())) {
-    return tl::unexpected(gecos::Fault::bad_parameter("target: " + *joint));
   }
   const robcl::Trajectory trajectory = how.value_or(robcl::Trajectory{});
   CallWatcher watcher(run);
