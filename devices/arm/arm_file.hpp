@@ -28,13 +28,13 @@ struct ArmDescription {
   std::string place;
 };
 
-/// What is wrong with the files of an arm, and where.
+/// A mistake in the files of an arm.
 struct ArmFileError {
   std::string file;  ///< the TOML file
   /// From 1. Of a missing key: the line on which its table begins. 0: the file cannot be read.
   std::size_t line = 0;
   std::string key;   ///< for example "tool.offset_mm"; empty if the file is not TOML
-  std::string text;  ///< what is wrong, and what to do
+  std::string text;  ///< the mistake, and how to mend it
 };
 /// Returns a line such as "rx90.toml:9: front_deg: …".
 std::string to_string(const ArmFileError& error);

@@ -54,7 +54,7 @@ class ArmMotion {
     bool goes_over = false;
   };
 
-  /// Both arguments must exist as long as the new object.
+  /// `controller` must exist as long as the new object.
   ArmMotion(ArmController& controller, robcl::motion::Planner planner)
       : controller_(controller), planner_(std::move(planner)) {}
 

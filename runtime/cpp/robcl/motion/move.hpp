@@ -25,19 +25,19 @@ struct Move {
   double duration() const { return path.end(); }
 };
 
-/// Returns the way in m and the turn in rad of the tool per unit of s on the line of `move`. For a
-/// joint move, both are 0.
+/// The way of the tool, in m, and its turn, in rad, per unit of s.
 struct ToolSpeed {
   double way = 0, turn = 0;
 };
+/// Returns the speed of the tool on the line of `move`; zeros for a joint move.
 ToolSpeed tool_speed(const Move& move);
 
 /// The limits of the tool at `pace`.
 ToolLimits scaled(const ToolLimits& limits, const Pace& pace);
 
-/// Returns the limits of each interval of `move`, with the limits of the tool `limits`. At full
-/// pace: those of an arm that brakes on the path, which need no limits of speed.
+/// Returns the limits of each interval of `move`, with the limits of the tool `limits`.
 std::vector<IntervalLimits> limits_of(const Move& move, const ToolLimits& limits);
+/// Returns the same at full pace, for an arm that brakes on the path.
 std::vector<IntervalLimits> braking_limits_of(const Move& move, const ToolLimits& limits);
 
 }  // namespace robcl::motion
