@@ -1,0 +1,99 @@
+#include "gecos/access/access_policy.hpp"
+
+#include <algorithm>
+
+namespace gecos::access {
+namespace {
+
+constexpr std::string_view broker_object = "BROKER";
+
+bool names(const std::vector<std::string>& list, const std::string& name) {
+  return std::ranges::any_of(list, [&](const auto& one) { return one == name || one == everyone; });
+}
+
+/// Returns why `list` does not admit `who`; no value when it does.
+std::optional<AccessRule> refusal_of(const AllowList& list, const UserAtHost& server,
+                                     const UserAtHost& who) {
+  if (who.user != server.user && !names(list.users, who.user)) return AccessRule::UserNotNamed;
+  if (who.host != server.host && !names(list.hosts, who.host)) return AccessRule::HostNotNamed;
+  return std::nullopt;
+}
+
+std::string words(const UserAtHost& who) { return "user " + who.user + " of host " + who.host; }
+
+AccessDecision admit(AccessRule rule, const UserAtHost& who, std::string_view object,
+                     const std::string& because) {
+  return {rule, std::string(object) + " admits " + words(who) + ": " + because};
+}
+
+AccessDecision refuse(AccessRule rule, const UserAtHost& who, std::string_view object,
+                      const std::string& because) {
+  return {rule, std::string(object) + " refuses " + words(who) + ": " + because};
+}
+
+AccessDecision refuse(AccessRule rule, const AllowList& list, const UserAtHost& who,
+                      std::string_view object) {
+  const bool user = rule == AccessRule::UserNotNamed;
+  const std::string& missing = user ? who.user : who.host;
+  return refuse(rule, who, object,
+                list.place + " does not name " + (user ? "user " : "host ") + missing + "; add \"" +
+                    missing + "\" to its " + (user ? "users" : "hosts"));
+}
+
+/// Returns the decision of the lists of a lab file about the broker, which has no list of its own:
+/// the first list that admits `who` counts, and the first list otherwise.
+const AllowList* list_of_broker(const LabAccess& lab, const UserAtHost& server,
+                                const UserAtHost& who) {
+  const AllowList* first = lab.general ? &*lab.general : nullptr;
+  if (first != nullptr && !refusal_of(*first, server, who)) return first;
+  for (const auto& [name, list] : lab.objects) {
+    if (!refusal_of(list, server, who)) return &list;
+    if (first == nullptr) first = &list;
+  }
+  return first;
+}
+
+const AllowList* list_of(const LabAccess& lab, const UserAtHost& server, const UserAtHost& who,
+                         std::string_view object) {
+  const auto own = lab.objects.find(std::string(object));
+  if (own != lab.objects.end()) return &own->second;
+  if (object == broker_object) return list_of_broker(lab, server, who);
+  return lab.general ? &*lab.general : nullptr;
+}
+
+AccessDecision nobody_named(const LabAccess& lab, const UserAtHost& server, const UserAtHost& who,
+                            std::string_view object) {
+  const bool here = who.host == server.host;
+  const std::string line =
+      here ? "users = [\"" + who.user + "\"]"
+           : (who.user == server.user ? "" : "users = [\"" + who.user + "\"], ") + "hosts = [\"" +
+                 who.host + "\"]";
+  const std::string file = lab.file.empty() ? "a lab file (GECOS_LAB_FILE)" : lab.file;
+  return refuse(
+      AccessRule::NobodyNamed, who, object,
+      "it admits only " + words(server) + "; write " + line + " below [allow] in " + file);
+}
+
+}  // namespace
+
+AccessDecision AccessPolicy::decide(const UserAtHost& server, const UserAtHost& who,
+                                    std::string_view object) const {
+  if (who == server) {
+    return admit(AccessRule::OwnUser, who, object, "its server runs as this user of this host");
+  }
+  if (who == UserAtHost{"root", server.host}) {
+    return admit(AccessRule::Root, who, object, "root of a host may do everything on it");
+  }
+  const AllowList* const in_file = list_of(lab, server, who, object);
+  const AllowList* const in_program = program ? &*program : nullptr;
+  std::string admitting;
+  for (const AllowList* const list : {in_program, in_file}) {
+    if (list == nullptr) continue;
+    if (const auto why = refusal_of(*list, server, who)) return refuse(*why, *list, who, object);
+    admitting += (admitting.empty() ? "" : " and ") + list->place;
+  }
+  if (admitting.empty()) return nobody_named(lab, server, who, object);
+  return admit(AccessRule::Named, who, object, "named by " + admitting);
+}
+
+}  // namespace gecos::access

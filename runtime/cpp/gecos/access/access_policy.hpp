@@ -1,0 +1,68 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Decides who may connect to an object, by user and host. What a connected client may do is
+/// decided by its status (lease_table.hpp) and is not lowered here.
+namespace gecos::access {
+
+/// A user on a host. Both names are proved by the medium: on this host the kernel names the user.
+struct UserAtHost {
+  std::string user;  ///< the name of the user; of a user without a name, the number
+  std::string host;
+  friend bool operator==(const UserAtHost&, const UserAtHost&) = default;
+};
+
+/// Stands for every name in an AllowList. It is then the only name of its list.
+inline constexpr std::string_view everyone = "*";
+
+/// Names who may connect beyond the user of the server on the server's host. Admits a user who is
+/// that user or named in `users`, on a host that is that host or named in `hosts`.
+struct AllowList {
+  std::vector<std::string> users;
+  std::vector<std::string> hosts;
+  std::string place;  ///< for messages, for example "[allow] in /etc/gecos/lab.toml:3"
+};
+
+/// What a lab file says about who may connect.
+struct LabAccess {
+  std::string file;                            ///< for messages; "" if there is no lab file
+  std::optional<AllowList> general{};          ///< for the objects that have no list of their own
+  std::map<std::string, AllowList> objects{};  ///< by the name of the object, in place of `general`
+};
+
+enum class AccessRule {
+  OwnUser,      ///< admitted: the user of the server, on its host
+  Root,         ///< admitted: root of the server's host, who could read the memory of the server
+  Named,        ///< admitted: every list that holds for the object admits the user and the host
+  NobodyNamed,  ///< refused: no list holds for the object
+  UserNotNamed,
+  HostNotNamed,
+};
+
+struct AccessDecision {
+  AccessRule rule;
+  std::string text;  ///< a sentence that names the object, user, host and rule; a refusal also says
+                     ///< what to change where
+  bool allowed() const { return rule <= AccessRule::Named; }
+};
+
+/// Who may connect to the objects of one server. The user of the server and root may always connect
+/// on the server's host. Others may connect when the list of the program, if there is one, and the
+/// list of the lab file, if it has one for the object, both admit them.
+///
+/// The broker gets everyone who is admitted to an object by any list of the lab file, unless the
+/// file has a list for the broker itself.
+struct AccessPolicy {
+  std::optional<AllowList> program{};  ///< given to `Server::allow`
+  LabAccess lab{};
+
+  AccessDecision decide(const UserAtHost& server, const UserAtHost& who,
+                        std::string_view object) const;
+};
+
+}  // namespace gecos::access

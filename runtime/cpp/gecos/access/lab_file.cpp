@@ -1,0 +1,187 @@
+#include "gecos/access/lab_file.hpp"
+
+#define TOML_EXCEPTIONS 0
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace gecos::access {
+namespace {
+
+using Keys = std::span<const std::string_view>;
+
+constexpr std::array<std::string_view, 4> known_tables = {"allow", "broker", "objects", "programs"};
+constexpr std::array<std::string_view, 2> broker_keys = {"address", "start"};
+constexpr std::array<std::string_view, 4> program_keys = {"environment", "ready", "restart", "run"};
+constexpr std::array<std::string_view, 1> object_keys = {"allow"};
+constexpr std::array<std::string_view, 2> allow_keys = {"hosts", "users"};
+
+/// Returns how many letters must be added, removed or replaced to make `two` of `one`.
+std::size_t edits_between(std::string_view one, std::string_view two) {
+  std::vector<std::size_t> row(two.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= one.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i);
+    for (std::size_t j = 1; j <= two.size(); ++j) {
+      const std::size_t replaced = diagonal + (one[i - 1] == two[j - 1] ? 0 : 1);
+      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, replaced}));
+    }
+  }
+  return row.back();
+}
+
+std::string instead_of(std::string_view key, Keys known) {
+  std::string all;
+  for (const std::string_view one : known) {
+    if (edits_between(key, one) <= std::max<std::size_t>(1, one.size() / 3)) {
+      return "did you mean " + std::string(one) + "?";
+    }
+    all += (all.empty() ? "" : ", ") + std::string(one);
+  }
+  return "known keys are " + all;
+}
+
+std::size_t line_of(const toml::source_region& region) {
+  return std::max<std::size_t>(region.begin.line, 1);
+}
+
+/// Reads the tree of a lab file. Throws a LabFileError, which stays in this source.
+class LabFileReader {
+ public:
+  explicit LabFileReader(const std::string& file) : file_(file) {}
+
+  LabAccess read(const toml::table& root) const {
+    admit_only(root, "", known_tables);
+    LabAccess lab{.file = file_};
+    if (const auto* broker = find(root, "broker", "broker")) {
+      admit_only(*broker, "broker.", broker_keys);
+    }
+    for_each_table(root, "programs", [&](const auto&, const auto& table, const auto& place) {
+      admit_only(table, place + ".", program_keys);
+    });
+    if (const auto* allow = find(root, "allow", "allow")) lab.general = list_of(*allow, "allow");
+    for_each_table(root, "objects", [&](const auto& name, const auto& table, const auto& place) {
+      admit_only(table, place + ".", object_keys);
+      const auto* const allow = find(table, "allow", place + ".allow");
+      if (allow == nullptr) {
+        refuse(table.source(), place,
+               "this table is empty; write users = […] below [" + place + ".allow]");
+      }
+      lab.objects.emplace(name, list_of(*allow, place + ".allow"));
+    });
+    return lab;
+  }
+
+ private:
+  [[noreturn]] void refuse(const toml::source_region& where, std::string key,
+                           std::string why) const {
+    throw LabFileError{file_, line_of(where), std::move(key), std::move(why)};
+  }
+
+  void admit_only(const toml::table& table, const std::string& prefix, Keys known) const {
+    for (const auto& [key, value] : table) {
+      if (std::ranges::find(known, key.str()) != known.end()) continue;
+      refuse(key.source(), prefix + std::string(key.str()),
+             "this key is unknown; " + instead_of(key.str(), known));
+    }
+  }
+
+  const toml::table* find(const toml::table& table, std::string_view key,
+                          const std::string& place) const {
+    const toml::node* const value = table.get(key);
+    if (value == nullptr) return nullptr;
+    if (!value->is_table()) refuse(value->source(), place, "a table is expected");
+    return value->as_table();
+  }
+
+  template <class Visit>
+  void for_each_table(const toml::table& root, const std::string& within, Visit visit) const {
+    const auto* const all = find(root, within, within);
+    if (all == nullptr) return;
+    for (const auto& [key, value] : *all) {
+      const std::string name(key.str());
+      const std::string place = within + "." + name;
+      visit(name, *find(*all, name, place), place);
+    }
+  }
+
+  AllowList list_of(const toml::table& table, const std::string& place) const {
+    admit_only(table, place + ".", allow_keys);
+    if (table.empty()) {
+      refuse(table.source(), place,
+             "this table is empty; write users = [] if only the user of the server may connect");
+    }
+    return {names_of(table, place, "users"), names_of(table, place, "hosts"),
+            "[" + place + "] in " + file_ + ":" + std::to_string(line_of(table.source()))};
+  }
+
+  std::vector<std::string> names_of(const toml::table& table, const std::string& of,
+                                    std::string_view key) const {
+    const toml::node* const value = table.get(key);
+    if (value == nullptr) return {};
+    const std::string place = of + "." + std::string(key);
+    const std::string wanted =
+        "a list of names is expected, for example " + std::string(key) + " = [\"anna\"]";
+    if (!value->is_array()) refuse(value->source(), place, wanted);
+    std::vector<std::string> names;
+    for (const toml::node& element : *value->as_array()) {
+      if (!element.is_string()) refuse(element.source(), place, wanted);
+      names.push_back(element.ref<std::string>());
+      if (names.back().empty()) refuse(element.source(), place, "a name is empty; " + wanted);
+    }
+    if (names.size() > 1 && std::ranges::find(names, everyone) != names.end()) {
+      refuse(value->source(), place,
+             "\"*\" admits all names, which contradicts the other names; leave out one of the two");
+    }
+    return names;
+  }
+
+  const std::string& file_;
+};
+
+}  // namespace
+
+std::string to_string(const LabFileError& error) {
+  std::string text = error.file + ":";
+  if (error.line != 0) text += std::to_string(error.line) + ":";
+  text += " ";
+  if (!error.key.empty()) text += error.key + ": ";
+  return text + error.text;
+}
+
+tl::expected<LabAccess, LabFileError> parse_lab_file(const std::string& text,
+                                                     const std::string& file) {
+  const toml::parse_result parsed = toml::parse(text, file);
+  if (!parsed) {
+    const toml::parse_error& error = parsed.error();
+    return tl::unexpected(LabFileError{file, error.source().begin.line, "",
+                                       "this is not TOML: " + std::string(error.description())});
+  }
+  try {
+    return LabFileReader(file).read(parsed.table());
+  } catch (LabFileError& error) {
+    return tl::unexpected(std::move(error));
+  }
+}
+
+EditedLabFile::EditedLabFile(std::string file) : lists_{.file = std::move(file)} {}
+
+std::optional<LabFileError> EditedLabFile::take(const Text& now) {
+  std::string text = now ? *now : to_string(now.error());
+  if (taken_ == text && readable_ == now.has_value()) return std::nullopt;
+  taken_ = std::move(text);
+  readable_ = now.has_value();
+  auto lists = now.and_then([&](const std::string& it) { return parse_lab_file(it, lists_.file); });
+  if (!lists) return std::move(lists.error());
+  lists_ = *std::move(lists);
+  known_ = true;
+  return std::nullopt;
+}
+
+}  // namespace gecos::access

@@ -1,0 +1,146 @@
+// The access lists in the text of a lab file, its errors, and edits while a server runs.
+
+#include "gecos/access/lab_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace gecos::access {
+namespace {
+
+const std::string path = "lab.toml";
+
+LabAccess lists_in(const std::string& text) {
+  auto lists = parse_lab_file(text, path);
+  EXPECT_TRUE(lists) << to_string(lists.error());
+  return lists.value_or(LabAccess{});
+}
+
+std::string error_in(const std::string& text) {
+  const auto lists = parse_lab_file(text, path);
+  return lists ? "no error" : to_string(lists.error());
+}
+
+TEST(LabFile, NamesWhoIsAdmittedInGeneralAndToAnObject) {
+  const LabAccess lists = lists_in(R"(# a laboratory
+[broker]
+start = true
+[programs.RX90]
+run = ["robcl-rx90"]
+ready = ""
+environment = { ANY = "thing" }
+
+[allow]
+users = ["anna", "bob"]
+hosts = ["bench1"]
+
+[objects.RX90.allow]
+users = ["anna"]
+)");
+  ASSERT_TRUE(lists.general);
+  EXPECT_EQ(lists.general->users, (std::vector<std::string>{"anna", "bob"}));
+  EXPECT_EQ(lists.general->hosts, std::vector<std::string>{"bench1"});
+  EXPECT_EQ(lists.general->place, "[allow] in lab.toml:9");
+  ASSERT_TRUE(lists.objects.contains("RX90"));
+  EXPECT_EQ(lists.objects.at("RX90").users, std::vector<std::string>{"anna"});
+  EXPECT_TRUE(lists.objects.at("RX90").hosts.empty());
+  EXPECT_EQ(lists.objects.at("RX90").place, "[objects.RX90.allow] in lab.toml:13");
+}
+
+TEST(LabFile, WithoutListsAdmitsNobodyBeyondTheUserOfTheServer) {
+  EXPECT_FALSE(lists_in("").general);
+  EXPECT_TRUE(lists_in("[programs.A]\nrun = [\"a\"]\n").objects.empty());
+}
+
+TEST(LabFile, SaysTheLineOfEachErrorAndWhatToWrite) {
+  const std::pair<const char*, const char*> errors[] = {
+      {"\n[alow]\nusers = []", "lab.toml:2: alow: this key is unknown; did you mean allow?"},
+      {"[allow]\n\nuser = [\"anna\"]",
+       "lab.toml:3: allow.user: this key is unknown; did you mean users?"},
+      {"[allow]\nusers = []\nfriends = []",
+       "lab.toml:3: allow.friends: this key is unknown; known keys are hosts, users"},
+      {"[objects.RX90.allow]\nuser = []",
+       "lab.toml:2: objects.RX90.allow.user: this key is unknown; did you mean users?"},
+      {"[objects.RX90]\nalow = []",
+       "lab.toml:2: objects.RX90.alow: this key is unknown; did you mean allow?"},
+      {"[broker]\nadress = \"shm\"",
+       "lab.toml:2: broker.adress: this key is unknown; did you mean address?"},
+      {"[programs.GRIPPER]\nrun = [\"g\"]\nrestrat = true",
+       "lab.toml:3: programs.GRIPPER.restrat: this key is unknown; did you mean restart?"},
+      {"[allow]\nusers = \"anna\"",
+       "lab.toml:2: allow.users: a list of names is expected, for example users = [\"anna\"]"},
+      {"[allow]\nhosts = [\n  \"cell\",\n  4 ]",
+       "lab.toml:4: allow.hosts: a list of names is expected, for example hosts = [\"anna\"]"},
+      {"[allow]\nusers = [\"\"]",
+       "lab.toml:2: allow.users: a name is empty; a list of names is expected, for example users = "
+       "[\"anna\"]"},
+      {"[allow]\nusers = [\"anna\", \"*\"]",
+       "lab.toml:2: allow.users: \"*\" admits all names, which contradicts the other names; leave "
+       "out one of the two"},
+      {"[allow]\n",
+       "lab.toml:1: allow: this table is empty; write users = [] if only the user of the server "
+       "may connect"},
+      {"[broker]\n\n[objects.RX90]\n",
+       "lab.toml:3: objects.RX90: this table is empty; write users = […] below "
+       "[objects.RX90.allow]"},
+      {"allow = 3", "lab.toml:1: allow: a table is expected"},
+      {"objects = []", "lab.toml:1: objects: a table is expected"},
+      {"[objects]\nRX90 = 1", "lab.toml:2: objects.RX90: a table is expected"},
+  };
+  for (const auto& [text, expected] : errors) EXPECT_EQ(error_in(text), expected) << text;
+  EXPECT_EQ(error_in("[allow]\nusers = [\"anna\"").substr(0, 32),
+            "lab.toml:2: this is not TOML: Er");
+}
+
+// Edits
+
+LabFileError missing() { return {path, 0, "", "the file cannot be read"}; }
+
+TEST(EditedLabFile, KeepsTheListsOfTheLastTextWithoutAnError) {
+  EditedLabFile file(path);
+  EXPECT_FALSE(file.known());
+  EXPECT_FALSE(file.take("[allow]\nusers = [\"anna\"]"));
+  EXPECT_TRUE(file.known());
+  const auto broken = file.take("[allow]\nusers = [\"bob\"");
+  ASSERT_TRUE(broken);
+  EXPECT_EQ(broken->line, 2u);
+  EXPECT_EQ(file.lists().general->users, std::vector<std::string>{"anna"});
+  EXPECT_FALSE(file.take("[allow]\nusers = [\"bob\"")) << "reported already";
+  ASSERT_TRUE(file.take(tl::unexpected(missing())));
+  EXPECT_EQ(file.lists().general->users, std::vector<std::string>{"anna"});
+  EXPECT_FALSE(file.take("[allow]\nusers = [\"bob\"]"));
+  EXPECT_EQ(file.lists().general->users, std::vector<std::string>{"bob"});
+}
+
+TEST(EditedLabFile, AgreesWithAModelOverAHundredThousandRandomSchedules) {
+  const std::vector<EditedLabFile::Text> texts{"[allow]\nusers = [\"anna\"]",
+                                               "[allow]\nusers = [\"bob\"]",
+                                               "[allow]\nusers = [",
+                                               "[allow]\nuser = []",
+                                               "",
+                                               tl::unexpected(missing())};
+  const std::vector<std::optional<std::string>> user_of{"anna",       "bob", std::nullopt,
+                                                        std::nullopt, "",    std::nullopt};
+  std::mt19937_64 random(16);
+  std::size_t reports = 0;
+  for (int schedule = 0; schedule < 100'000; ++schedule) {
+    EditedLabFile file(path);
+    std::string in_force;
+    std::size_t last = texts.size();
+    for (int edit = 0; edit < 4; ++edit) {
+      const std::size_t now = random() % texts.size();
+      const auto report = file.take(texts[now]);
+      ASSERT_EQ(report.has_value(), now != last && !user_of[now]) << schedule << "." << edit;
+      reports += report.has_value();
+      if (user_of[now]) in_force = *user_of[now];
+      last = now;
+      const auto& general = file.lists().general;
+      ASSERT_EQ(general ? general->users.front() : "", in_force) << schedule << "." << edit;
+    }
+  }
+  EXPECT_GT(reports, 80'000u);
+}
+
+}  // namespace
+}  // namespace gecos::access
