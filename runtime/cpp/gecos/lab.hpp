@@ -23,6 +23,10 @@ struct LabOptions {
   /// variable `GECOS_BROKER` gives the address; if that is not set either, the broker of this host
   /// is used.
   std::string broker{};
+  /// The lab file, whose lists say which users may connect to the objects that this program serves.
+  /// If it is empty, the environment variable `GECOS_LAB_FILE` names the file; if that is not set
+  /// either, the file is /etc/gecos/lab.toml, if it exists.
+  std::string lab_file{};
   /// The name of this program that others see. Empty: the name of its executable.
   std::string program{};
   Duration grace = std::chrono::seconds(1);  ///< how long a peer may be UNREACHABLE before it is

@@ -12,7 +12,7 @@ namespace gecos::access {
 
 /// A user on a host. Both names are proved by the medium: on this host the kernel names the user.
 struct UserAtHost {
-  std::string user;  ///< the name of the user; of a user without a name, the number
+  std::string user;  ///< the name, or "uid 1234" of a user without a name
   std::string host;
   friend bool operator==(const UserAtHost&, const UserAtHost&) = default;
 };

@@ -85,6 +85,14 @@ std::string host_identity() {
   return std::move(boot) + "/" + directory.value_or("");
 }
 
+bool open_to_this_user(std::string_view identity) {
+  const std::string boot = shm::kernel_boot();
+  const auto directories = shm::directories_of_the_host(shm::default_runtime_directory());
+  return std::ranges::any_of(directories, [&](const std::string& directory) {
+    return share_memory(boot + "/" + shm::inode_of(directory), identity);
+  });
+}
+
 bool share_memory(std::string_view one, std::string_view other) {
   return one == other && !boot_of(one).empty() && !one.ends_with('/');
 }

@@ -60,7 +60,12 @@ std::string runtime_directory();
 /// functions below.
 std::string host_identity();
 
-/// Returns whether programs with these host identities can reach each other over shm.
+/// Returns whether the host identity `identity` is that of a server of this host that this program
+/// can reach over shm although it runs as another user: its runtime directory is open to all users.
+bool open_to_this_user(std::string_view identity);
+
+/// Returns whether programs with these host identities can reach each other over shm, because they
+/// have one runtime directory.
 bool share_memory(std::string_view one, std::string_view other);
 
 /// Returns whether two host identities belong to the same machine. Their runtime directories may

@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "gecos/base/bytes.hpp"
 #include "gecos/base/clock.hpp"
@@ -73,10 +75,11 @@ enum class SendProblem : std::uint8_t {
 };
 
 enum class Loss : std::uint8_t {
-  None,    ///< the connection is not lost, as far as the medium knows
-  Closed,  ///< the peer closed the connection by a message
-  Died,    ///< the peer's process ended, or closed its socket without a message
-  Broken,  ///< the peer violated the protocol of the medium (see Connection::loss_text)
+  None,     ///< the connection is not lost, as far as the medium knows
+  Closed,   ///< the peer closed the connection by a message
+  Refused,  ///< the server does not admit this client; loss_text() says why
+  Died,     ///< the peer's process ended, or closed its socket without a message
+  Broken,   ///< the peer violated the protocol of the medium (see Connection::loss_text)
 };
 
 /// One sample of a stream as the medium stores it.
@@ -235,6 +238,10 @@ class Connection {
   virtual std::string why_no_stream(std::uint32_t id);
 };
 
+/// Decides whether a client may connect, by what the kernel reports about it. Returns why the
+/// client is refused; an empty text admits the client. Must not throw.
+using AdmitPeer = std::function<std::string(const Peer&)>;
+
 /// The server's side of one object on one medium. Makes a connection for each client that connects.
 class Acceptor {
  public:
@@ -244,6 +251,11 @@ class Acceptor {
   /// Returns the address that a client passes to Medium::connect, for example
   /// "shm:/run/gecos/1f3a.sock".
   virtual const std::string& address() const = 0;
+  /// Sets the function that decides about each client of another user that the kernel reports. A
+  /// client that it refuses gets no memory of the server, and finds Loss::Refused with the reason.
+  /// Without a function, no user is admitted but the server's own and root, who always are. Call
+  /// this before the first accept(). Does nothing on a medium without Peer::uid.
+  virtual void admit_by(AdmitPeer) {}
   /// Returns the connection to the next client that has connected, or null when there is none.
   virtual std::unique_ptr<Connection> accept() = 0;
   /// Returns whether a client is waiting but the process is out of file descriptors. Call accept()
@@ -276,6 +288,9 @@ class Medium {
       std::string_view address) = 0;
   /// Returns the well-known address of `name`, even when no server listens there.
   virtual std::string well_known_address(std::string_view name) const = 0;
+  /// Returns the well-known addresses of `name` at which other users of this host serve all users.
+  /// A client tries them after the well-known address.
+  virtual std::vector<std::string> shared_addresses(std::string_view) const { return {}; }
 };
 
 }  // namespace gecos::media

@@ -13,6 +13,7 @@ class AcceptorLayer final : public Acceptor {
 
   const Capabilities& capabilities() const override { return capabilities_; }
   const std::string& address() const override { return inner_->address(); }
+  void admit_by(AdmitPeer admit) override { inner_->admit_by(std::move(admit)); }
   std::unique_ptr<Connection> accept() override {
     auto connection = inner_->accept();
     if (connection == nullptr) return nullptr;
@@ -52,6 +53,9 @@ class MediumLayer final : public Medium {
   }
   std::string well_known_address(std::string_view name) const override {
     return inner_->well_known_address(name);
+  }
+  std::vector<std::string> shared_addresses(std::string_view name) const override {
+    return inner_->shared_addresses(name);
   }
 
  private:

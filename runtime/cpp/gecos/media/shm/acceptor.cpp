@@ -119,7 +119,7 @@ void sweep(const std::string& directory) {
 
 /// Returns a socket that listens at `path`. On failure, returns an empty Descriptor and sets errno,
 /// which is EADDRINUSE when the file exists. @pre the caller holds the lock of the directory.
-Descriptor bind_and_listen(const std::string& path, bool for_all_users) {
+Descriptor bind_and_listen(const std::string& path, mode_t mode) {
   sockaddr_un address{};
   if (!address_of(path, address)) {
     errno = ENAMETOOLONG;
@@ -130,8 +130,7 @@ Descriptor bind_and_listen(const std::string& path, bool for_all_users) {
       ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     return {};
   }
-  if (::chmod(path.c_str(), for_all_users ? 0666 : 0600) != 0 ||
-      ::listen(socket.get(), SOMAXCONN) != 0) {
+  if (::chmod(path.c_str(), mode) != 0 || ::listen(socket.get(), SOMAXCONN) != 0) {
     const int why = errno;
     ::unlink(path.c_str());
     errno = why;
@@ -140,8 +139,8 @@ Descriptor bind_and_listen(const std::string& path, bool for_all_users) {
   return socket;
 }
 
-void say_goodbye(int socket, std::string_view why) {
-  ControlMessage bye{.type = ControlType::Bye};
+void say_goodbye(int socket, std::string_view why, ControlType type = ControlType::Bye) {
+  ControlMessage bye{.type = type};
   bye.set_text(why);
   send_control(socket, bye);
 }
@@ -180,13 +179,14 @@ tl::expected<std::unique_ptr<Acceptor>, MediumError> ShmAcceptor::open(const Shm
   if (!lock) return tl::unexpected(std::move(lock.error()));
   sweep(directory);
 
+  const mode_t mode = open_to_all_users(directory) ? 0666 : 0600;
   std::string path = well_known_path(directory, name);
   Descriptor listener;
   if (well_known) {
-    listener = bind_and_listen(path, options.other_users);
+    listener = bind_and_listen(path, mode);
     if (!listener && errno == EADDRINUSE) {
       if (server_is_dead(path)) ::unlink(path.c_str());
-      listener = bind_and_listen(path, options.other_users);
+      listener = bind_and_listen(path, mode);
       if (!listener && errno == EADDRINUSE) return listen_error(occupied(path));
     }
   } else {
@@ -194,24 +194,23 @@ tl::expected<std::unique_ptr<Acceptor>, MediumError> ShmAcceptor::open(const Shm
     do {  // the same pid in another process namespace may have taken the name
       path = directory + "/" + file_name(name) + "." + std::to_string(::getpid()) + "." +
              std::to_string(++opened) + ".sock";
-      listener = bind_and_listen(path, options.other_users);
+      listener = bind_and_listen(path, mode);
     } while (!listener && errno == EADDRINUSE);
   }
   if (!listener) {
     return listen_error("cannot listen at " + path + ": " + system_text(errno));
   }
   try {
-    return std::make_unique<ShmAcceptor>(path, std::move(listener), options.other_users);
+    return std::make_unique<ShmAcceptor>(path, std::move(listener));
   } catch (const std::system_error&) {
     ::unlink(path.c_str());
     throw;
   }
 }
 
-ShmAcceptor::ShmAcceptor(std::string path, Descriptor listener, bool other_users)
+ShmAcceptor::ShmAcceptor(std::string path, Descriptor listener)
     : path_(std::move(path)),
       address_("shm:" + path_),
-      other_users_(other_users),
       listener_(std::move(listener)),
       epoll_(::epoll_create1(EPOLL_CLOEXEC)),
       spare_(::open("/dev/null", O_RDONLY | O_CLOEXEC)),
@@ -266,9 +265,9 @@ bool ShmAcceptor::let_in() {
     say_goodbye(pending.socket.get(), "refused: " + peer.error());
     return true;
   }
-  if (!other_users_ && peer->uid != ::geteuid() && peer->uid != 0u) {
-    say_goodbye(pending.socket.get(),
-                "refused: this server accepts only uid " + std::to_string(::geteuid()));
+  if (const std::string why = why_not(*peer); !why.empty()) {
+    say_goodbye(pending.socket.get(), why, ControlType::Refuse);
+    log_info("shm", path_ + " refused " + peer->description + ": " + why);
     return true;
   }
   auto death = death_of_peer(pending.socket.get(), *peer->pid);
@@ -280,6 +279,13 @@ bool ShmAcceptor::let_in() {
   if (pending_.size() == most_pending) drop(0);  // drops the oldest client without Hello
   pending_.push_back(std::move(pending));
   return true;
+}
+
+/// Returns why the user of `peer` is not admitted; an empty text when the user is.
+std::string ShmAcceptor::why_not(const Peer& peer) const {
+  if (peer.uid == ::geteuid() || peer.uid == 0u) return "";
+  if (admit_) return admit_(peer);
+  return "this server admits only uid " + std::to_string(::geteuid());
 }
 
 /// Refuses a waiting client when the process has no descriptor left. Returns false when no client

@@ -3,6 +3,7 @@
 #include <array>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gecos/base/event_fd.hpp"
@@ -23,12 +24,13 @@ class ShmAcceptor final : public Acceptor {
 
   const Capabilities& capabilities() const override;
   const std::string& address() const override { return address_; }
+  void admit_by(AdmitPeer admit) override { admit_ = std::move(admit); }
   std::unique_ptr<Connection> accept() override;
   bool short_of_descriptors() const override { return short_of_descriptors_; }
   std::span<const int> descriptors() const override { return descriptors_; }
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override;
 
-  ShmAcceptor(std::string path, Descriptor listener, bool other_users);
+  ShmAcceptor(std::string path, Descriptor listener);
 
  private:
   /// A client that has connected and has not yet sent its Hello message.
@@ -38,6 +40,7 @@ class ShmAcceptor final : public Acceptor {
     Descriptor death;
   };
   bool let_in();
+  std::string why_not(const Peer& peer) const;
   bool turn_away();
   void log_turned_away() const;
   std::unique_ptr<Connection> hear(std::size_t pending);
@@ -46,7 +49,7 @@ class ShmAcceptor final : public Acceptor {
 
   const std::string path_;
   const std::string address_;
-  const bool other_users_;
+  AdmitPeer admit_;
   Descriptor listener_;
   Descriptor epoll_;
   EventFd more_;      // notified by accept() if more clients may wait than one call accepts

@@ -68,7 +68,9 @@ tl::expected<std::unique_ptr<Connection>, MediumError> ShmConnection::greet(Desc
   if (!made) return tl::unexpected(MediumError{"shm: " + made.error()});
   auto connection = std::move(*made);
   const std::array given{connection->own_memory_.memfd.get(), connection->event_.descriptor()};
-  if (!send_control(connection->other_->socket(), {.type = ControlType::Hello}, given)) {
+  // A server that refuses the client may have closed the socket already. Then loss() reads why.
+  if (!send_control(connection->other_->socket(), {.type = ControlType::Hello}, given) &&
+      connection->loss() == Loss::None) {
     return tl::unexpected(MediumError{"shm: the server closed the connection at once"});
   }
   connection->own_memory_.memfd.reset();
@@ -314,6 +316,10 @@ void ShmConnection::take_control(ReceivedControl& control) {
       note_loss(Loss::Closed, why.empty() ? "the other end closed the connection" : why);
       return;
     }
+    case ControlType::Refuse:
+      if (role_ != Role::Client || other_->known()) break;
+      note_loss(Loss::Refused, message.words());
+      return;
     case ControlType::Welcome:
       if (role_ != Role::Client || other_->known()) break;
       if (auto problem = know_peer(control)) {

@@ -19,15 +19,16 @@ enum class ControlType : std::uint32_t {
   Notify,     ///< wakes the peer while its eventfd is unknown or not trusted
   Share,      ///< memory of the stream `id`: `depth` samples of at most `largest` bytes
   Unshare,    ///< the stream `id` is no longer shared
-  Bye,        ///< closes the connection; `text` says why when the peer was refused
+  Bye,        ///< closes the connection; `text` may say why
   Area,       ///< memory for large packets, area number `largest`; the previous area is freed
   AreaEnd,    ///< the area number `largest` is freed
+  Refuse,     ///< server: does not admit the client; `text` says why
 };
 
 /// A message on the socket. Both ends run on one kernel, so that the struct is sent as it is in
 /// memory.
 struct ControlMessage {
-  static constexpr std::uint32_t this_version = 0x67630002;
+  static constexpr std::uint32_t this_version = 0x67630003;
   std::uint32_t version =
       this_version;  ///< rises with every change of this struct, RingMemory or StreamMemory
   ControlType type = ControlType::Notify;
@@ -35,7 +36,7 @@ struct ControlMessage {
   std::uint32_t reserved = 0;
   std::uint64_t largest = 0;
   std::uint64_t depth = 0;
-  std::array<char, 128> text{};  ///< ends with NUL
+  std::array<char, 512> text{};  ///< ends with NUL
 
   void set_text(std::string_view words);
   std::string words() const;

@@ -1,16 +1,19 @@
 #include "gecos/media/shm/directory.hpp"
 
 #include <fcntl.h>
+#include <pwd.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <utility>
 
 #include "gecos/base/system_error.hpp"
@@ -48,8 +51,31 @@ bool shared_between_users(const std::string& directory) {
   return look_at(directory, found) && sticky_of_root(found);
 }
 
-std::string folder_of_this_user(const std::string& in) {
-  return in + "/gecos-" + std::to_string(::geteuid());
+std::string folder_of(std::uint32_t uid, const std::string& in) {
+  return in + "/gecos-" + std::to_string(uid);
+}
+
+std::string parent_of(const std::string& directory) {
+  return std::filesystem::path(directory).parent_path().string();
+}
+
+/// Returns the number of the user `gecos`; no value when there is no such user.
+std::optional<std::uint32_t> user_gecos() {
+  passwd entry{};
+  passwd* found = nullptr;
+  std::array<char, 4096> text;
+  if (::getpwnam_r("gecos", &entry, text.data(), text.size(), &found) != 0 || found == nullptr) {
+    return std::nullopt;
+  }
+  return entry.pw_uid;
+}
+
+/// Returns whether `directory` is a folder of the user `uid` that all users can reach, in a
+/// directory that an administrator made for all users. /tmp is not such a directory: every system
+/// has it.
+bool open_to_all(const std::string& directory, std::uint32_t uid) {
+  const std::string parent = parent_of(directory);
+  return parent != "/tmp" && directory == folder_of(uid, parent) && shared_between_users(parent);
 }
 
 }  // namespace
@@ -58,11 +84,33 @@ std::string default_runtime_directory() {
   if (const char* named = std::getenv("GECOS_RUNTIME_DIR"); named != nullptr && *named != '\0') {
     std::string directory = named;
     while (directory.size() > 1 && directory.back() == '/') directory.pop_back();
-    return shared_between_users(directory) ? folder_of_this_user(directory) : directory;
+    return shared_between_users(directory) ? folder_of(::geteuid(), directory) : directory;
   }
   const bool administered = shared_between_users(administrators_directory) &&
                             ::access(administrators_directory, W_OK) == 0;
-  return folder_of_this_user(administered ? administrators_directory : "/tmp");
+  return folder_of(::geteuid(), administered ? administrators_directory : "/tmp");
+}
+
+bool serves_the_host(std::uint32_t uid) { return uid == 0 || uid == user_gecos(); }
+
+bool open_to_all_users(const std::string& directory) {
+  const std::uint32_t user = ::geteuid();
+  return open_to_all(directory, user) && serves_the_host(user);
+}
+
+std::vector<std::string> directories_of_the_host(const std::string& directory) {
+  const std::string parent = parent_of(directory);
+  if (!open_to_all(directory, ::geteuid())) return {};
+  std::vector<std::string> found;
+  for (const auto user : {user_gecos(), std::optional<std::uint32_t>(0)}) {
+    if (!user || user == ::geteuid()) continue;
+    std::string of_user = folder_of(*user, parent);
+    struct stat seen {};
+    if (look_at(of_user, seen) && S_ISDIR(seen.st_mode) && seen.st_uid == *user) {
+      found.push_back(std::move(of_user));
+    }
+  }
+  return found;
 }
 
 tl::expected<void, MediumError> prepare_directory(const std::string& directory) {
@@ -72,7 +120,8 @@ tl::expected<void, MediumError> prepare_directory(const std::string& directory) 
                  std::to_string(longest_directory) +
                  "; name a shorter directory in GECOS_RUNTIME_DIR");
   }
-  if (::mkdir(directory.c_str(), 0700) != 0 && errno != EEXIST) {
+  const bool for_all = open_to_all_users(directory);
+  if (::mkdir(directory.c_str(), for_all ? 0711 : 0700) != 0 && errno != EEXIST) {
     return error("cannot make " + directory + ": " + system_text(errno) +
                  "; name another directory in GECOS_RUNTIME_DIR");
   }
@@ -94,6 +143,10 @@ tl::expected<void, MediumError> prepare_directory(const std::string& directory) 
     return error("other users may write to " + directory +
                  " and could listen in; run:  chmod go-w " + directory);
   }
+  // A folder of an earlier version is closed, and the umask may have closed a new one.
+  if (for_all && (found.st_mode & 0777) != 0711 && ::chmod(directory.c_str(), 0711) != 0) {
+    return error("cannot open " + directory + " to the users of this host: " + system_text(errno));
+  }
   return {};
 }
 
@@ -103,15 +156,19 @@ std::string kernel_boot() {
   return boot;
 }
 
+std::string inode_of(const std::string& directory) {
+  struct stat found {};
+  if (::stat(directory.c_str(), &found) != 0) return "";
+  return std::to_string(found.st_dev) + ":" + std::to_string(found.st_ino);
+}
+
 tl::expected<std::string, MediumError> directory_identity(const std::string& directory) {
   if (auto prepared = prepare_directory(directory); !prepared) {
     return tl::unexpected(std::move(prepared.error()));
   }
-  struct stat found {};
-  if (::stat(directory.c_str(), &found) != 0) {
-    return error("cannot read the attributes of " + directory + ": " + system_text(errno));
-  }
-  return std::to_string(found.st_dev) + ":" + std::to_string(found.st_ino);
+  std::string inode = inode_of(directory);
+  if (!inode.empty()) return inode;
+  return error("cannot read the attributes of " + directory + ": " + system_text(errno));
 }
 
 tl::expected<DirectoryLock, MediumError> DirectoryLock::take(const std::string& directory) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "gecos/base/descriptor.hpp"
 #include "gecos/media/medium.hpp"
@@ -14,7 +16,20 @@ namespace gecos::media::shm {
 /// shm reads the environment.
 std::string default_runtime_directory();
 
-/// Creates `directory` with the mode 0700 if it does not exist. Checks that its path is short
+/// Returns whether `uid` is root or the user `gecos`. The programs of these users serve all users
+/// of the host, if an administrator made a directory for that; other users' programs trust them.
+bool serves_the_host(std::uint32_t uid);
+
+/// Returns whether the programs of all users can reach the sockets in `directory`: it is the folder
+/// of root or of the user `gecos`, in a directory that belongs to root and is shared by all users.
+bool open_to_all_users(const std::string& directory);
+
+/// Returns the existing directories of other users that are open to all users and in which this
+/// program may look for servers: beside `directory`, those of the user `gecos` and of root.
+std::vector<std::string> directories_of_the_host(const std::string& directory);
+
+/// Creates `directory` if it does not exist, with the mode 0711 if it is open to all users and with
+/// 0700 otherwise. Checks that its path is short
 /// enough for the paths of sockets in it, and that no other user can replace the sockets.
 tl::expected<void, MediumError> prepare_directory(const std::string& directory);
 
@@ -22,8 +37,11 @@ tl::expected<void, MediumError> prepare_directory(const std::string& directory);
 /// tell it.
 std::string kernel_boot();
 
-/// Prepares `directory`, and returns a text that identifies it on this machine by its inode, for
-/// example "2049:131".
+/// Returns a text that identifies `directory` on this machine by its inode, for example "2049:131";
+/// an empty text when its attributes cannot be read.
+std::string inode_of(const std::string& directory);
+
+/// Prepares `directory`, and returns inode_of() it.
 tl::expected<std::string, MediumError> directory_identity(const std::string& directory);
 
 /// The lock of a runtime directory. A process holds it while it makes or removes sockets in the

@@ -43,7 +43,7 @@ class Shm final : public Medium {
     }
     auto server = shm::peer_of(socket.get());
     if (!server) return error(server.error());
-    if (!options_.other_users && server->uid != ::geteuid() && server->uid != 0u) {
+    if (server->uid != ::geteuid() && !shm::serves_the_host(*server->uid)) {
       return error("the server runs as another user, " + server->description +
                    ", and is reached over lcm only");
     }
@@ -56,10 +56,18 @@ class Shm final : public Medium {
     return std::string(prefix) + shm::well_known_path(options_.directory, name);
   }
 
+  std::vector<std::string> shared_addresses(std::string_view name) const override {
+    std::vector<std::string> addresses;
+    for (const std::string& directory : shm::directories_of_the_host(options_.directory)) {
+      addresses.push_back(std::string(prefix) + shm::well_known_path(directory, name));
+    }
+    return addresses;
+  }
+
  private:
   std::string no_server(std::string_view address) const {
     const bool ours = address.starts_with(std::string(prefix) + options_.directory + "/");
-    if (!ours || options_.other_users) return "no server listens at this address";
+    if (!ours) return "no server listens at this address";
     return "no server listens at this address (the directory is for uid " +
            std::to_string(::geteuid()) +
            " alone; programs of other users are reached by GECOS_BROKER=lcm)";

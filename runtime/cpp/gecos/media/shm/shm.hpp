@@ -22,9 +22,6 @@ namespace gecos::media {
 
 struct ShmOptions {
   std::string directory = shm::default_runtime_directory();
-  /// Whether programs of other users may connect. If so, the layers above must check permissions.
-  /// If not, only programs of this user and of root can connect.
-  bool other_users = false;
 };
 
 inline constexpr Capabilities shm_capabilities{.name = "shm",

@@ -1,6 +1,8 @@
 #include "gecos/session/client/context.hpp"
 
+#include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <utility>
 
 #include "gecos/broker_interface.hpp"  // generated from idl/gecos/broker.gidl
@@ -69,6 +71,7 @@ std::vector<std::string> Context::broker_addresses(std::string& tried) {
   const auto add_well_known = [&](media::Kind kind) {
     if (const auto opened = runtime_->medium(kind)) {
       addresses.push_back((*opened)->well_known_address(broker_name));
+      std::ranges::move((*opened)->shared_addresses(broker_name), std::back_inserter(addresses));
     } else {
       append(tried, opened.error().text);
     }

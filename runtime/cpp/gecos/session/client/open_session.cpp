@@ -10,13 +10,15 @@
 namespace gecos::session {
 namespace {
 
-/// Returns why no Welcome arrived: because the connection was lost, or because the server did not
-/// answer.
+/// Returns why no Welcome arrived: the server refused the client, the connection was lost, or the
+/// server did not answer.
 NotOpened unanswered(media::Connection& connection) {
   const std::string& who = connection.peer().description;
-  const bool lost = connection.loss() != media::Loss::None;
+  const media::Loss loss = connection.loss();
   const std::string why = connection.loss_text();
-  if (lost) return {Detail::NoServer, who + " did not accept the connection: " + why};
+  if (loss == media::Loss::Refused) return {Detail::Refused, why};
+  if (loss != media::Loss::None)
+    return {Detail::NoServer, who + " did not accept the connection: " + why};
   return {Detail::NoServer, who + " did not answer" + (why.empty() ? "" : ": " + why)};
 }
 

@@ -29,7 +29,7 @@ namespace {
 std::string out_of_shared_memory(Runtime& runtime, const Entry& entry, media::Kind kind,
                                  const std::string& address) {
   const std::string& here = runtime.host_identity();
-  if (media::share_memory(entry.host, here)) return "";
+  if (media::share_memory(entry.host, here) || media::open_to_this_user(entry.host)) return "";
   if (!media::on_one_machine(entry.host, here)) {
     return "it is on another host (" + entry.hostname + ")";
   }

@@ -1,7 +1,6 @@
 #include "gecos/session/process/runtime.hpp"
 
 #include <pthread.h>
-#include <pwd.h>
 #include <sys/random.h>
 #include <unistd.h>
 
@@ -13,25 +12,11 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/base/mutex.hpp"
+#include "gecos/base/user_and_host.hpp"
 #include "gecos/media/kinds.hpp"
 
 namespace gecos::session {
 namespace {
-
-std::string user_name() {
-  passwd entry{};
-  passwd* found = nullptr;
-  char text[4096];
-  if (getpwuid_r(getuid(), &entry, text, sizeof text, &found) != 0 || found == nullptr) {
-    return "uid " + std::to_string(getuid());
-  }
-  return entry.pw_name;
-}
-
-std::string host_name() {
-  char name[256] = {};
-  return gethostname(name, sizeof name - 1) == 0 ? name : "?";
-}
 
 /// The runtimes of this process. Their sessions are closed in order when the process exits.
 class OpenRuntimes {
@@ -152,7 +137,7 @@ const std::string& Runtime::host_identity() {
 
 Hello Runtime::introduce(const InterfaceDescription& wanted) const {
   Hello hello;
-  hello.user = user_name();
+  hello.user = user_name(getuid());
   hello.host = host_name();
   hello.program = options_.program.empty() ? program_invocation_short_name : options_.program;
   hello.pid = getpid();

@@ -1,10 +1,10 @@
 #include "gecos/session/server/greeting.hpp"
 
-#include <pwd.h>
 #include <sys/random.h>
 
 #include <utility>
 
+#include "gecos/base/user_and_host.hpp"
 #include "gecos/session/protocol/handshake.hpp"
 #include "gecos/session/server/call_log.hpp"
 #include "gecos/session/server/handler_waits.hpp"
@@ -20,25 +20,12 @@ SessionId new_session_id() {
   return SessionId{id};
 }
 
-/// Returns the user that the kernel reports for the peer, or the user that the client claims when
-/// the kernel reports none.
-std::string user_of(const media::Peer& peer, const std::string& claimed) {
-  if (!peer.uid) return claimed;
-  passwd entry{};
-  passwd* found = nullptr;
-  char text[4096];
-  if (getpwuid_r(*peer.uid, &entry, text, sizeof text, &found) != 0 || found == nullptr) {
-    return "uid " + std::to_string(*peer.uid);
-  }
-  return entry.pw_name;
-}
-
 void open(const std::shared_ptr<ServerSession>& session, const Hello& hello,
           const ObjectSetup& setup, OutcomeLog& outcomes, TimePoint now) {
   const media::Peer& peer = session->connection().peer();
   const SessionId id = new_session_id();
   Caller caller;
-  caller.user = user_of(peer, hello.user);
+  caller.user = peer.uid ? user_name(*peer.uid) : hello.user;  // claimed where nobody proves it
   caller.host = hello.host;
   caller.program = hello.program;
   caller.pid = peer.pid.value_or(hello.pid);

@@ -13,6 +13,7 @@
 #include "gecos/base/system_error.hpp"
 #include "gecos/session/client/context.hpp"
 #include "gecos/session/process/termination_signals.hpp"
+#include "gecos/session/server/access_control.hpp"
 #include "gecos/session/server/io_loop.hpp"
 #include "gecos/session/server/object_host.hpp"
 #include "gecos/session/server/registrar.hpp"
@@ -47,6 +48,7 @@ class Server::Core {
   static Made make(const session::LabOrWhyNot& lab);
   explicit Core(std::shared_ptr<Context> lab)
       : lab_(std::move(lab)),
+        access_(std::make_shared<session::AccessControl>(lab_->runtime()->options().lab_file)),
         io_(lab_->runtime()),
         registrar_(lab_),
         upkeep_(std::make_shared<Upkeep>(*this)) {
@@ -57,6 +59,7 @@ class Server::Core {
 
   tl::expected<void, ServeError> await_broker(Duration patience);
   tl::expected<void, ServeError> add(std::string name, Servant& servant, ObjectOptions options);
+  void allow(std::vector<std::string> users, std::vector<std::string> hosts);
   void run();
   void shut_down();
   /// True in a forked child: the server's threads do not exist there, so the child cannot end the
@@ -83,6 +86,7 @@ class Server::Core {
 
   const pid_t owner_ = getpid();
   const std::shared_ptr<Context> lab_;
+  const std::shared_ptr<session::AccessControl> access_;  ///< acceptors share it
   Mutex mutex_;
   std::vector<std::shared_ptr<ObjectHost>> objects_ GECOS_GUARDED_BY(mutex_);
   EventFd ended_;
@@ -156,6 +160,9 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
       }
     }();
     if (acceptor) {
+      (*acceptor)->admit_by([access = access_, name](const media::Peer& peer) {
+        return access->refusal(name, peer);
+      });
       opened.addresses.push_back((*acceptor)->address());
       opened.acceptors.push_back(std::move(*acceptor));
       continue;
@@ -191,6 +198,9 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
                    "': a name must have at least one character and must not contain NUL"});
   }
   if (!servant.gecos_served_as().empty()) return served_already(name, servant);
+  if (const auto read = access_->read(); !read) {
+    return tl::unexpected(ServeError{name + " is not served: " + read.error()});
+  }
   const bool well_known = options.well_known;
   if (!well_known) {
     if (const auto found = await_broker(options.patience); !found) {
@@ -222,6 +232,10 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
   return {};
 }
 
+void Server::Core::allow(std::vector<std::string> users, std::vector<std::string> hosts) {
+  access_->allow(std::move(users), std::move(hosts));
+}
+
 void Server::Core::run() {
   const session::TerminationSignals asked;
   const int descriptors[] = {asked.descriptor(), ended_.descriptor()};
@@ -247,6 +261,9 @@ tl::expected<void, ServeError> Server::add(std::string name, Servant& servant,
                                            ObjectOptions options) {
   if (!core_) return tl::unexpected(ServeError{name + " is not served: " + core_.error()});
   return (*core_)->add(std::move(name), servant, std::move(options));
+}
+void Server::allow(std::vector<std::string> users, std::vector<std::string> hosts) {
+  if (core_) (*core_)->allow(std::move(users), std::move(hosts));
 }
 void Server::run() {
   if (core_) return (*core_)->run();

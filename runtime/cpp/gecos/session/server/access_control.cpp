@@ -1,0 +1,118 @@
+#include "gecos/session/server/access_control.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <utility>
+
+#include "gecos/base/descriptor.hpp"
+#include "gecos/base/log.hpp"
+#include "gecos/base/system_error.hpp"
+#include "gecos/base/user_and_host.hpp"
+
+namespace gecos::session {
+namespace {
+
+using access::EditedLabFile;
+using access::LabFileError;
+
+constexpr const char* of_this_host = "/etc/gecos/lab.toml";
+constexpr std::size_t largest_file = 1 << 20;
+
+/// Returns the file that a setting names; an empty text when none does.
+std::string named_file(const std::string& option) {
+  const char* const variable = std::getenv("GECOS_LAB_FILE");
+  const std::string named = !option.empty() ? option : variable != nullptr ? variable : "";
+  std::error_code unknown_folder;
+  const auto absolute = std::filesystem::absolute(named, unknown_folder);
+  return named.empty() || unknown_folder ? named : absolute.string();
+}
+
+/// Returns why the file with these attributes does not count; an empty text when it does.
+std::string distrust(const struct stat& file, const std::string& path) {
+  if (!S_ISREG(file.st_mode)) return "this is not a file";
+  if (file.st_uid != 0 && file.st_uid != ::geteuid()) {
+    return "the file belongs to " + user_name(file.st_uid) +
+           ", who could admit anyone; run: chown " + user_name(::geteuid()) + " " + path;
+  }
+  if ((file.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
+    return "other users may write to the file and could admit anyone; run: chmod go-w " + path;
+  }
+  if (static_cast<std::size_t>(file.st_size) > largest_file) return "the file is larger than 1 MiB";
+  return "";
+}
+
+/// Reads the file, and sets `must_exist` when it exists. A file that need not exist has no text.
+EditedLabFile::Text text_of(const std::string& path, bool& must_exist) {
+  const auto failed = [&](const std::string& why) {
+    return tl::unexpected(LabFileError{path, 0, "", why});
+  };
+  // O_NONBLOCK: a named pipe must not block the server
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (!file && errno == ENOENT && !must_exist) return "";
+  must_exist = true;
+  struct stat attributes {};
+  if (!file || ::fstat(file.get(), &attributes) != 0) {
+    return failed("the file cannot be read: " + system_text(errno));
+  }
+  if (const std::string why = distrust(attributes, path); !why.empty()) return failed(why);
+  std::string text;
+  std::array<char, 4096> part;
+  ssize_t count = 0;
+  while (text.size() <= largest_file &&
+         (count = ::read(file.get(), part.data(), part.size())) > 0) {
+    text.append(part.data(), static_cast<std::size_t>(count));
+  }
+  if (count < 0) return failed("the file cannot be read: " + system_text(errno));
+  return text;
+}
+
+}  // namespace
+
+AccessControl::AccessControl(const std::string& lab_file)
+    : must_exist_(!named_file(lab_file).empty()),
+      file_(must_exist_ ? named_file(lab_file) : of_this_host) {}
+
+std::optional<LabFileError> AccessControl::read_file() {
+  auto error = file_.take(text_of(file_.lists().file, must_exist_));
+  policy_.lab = file_.lists();
+  return error;
+}
+
+tl::expected<void, std::string> AccessControl::read() {
+  const MutexLock lock(mutex_);
+  const auto error = read_file();
+  if (file_.known() || !error) return {};
+  return tl::unexpected(to_string(*error));
+}
+
+void AccessControl::allow(std::vector<std::string> users, std::vector<std::string> hosts) {
+  const MutexLock lock(mutex_);
+  policy_.program = access::AllowList{std::move(users), std::move(hosts),
+                                      "Server::allow in the program of the server"};
+}
+
+std::string AccessControl::refusal(const std::string& object, const media::Peer& peer) noexcept {
+  try {
+    const std::string host = host_name();
+    const access::UserAtHost server{user_name(::geteuid()), host};
+    const access::UserAtHost who{user_name(*peer.uid), host};
+    const MutexLock lock(mutex_);
+    if (const auto error = read_file()) {
+      log_error("session", to_string(*error) +
+                               "; the earlier lists of this file stay in force, correct the file");
+    }
+    const access::AccessDecision decision = policy_.decide(server, who, object);
+    return decision.allowed() ? std::string() : decision.text;
+  } catch (const std::exception& failed) {
+    return object + " refuses all other users: " + failed.what();
+  }
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gecos/access/lab_file.hpp"
+#include "gecos/base/mutex.hpp"
+#include "gecos/base/result.hpp"
+#include "gecos/media/medium.hpp"
+
+namespace gecos::session {
+
+/// Decides which users may connect to the objects of one server (access::AccessPolicy). Reads the
+/// lab file again for each client of another user than the server's own, so that an edit acts on
+/// the next connection. An edit with an error is logged once and changes nothing. Thread-safe.
+class AccessControl {
+ public:
+  /// @param lab_file as LabOptions::lab_file
+  explicit AccessControl(const std::string& lab_file);
+
+  /// Reads the lab file. Fails when the file has an error and no earlier text of it was without.
+  tl::expected<void, std::string> read();
+
+  /// Admits these users and hosts, in place of those of an earlier call.
+  void allow(std::vector<std::string> users, std::vector<std::string> hosts);
+
+  /// Returns why `peer` may not connect to the object; an empty text when it may. @pre the kernel
+  /// reported the user of `peer`
+  std::string refusal(const std::string& object, const media::Peer& peer) noexcept;
+
+ private:
+  std::optional<access::LabFileError> read_file() GECOS_REQUIRES(mutex_);
+
+  Mutex mutex_;
+  bool must_exist_ GECOS_GUARDED_BY(mutex_);  ///< a setting names the file, or it did exist
+  access::EditedLabFile file_ GECOS_GUARDED_BY(mutex_);
+  access::AccessPolicy policy_ GECOS_GUARDED_BY(mutex_);
+};
+
+}  // namespace gecos::session

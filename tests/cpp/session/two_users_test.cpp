@@ -1,0 +1,175 @@
+// Users of one host reach a server of root over shm, if the server admits them. The children become
+// other users, so these tests run as root; tests/system/test_two_users.py runs them for others.
+
+#include <grp.h>
+#include <gtest/gtest.h>
+#include <pwd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <stdexcept>
+
+#include "child.hpp"
+#include "gecos/base/user_and_host.hpp"
+#include "place.hpp"
+#include "probe.hpp"
+
+namespace {
+
+using probe::Child;
+
+/// Makes this process one of `user`, or throws.
+void become(const std::string& user) {
+  const passwd* const entry = ::getpwnam(user.c_str());
+  if (entry == nullptr) throw std::runtime_error("there is no user " + user + " in /etc/passwd");
+  if (::setgroups(0, nullptr) != 0 || ::setgid(entry->pw_gid) != 0 ||
+      ::setuid(entry->pw_uid) != 0) {
+    throw std::runtime_error("cannot become " + user);
+  }
+}
+
+std::string used(const gecos::Checked<probe::Probe, gecos::CreateError>& created) {
+  if (!created) return created.error().to_string();
+  auto level = created->level(gecos::stream);
+  const auto lease = gecos::actor(*created);
+  if (!level || !lease) return "no stream or no status";
+  const auto set = created->set(8);
+  const auto sample = level->next(std::chrono::seconds(10));
+  const bool done = set.wait() == gecos::State::Finished;
+  return done && sample ? "read " + std::to_string(sample->value) : "no sample or no end";
+}
+
+/// A program of `user` that uses PROBE once each time it is told to.
+void program_of(const std::string& user, Child::Line& line) {
+  try {
+    become(user);
+  } catch (const std::runtime_error& why) {
+    line.say(why.what());
+    return;
+  }
+  line.say("ready");
+  while (line.hear() == "use") {
+    gecos::Lab lab;
+    std::string said =
+        used(lab.create<probe::Probe>("PROBE", {.patience = std::chrono::seconds(10)}));
+    for (char& letter : said) letter = letter == '\n' ? ' ' : letter;
+    line.say(said);
+  }
+}
+
+/// A directory that root made for all users, as /run/gecos, with the lab file of its server.
+class SharedPlace {
+ public:
+  SharedPlace() {
+    if (::chmod(directory_.path().c_str(), 01777) != 0) throw std::runtime_error("chmod");
+    ::setenv("GECOS_RUNTIME_DIR", directory_.path().c_str(), 1);
+    ::setenv("GECOS_LAB_FILE", file().c_str(), 1);
+    write("");
+  }
+  std::string file() const { return directory_.path() + "/lab.toml"; }
+  void write(const std::string& text) const { std::ofstream(file()) << text; }
+
+ private:
+  const gecos::media::ScratchDirectory directory_;
+};
+
+class TwoUsersOfOneHost : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (::geteuid() != 0) {
+      GTEST_SKIP() << "NOT TRIED here: tests/system/test_two_users.py runs this as root";
+    }
+    ASSERT_EQ(daemon.line().hear(), "ready");
+    ASSERT_EQ(bin.line().hear(), "ready");
+  }
+
+  static std::string use(Child& user) {
+    user.line().say("use");
+    return user.line().hear();
+  }
+
+  const SharedPlace place;
+  Child daemon{[](Child::Line& line) { program_of("daemon", line); }};
+  Child bin{[](Child::Line& line) { program_of("bin", line); }};
+};
+
+/// The broker and the server of PROBE, made after the children are forked.
+struct Laboratory {
+  Laboratory() {
+    EXPECT_TRUE(server.add("PROBE", servant, {.media = {gecos::media::Kind::Shm}}));
+    servant.publish(8);
+  }
+  probe::BrokerHere broker;
+  gecos::Lab lab;
+  probe::ProbeServant servant;
+  gecos::Server server{lab};
+};
+
+TEST_F(TwoUsersOfOneHost, OneIsAdmittedByTheProgramAndTheOtherIsToldWhyNot) {
+  place.write("[objects.BROKER.allow]\nusers = [\"*\"]\n");
+  Laboratory laboratory;
+  laboratory.server.allow({"daemon"});
+  EXPECT_EQ(use(daemon), "read 8");
+  const std::string refused = use(bin);
+  EXPECT_EQ(refused.find("PROBE: REFUSED: shm:"), 0u) << refused;
+  EXPECT_NE(refused.find("PROBE refuses user bin of host " + gecos::host_name() +
+                         ": Server::allow in the program of the server does not name user bin; "
+                         "add \"bin\" to its users"),
+            std::string::npos)
+      << refused;
+}
+
+TEST_F(TwoUsersOfOneHost, NobodyElseIsAdmittedByDefault) {
+  const Laboratory laboratory;
+  const std::string refused = use(daemon);
+  EXPECT_NE(refused.find("BROKER refuses user daemon of host " + gecos::host_name() +
+                         ": it admits only user root of host " + gecos::host_name() +
+                         "; write users = [\"daemon\"] below [allow] in " + place.file()),
+            std::string::npos)
+      << refused;
+}
+
+TEST_F(TwoUsersOfOneHost, AnEditOfTheLabFileActsOnTheNextConnection) {
+  place.write("[objects.PROBE.allow]\nusers = [\"daemon\"]\n[allow]\nusers = [\"bin\"]\n");
+  const Laboratory laboratory;
+  EXPECT_EQ(use(daemon), "read 8");
+  EXPECT_NE(use(bin).find("[objects.PROBE.allow] in " + place.file() + ":1 does not name user bin"),
+            std::string::npos);
+  place.write("[allow]\nusers = [\"bin\"]\n");
+  EXPECT_EQ(use(bin), "read 8");
+  EXPECT_NE(use(daemon).find("BROKER refuses user daemon"), std::string::npos);
+}
+
+TEST_F(TwoUsersOfOneHost, ABrokenEditChangesNothingAndIsReportedOnceWithItsLine) {
+  place.write("[allow]\nusers = [\"daemon\"]\n");
+  const Laboratory laboratory;
+  ::testing::internal::CaptureStderr();
+  place.write("[allow]\nusers = [\"bin\"]\nuser = []\n");
+  EXPECT_EQ(use(daemon), "read 8");
+  EXPECT_EQ(use(daemon), "read 8");
+  EXPECT_NE(use(bin).find("BROKER refuses user bin"), std::string::npos);
+  const std::string logged = ::testing::internal::GetCapturedStderr();
+  const std::string report = place.file() + ":3: allow.user: this key is unknown";
+  std::size_t reports = 0;
+  for (std::size_t at = logged.find(report); at != logged.npos; at = logged.find(report, at + 1)) {
+    ++reports;
+  }
+  EXPECT_EQ(reports, 2u) << "the broker and the server of PROBE report it once each:\n" << logged;
+}
+
+TEST_F(TwoUsersOfOneHost, TheFolderOfTheServerIsOpenAndTheirsAreNot) {
+  place.write("[allow]\nusers = [\"daemon\"]\n");
+  const Laboratory laboratory;
+  EXPECT_EQ(use(daemon), "read 8");
+  const std::string shared = ::getenv("GECOS_RUNTIME_DIR");
+  const auto mode_of = [](const std::string& path) {
+    struct stat found {};
+    return ::stat(path.c_str(), &found) == 0 ? found.st_mode & 0777 : 0;
+  };
+  EXPECT_EQ(mode_of(shared + "/gecos-0"), 0711u);
+  EXPECT_EQ(mode_of(shared + "/gecos-0/BROKER.sock"), 0666u);
+  EXPECT_EQ(mode_of(shared + "/gecos-" + std::to_string(::getpwnam("daemon")->pw_uid)), 0700u);
+}
+
+}  // namespace
