@@ -1,12 +1,18 @@
-"""Two users of one host, one admitted and one not: the C++ tests that need root, for every user."""
+"""Two users of one host, one admitted and one not. Both users and root are needed, so users other
+than root run these tests in a user namespace."""
 
 import os
+import socket
 import subprocess
+import sys
+import tempfile
 from pathlib import Path
 
-BUILD = Path(os.environ.get("GECOS_BUILD", Path(__file__).resolve().parents[2] / "build"))
+import pytest
+
+TREE = Path(__file__).resolve().parents[2]
 # Root of a namespace that has other users, too: those that /etc/subuid gives to this user.
-USERS_OF_ITS_OWN = () if os.geteuid() == 0 else ("unshare", "--map-root-user", "--map-auto")
+WITH_OTHER_USERS = () if os.geteuid() == 0 else ("unshare", "--map-root-user", "--map-auto")
 MISSING = (
     "this test needs two users of this host: run it as root, or allow user namespaces "
     "(sysctl -w kernel.unprivileged_userns_clone=1) and give this user others in /etc/subuid and "
@@ -15,13 +21,43 @@ MISSING = (
 )
 
 
-def test_one_user_is_admitted_and_one_is_not() -> None:
-    able = subprocess.run([*USERS_OF_ITS_OWN, "true"], capture_output=True, text=True, check=False)
-    assert able.returncode == 0, f"{MISSING}: {able.stderr}"
-    program = BUILD / "tests" / "cpp" / "session" / "two_users_test"
+@pytest.fixture(autouse=True)
+def _has_other_users() -> None:
+    tried = subprocess.run([*WITH_OTHER_USERS, "true"], capture_output=True, text=True, check=False)
+    assert tried.returncode == 0, f"{MISSING}: {tried.stderr}"
+
+
+def test_one_is_admitted_and_one_is_told_why_not(build: Path) -> None:
+    program = build / "tests" / "cpp" / "session" / "two_users_test"
     ran = subprocess.run(
-        [*USERS_OF_ITS_OWN, program], capture_output=True, text=True, timeout=120, check=False
+        [*WITH_OTHER_USERS, program], capture_output=True, text=True, timeout=120, check=False
     )
     assert ran.returncode == 0, ran.stdout + ran.stderr
     assert "NOT TRIED" not in ran.stdout
     assert "[  PASSED  ] 5 tests." in ran.stdout
+
+
+def test_a_server_in_python_names_who_is_admitted() -> None:
+    with tempfile.TemporaryDirectory(prefix="gecos-") as folder:  # whose path is short enough
+        lab_file = Path(folder) / "lab.toml"
+        lab_file.write_text('[objects.BROKER.allow]\nusers = ["*"]\n')
+        lab_file.chmod(0o644)
+        subprocess.run([*WITH_OTHER_USERS, "chmod", "1777", folder], check=True)
+        places = {"GECOS_RUNTIME_DIR": folder, "GECOS_LAB_FILE": str(lab_file)}
+        program = TREE / "tests" / "system" / "programs" / "two_users.py"
+        ran = subprocess.run(
+            [*WITH_OTHER_USERS, sys.executable, program, TREE / "tests" / "python"],
+            env={**os.environ, **places},
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+    assert ran.returncode == 0, ran.stderr
+    admitted, refused = ran.stdout.splitlines()
+    assert admitted == "daemon: a lamp"
+    assert refused.startswith("bin: LAMP: REFUSED: shm:")
+    assert refused.endswith(
+        f"LAMP refuses user bin of host {socket.gethostname()}: Server::allow in the program of "
+        'the server does not name user bin; add "bin" to its users'
+    )

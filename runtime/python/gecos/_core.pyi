@@ -154,6 +154,8 @@ class IncomingCall:
 
 class Server:
     def __init__(self, lab: Lab) -> None: ...
+    def allow(self, users: Sequence[str], hosts: Sequence[str]) -> None:
+        """Names the users and hosts that may connect beyond the user of this process."""
     def await_broker(self, patience: float) -> str | None:
         """Waits for a broker. Returns None when a broker answers, or after `patience` seconds the
         reason and the address."""
@@ -182,6 +184,16 @@ def runtime_directory() -> str:
 def runtime_directory_problem() -> str | None:
     """Makes the runtime directory if it is missing. If the directory cannot be used, returns the
     reason and what to do."""
+
+def lab_file_problem(text: str, file: str) -> str | None:
+    """Returns what is wrong with the text of a lab file, or None. `file` is its path for the
+    message, which begins with file and line."""
+
+def admission(
+    text: str, file: str, server: tuple[str, str], who: tuple[str, str], object: str
+) -> tuple[bool, str]:
+    """Returns whether a server of `server` (user and host) admits `who` to `object` by this text of
+    a lab file, and the rule as a sentence. Raises ValueError like lab_file_problem."""
 
 def key_directory() -> str:
     """Returns the folder of this user's keys."""

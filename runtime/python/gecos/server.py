@@ -39,6 +39,16 @@ class Server:
         self._adding = threading.Lock()
         shutdown.at_exit(self, shutdown.Turn.SERVERS)
 
+    def allow(self, users: Iterable[str], hosts: Iterable[str] = ()) -> None:
+        """Names the users and hosts that may connect to all objects of this server, beyond the user
+        of this process on this host. "*" admits every name.
+
+        If the lab file has a list for an object, too, both must admit a client. Acts on connections
+        that are made afterwards, and replaces the names of an earlier call. Does not lower the
+        status that an operation needs.
+        """
+        self._core.allow(_names("users", users), _names("hosts", hosts))
+
     def await_broker(self, patience: float = BROKER_PATIENCE) -> None:
         """Waits at most `patience` seconds for a broker that is starting. `add` waits as well.
 
@@ -119,6 +129,12 @@ class Server:
         self.close()
 
 
+def _names(what: str, names: Iterable[str]) -> list[str]:
+    if isinstance(names, str):
+        raise TypeError(f"{what} must be a list of names: `{what}=[{names!r}]`")
+    return list(names)
+
+
 def _claim(servant: Servant, prepared: _core.PulledServant, name: str) -> None:
     with _claiming:
         if servant._gecos_core is not None:
@@ -151,10 +167,15 @@ def serve(
     simulated: bool = False,
     lab: Lab | None = None,
     media: Iterable[str] = (),
+    users: Iterable[str] = (),
+    hosts: Iterable[str] = (),
     publish: Publish | None = None,
 ) -> None:
     """Serves objects under their names until SIGINT or SIGTERM arrives. Call it from the main
     thread.
+
+    `users` and `hosts` may connect beyond the user of this process on this host, as by
+    `Server.allow`.
 
     `publish(ended)` runs on a thread of its own while the objects are served: it measures and
     publishes until the event `ended` is set. If `publish` raises an exception, `serve` ends and
@@ -172,6 +193,9 @@ def serve(
         Publisher() as publisher,
         TerminationSignals() as signals,
     ):
+        allowed = _names("users", users), _names("hosts", hosts)
+        if any(allowed):
+            server.allow(*allowed)
         if not _broker_found(server, signals):
             return
         for name, servant in servants.items():

@@ -6,6 +6,7 @@
 namespace gecos::python {
 
 void bind_client(nanobind::module_& module);
+void bind_lab_file(nanobind::module_& module);
 void bind_server(nanobind::module_& module);
 void bind_this_user(nanobind::module_& module);
 

@@ -27,6 +27,7 @@ NB_MODULE(_core, module) {
   nanobind::register_exception_translator(as_os_error);
   gecos::python::count_forks();
   gecos::python::bind_client(module);
+  gecos::python::bind_lab_file(module);
   gecos::python::bind_server(module);
   gecos::python::bind_this_user(module);
   module.def("detail_name", [](std::uint8_t number) {

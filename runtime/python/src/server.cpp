@@ -180,6 +180,12 @@ class ServerHandle {
     return nb::str((name + " is not served any more: the server was closed").c_str());
   }
 
+  /// Names the users and hosts that may connect beyond the user of this process.
+  void allow(std::vector<std::string> users, std::vector<std::string> hosts) {
+    owner_.demand("this Server");
+    if (server_ != nullptr) server_->allow(std::move(users), std::move(hosts));
+  }
+
   /// Waits for a broker. Returns None if the broker answers. Otherwise returns a text that says why
   /// there is no answer, and where the broker was expected.
   nb::object await_broker(double patience) {
@@ -330,6 +336,7 @@ void bind_server(nb::module_& module) {
 
   nb::class_<ServerHandle>(module, "Server")
       .def(nb::init<const LabHandle&>(), nb::arg("lab"))
+      .def("allow", &ServerHandle::allow, nb::arg("users"), nb::arg("hosts"))
       .def("await_broker", &ServerHandle::await_broker, nb::arg("patience"))
       .def("prepare", &ServerHandle::prepare, nb::arg("interface"))
       .def("add", &ServerHandle::add, nb::arg("prepared"), nb::arg("name"), nb::arg("simulated"),

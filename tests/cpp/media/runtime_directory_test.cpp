@@ -191,6 +191,33 @@ TEST(TwoUsers, NobodyIsToldToEndTheProgramOfAnother) {
   EXPECT_EQ(second.error().text.find("kill"), std::string::npos) << second.error().text;
 }
 
+TEST(TwoUsers, AServerOfAnotherUserIsNotTakenForOnesOwn) {
+  if (::geteuid() != 0) GTEST_SKIP() << "NOT TRIED: two users are needed; run this test as root";
+  const ScratchDirectory scratch;
+  ASSERT_EQ(::chmod(scratch.path().c_str(), 01777), 0);
+  const Named shared(scratch.path());
+  const ChildProcess impostor = broker_of(ada);
+  ASSERT_TRUE(impostor.wait_ready());
+  const std::string adas = scratch.path() + "/gecos-20001";
+  ASSERT_EQ(::chmod(adas.c_str(), 0777), 0);
+  ASSERT_EQ(::chmod((adas + "/BROKER.sock").c_str(), 0666), 0);
+  ASSERT_EQ(::symlink(adas.c_str(), (scratch.path() + "/gecos-20002").c_str()), 0);
+  ASSERT_EQ(::lchown((scratch.path() + "/gecos-20002").c_str(), bob, bob), 0);
+  const std::string said = heard_by(bob);
+  EXPECT_NE(said.find("the server runs as another user, uid 20001"), std::string::npos) << said;
+}
+
+TEST(RuntimeDirectory, IsOpenToAllUsersOnlyIfItIsThatOfRootWhereAnAdministratorMadeOne) {
+  if (::geteuid() != 0) GTEST_SKIP() << "NOT TRIED: this is about root; run this test as root";
+  EXPECT_FALSE(shm::open_to_all_users("/tmp/gecos-0")) << "every system has /tmp";
+  const ScratchDirectory scratch;
+  EXPECT_FALSE(shm::open_to_all_users(scratch.path() + "/gecos-0")) << "not made for all users";
+  ASSERT_EQ(::chmod(scratch.path().c_str(), 01777), 0);
+  EXPECT_TRUE(shm::open_to_all_users(scratch.path() + "/gecos-0"));
+  EXPECT_FALSE(shm::open_to_all_users(scratch.path() + "/gecos-20001"));
+  EXPECT_FALSE(shm::open_to_all_users(scratch.path()));
+}
+
 // What stands at a well-known place
 
 TEST(WellKnownPlace, ThatIsALinkToNothingOrAFileIsNotTakenForAServer) {

@@ -30,6 +30,7 @@ _VERBS = {
     "keys": "keys.keys",
     "ls": "ls.ls",
     "plot": "plot.verb.plot",
+    "policy": "policy.policy",
     "schema": "schema.schema",
     "set": "members.set_",
     "stop": "stop.stop",

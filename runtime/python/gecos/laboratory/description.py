@@ -1,4 +1,4 @@
-"""The description of a laboratory in `lab.toml`: its broker and its programs."""
+"""The description of a laboratory in `lab.toml`: its broker, its programs, and whom it admits."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
+
+from gecos import _core
 
 
 class LaboratoryFileError(ValueError):
@@ -36,6 +37,7 @@ class LaboratoryDescription:
     broker_address: str = ""  # where programs look for the broker; "": on this host
     folder: Path = Path()  # relative paths of programs are relative to this folder
     file: str = ""  # for example "lab.toml"; "" if there is no file
+    names_users: bool = False  # True: the file says who may connect, and servers must read it
 
 
 def simulated_laboratory() -> LaboratoryDescription:
@@ -58,12 +60,10 @@ def read_laboratory(path: Path) -> LaboratoryDescription:
         raise LaboratoryFileError(f"{path}: {error.strerror}") from None
     except ValueError as error:  # not UTF-8, or not TOML; then the error has line and column
         raise LaboratoryFileError(f"{path}: {error}") from None
+    # Servers read the same file. Its keys, and whom it admits, are checked by their code.
+    if problem := _core.lab_file_problem(text, str(path)):
+        raise LaboratoryFileError(problem)
     return _Reader(path, text).laboratory(data)
-
-
-_TABLES = ("broker", "programs")
-_BROKER_KEYS = ("start", "address")
-_PROGRAM_KEYS = ("run", "restart", "ready", "environment")
 
 
 class _Reader:
@@ -72,9 +72,7 @@ class _Reader:
         self._lines = text.splitlines()
 
     def laboratory(self, data: dict[str, Any]) -> LaboratoryDescription:
-        self._known(data, "", _TABLES)
-        broker = self._table(data, "broker", "")
-        self._known(broker, "broker", _BROKER_KEYS)
+        broker = data.get("broker", {})
         starts = self._value(broker, "broker", "start", bool, "true or false", not broker)
         address = self._value(broker, "broker", "address", str, "a text", "")
         if "start" not in broker:
@@ -84,7 +82,7 @@ class _Reader:
                 "broker.address", "says where a broker already runs, which contradicts "
                 "`start = true`; leave out one of the two",
             )  # fmt: skip
-        programs = self._table(data, "programs", "")
+        programs = data.get("programs", {})
         if not programs:
             self._refuse("programs", "no program is named; add [programs.NAME] with run = […]")
         return LaboratoryDescription(
@@ -93,14 +91,14 @@ class _Reader:
             address,
             self._path.resolve().parent,
             str(self._path),
+            "allow" in data or "objects" in data,
         )
 
     def _program(self, programs: dict[str, Any], name: str) -> Program:
         place = f"programs.{name}"
         if name == "BROKER":
             self._refuse(place, "this is the name of the broker; give the program another one")
-        table = self._table(programs, name, "programs")
-        self._known(table, place, _PROGRAM_KEYS)
+        table = programs[name]
         run = self._value(table, place, "run", list, "a list of words", [])
         if not run or not all(isinstance(word, str) for word in run) or not run[0]:
             self._refuse(
@@ -121,12 +119,6 @@ class _Reader:
             self._line(place),
         )
 
-    def _table(self, data: dict[str, Any], key: str, within: str) -> dict[str, Any]:
-        found: dict[str, Any] = data.get(key, {})
-        if not isinstance(found, dict):
-            self._refuse(f"{within}.{key}" if within else key, "a table is expected")
-        return found
-
     def _value(
         self, table: dict[str, Any], place: str, key: str, kind: type, wanted: str, otherwise: Any
     ) -> Any:
@@ -134,15 +126,6 @@ class _Reader:
         if not isinstance(value, kind):
             self._refuse(f"{place}.{key}", f"{wanted} is expected")
         return value
-
-    def _known(self, table: dict[str, Any], place: str, keys: tuple[str, ...]) -> None:
-        for key in table:
-            if key not in keys:
-                near = get_close_matches(key, keys, n=1)
-                instead = (
-                    f"did you mean {near[0]}?" if near else f"known keys are {', '.join(keys)}"
-                )
-                self._refuse(f"{place}.{key}" if place else key, f"this key is unknown; {instead}")
 
     def _refuse(self, place: str, why: str) -> None:
         raise LaboratoryFileError(f"{self._path}:{self._line(place)}: {place}: {why}")

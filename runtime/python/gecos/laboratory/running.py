@@ -262,6 +262,8 @@ def running(
         variables["GECOS_BROKER"] = laboratory.broker_address
     elif laboratory.starts_broker:
         _refuse_another_broker(variables.get("GECOS_BROKER", ""), laboratory.file)
+    if laboratory.names_users:
+        variables["GECOS_LAB_FILE"] = str(Path(laboratory.file).resolve())
     started = RunningLaboratory(variables, laboratory.folder, report)
     try:
         if laboratory.starts_broker:

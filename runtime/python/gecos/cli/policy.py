@@ -1,0 +1,120 @@
+"""The verb `gecos policy test`."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from gecos.cli.exit_codes import ExitCode, UsageFailure
+from gecos.cli.options import broker_option, json_option, print_json
+
+if TYPE_CHECKING:
+    from gecos.interface import Access
+
+_OF_THIS_HOST = Path("/etc/gecos/lab.toml")
+
+
+@click.group()
+def policy() -> None:
+    """Says who may connect to the objects of this host."""
+
+
+@policy.command()
+@click.argument("user")
+@click.argument("host")
+@click.argument("object_name", metavar="OBJECT")
+@click.argument("operation", required=False)
+@click.option(
+    "--file",
+    type=click.Path(path_type=Path),
+    help="Lab file; default: GECOS_LAB_FILE, else /etc/gecos/lab.toml if it exists.",
+)
+@click.option("--server-user", metavar="USER", help="User of the server; default: yours.")
+@broker_option
+@json_option
+def test(
+    user: str,
+    host: str,
+    object_name: str,
+    operation: str | None,
+    file: Path | None,
+    server_user: str | None,
+    broker: str | None,
+    as_json: bool,
+) -> int:
+    """Says whether USER on HOST may connect to OBJECT, and the rule by which.
+
+    Decides by the lab file, for a server on this host. A list that a program gives to Server.allow
+    is not known here. With OPERATION, asks OBJECT which status that member needs: the lab file does
+    not change it. Ends with 0 if USER is allowed, and with 5 if not.
+    """
+    import socket
+
+    from gecos import _core
+
+    path = file or _named_file()
+    text = "" if path is None else _text_of(path)
+    server = (server_user or _this_user(), socket.gethostname())
+    try:
+        allowed, rule = _core.admission(text, str(path or ""), server, (user, host), object_name)
+    except ValueError as error:
+        raise UsageFailure(str(error)) from None
+    status = None if operation is None else _status_of(broker, object_name, operation)
+    if as_json:
+        needed = None if status is None else status.name
+        print_json({"allowed": allowed, "rule": rule, "operation": operation, "status": needed})
+    else:
+        print(f"{'allowed' if allowed else 'denied'}: {rule}")
+        if status is not None:
+            print(f"{operation} needs {_words(status)}, whoever calls it")
+    return ExitCode.FINISHED if allowed else ExitCode.NO_ACCESS
+
+
+def _words(status: Access) -> str:
+    return "no status" if status.name == "SENSOR" else f"{status.name.lower()} status"
+
+
+def _named_file() -> Path | None:
+    named = os.environ.get("GECOS_LAB_FILE")
+    if named:
+        return Path(named)
+    return _OF_THIS_HOST if _OF_THIS_HOST.exists() else None
+
+
+def _text_of(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise UsageFailure(f"{path}: {error.strerror}") from None
+    except ValueError as error:
+        raise UsageFailure(f"{path}: {error}") from None
+
+
+def _this_user() -> str:
+    """Returns the name of this user as servers write it."""
+    import pwd
+
+    try:
+        return pwd.getpwuid(os.geteuid()).pw_name
+    except KeyError:
+        return f"uid {os.geteuid()}"
+
+
+def _status_of(broker: str | None, name: str, operation: str) -> Access:
+    import gecos
+    from gecos.dynamic_client import read_model
+    from gecos.dynamic_client.connect import find, served_models, without_model
+
+    with gecos.Lab(broker) as lab:
+        found = find(lab, name)
+        interface = gecos.describe(found).result().interface_name
+        models = served_models(found)
+    if not models:
+        raise UsageFailure(without_model(name))
+    members = {member.name: member for member in read_model(models, interface).members}
+    if operation not in members:
+        raise UsageFailure(f"{name} has no {operation}; its members are {', '.join(members)}")
+    return members[operation].access

@@ -1,0 +1,40 @@
+// Functions that read the text of a lab file as servers do, for `gecos up` and `gecos policy`.
+#include "gecos/access/lab_file.hpp"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+
+#include "bind.hpp"
+
+namespace gecos::python {
+namespace {
+
+namespace nb = nanobind;
+using User = std::pair<std::string, std::string>;
+
+std::optional<std::string> lab_file_problem(const std::string& text, const std::string& file) {
+  const auto lists = access::parse_lab_file(text, file);
+  if (lists) return std::nullopt;
+  return to_string(lists.error());
+}
+
+std::pair<bool, std::string> admission(const std::string& text, const std::string& file,
+                                       const User& server, const User& who,
+                                       const std::string& object) {
+  auto lists = access::parse_lab_file(text, file);
+  if (!lists) throw nb::value_error(to_string(lists.error()).c_str());
+  const access::AccessPolicy policy{.lab = *std::move(lists)};
+  auto decision = policy.decide({server.first, server.second}, {who.first, who.second}, object);
+  return {decision.allowed(), std::move(decision.text)};
+}
+
+}  // namespace
+
+void bind_lab_file(nb::module_& module) {
+  module.def("lab_file_problem", &lab_file_problem, nb::arg("text"), nb::arg("file"));
+  module.def("admission", &admission, nb::arg("text"), nb::arg("file"), nb::arg("server"),
+             nb::arg("who"), nb::arg("object"));
+}
+
+}  // namespace gecos::python
