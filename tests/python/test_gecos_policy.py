@@ -68,9 +68,9 @@ def test_policy_says_which_status_the_operation_needs(
 ) -> None:
     server.add("SHELF", Shelf())
     code, out, _ = run("policy", "test", "anna", HOST, "SHELF", "mount")
-    assert (code, out.splitlines()[1]) == (0, "mount needs actor status, whoever calls it")
+    assert (code, out.splitlines()[1]) == (0, "mount needs actor status, for every caller")
     code, out, _ = run("policy", "test", "anna", HOST, "SHELF", "base")
-    assert (code, out.splitlines()[1]) == (0, "base needs no status, whoever calls it")
+    assert (code, out.splitlines()[1]) == (0, "base needs no status, for every caller")
     code, out, _ = run("policy", "test", "eve", HOST, "SHELF", "mount", "--json")
     assert code == 5
     assert valid(out, "policy test")

@@ -41,9 +41,10 @@ TEST(AccessPolicy, RefusesWithWordsThatSayWhatToChangeWhere) {
   EXPECT_EQ(named.decide(lab_user, bob_here, "RX90").text,
             "RX90 refuses user bob of host cell: [allow] in lab.toml:3 does not name user bob; add "
             "\"bob\" to its users");
-  EXPECT_EQ(named.decide(lab_user, {"anna", "bench1"}, "RX90").text,
-            "RX90 refuses user anna of host bench1: [allow] in lab.toml:3 does not name host bench1; "
-            "add \"bench1\" to its hosts");
+  EXPECT_EQ(
+      named.decide(lab_user, {"anna", "bench1"}, "RX90").text,
+      "RX90 refuses user anna of host bench1: [allow] in lab.toml:3 does not name host bench1; "
+      "add \"bench1\" to its hosts");
   EXPECT_EQ(named.decide(lab_user, anna_here, "RX90").text,
             "RX90 admits user anna of host cell: named by [allow] in lab.toml:3");
 }

@@ -69,7 +69,7 @@ def test(
     else:
         print(f"{'allowed' if allowed else 'denied'}: {rule}")
         if status is not None:
-            print(f"{operation} needs {_words(status)}, whoever calls it")
+            print(f"{operation} needs {_words(status)}, for every caller")
     return ExitCode.FINISHED if allowed else ExitCode.NO_ACCESS
 
 

@@ -128,16 +128,19 @@ void Context::note_broker(std::shared_ptr<ClientConnection> found, std::string m
 tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::look_for_broker(
     TimePoint deadline) {
   std::string tried;
+  std::string refused;
   const auto addresses = broker_addresses(tried);
   for (const auto& address : addresses) {
     Detail why{};
     auto session = connect(*runtime_, address, BrokerInterface::description, deadline, &why);
     if (session) return session;
+    if (why == Detail::Refused) append(refused, session.error());
     // Few programs have a broker of their own: the reader is told only if it was named.
     const bool expected = addresses.size() > 1 && why == Detail::NoServer &&
                           media::kind_of(address) == media::Kind::Inproc;
     if (!expected) append(tried, session.error());
   }
+  if (!refused.empty()) return tl::unexpected("the broker refuses this program: " + refused);
   return tl::unexpected(
       "no broker answers; start `gecos up` (a laboratory on this machine) or `gecos broker`, or "
       "say where it is in GECOS_BROKER" +
