@@ -104,6 +104,6 @@ def test_gecos_up_refuses_the_same_errors_of_the_lists(file: Path) -> None:
 
 
 def test_names_of_users_are_a_list(server: gecos.Server) -> None:
-    with pytest.raises(TypeError, match=r"users must be a list of names: `users=\['anna'\]`"):
+    with pytest.raises(TypeError, match=r"users must be a list of names; write `users=\['anna'\]`"):
         server.allow("anna")
     server.allow(["anna"], hosts=["bench1"])

@@ -131,7 +131,7 @@ class Server:
 
 def _names(what: str, names: Iterable[str]) -> list[str]:
     if isinstance(names, str):
-        raise TypeError(f"{what} must be a list of names: `{what}=[{names!r}]`")
+        raise TypeError(f"{what} must be a list of names; write `{what}=[{names!r}]`")
     return list(names)
 
 
