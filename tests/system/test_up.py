@@ -74,6 +74,23 @@ def test_a_program_that_ends_is_told_of_and_the_others_go_on(
     assert up.finish() == 0, str(up)
 
 
+def test_programs_are_given_the_file_if_it_says_who_may_connect(
+    lab: Laboratory, tmp_path: Path
+) -> None:
+    lab.env.pop("GECOS_LAB_FILE", None)
+    program = (
+        '[programs.SHOW]\nrun = ["sh", "-c", "echo file=$GECOS_LAB_FILE.; exec sleep 1000"]\n'
+        'ready = "file"\n'
+    )
+    file = tmp_path / "lab.toml"
+    for text, given in ((program, ""), (program + '[allow]\nusers = ["anna"]\n', str(file))):
+        file.write_text(text)
+        up = lab.start(*GECOS, "up", file, ready="SHOW is ready; Ctrl-C ends them")
+        assert f"[SHOW] file={given}." in up.output()
+        up.signal(signal.SIGINT)
+        assert up.finish() == 0, str(up)
+
+
 def test_the_pause_before_a_restart_delays_nothing_else(lab: Laboratory, tmp_path: Path) -> None:
     file = tmp_path / "lab.toml"
     file.write_text(
