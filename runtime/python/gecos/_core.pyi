@@ -189,7 +189,7 @@ def lab_file_problem(text: str, file: str) -> str | None:
     """Returns what is wrong with the text of a lab file, or None. `file` is its path for the
     message, which begins with file and line."""
 
-def admission(
+def may_connect(
     text: str, file: str, server: tuple[str, str], who: tuple[str, str], object: str
 ) -> tuple[bool, str]:
     """Returns whether a server of `server` (user and host) admits `who` to `object` by this text of

@@ -19,9 +19,9 @@ std::optional<std::string> lab_file_problem(const std::string& text, const std::
   return to_string(lists.error());
 }
 
-std::pair<bool, std::string> admission(const std::string& text, const std::string& file,
-                                       const User& server, const User& who,
-                                       const std::string& object) {
+std::pair<bool, std::string> may_connect(const std::string& text, const std::string& file,
+                                         const User& server, const User& who,
+                                         const std::string& object) {
   auto lists = access::parse_lab_file(text, file);
   if (!lists) throw nb::value_error(to_string(lists.error()).c_str());
   const access::AccessPolicy policy{.lab = *std::move(lists)};
@@ -33,7 +33,7 @@ std::pair<bool, std::string> admission(const std::string& text, const std::strin
 
 void bind_lab_file(nb::module_& module) {
   module.def("lab_file_problem", &lab_file_problem, nb::arg("text"), nb::arg("file"));
-  module.def("admission", &admission, nb::arg("text"), nb::arg("file"), nb::arg("server"),
+  module.def("may_connect", &may_connect, nb::arg("text"), nb::arg("file"), nb::arg("server"),
              nb::arg("who"), nb::arg("object"));
 }
 

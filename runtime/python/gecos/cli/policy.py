@@ -59,7 +59,7 @@ def test(
     text = "" if path is None else _text_of(path)
     server = (server_user or _this_user(), socket.gethostname())
     try:
-        allowed, rule = _core.admission(text, str(path or ""), server, (user, host), object_name)
+        allowed, rule = _core.may_connect(text, str(path or ""), server, (user, host), object_name)
     except ValueError as error:
         raise UsageFailure(str(error)) from None
     status = None if operation is None else _status_of(broker, object_name, operation)
