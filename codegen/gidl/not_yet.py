@@ -33,6 +33,10 @@ def _is_stream(declared: Declared) -> bool:
     return isinstance(declared, Attribute) and declared.stream is not None
 
 
+def _is_inward(declared: Declared) -> bool:
+    return isinstance(declared, Attribute) and declared.streams_in
+
+
 def _is_call(declared: Declared) -> bool:
     return isinstance(declared, Operation | Attribute) and not _is_stream(declared)
 
@@ -72,10 +76,10 @@ NOT_YET = (
     Term("open_stream", "", _always, "over lcm the stream is sealed like any other"),
     Term("bulk", "", _always, "the value is sent like any other value"),
     Term("qos", "latency", _always, _UNMEASURED),
-    Term("qos", "lifespan", _always, "a sample is delivered even if it is too old"),
-    Term("qos", "liveliness", _always, "a session lives as long as its connection"),
+    Term("qos", "lifespan", _is_call, "only the samples of a stream have an age"),
+    Term("qos", "liveliness", _is_call, "only a stream has a writer"),
     Term("qos", "start_by", _is_stream, "only a call has a start"),
-    Term("qos", "deadline", _is_stream, "a gap between samples is not detected"),
+    Term("qos", "deadline", _is_inward, "the watchdog notices the silence of a sender"),
     Term("qos", "depth", _is_call, "only streams keep samples"),
     Term("qos", "reliability", _is_member, _ALL_RELIABLE),
 )

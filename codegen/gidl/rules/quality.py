@@ -4,8 +4,8 @@ them."""
 from __future__ import annotations
 
 from gidl.diagnostics import Findings
-from gidl.model import Facts, Model
-from gidl.policy import Qos, QualityClass
+from gidl.model import Attribute, Facts, Model, Operation
+from gidl.policy import Liveliness, Qos, QualityClass
 from gidl.rules.walk import members
 
 _HARD = ("inproc", "shm", "can")
@@ -16,6 +16,7 @@ def check(model: Model, findings: Findings) -> None:
         _terms(interface.qos, interface.facts, findings)
     for member in members(model):
         _terms(member.qos, member.facts, findings)
+        _silence(member, findings)
 
 
 def _terms(qos: Qos, facts: Facts, findings: Findings) -> None:
@@ -35,4 +36,25 @@ def _terms(qos: Qos, facts: Facts, findings: Findings) -> None:
             "G0412",
             at,
             "'start_by' is later than 'deadline', but a call must start before its deadline",
+        )
+
+
+def _silence(member: Operation | Attribute, findings: Findings) -> None:
+    """A writer that itself shows that it lives needs a time after which its silence counts."""
+    if member.qos.liveliness is not Liveliness.MANUAL:
+        return
+    inward = isinstance(member, Attribute) and member.streams_in
+    if inward:
+        assert isinstance(member, Attribute)
+        assert member.stream is not None
+        bound, missing = member.stream.watchdog_ns, "'watchdog' in @stream"
+    else:
+        bound, missing = member.qos.deadline_ns, "'deadline' in @qos"
+    outward = member.is_event if isinstance(member, Operation) else member.streams_out
+    if (inward or outward) and not bound:
+        findings.error(
+            "G0412",
+            member.facts.place_of("qos"),
+            f"'{member.name}' has liveliness MANUAL, but no time after which its silence counts",
+            f"set {missing}",
         )

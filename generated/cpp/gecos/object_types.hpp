@@ -195,7 +195,7 @@ struct FeedReport {
   std::uint64_t no_status = 0;
   /// the command that they feed does not run, or takes no samples
   std::uint64_t command_not_running = 0;
-  /// older than the watchdog of the stream when they were read
+  /// older than the watchdog or the lifespan when they were read
   std::uint64_t too_old = 0;
   /// a newer one had been taken
   std::uint64_t not_newer = 0;

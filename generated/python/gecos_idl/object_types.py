@@ -193,7 +193,7 @@ class FeedReport(_layout.Struct):
     command_not_running: int = 0
     """the command that they feed does not run, or takes no samples"""
     too_old: int = 0
-    """older than the watchdog of the stream when they were read"""
+    """older than the watchdog or the lifespan when they were read"""
     not_newer: int = 0
     """a newer one had been taken"""
     unreadable: int = 0

@@ -79,7 +79,7 @@ _MANIPULATOR_TOOL: _Method[Frame, None] = _method(
             line=_QualityClass.SOFT_REALTIME,
             best_effort=True,
             latency_ns=5000000,
-            lifespan_ns=20000000,
+            lifespan_ns=1000000000,
         ),
         hash=0xE4A63FBB9F4AA676,
     ),
@@ -95,7 +95,7 @@ _MANIPULATOR_FLANGE: _Method[Frame, None] = _method(
             line=_QualityClass.SOFT_REALTIME,
             best_effort=True,
             latency_ns=5000000,
-            lifespan_ns=20000000,
+            lifespan_ns=1000000000,
         ),
         hash=0x294C864A0A1BB0D9,
     ),
@@ -207,8 +207,8 @@ _MANIPULATOR_STOOD: _EventTable[Manipulator_stood] = _event(
     hash=0xCD7E2A4C2A3ACB27,
 )
 _MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"nested":["robcl::Manipulator::stood"],"hash":"0x2e707a6b40cea416","members":[
-{"kind":"attribute","name":"tool","doc":"Tool frame in the world, as measured.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":20000000},"codes":{"get":656093559,"stream":656093559},"hash":"0xe4a63fbb9f4aa676"},
-{"kind":"attribute","name":"flange","doc":"Flange in the world, as measured: where grippers and sensors are mounted.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":20000000},"codes":{"get":3590499756,"stream":3590499756},"hash":"0x294c864a0a1bb0d9"},
+{"kind":"attribute","name":"tool","doc":"Tool frame in the world, as measured.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":1000000000},"codes":{"get":656093559,"stream":656093559},"hash":"0xe4a63fbb9f4aa676"},
+{"kind":"attribute","name":"flange","doc":"Flange in the world, as measured: where grippers and sensors are mounted.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":1000000000},"codes":{"get":3590499756,"stream":3590499756},"hash":"0x294c864a0a1bb0d9"},
 {"kind":"attribute","name":"posture","doc":"Configuration that the arm is in.","type":"robcl::Configuration","readonly":true,"read_access":"sensor","codes":{"get":2355008027},"hash":"0x3d861e0f224574c5"},
 {"kind":"attribute","name":"tool_offset","doc":"Tool frame seen from the flange. Setting it takes its turn among the commands of the arm: it acts on the motions after it.","type":"robcl::Frame","read_access":"sensor","write_access":"actor","write_needs_presence":true,"codes":{"get":1576561611,"set":3826381890},"hash":"0xd5db88cc5c4a48ee"},
 {"kind":"attribute","name":"pose_epoch","doc":"Stands for the present place of the base: each `mount`, and a restart of the server, changes it.","type":"uint64","readonly":true,"read_access":"sensor","codes":{"get":1580972314},"hash":"0x647f63cefbd156f4"},

@@ -10,6 +10,7 @@
 
 #include "gecos/command.hpp"
 #include "gecos/media/medium.hpp"
+#include "gecos/qos/reception.hpp"
 
 namespace gecos {
 
@@ -36,6 +37,8 @@ struct Sample {
 enum class StreamEnd : std::uint8_t {
   Nothing,  ///< no valid sample arrived within the patience; the stream continues
   Lost,     ///< the stream is lost(), and all samples that had arrived were read
+  Late,  ///< no sample came within `@qos(deadline=…)`. Returned once for each such silence; the
+         ///< stream continues
 };
 std::string_view to_string(StreamEnd end);
 std::ostream& operator<<(std::ostream& out, StreamEnd end);
@@ -46,14 +49,15 @@ struct RawSample : media::StreamSample {
   /// When the sample was measured, by CLOCK_BOOTTIME of the reader's host. May be too early when
   /// another host sent the sample.
   TimePoint measured{};
+  Duration age{};  ///< time from measuring to reading; never negative
 };
 
 /// A subscription without the type of its samples.
 class StreamCore {
  public:
   virtual ~StreamCore() = default;  ///< unsubscribes
-  /// Stores the newest sample in `into`. Returns false before the first sample and when the stream
-  /// is lost.
+  /// Stores the newest sample in `into`. Returns false before the first sample, when the stream is
+  /// lost, and when the terms of the stream withhold the newest sample (qos::Reception).
   virtual bool latest(RawSample& into) = 0;
   /// Waits for the next unread sample. After a loss it still returns the samples that had arrived
   /// before the loss. After the Lab was closed it returns none.
@@ -62,17 +66,18 @@ class StreamCore {
   /// Of an event: the sequence number of the last one before the subscription, with which the first
   /// reading begins. Of a stream: nullopt; it begins with the newest sample.
   virtual std::optional<std::uint64_t> after() const { return std::nullopt; }
-  /// Time since the sample was measured; never negative.
-  virtual Duration age(const RawSample& sample) const = 0;
+  virtual qos::StreamCounts counts() const = 0;
+  virtual bool alive() const = 0;
 };
 
 }  // namespace session
 
 /// A subscription to a stream. Only one thread may read at a time. The subscription ends when its
 /// last copy is destroyed. A slow reader misses old samples and learns how many (Sample::lost); the
-/// server never waits for a reader. A sample that does not decode is skipped and counted in
-/// `unreadable`. If it was published after the first sample that was read, or belongs to an event,
-/// it also counts in Sample::lost.
+/// server never waits for a reader. A sample that is older than the `lifespan` of the stream is
+/// never returned, and is counted (counts()). A sample that does not decode is skipped and counted
+/// in `unreadable`. If it was published after the first sample that was read, or belongs to an
+/// event, it also counts in Sample::lost.
 template <class T>
 class Stream {
  public:
@@ -83,7 +88,8 @@ class Stream {
   }
 
   /// Returns the newest sample, even if it was read before. Returns nullopt before the first
-  /// sample, while the newest sample does not decode, and once the stream is lost(). Never waits.
+  /// sample, while the newest sample does not decode or is older than the `lifespan`, while the
+  /// writer is not alive(), and once the stream is lost(). Never waits.
   /// The death of the server is detected within one heartbeat if the kernel reports it, otherwise
   /// after the server was silent for about `lease_ttl` + `grace`. Until then check `age`.
   std::optional<Sample<T>> latest() {
@@ -104,6 +110,11 @@ class Stream {
   /// closed. Then latest() returns nullopt, and next() returns only the samples that had arrived
   /// before, or none if the Lab was closed.
   bool lost() const { return core_->lost(); }
+  /// Returns whether the writer was alive at the last reading: false once the stream is lost(),
+  /// and, with `@qos(liveliness=MANUAL)`, from a missed deadline to the next sample.
+  bool alive() const { return core_->alive(); }
+  /// Returns what became of the samples since the subscription. Any thread may call it.
+  qos::StreamCounts counts() const { return core_->counts(); }
   /// Returns whether the samples are the occurrences of an event.
   bool is_event() const { return core_->after().has_value(); }
   /// Returns the number of samples that did not decode. The number rises only when the server is
@@ -123,7 +134,7 @@ class Stream {
     sample.lost = read_ && raw_.sequence > *read_ + 1 ? raw_.sequence - *read_ - 1 : 0;
     read_ = raw_.sequence;
     sample.stamp = static_cast<double>(raw_.stamp_ns) * 1e-9;
-    sample.age = core_->age(raw_);
+    sample.age = raw_.age;
     return sample;
   }
 

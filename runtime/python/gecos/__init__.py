@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from gecos.errors import CommandFailed as CommandFailed
     from gecos.errors import ConnectionFailed as ConnectionFailed
     from gecos.errors import CreateError as CreateError
+    from gecos.errors import DeadlineMissed as DeadlineMissed
     from gecos.errors import DeclaredError as DeclaredError
     from gecos.errors import Detail as Detail
     from gecos.errors import DroppedLeaseWarning as DroppedLeaseWarning
@@ -73,6 +74,7 @@ if TYPE_CHECKING:
     from gecos.server import serve as serve
     from gecos.stream import Sample as Sample
     from gecos.stream import Stream as Stream
+    from gecos.stream import StreamCounts as StreamCounts
     from gecos.writer import InwardAttribute as InwardAttribute
     from gecos.writer import Writer as Writer
 
@@ -81,8 +83,8 @@ _NAMES = {
     "command": "Command Progress",
     "dynamic_client": "DynamicObject ModelError",
     "dynamic_client.connect": "dynamic",
-    "errors": "Attempt CommandFailed ConnectionFailed CreateError DeclaredError Detail "
-    "DroppedLeaseWarning Interrupted LeaseRefused Rejected ServeError State StreamLost "
+    "errors": "Attempt CommandFailed ConnectionFailed CreateError DeadlineMissed DeclaredError "
+    "Detail DroppedLeaseWarning Interrupted LeaseRefused Rejected ServeError State StreamLost "
     "UnobservedCommandWarning",
     "execution": "Caller Execution",
     "inward": "Inward InwardSample",
@@ -93,7 +95,7 @@ _NAMES = {
     "builtin_operations": "Outcome describe holders model outcome ping stop",
     "servant": "Servant",
     "server": "Server serve",
-    "stream": "Sample Stream",
+    "stream": "Sample Stream StreamCounts",
     "writer": "InwardAttribute Writer",
 }
 _HOME = {name: module for module, names in _NAMES.items() for name in names.split()}

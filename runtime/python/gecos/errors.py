@@ -225,6 +225,11 @@ class StreamLost(ConnectionError):
     """The server of a stream is gone or silent, or the Lab of its reader was closed."""
 
 
+class DeadlineMissed(TimeoutError):
+    """No sample of a stream came within the deadline that its interface declares. The stream
+    continues."""
+
+
 class ServeError(RuntimeError):
     """An object cannot be served under its name."""
 

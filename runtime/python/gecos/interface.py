@@ -14,7 +14,7 @@ from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
 from gecos.errors import DeclaredError
-from gecos.record import Record
+from gecos.record import Record, replace
 from gecos.wire import Decoder, Parts
 from gecos.wire.kinds import Kind as Carried
 from gecos.wire.kinds import Nested, kind_of
@@ -80,6 +80,8 @@ class Quality(Record, kw_only=True):
     start_by_ns: int = 0
     latency_ns: int = 0
     lifespan_ns: int = 0
+    # The writer of a stream shows by its samples that it lives, not its process by heartbeats.
+    manual_liveliness: bool = False
     depth: int = 0
     media: Media = ANY_MEDIUM
 
@@ -262,13 +264,16 @@ def method(
     outward = None
     if stream is not None:
         rate, largest = stream
+        asked = operation.quality
+        # The deadline of a stream is its longest gap, and does not limit a call of the getter.
+        operation = replace(operation, quality=replace(asked, deadline_ns=0))
         outward = OutwardStream(
             code=operation.code,
             name=name,
             access=operation.access,
             rate_hz=rate,
             largest=largest,
-            quality=operation.quality,
+            quality=asked,
         )
     arguments = _NO_VALUES if takes is None else Arguments(sender, *takes)
     return Method(

@@ -43,7 +43,7 @@ class Inward(Generic[T]):
     time. Reading never waits.
 
     Each sample is judged when it is read: its session must be open, its sender must have the status
-    that the stream needs, the sample must not be older than the watchdog, and the command that it
+    that the stream needs, the sample must not be older than the watchdog or the lifespan, and the command that it
     feeds must take samples. Other samples have no effect and are counted. Samples of one client
     come in order. A client that sends more than the stream's depth between two reads loses the
     oldest samples.

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import TYPE_CHECKING, Generic, Self, TypeVar
 
-from gecos.errors import StreamLost
+from gecos.errors import DeadlineMissed, StreamLost
 from gecos.wire import DecodeError, Decoder
 
 if TYPE_CHECKING:
@@ -38,9 +38,21 @@ class Sample(Generic[T]):
     age: float
 
 
+@dataclass(frozen=True, slots=True)
+class StreamCounts:
+    """What became of the samples of one subscription."""
+
+    received: int  # read, each counted once
+    lost: int  # overwritten before `next` came to them, or lost on the way
+    skipped: int  # passed over by `latest`, which returned a newer one
+    expired: int  # older than the lifespan when they came to be read; not returned
+    missed_deadlines: int  # periods of the deadline that passed without a sample
+
+
 class Stream(Generic[T]):
     """The samples of a subscription in order, starting with the newest sample, or with the first
     event after the subscription. A slow reader loses old samples, which `Sample.lost` counts. A
+    sample that is older than the lifespan of the stream is never returned; `counts` counts it. A
     sample that cannot be decoded is skipped, and `unreadable` counts it. `Sample.lost` counts such
     samples, too, of an event from the subscription on, else after the first sample that was read.
 
@@ -74,8 +86,8 @@ class Stream(Generic[T]):
 
     def latest(self) -> Sample[T] | None:
         """Returns the newest sample, even if it was read before. Returns None before the first
-        sample, if the newest sample cannot be decoded, and after `close()`. Never waits for a
-        sample.
+        sample, if the newest sample cannot be decoded or is older than the lifespan, while the
+        writer is not `alive`, and after `close()`. Never waits for a sample.
 
         Raises StreamLost if the server is gone or silent, or if the Lab was closed. A silent server
         is noticed only after 1.3 s; until then check `age`. Raises RuntimeError while another
@@ -100,8 +112,10 @@ class Stream(Generic[T]):
         """Returns the next unread sample. It is old if you read more slowly than the server
         publishes. For the current value, call `latest()`.
 
-        Raises TimeoutError after `timeout` seconds without a sample, EOFError if the stream was
-        closed, and StreamLost if the server is gone or the Lab was closed.
+        Raises TimeoutError after `timeout` seconds without a sample, its subclass DeadlineMissed
+        once for each silence that is longer than the deadline of the stream, EOFError if the stream
+        was closed, and StreamLost if the server is gone or the Lab was closed. Loops over the
+        stream do not raise DeadlineMissed, and go on.
         """
         sample = self._next(timeout)
         if sample is None:
@@ -114,8 +128,26 @@ class Stream(Generic[T]):
         server: if the server only had another sample type, opening the stream would have failed."""
         return self._unreadable
 
+    @property
+    def counts(self) -> StreamCounts:
+        """What became of the samples since the subscription. Any thread may ask, also after
+        `close()`."""
+        return StreamCounts(*self._core.counts())
+
+    @property
+    def alive(self) -> bool:
+        """Whether the writer was alive at the last reading: False once the stream is lost or
+        closed, and, with `@qos(liveliness=MANUAL)`, from a missed deadline to the next sample."""
+        return self._core.alive()
+
     def __iter__(self) -> Iterator[Sample[T]]:
-        while (sample := self._next(None)) is not None:
+        while True:
+            try:
+                sample = self._next(None)
+            except DeadlineMissed:
+                continue
+            if sample is None:
+                return
             yield sample
 
     def __aiter__(self) -> AsyncIterator[Sample[T]]:
@@ -158,6 +190,10 @@ class Stream(Generic[T]):
                     return None
                 if raw == "lost":
                     raise self._lost()
+                if raw == "late":
+                    raise DeadlineMissed(
+                        f"stream {self._name}: no sample came within its deadline; it continues"
+                    )
                 if raw == "nothing":
                     break
                 sample = self._sample(*raw)

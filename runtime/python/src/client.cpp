@@ -267,7 +267,21 @@ nb::object next(StreamHandle& self, std::optional<double> timeout) {
     return nb::str("closed");
   }
   if (got) return as_tuple(self.sample());
-  return nb::str(got.error() == StreamEnd::Nothing ? "nothing" : "lost");
+  switch (got.error()) {
+    case StreamEnd::Nothing:
+      return nb::str("nothing");
+    case StreamEnd::Lost:
+      return nb::str("lost");
+    case StreamEnd::Late:
+      return nb::str("late");
+  }
+  return nb::str("lost");
+}
+
+nb::tuple counts(const StreamHandle& self) {
+  const qos::StreamCounts counts = self.counts();
+  return nb::make_tuple(counts.received, counts.lost, counts.skipped, counts.expired,
+                        counts.missed_deadlines);
 }
 
 // Objects ----------------------------------------------------------------------------------------
@@ -382,6 +396,12 @@ void bind_client(nb::module_& module) {
       .def_prop_ro("after", [](const StreamHandle& self) { return self.get()->after(); })
       .def("latest", &latest)
       .def("next", &next, nb::arg("timeout").none())
+      .def("counts", &counts)
+      .def("alive",
+           [](const StreamHandle& self) {
+             const auto core = self.get();
+             return core != nullptr && core->alive();
+           })
       .def("close", &StreamHandle::close);
 
   nb::class_<WriterHandle>(module, "Writer")

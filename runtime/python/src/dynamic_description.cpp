@@ -57,6 +57,8 @@ qos::Quality quality_of(nb::handle table) {
   quality.start_by = duration(table, "start_by_ns");
   quality.latency = duration(table, "latency_ns");
   quality.lifespan = duration(table, "lifespan_ns");
+  quality.liveliness = field<bool>(table, "manual_liveliness") ? qos::Liveliness::Manual
+                                                               : qos::Liveliness::Automatic;
   quality.depth = field<std::uint32_t>(table, "depth");
   quality.media = static_cast<qos::Media>(field<std::uint8_t>(table, "media"));
   return quality;

@@ -162,12 +162,21 @@ class StreamHandle {
   }
   /// Returns the buffer for samples. Each read uses the memory of this buffer again.
   session::RawSample& sample() { return sample_; }
-  void close() { drop(core_, owner_); }
+  /// Returns what became of the samples; after `close`, until then. Throws in a forked child.
+  qos::StreamCounts counts() const {
+    const auto open = get();
+    return open ? open->counts() : last_counts_;
+  }
+  void close() {
+    if (core_ != nullptr && !owner_.inherited()) last_counts_ = core_->counts();
+    drop(core_, owner_);
+  }
 
  private:
   Owner owner_;
   std::shared_ptr<session::StreamCore> core_;
   session::RawSample sample_;
+  qos::StreamCounts last_counts_;
 };
 
 class WriterHandle {

@@ -217,7 +217,8 @@ TEST_P(InwardStreams, ThatAreOlderThanTheWatchdogHaveNoEffect) {
   EXPECT_EQ(taken<std::int32_t>([&] { return other_.steps(); }, 1), std::vector<std::int32_t>{2});
   const auto known = alter->report().get();
   ASSERT_TRUE(known) << known.error();
-  EXPECT_EQ(in_words(*known), "admitted 1, too_old 1; it is older than the watchdog of the stream");
+  EXPECT_EQ(in_words(*known),
+            "admitted 1, too_old 1; it is older than the watchdog or the lifespan of the stream");
   EXPECT_FALSE(known->expired);
 }
 

@@ -127,7 +127,23 @@ TEST_F(Port, ASampleThatIsOlderThanTheWatchdogIsRefused) {
   clock_.advance(1ns);
   EXPECT_EQ(next(), 2);
   EXPECT_EQ(in_words(port_.report()),
-            "admitted 1, too_old 1; it is older than the watchdog of the stream");
+            "admitted 1, too_old 1; it is older than the watchdog or the lifespan of the stream");
+}
+
+TEST_F(Port, ASampleThatIsOlderThanItsLifespanIsRefusedAlsoWithoutAWatchdog) {
+  InwardDescription brief = stream;
+  brief.watchdog = {};
+  brief.quality.lifespan = 20ms;
+  InwardPort port(brief, clock_, pauses_, claim_);
+  port.add(ada_.feeder());
+  ada_.send(1, clock_.since_boot());
+  ada_.send(2, clock_.since_boot() + 1ns);
+  clock_.advance(20ms + 1ns);
+  ASSERT_TRUE(port.next(raw_, Unfed::Taken));
+  EXPECT_EQ(raw_.age, 20ms);
+  EXPECT_FALSE(port.next(raw_, Unfed::Taken));
+  EXPECT_EQ(in_words(port.report()),
+            "admitted 1, too_old 1; it is older than the watchdog or the lifespan of the stream");
 }
 
 TEST_F(Port, AgesAreJudgedByTheDifferenceOfTheClocks) {

@@ -11,6 +11,9 @@ namespace gecos::qos {
 
 enum class Class : std::uint8_t { TimeIndependent, SoftRealtime, HardRealtime };
 enum class Reliability : std::uint8_t { Reliable, BestEffort };
+/// Who vouches that the writer of a stream is alive: its process, by heartbeats, or the writer
+/// itself, by its samples.
+enum class Liveliness : std::uint8_t { Automatic, Manual };
 std::string_view to_string(Class line);  ///< for example "HARD_REALTIME", as in the interface
 std::string_view to_string(Reliability reliability);
 
@@ -33,6 +36,7 @@ struct Quality {
   Duration start_by{};
   Duration latency{};
   Duration lifespan{};
+  Liveliness liveliness = Liveliness::Automatic;
   std::uint32_t depth = 0;
   Media media = Media::Any;
 };

@@ -391,6 +391,7 @@ def _quality(data: JsonObject) -> Quality:
         start_by_ns=qos.whole("start_by_ns", 0, _MAX_NS, 0),
         latency_ns=qos.whole("latency_ns", 0, _MAX_NS, 0),
         lifespan_ns=qos.whole("lifespan_ns", 0, _MAX_NS, 0),
+        manual_liveliness=qos.text("liveliness", "") == "MANUAL",
         depth=qos.whole("depth", 0, _MAX_CODE, 0),
         media=media,
     )

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from gidl.layout.wire_layout import CallKind, CallLayout
 from gidl.model import (
     Attribute,
     Operation,
 )
-from gidl.policy import Access, OnLoss, OnNew, Qos, QualityClass, Reliability
+from gidl.policy import Access, Liveliness, OnLoss, OnNew, Qos, QualityClass, Reliability
 from gidl.targets.calls import (
     short_name,
 )
@@ -59,7 +61,7 @@ class Tables(CallFacts):
             terms.append(".on_loss = gecos::OnLoss::Finish")
         return OperationRow(
             self._constants[call.name], hex32(call.code), short_name(call), hex64(call.hash),
-            is_getter, filled([*terms, *asked(member.qos)]),
+            is_getter, filled([*terms, *asked(_of_calls(member))]),
         )  # fmt: skip
 
     def _stream_row(self, attribute: Attribute) -> StreamRow:
@@ -101,6 +103,13 @@ class Tables(CallFacts):
         )  # fmt: skip
 
 
+def _of_calls(member: Operation | Attribute) -> Qos:
+    """The quality of the calls of `member`. The deadline of a stream is its longest gap, and does
+    not limit a call of the getter."""
+    streams = isinstance(member, Attribute) and member.streams_out
+    return replace(member.qos, deadline_ns=None) if streams else member.qos
+
+
 def asked(qos: Qos) -> list[str]:
     """The initialiser of the member `.quality`; empty if `qos` demands nothing."""
     terms = quality(qos)
@@ -122,6 +131,8 @@ def quality(qos: Qos) -> list[str]:
         value = getattr(qos, f"{name}_ns")
         if value is not None:
             terms.append(f".{name} = gecos::Duration{{{value}}}")
+    if qos.liveliness is Liveliness.MANUAL:
+        terms.append(".liveliness = gecos::qos::Liveliness::Manual")
     if qos.depth is not None:
         terms.append(f".depth = {qos.depth}")
     if qos.media is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gidl.layout.wire_layout import CallKind, CallLayout
 from gidl.model import Attribute, Operation
-from gidl.policy import OnLoss, OnNew, Qos, QualityClass, Reliability
+from gidl.policy import Liveliness, OnLoss, OnNew, Qos, QualityClass, Reliability
 from gidl.targets.calls import first_missing, short_name
 from gidl.targets.groups import call, group
 from gidl.targets.python.calls.facts import CallFacts, Passed
@@ -142,6 +142,8 @@ def quality(qos: Qos) -> str:
         value = getattr(qos, name)
         if value is not None:
             terms.append(f"{name}={value}")
+    if qos.liveliness is Liveliness.MANUAL:
+        terms.append("manual_liveliness=True")
     if qos.media is not None:
         terms.append("media=" + " | ".join(f"_Media.{medium.upper()}" for medium in qos.media))
     return f"_Quality{group(terms)}"

@@ -15,6 +15,8 @@ std::string_view to_string(StreamEnd end) {
       return "NOTHING";
     case StreamEnd::Lost:
       return "LOST";
+    case StreamEnd::Late:
+      return "LATE";
   }
   return "?";
 }
@@ -27,6 +29,8 @@ std::ostream& operator<<(std::ostream& out, StreamEnd end) {
     case StreamEnd::Lost:
       return out << ": the stream's server is gone or its Lab is closed; create a new proxy and "
                     "subscribe again";
+    case StreamEnd::Late:
+      return out << ": no sample came within the deadline of the stream; call next() again";
   }
   return out;
 }
@@ -34,31 +38,73 @@ std::ostream& operator<<(std::ostream& out, StreamEnd end) {
 }  // namespace gecos
 
 namespace gecos::session {
+namespace {
 
-ClientStream::ClientStream(std::shared_ptr<ClientConnection> session, FunctionCode code,
+/// How many samples that are too old one call of next() reads after its patience has ended, so that
+/// a server that floods the stream with them does not keep the reader in the call.
+constexpr int most_looks = 1024;
+
+}  // namespace
+
+ClientStream::ClientStream(std::shared_ptr<ClientConnection> session,
+                           const StreamDescription& stream,
                            std::unique_ptr<media::StreamReader> reader,
                            std::optional<std::uint64_t> after)
-    : session_(std::move(session)), code_(code), reader_(std::move(reader)), after_(after) {}
+    : session_(std::move(session)),
+      code_(stream.code),
+      reader_(std::move(reader)),
+      after_(after),
+      reception_(stream.quality, session_->runtime().clock().since_boot(), after) {}
 
 ClientStream::~ClientStream() { session_->subscriptions().unsubscribe(code_); }
 
-/// Only a malicious or broken server sends a sample without its measurement time. The bytes of such
-/// a sample are removed, so that the sample does not decode.
-void ClientStream::finish(RawSample& sample) const {
+/// Completes a sample that was read for the first time, and returns whether the terms of the stream
+/// let the reader have it. Only a malicious or broken server sends a sample without its measurement
+/// time. The bytes of such a sample are removed, so that the sample does not decode.
+bool ClientStream::admit(qos::Reception::Way way, RawSample& sample, TimePoint now) {
   constexpr std::int64_t farthest = std::int64_t{1} << 62;
   sample.stamp_ns = std::clamp(sample.stamp_ns, -farthest, farthest);
   const auto measured = take_measured(sample.bytes);
   if (!measured) sample.bytes.clear();
   sample.measured = session_->calls().by_our_clock(measured.value_or(TimePoint(-longest_age)));
+  sample.age = std::max(now - sample.measured, Duration::zero());
+  return reception_.take(way, sample.sequence, sample.measured, now);
 }
 
 bool ClientStream::latest(RawSample& into) {
   if (lost()) return false;  // after a loss the medium would still return old samples
-  if (reader_->latest(into.sequence, into)) finish(into);
-  return into.sequence != after_.value_or(0);
+  const bool unread = reader_->latest(into.sequence, into);
+  const TimePoint now = session_->runtime().clock().since_boot();
+  if (unread) return admit(qos::Reception::Way::Newest, into, now);
+  reception_.find_nothing(now);
+  into.age = std::max(now - into.measured, Duration::zero());
+  return into.sequence != after_.value_or(0) && reception_.still_valid(now);
 }
 
 tl::expected<void, StreamEnd> ClientStream::next(RawSample& into, TimePoint deadline) {
+  const Clock& clock = session_->runtime().clock();
+  for (int looks = most_looks;; --looks) {
+    const bool got = await_sample(into, deadline);
+    const TimePoint now = clock.since_boot();
+    if (got) {
+      if (admit(qos::Reception::Way::InOrder, into, now)) return {};
+      if (looks > 0) continue;
+    } else {
+      if (lost()) return tl::unexpected(StreamEnd::Lost);
+      reception_.find_nothing(now);
+      if (reception_.report_late()) return tl::unexpected(StreamEnd::Late);
+    }
+    if (std::chrono::steady_clock::now() >= deadline) return tl::unexpected(StreamEnd::Nothing);
+  }
+}
+
+/// Waits for an unread sample until `deadline`, but not after the time at which the reader must be
+/// told that the stream missed its own deadline.
+bool ClientStream::await_sample(RawSample& into, TimePoint deadline) {
+  if (const TimePoint late_at = reception_.late_at(); late_at != TimePoint::max()) {
+    const Duration left = late_at - session_->runtime().clock().since_boot();
+    deadline = std::min(deadline, TimePoint(std::chrono::steady_clock::now()) + left);
+  }
   bool got = false;
   session_->reader().wait(
       nullptr,
@@ -68,17 +114,9 @@ tl::expected<void, StreamEnd> ClientStream::next(RawSample& into, TimePoint dead
         return got || session_->lost();
       },
       deadline);
-  if (got) {
-    finish(into);
-    return {};
-  }
-  return tl::unexpected(lost() ? StreamEnd::Lost : StreamEnd::Nothing);
+  return got;
 }
 
 bool ClientStream::lost() const { return session_->lost() || session_->closed(); }
-
-Duration ClientStream::age(const RawSample& sample) const {
-  return std::max(session_->runtime().clock().since_boot() - sample.measured, Duration::zero());
-}
 
 }  // namespace gecos::session

@@ -15,7 +15,7 @@ class ClientConnection;
 class ClientStream final : public StreamCore {
  public:
   /// `after`: see StreamCore::after().
-  ClientStream(std::shared_ptr<ClientConnection> session, FunctionCode code,
+  ClientStream(std::shared_ptr<ClientConnection> session, const StreamDescription& stream,
                std::unique_ptr<media::StreamReader> reader, std::optional<std::uint64_t> after);
   ~ClientStream() override;
 
@@ -23,15 +23,18 @@ class ClientStream final : public StreamCore {
   tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) override;
   bool lost() const override;
   std::optional<std::uint64_t> after() const override { return after_; }
-  Duration age(const RawSample& sample) const override;
+  qos::StreamCounts counts() const override { return reception_.counts(); }
+  bool alive() const override { return !lost() && reception_.writer_alive(); }
 
  private:
-  void finish(RawSample& sample) const;
+  bool await_sample(RawSample& into, TimePoint deadline);
+  bool admit(qos::Reception::Way way, RawSample& sample, TimePoint now);
 
   const std::shared_ptr<ClientConnection> session_;
   const FunctionCode code_;
   const std::unique_ptr<media::StreamReader> reader_;
   const std::optional<std::uint64_t> after_;
+  qos::Reception reception_;
 };
 
 }  // namespace gecos::session

@@ -65,7 +65,7 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> Subscriptions::open(
   }
   std::optional<std::uint64_t> after;
   if (stream.event) after = answer.newest;
-  return std::make_shared<ClientStream>(session_.shared_from_this(), stream.code, std::move(reader),
+  return std::make_shared<ClientStream>(session_.shared_from_this(), stream, std::move(reader),
                                         after);
 }
 

@@ -17,7 +17,7 @@ std::string_view describe(InwardVerdict verdict) {
     case InwardVerdict::CommandNotRunning:
       return "its command does not run";
     case InwardVerdict::TooOld:
-      return "it is older than the watchdog of the stream";
+      return "it is older than the watchdog or the lifespan of the stream";
     case InwardVerdict::NotNewer:
       return "a newer sample has arrived";
   }

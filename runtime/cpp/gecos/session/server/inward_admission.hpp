@@ -17,7 +17,7 @@ enum class InwardVerdict {
   OtherEpoch,         ///< the client's status has ended, or is another one
   NameUnconfirmed,    ///< the broker does not confirm the name of the object
   CommandNotRunning,  ///< the command does not run: it waits, has ended, or takes no samples
-  TooOld,             ///< older than the watchdog of the stream
+  TooOld,             ///< older than the watchdog or the lifespan of the stream
   NotNewer,           ///< an admitted sample of this stream is as new, or newer
 };
 

@@ -160,7 +160,9 @@ InwardVerdict InwardPort::judge(Source& source, RawInward& into, const Look& loo
   if (!measured || !sample) return InwardVerdict::OtherSession;
   const TimePoint by_our_clock = std::min(*measured + source.feeder.clock_difference(), look.now);
   InwardAge age{look.now - by_our_clock};
-  if (stream_.watchdog > Duration{}) age.limit = stream_.watchdog;
+  for (const Duration limit : {stream_.watchdog, stream_.quality.lifespan}) {
+    if (limit > Duration{}) age.limit = std::min(age.limit, limit);
+  }
   const InwardVerdict verdict = source.admission.judge(
       sample->header, into.sample.sequence, sender_of(source, sample->header, look.unfed), age);
   if (verdict != InwardVerdict::Admitted) return verdict;
