@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from gidl.diagnostics import Findings
 from gidl.model import Attribute, Facts, File, Interface, Model, Operation, Struct, Union
-from gidl.policy import Access
+from gidl.policy import Access, QualityClass
 
 CODE = "G0708"
 
@@ -35,6 +35,13 @@ def _is_stream(declared: Declared) -> bool:
 
 def _is_inward(declared: Declared) -> bool:
     return isinstance(declared, Attribute) and declared.streams_in
+
+
+def _no_real_time(declared: Declared) -> bool:
+    return declared is not None and declared.qos.quality_class in (
+        None,
+        QualityClass.TIME_INDEPENDENT,
+    )
 
 
 def _is_call(declared: Declared) -> bool:
@@ -62,7 +69,6 @@ class Term:
         return f"@{self.annotation}({self.argument})" if self.argument else f"@{self.annotation}"
 
 
-_UNMEASURED = "the latency of links is not measured"
 _ALL_RELIABLE = "every sample and call is sent with the reliability of its medium"
 
 NOT_YET = (
@@ -75,7 +81,7 @@ NOT_YET = (
     ),
     Term("open_stream", "", _always, "over lcm the stream is sealed like any other"),
     Term("bulk", "", _always, "the value is sent like any other value"),
-    Term("qos", "latency", _always, _UNMEASURED),
+    Term("qos", "latency", _no_real_time, "only a class with REALTIME makes it bind"),
     Term("qos", "lifespan", _is_call, "only the samples of a stream have an age"),
     Term("qos", "liveliness", _is_call, "only a stream has a writer"),
     Term("qos", "start_by", _is_stream, "only a call has a start"),

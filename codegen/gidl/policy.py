@@ -5,7 +5,7 @@ Durations are whole nanoseconds, rates are hertz. `None` means "not set".
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from enum import Enum, IntEnum
 
 
@@ -54,6 +54,13 @@ class Liveliness(IntEnum):
     MANUAL = 1
 
 
+class OnDegraded(Enum):
+    """What becomes of a session whose connection exceeds the latency that its interface demands."""
+
+    EVENT = "event"
+    FAIL = "fail"
+
+
 class StreamDirection(Enum):
     """The direction of a stream, as the server sees it: the server publishes an OUT stream, and
     receives an IN stream."""
@@ -75,6 +82,7 @@ class Qos:
     liveliness: Liveliness | None = None
     depth: int | None = None
     media: tuple[str, ...] | None = None
+    on_degraded: OnDegraded | None = None  # of an interface
 
     def over(self, outer: Qos) -> Qos:
         """Returns this quality, with each term that it does not set taken from `outer`."""
@@ -83,6 +91,11 @@ class Qos:
             own = getattr(self, field.name)
             merged[field.name] = getattr(outer, field.name) if own is None else own
         return Qos(**merged)
+
+    @property
+    def of_member(self) -> Qos:
+        """This quality without the terms that belong to the interface alone."""
+        return replace(self, on_degraded=None)
 
     @property
     def is_empty(self) -> bool:

@@ -19,6 +19,7 @@ from gidl.model import (
 from gidl.policy import (
     Access,
     Liveliness,
+    OnDegraded,
     OnLoss,
     OnNew,
     Qos,
@@ -362,7 +363,23 @@ class InterfaceResolver(TypeResolver):
             None if liveliness is None else Liveliness[liveliness],
             depth if isinstance(depth, int) and depth > 0 else None,
             self._media(applied),
+            self._on_degraded(applied),
         )
+
+    def _on_degraded(self, applied: Applied) -> OnDegraded | None:
+        if "on_degraded" not in applied.written:
+            return None
+        text = applied.text("on_degraded")
+        if text in [each.value for each in OnDegraded]:
+            return OnDegraded(text)
+        advice = 'write on_degraded="event" or on_degraded="fail"'
+        if text == "failover":
+            message = "a session does not move to another medium when its connection degrades"
+            advice = 'write on_degraded="fail", and create a new proxy when the session is lost'
+        else:
+            message = f"'on_degraded' is event or fail, not \"{text}\""
+        self._findings.error("G0506", applied.span, message, advice)
+        return None
 
     def _media(self, applied: Applied) -> tuple[str, ...] | None:
         if "media" not in applied.written:

@@ -17,6 +17,13 @@ def check(model: Model, findings: Findings) -> None:
     for member in members(model):
         _terms(member.qos, member.facts, findings)
         _silence(member, findings)
+        if member.facts.has("qos.on_degraded"):
+            findings.error(
+                "G0412",
+                member.facts.place_of("qos.on_degraded"),
+                f"'on_degraded' of '{member.name}': a connection degrades as a whole",
+                "set it in the @qos of the interface",
+            )
 
 
 def _terms(qos: Qos, facts: Facts, findings: Findings) -> None:

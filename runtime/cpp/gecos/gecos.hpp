@@ -4,6 +4,7 @@
 /// in generated headers.
 #include "gecos/builtin_operations.hpp"
 #include "gecos/lab.hpp"
+#include "gecos/line.hpp"
 #include "gecos/object_watch.hpp"
 #include "gecos/reconnecting.hpp"
 #include "gecos/serve.hpp"

@@ -80,10 +80,10 @@ void with_inward(const Servant& servant, const InwardDescription& stream,
 ///
 /// Each sample is judged when it is read: its session must be open, its sender must have the status
 /// that the stream needs under the present epoch, the sample must not be older than the watchdog or
-/// the lifespan, and the command that it feeds must take samples (Feeding). Other samples have no effect and are
-/// counted. After a pause of this process samples wait as long as commands do. Samples of one
-/// client come in order; a client that sends more than the stream's depth between two reads loses
-/// the oldest.
+/// the lifespan, and the command that it feeds must take samples (Feeding). Other samples have no
+/// effect and are counted. After a pause of this process samples wait as long as commands do.
+/// Samples of one client come in order; a client that sends more than the stream's depth between
+/// two reads loses the oldest.
 template <class T>
 class Inward {
  public:

@@ -26,6 +26,16 @@ struct CallOptions {
   std::optional<Duration> deadline{};
 };
 
+/// The state of the connection of a proxy (gecos/line.hpp).
+struct LineState {
+  std::string medium;
+  Duration bound{};  ///< the longest round trip that the interface allows; 0: no bound, and nothing
+                     ///< is measured
+  std::optional<Duration> round_trip{};  ///< as measured last
+  bool degraded = false;                 ///< the round trip has exceeded the bound for a second
+  std::uint64_t changes = 0;             ///< how often `degraded` has changed
+};
+
 namespace session {
 
 /// Client side of one session with one object. Generated proxies call its methods. Thread-safe.
@@ -60,6 +70,13 @@ class ClientSession {
   /// Returns whether the status of a lease is certainly lost: the session has ended, or has
   /// acquired another status since. False does not mean that the server still grants the status.
   virtual bool lease_lost(std::uint64_t /*held*/) const { return false; }
+  /// Returns the state of the connection.
+  virtual LineState line() const { return {}; }
+  /// Waits until the state of the connection has changed more than `changes` times, the session is
+  /// lost or closed, or `deadline` has passed. Returns the state.
+  virtual LineState await_line_change(std::uint64_t /*changes*/, TimePoint /*deadline*/) const {
+    return line();
+  }
   /// Returns the number of calls that were issued and of samples that were sent so far.
   virtual std::uint64_t issued() = 0;
 };

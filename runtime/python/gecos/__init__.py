@@ -63,6 +63,9 @@ if TYPE_CHECKING:
     from gecos.lease import Lease as Lease
     from gecos.lease import actor as actor
     from gecos.lease import master as master
+    from gecos.line import LineState as LineState
+    from gecos.line import LineWatch as LineWatch
+    from gecos.line import line_state as line_state
     from gecos.object_watch import ObjectWatch as ObjectWatch
     from gecos.proxy import Event as Event
     from gecos.proxy import Object as Object
@@ -90,6 +93,7 @@ _NAMES = {
     "inward": "Inward InwardSample",
     "lab": "Lab",
     "lease": "Lease actor master",
+    "line": "LineState LineWatch line_state",
     "object_watch": "ObjectWatch",
     "proxy": "Event Object StreamAttribute reference with_deadline",
     "builtin_operations": "Outcome describe holders model outcome ping stop",

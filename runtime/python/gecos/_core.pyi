@@ -58,6 +58,13 @@ class Session:
         """Returns a reference to the object, as the members of an ObjectRef."""
     def call(self, code: int, arguments: bytes, deadline: float | None) -> Command:
         """Calls an operation of the object's interface or a built-in operation."""
+    def line(self) -> tuple[str, float, float | None, bool, int]:
+        """The members of LineState."""
+    def next_line_change(
+        self, changes: int, timeout: float | None
+    ) -> tuple[str, float, float | None, bool, int] | bool:
+        """The state after the next change. True when there was none within `timeout`, and False
+        when the session is lost or closed."""
     def subscribe(self, code: int) -> Stream | tuple[int, str]: ...
     def open_writer(self, code: int) -> Writer | tuple[int, str]: ...
     def outcome(self, command: str) -> Command: ...

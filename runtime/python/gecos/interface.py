@@ -51,6 +51,11 @@ class OnLoss(IntEnum):
     FINISH = 1
 
 
+class OnDegraded(IntEnum):
+    EVENT = 0
+    FAIL = 1
+
+
 class QualityClass(IntEnum):
     TIME_INDEPENDENT = 0
     SOFT_REALTIME = 1
@@ -84,6 +89,7 @@ class Quality(Record, kw_only=True):
     manual_liveliness: bool = False
     depth: int = 0
     media: Media = ANY_MEDIUM
+    on_degraded: OnDegraded = OnDegraded.EVENT  # of an interface
 
 
 ASKED_NOTHING = Quality()

@@ -43,10 +43,10 @@ class Inward(Generic[T]):
     time. Reading never waits.
 
     Each sample is judged when it is read: its session must be open, its sender must have the status
-    that the stream needs, the sample must not be older than the watchdog or the lifespan, and the command that it
-    feeds must take samples. Other samples have no effect and are counted. Samples of one client
-    come in order. A client that sends more than the stream's depth between two reads loses the
-    oldest samples.
+    that the stream needs, the sample must not be older than the watchdog or the lifespan, and the
+    command that it feeds must take samples. Other samples have no effect and are counted. Samples
+    of one client come in order. A client that sends more than the stream's depth between two reads
+    loses the oldest samples.
     """
 
     def __init__(self, servant: Servant, inward: interface.Inward[T]) -> None:

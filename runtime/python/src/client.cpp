@@ -278,6 +278,29 @@ nb::object next(StreamHandle& self, std::optional<double> timeout) {
   return nb::str("lost");
 }
 
+double seconds(Duration duration) { return std::chrono::duration<double>(duration).count(); }
+
+nb::tuple as_tuple(const LineState& line) {
+  nb::object took = nb::none();
+  if (line.round_trip) took = nb::float_(seconds(*line.round_trip));
+  return nb::make_tuple(line.medium, seconds(line.bound), took, line.degraded, line.changes);
+}
+
+/// Returns the state after the next change; True when there was none within `timeout`, and False
+/// when the session is lost or closed.
+nb::object next_line_change(SessionHandle& self, std::uint64_t changes,
+                            std::optional<double> timeout) {
+  LineState line;
+  bool ended = false;
+  wait_in_slices(timeout, [&, session = self.get()](TimePoint until) {
+    line = session->await_line_change(changes, until);
+    ended = line.changes <= changes && SystemClock().now() < until;
+    return line.changes > changes || ended;
+  });
+  if (line.changes > changes) return as_tuple(line);
+  return nb::bool_(!ended);
+}
+
 nb::tuple counts(const StreamHandle& self) {
   const qos::StreamCounts counts = self.counts();
   return nb::make_tuple(counts.received, counts.lost, counts.skipped, counts.expired,
@@ -359,6 +382,8 @@ void bind_client(nb::module_& module) {
           "medium",
           [](const SessionHandle& s) { return std::string(s.about().capabilities().name); })
       .def("reference", &reference)
+      .def("line", [](SessionHandle& self) { return as_tuple(self.get()->line()); })
+      .def("next_line_change", &next_line_change, nb::arg("changes"), nb::arg("timeout").none())
       .def("call", &call, nb::arg("code"), nb::arg("arguments"), nb::arg("deadline").none())
       .def("subscribe", &subscribe, nb::arg("code"))
       .def("open_writer", &open_writer, nb::arg("code"))

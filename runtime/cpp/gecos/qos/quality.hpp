@@ -11,6 +11,11 @@ namespace gecos::qos {
 
 enum class Class : std::uint8_t { TimeIndependent, SoftRealtime, HardRealtime };
 enum class Reliability : std::uint8_t { Reliable, BestEffort };
+/// What becomes of a session whose connection exceeds the latency that its interface demands.
+enum class OnDegraded : std::uint8_t {
+  Event,  ///< it goes on; a program may hear of it (LineWatch)
+  Fail,   ///< it is lost
+};
 /// Who vouches that the writer of a stream is alive: its process, by heartbeats, or the writer
 /// itself, by its samples.
 enum class Liveliness : std::uint8_t { Automatic, Manual };
@@ -39,6 +44,7 @@ struct Quality {
   Liveliness liveliness = Liveliness::Automatic;
   std::uint32_t depth = 0;
   Media media = Media::Any;
+  OnDegraded on_degraded = OnDegraded::Event;  ///< of an interface
 };
 
 }  // namespace gecos::qos

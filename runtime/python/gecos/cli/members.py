@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext, suppress
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -20,7 +20,7 @@ from gecos.cli.options import (
     print_json,
     value_of,
 )
-from gecos.errors import Detail, State
+from gecos.errors import DeadlineMissed, Detail, State
 
 if TYPE_CHECKING:
     from gecos.command import Command
@@ -346,7 +346,8 @@ def _samples(
     if by_name.attribute_or_event(robot, attribute).stream is not None:
         with _subscribed(robot, attribute) as stream:
             while True:
-                yield sample_json(stream.next(timeout))
+                with suppress(DeadlineMissed):  # the stream goes on
+                    yield sample_json(stream.next(timeout))
     while True:
         yield {"value": _reading(robot, attribute, timeout)}
         time.sleep(every)
@@ -416,6 +417,8 @@ def _rate(stream: Any, window: float, last: float | None) -> tuple[dict[str, Any
     while (left := start + window - time.monotonic()) > 0:
         try:
             sample = stream.next(left)
+        except DeadlineMissed:
+            continue
         except TimeoutError:
             break
         if last is None:

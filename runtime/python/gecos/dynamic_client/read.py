@@ -29,7 +29,7 @@ from gecos.dynamic_client.model import (
 )
 from gecos.dynamic_client.nesting import check_nesting
 from gecos.dynamic_client.type_text import CODES, Type, parse_type
-from gecos.interface import Access, Media, OnLoss, OnNew, Quality, QualityClass
+from gecos.interface import Access, Media, OnDegraded, OnLoss, OnNew, Quality, QualityClass
 
 _EXTENSIBILITY = ("final", "appendable")
 _ACCESS = {each.name.lower(): each for each in Access}
@@ -394,6 +394,7 @@ def _quality(data: JsonObject) -> Quality:
         manual_liveliness=qos.text("liveliness", "") == "MANUAL",
         depth=qos.whole("depth", 0, _MAX_CODE, 0),
         media=media,
+        on_degraded=OnDegraded[qos.one_of("on_degraded", OnDegraded.__members__, "EVENT")],
     )
 
 

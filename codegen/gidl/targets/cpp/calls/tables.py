@@ -9,7 +9,16 @@ from gidl.model import (
     Attribute,
     Operation,
 )
-from gidl.policy import Access, Liveliness, OnLoss, OnNew, Qos, QualityClass, Reliability
+from gidl.policy import (
+    Access,
+    Liveliness,
+    OnDegraded,
+    OnLoss,
+    OnNew,
+    Qos,
+    QualityClass,
+    Reliability,
+)
 from gidl.targets.calls import (
     short_name,
 )
@@ -112,7 +121,7 @@ def _of_calls(member: Operation | Attribute) -> Qos:
 
 def asked(qos: Qos) -> list[str]:
     """The initialiser of the member `.quality`; empty if `qos` demands nothing."""
-    terms = quality(qos)
+    terms = quality(qos.of_member)
     if terms:
         terms[0] = f".quality = {{{terms[0]}"
         terms[-1] += "}"
@@ -138,6 +147,8 @@ def quality(qos: Qos) -> list[str]:
     if qos.media is not None:
         named = " | ".join(f"gecos::qos::Media::{medium.capitalize()}" for medium in qos.media)
         terms.append(f".media = {named}")
+    if qos.on_degraded is OnDegraded.FAIL:
+        terms.append(".on_degraded = gecos::qos::OnDegraded::Fail")
     return terms
 
 

@@ -108,8 +108,8 @@ _RUNTIME = (
     (
         "gecos.interface",
         (
-            "Access", "Kind", "Media", "OnLoss", "OnNew", "Operation", "Quality", "QualityClass",
-            "getter", "values",
+            "Access", "Kind", "Media", "OnDegraded", "OnLoss", "OnNew", "Operation", "Quality",
+            "QualityClass", "getter", "values",
         ),
     ),
     ("gecos.proxy", ("Object",)),

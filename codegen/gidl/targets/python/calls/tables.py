@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gidl.layout.wire_layout import CallKind, CallLayout
 from gidl.model import Attribute, Operation
-from gidl.policy import Liveliness, OnLoss, OnNew, Qos, QualityClass, Reliability
+from gidl.policy import Liveliness, OnDegraded, OnLoss, OnNew, Qos, QualityClass, Reliability
 from gidl.targets.calls import first_missing, short_name
 from gidl.targets.groups import call, group
 from gidl.targets.python.calls.facts import CallFacts, Passed
@@ -85,7 +85,7 @@ class Tables(CallFacts):
             terms.append(f"watchdog_ns={attribute.stream.watchdog_ns}")
         if layout.largest:
             terms.append(f"largest={layout.largest}")
-        asked = quality(attribute.qos)
+        asked = quality(attribute.qos.of_member)
         terms += [] if asked == _NO_TERMS else [f"quality={asked}"]
         terms.append(f"hash=0x{layout.hash & 0xFFFFFFFFFFFFFFFF:016X}")
         return call("_inward", *terms)
@@ -96,7 +96,7 @@ class Tables(CallFacts):
         terms.append(f"gives={self._step(self._sample(event))}")
         if layout.largest:
             terms.append(f"largest={layout.largest}")
-        asked = quality(event.qos)
+        asked = quality(event.qos.of_member)
         terms += [] if asked == _NO_TERMS else [f"quality={asked}"]
         terms.append(f"hash=0x{layout.hash & 0xFFFFFFFFFFFFFFFF:016X}")
         return call("_event", *terms)
@@ -125,7 +125,7 @@ class Tables(CallFacts):
             terms.append(f"on_new=_OnNew.{member.on_new.name}")
         if member.on_loss is not OnLoss.STOP:
             terms.append(f"on_loss=_OnLoss.{member.on_loss.name}")
-        asked = quality(member.qos)
+        asked = quality(member.qos.of_member)
         terms += [] if asked == _NO_TERMS else [f"quality={asked}"]
         terms.append(f"hash=0x{layout.hash:016X}")
         return call("_getter" if getter else "_Operation", *terms)
@@ -146,4 +146,6 @@ def quality(qos: Qos) -> str:
         terms.append("manual_liveliness=True")
     if qos.media is not None:
         terms.append("media=" + " | ".join(f"_Media.{medium.upper()}" for medium in qos.media))
+    if qos.on_degraded is OnDegraded.FAIL:
+        terms.append("on_degraded=_OnDegraded.FAIL")
     return f"_Quality{group(terms)}"

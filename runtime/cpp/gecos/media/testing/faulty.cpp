@@ -113,7 +113,8 @@ class FaultyConnection final : public ConnectionLayer {
     }
     const Duration more = happens(faults_.reordering) ? faults_.reordering_delay : Duration::zero();
     const TimePoint now = clock_.now();
-    held_.push_back({now + faults_.delay + more, now - inner().age(), std::move(packet)});
+    const Duration added(faults_.more_delay != nullptr ? faults_.more_delay->load() : 0);
+    held_.push_back({now + faults_.delay + added + more, now - inner().age(), std::move(packet)});
   }
 
   /// Returns the held packet that is due first. If several packets are due at the same time,

@@ -19,6 +19,9 @@ struct Faults {
   double reordering = 0;  ///< rate of packets that are held back, so that later ones arrive first
   Duration reordering_delay = std::chrono::milliseconds(2);
   Duration delay{};  ///< added to every packet; a satellite takes 250 ms
+  /// Nanoseconds that are added to `delay`, also while the program runs. The pointer may be null,
+  /// and the caller owns the number.
+  const std::atomic<Duration::rep>* more_delay = nullptr;
   /// While this flag is true, neither packets nor heartbeats arrive. The pointer may be null, and
   /// the caller owns the flag.
   const std::atomic<bool>* cut = nullptr;

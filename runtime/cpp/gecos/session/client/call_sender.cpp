@@ -172,6 +172,7 @@ TimePoint CallSender::by_our_clock(TimePoint theirs) {
 std::shared_ptr<PendingCommand> CallSender::take_replied(std::uint64_t counter) {
   const MutexLock lock(mutex_);
   auto command = calls_.take(counter);
+  if (command && command->timed) command->answered = runtime_.clock().now();
   if (command && repeats_) {
     quickest_answer_ = std::min(quickest_answer_, runtime_.clock().now() - command->retry.first);
   }

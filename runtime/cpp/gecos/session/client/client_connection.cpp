@@ -23,8 +23,9 @@ ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
       end_(*connection_, welcome_, calls_, receiver_, reader_, failover_),
       receiver_(id, connection_->capabilities(), calls_, leases_, end_),
       reader_(*runtime_, *connection_, calls_, receiver_, end_),
-      maintenance_(*runtime_,
-                   {*connection_, welcome_, server_, calls_, receiver_, reader_, failover_, end_}),
+      line_(*this),
+      maintenance_(*runtime_, {*connection_, welcome_, server_, calls_, receiver_, reader_,
+                               failover_, end_, line_}),
       subscriptions_(*this),
       writers_(id, leases_) {
   if (!log_enabled(LogLevel::Info)) return;

@@ -11,6 +11,7 @@
 #include "gecos/session/client/connection_maintenance.hpp"
 #include "gecos/session/client/connection_reader.hpp"
 #include "gecos/session/client/lease_state.hpp"
+#include "gecos/session/client/line_probe.hpp"
 #include "gecos/session/client/packet_receiver.hpp"
 #include "gecos/session/client/refused_operations.hpp"
 #include "gecos/session/client/server_watch.hpp"
@@ -55,7 +56,11 @@ class ClientConnection final : public ClientSession,
   bool lease_lost(std::uint64_t held) const override {
     return lost() || closed() || leases_.lost(held);
   }
-  std::uint64_t issued() override { return calls_.issued() + writers_.sent(); }
+  std::uint64_t issued() override { return calls_.issued() - line_.pings() + writers_.sent(); }
+  LineState line() const override { return line_.state(); }
+  LineState await_line_change(std::uint64_t changes, TimePoint deadline) const override {
+    return line_.await_change(changes, deadline);
+  }
 
   /// See SessionEnd::close.
   void close(Duration patience) override { end_.close(patience); }
@@ -71,10 +76,11 @@ class ClientConnection final : public ClientSession,
   /// session.
   void found_at(std::string address) { place_ = std::move(address); }
   const std::string& place() const { return place_; }
-  /// Checks the own `@qos` of the operations and streams of `wanted`. Must be called before other
-  /// threads know the session.
+  /// Checks the own `@qos` of the operations and streams of `wanted`, and measures from now on what
+  /// it demands of the connection. Must be called before other threads know the session.
   void check_quality(const InterfaceDescription& wanted, bool simulated) {
     refused_.check_quality(wanted, connection_->capabilities(), simulated);
+    line_.bound_by(wanted, simulated);
   }
   /// Returns a failure when no call or subscription of `name` may be sent. `outcome`: see
   /// RefusedOperations::why.
@@ -82,6 +88,9 @@ class ClientConnection final : public ClientSession,
                                  std::string_view outcome = "was not sent") const {
     return refused_.why(code, name, welcome_, outcome);
   }
+
+  /// Ends the session because its connection no longer meets what the interface demands.
+  void fail_degraded(const std::string& why) { end_.lose(Ending::Silent, why); }
 
   CallSender& calls() { return calls_; }
   ConnectionReader& reader() { return reader_; }
@@ -106,6 +115,7 @@ class ClientConnection final : public ClientSession,
   SessionEnd end_;
   PacketReceiver receiver_;
   ConnectionReader reader_;
+  LineProbe line_;
   ConnectionMaintenance maintenance_;
   Subscriptions subscriptions_;
   Writers writers_;

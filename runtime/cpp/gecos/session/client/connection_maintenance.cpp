@@ -22,6 +22,7 @@ TimePoint ConnectionMaintenance::on_tick(TimePoint now) {
   session_.reader.poll_once();
   if (!calls.lost()) judge_heartbeats(now);
   if (!calls.lost() && !session_.server.unreachable()) judge_answers();
+  if (!calls.lost()) session_.line.on_tick(now);
   return calls.lost() ? TimePoint::max() : session_.calls.repeat(now, next_beat_);
 }
 

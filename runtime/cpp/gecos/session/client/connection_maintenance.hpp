@@ -4,6 +4,7 @@
 
 #include "gecos/session/client/call_sender.hpp"
 #include "gecos/session/client/connection_reader.hpp"
+#include "gecos/session/client/line_probe.hpp"
 #include "gecos/session/client/packet_receiver.hpp"
 #include "gecos/session/client/server_watch.hpp"
 #include "gecos/session/client/session_end.hpp"
@@ -14,8 +15,8 @@
 namespace gecos::session {
 
 /// The work of the maintenance thread for one session of a client: sends heartbeats, judges whether
-/// the server lives and answers, sends calls again, and reads packets while no other thread waits
-/// for them.
+/// the server lives and answers in time, sends calls again, and reads packets while no other thread
+/// waits for them.
 class ConnectionMaintenance final : public TickTarget {
  public:
   /// The parts of the session that a tick uses.
@@ -28,6 +29,7 @@ class ConnectionMaintenance final : public TickTarget {
     ConnectionReader& reader;
     SessionFailover& failover;
     SessionEnd& end;
+    LineProbe& line;
   };
   ConnectionMaintenance(const Runtime& runtime, Parts session);
 

@@ -162,7 +162,8 @@ void PendingCommand::end(Detail detail, Publish publish) {
   publish();
   position_ = 0;
   released = std::move(session_);
-  if (log_enabled(actor_ ? LogLevel::Info : LogLevel::Debug)) log_end(*released, detail);
+  if (released && log_enabled(actor_ ? LogLevel::Info : LogLevel::Debug))
+    log_end(*released, detail);
   if (watched_) released->reader().remove_watcher();
   if (exported_) exported_->notify();
   if (again) again->attached.notify_all();

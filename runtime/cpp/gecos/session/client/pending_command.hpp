@@ -72,6 +72,10 @@ class PendingCommand final : public CommandCore {
   /// session's CallSender, unless no session has the command.
   void detach() { home_.store(nullptr, std::memory_order_release); }
 
+  /// Whether the time at which the reply arrives is noted. Written before the command is shared.
+  bool timed = false;
+  TimePoint answered{};  ///< when the reply arrived, if `timed`; written before it is terminal
+
   /// State for sending the call again over a medium that loses packets. Guarded by the mutex of the
   /// session's CallSender.
   struct Retry {

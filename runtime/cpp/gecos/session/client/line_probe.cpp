@@ -1,0 +1,130 @@
+#include "gecos/session/client/line_probe.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "gecos/base/log.hpp"
+#include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
+#include "gecos/session/client/client_connection.hpp"
+
+namespace gecos::session {
+namespace {
+
+/// The longest step of the probe's clock: a longer one is a pause of this process, of which the
+/// line knows nothing.
+constexpr Duration longest_step = std::chrono::milliseconds(300);
+
+std::string in_milliseconds(Duration duration) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g ms",
+                std::chrono::duration<double, std::milli>(duration).count());
+  return text;
+}
+
+/// Returns the smallest latency that `wanted` demands in real time; zero when it demands none.
+Duration smallest_bound(const InterfaceDescription& wanted) {
+  Duration bound = Duration::max();
+  const auto look_at = [&](const qos::Quality& asked) {
+    const bool binds = asked.line != qos::Class::TimeIndependent && asked.latency > Duration{};
+    if (binds) bound = std::min(bound, asked.latency);
+  };
+  look_at(wanted.quality);
+  for (const auto* each : wanted.all_operations()) look_at(each->quality);
+  for (const auto* each : wanted.all_streams()) look_at(each->quality);
+  for (const auto* each : wanted.all_inward_streams()) look_at(each->quality);
+  return bound == Duration::max() ? Duration::zero() : bound;
+}
+
+}  // namespace
+
+LineProbe::LineProbe(ClientConnection& session)
+    : session_(session), clock_(session.runtime().clock().now(), longest_step) {
+  const MutexLock lock(mutex_);
+  state_.medium = session.capabilities().name;
+}
+
+LineProbe::~LineProbe() = default;
+
+void LineProbe::bound_by(const InterfaceDescription& wanted, bool simulated) {
+  const Duration bound = smallest_bound(wanted);
+  if (bound <= Duration{}) return;
+  watch_.emplace(bound);
+  on_degraded_ = wanted.quality.on_degraded;
+  simulated_ = simulated;
+  const MutexLock lock(mutex_);
+  state_.bound = bound;
+}
+
+void LineProbe::on_tick(TimePoint now) {
+  if (!watch_) return;
+  const TimePoint judged = clock_.advance(now);
+  if (ping_ && ping_->terminal()) take_answer(judged);
+  note(watch_->look(judged));
+  if (watch_->probe_due(judged) && !session_.lost() && !session_.unreachable()) send(judged);
+}
+
+void LineProbe::send(TimePoint now) {
+  // Without a session, the ping does not keep the session of a destroyed proxy alive.
+  auto ping = std::make_shared<PendingCommand>(nullptr, GecosObjectInterface::ping);
+  ping->observe();
+  ping->timed = true;
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Call;
+  header.code = GecosObjectInterface::ping.code;
+  sent_ = session_.runtime().clock().now();
+  CallSender& calls = session_.calls();
+  if (!calls.send(
+          header, calls.most_open(true), 0, [](wire::Encoder&) {}, ping, nullptr)) {
+    return watch_->failed(now);
+  }
+  pings_.fetch_add(1, std::memory_order_relaxed);
+  ping_ = std::move(ping);
+  watch_->sent(now);
+  session_.reader().add_watcher();
+}
+
+void LineProbe::take_answer(TimePoint now) {
+  session_.reader().remove_watcher();
+  const auto ping = std::move(ping_);
+  if (ping->progress().detail != Detail::Done) return watch_->failed(now);
+  note(watch_->answered(ping->answered - sent_, now));
+}
+
+void LineProbe::note(qos::LatencyWatch::Change change) {
+  std::string text;
+  {
+    const MutexLock lock(mutex_);
+    state_.round_trip = watch_->round_trip();
+    if (change == qos::LatencyWatch::Change::None) return;
+    state_.degraded = watch_->degraded();
+    ++state_.changes;
+    text = session_.object_name() + " over " + state_.medium + ": the round trip took " +
+           in_milliseconds(*state_.round_trip) +
+           (state_.degraded ? ", for a second longer than latency=" : ", again within latency=") +
+           in_milliseconds(state_.bound);
+  }
+  changed_.notify_all();
+  log(simulated_ ? LogLevel::Info : LogLevel::Warning, "client", text);
+  if (change == qos::LatencyWatch::Change::Degraded && on_degraded_ == qos::OnDegraded::Fail) {
+    session_.fail_degraded(text);
+  }
+}
+
+LineState LineProbe::state() const {
+  const MutexLock lock(mutex_);
+  return state_;
+}
+
+LineState LineProbe::await_change(std::uint64_t changes, TimePoint deadline) const {
+  // Nothing notifies this object of the end of the session, so it is looked for.
+  constexpr Duration between_looks = std::chrono::milliseconds(100);
+  MutexLock lock(mutex_);
+  while (state_.changes <= changes && !session_.lost() && !session_.closed()) {
+    const TimePoint now = std::chrono::steady_clock::now();
+    if (now >= deadline) break;
+    changed_.wait_until(lock, std::min(deadline, now + between_looks));
+  }
+  return state_;
+}
+
+}  // namespace gecos::session

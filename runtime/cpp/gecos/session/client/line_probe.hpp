@@ -1,0 +1,61 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "gecos/base/mutex.hpp"
+#include "gecos/object.hpp"
+#include "gecos/qos/latency_watch.hpp"
+#include "gecos/session/protocol/suspend_aware_clock.hpp"
+
+namespace gecos::session {
+
+class ClientConnection;
+class PendingCommand;
+
+/// Measures the round trip of one session by pings, if its interface bounds it, and does what
+/// `on_degraded` says when the bound is exceeded. A session without a bound sends no pings.
+/// Thread-safe, except where said.
+class LineProbe {
+ public:
+  explicit LineProbe(ClientConnection& session);
+  ~LineProbe();
+  LineProbe(const LineProbe&) = delete;
+  LineProbe& operator=(const LineProbe&) = delete;
+
+  /// Takes the bound of `wanted`: the smallest latency that the interface or a member demands in
+  /// real time. `simulated`: whether the object is a simulated device, whose delays move nothing:
+  /// they are no warnings in the log. Must be called before other threads know the session.
+  void bound_by(const InterfaceDescription& wanted, bool simulated);
+  /// Called by the maintenance thread.
+  void on_tick(TimePoint now);
+  LineState state() const;
+  /// Waits until the state has changed more than `changes` times, the session is lost or closed, or
+  /// `deadline` has passed.
+  LineState await_change(std::uint64_t changes, TimePoint deadline) const;
+  /// Returns the number of pings, which are no calls of the program.
+  std::uint64_t pings() const { return pings_.load(std::memory_order_relaxed); }
+
+ private:
+  void send(TimePoint now);
+  void take_answer(TimePoint now);
+  void note(qos::LatencyWatch::Change change);
+
+  ClientConnection& session_;
+  // Used by the maintenance thread, after bound_by().
+  std::optional<qos::LatencyWatch> watch_;
+  qos::OnDegraded on_degraded_ = qos::OnDegraded::Event;
+  bool simulated_ = false;
+  SuspendAwareClock clock_;
+  std::shared_ptr<PendingCommand> ping_;  ///< under way
+  TimePoint sent_{};
+  std::atomic<std::uint64_t> pings_{0};  // publishes only itself
+
+  mutable Mutex mutex_;
+  mutable ConditionVariable changed_;
+  LineState state_ GECOS_GUARDED_BY(mutex_);
+};
+
+}  // namespace gecos::session

@@ -1,0 +1,63 @@
+"""The connection of a proxy, measured while the program runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from gecos.proxy import Object
+
+
+@dataclass(frozen=True, slots=True)
+class LineState:
+    """The state of the connection of a proxy."""
+
+    medium: str
+    bound: float  # s, longest round trip that the interface allows; 0: none, nothing is measured
+    round_trip: float | None  # s, as measured last
+    degraded: bool  # the round trip has exceeded the bound for a second
+    changes: int  # how often `degraded` has changed
+
+
+def line_state(robot: Object) -> LineState:
+    """Returns the state of the connection of `robot`. Does not wait."""
+    return LineState(*robot._gecos_session.line())
+
+
+class LineWatch:
+    """Reports when the connection of `robot` becomes degraded, and when it recovers, from now on.
+    It is degraded while its round trip exceeds the smallest `latency` that the interface of the
+    proxy or a member of it demands, with the class SOFT_REALTIME or HARD_REALTIME. A single slow
+    answer is no change: every answer of one second must tell the same.
+
+    Iterating waits for each change, and ends when the session is lost or closed. Only one thread
+    reads at a time.
+    """
+
+    def __init__(self, robot: Object) -> None:
+        self._session = robot._gecos_session
+        self._name = robot._gecos_session.object_name
+        self._changes = line_state(robot).changes
+
+    def next(self, timeout: float | None = None) -> LineState:
+        """Returns the state after the next change; after the last of them if several came. Raises
+        TimeoutError after `timeout` seconds without one, and EOFError if the session is lost or
+        closed."""
+        found = self._session.next_line_change(self._changes, timeout)
+        if isinstance(found, tuple):
+            state = LineState(*found)
+            self._changes = state.changes
+            return state
+        if found:
+            raise TimeoutError(f"the connection of {self._name} did not change within {timeout} s")
+        raise EOFError(f"the session with {self._name} is lost or closed")
+
+    def __iter__(self) -> Iterator[LineState]:
+        while True:
+            try:
+                state = self.next()
+            except EOFError:
+                return
+            yield state
