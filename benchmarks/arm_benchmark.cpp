@@ -14,18 +14,18 @@
 #include <thread>
 #include <vector>
 
-#include "arm/arm_controller.hpp"
 #include "benchmarks/own_directory.hpp"
 #include "benchmarks/rounds.hpp"
-#include "drivers/simulated_driver.hpp"
+#include "devices/arm/arm_controller.hpp"
+#include "devices/drivers/simulated_driver.hpp"
+#include "devices/rx90/rx90_files.hpp"
+#include "devices/support/real_time.hpp"
 #include "gecos/gecos.hpp"
 #include "robcl/arm/spherical_wrist.hpp"
 #include "robcl/motion/following.hpp"
 #include "robcl/motion/planner.hpp"
 #include "robcl/motion/playback.hpp"
 #include "robcl/rx90_client.hpp"
-#include "rx90/rx90_files.hpp"
-#include "support/real_time.hpp"
 
 namespace gecos::benchmarks {
 namespace {
@@ -105,8 +105,8 @@ class ToAndFro final : public robcl::motion::CorrectionSource {
 
 /// How long each of `cycles` cycles takes while `generator` moves the arm; null: the arm stands.
 Times cycles_with(std::shared_ptr<robcl::motion::TrajectoryGenerator> generator, int cycles) {
-  devices::SimulatedDriver driver(front(), {});
-  devices::ArmController controller(rx90(), {.cycle = 0.001}, driver);
+  devices::SimulatedDriver driver(front(), {.period = 0.001});
+  devices::ArmController controller(rx90(), {}, driver);
   controller.step(0.001);
   if (generator) controller.start(std::move(generator));
   Times times;

@@ -29,13 +29,7 @@ HAND_WRITTEN = re.compile(
     r"media(?:/(?:parts|layers|sealed|inproc|shm|lcm|testing))?|"
     r"session/(?:protocol|process|client|server)|broker)|robcl/(frames|arm|motion))/"
 )
-# A header of devices/ is included from there: "arm/arm_device.hpp". The folders that all devices
-# share are modules of their own.
-DEVICE_FOLDERS = {
-    folder.name
-    for folder in (Path(__file__).resolve().parents[1] / "devices").iterdir()
-    if folder.is_dir()
-}
+# The folders that all devices share are modules of their own.
 SHARED_BY_DEVICES = ("drivers", "support", "arm")
 GENERATED = re.compile(r"^(?:[\w]+/)*\w+_(types|json|calls|interface|client|server)\.[hc]pp$")
 
@@ -253,7 +247,7 @@ def module_of_file(path: str) -> str | None:
     if path.startswith("runtime/python/src/"):
         return "binding"
     if path.startswith("devices/"):
-        return module_of_device(path.split("/")[1])
+        return module_of_header(path)
     for root in ("runtime/cpp/", "generated/cpp/"):
         if path.startswith(root):
             return module_of_header(path.removeprefix(root))
@@ -262,6 +256,9 @@ def module_of_file(path: str) -> str | None:
 
 def module_of_header(header: str) -> str | None:
     """Module of a header as it is written in an include; None when it is not one of ours."""
+    if header.startswith("devices/"):
+        folder = header.split("/")[1]
+        return f"devices/{folder}" if folder in SHARED_BY_DEVICES else "devices"
     if CONTRACT.match(header):
         return "medium"
     if DESCRIPTION.match(header):
@@ -276,12 +273,7 @@ def module_of_header(header: str) -> str | None:
     generated = GENERATED.match(header)
     if generated:
         return GENERATED_MODULES[generated[1]]
-    folder = header.split("/")[0]
-    return module_of_device(folder) if folder in DEVICE_FOLDERS else None
-
-
-def module_of_device(folder: str) -> str:
-    return f"devices/{folder}" if folder in SHARED_BY_DEVICES else "devices"
+    return None
 
 
 def files(tree: Path) -> Iterator[Path]:

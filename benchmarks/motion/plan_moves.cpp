@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "arm/arm_file.hpp"
+#include "devices/arm/arm_file.hpp"
 #include "motion/moves.hpp"
 #include "robcl/motion/planner.hpp"
 

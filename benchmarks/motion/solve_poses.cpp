@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-#include "arm/arm_file.hpp"
+#include "devices/arm/arm_file.hpp"
 #include "motion/moves.hpp"
 #include "robcl/arm/kinematics.hpp"
 #include "robcl/arm/spherical_wrist.hpp"

@@ -1,4 +1,4 @@
-#include "arm/arm_controller.hpp"
+#include "devices/arm/arm_controller.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +9,7 @@ namespace devices {
 namespace {
 
 constexpr int cycles_at_goal = 3;
+constexpr double longest_period = 0.1;  // s
 // A motion fails if a joint moved by more than this angle, in rad, between planning and start; for
 // example because a brake slipped.
 constexpr double moved_away = 1e-3;
@@ -16,10 +17,10 @@ constexpr double moved_away = 1e-3;
 std::size_t at(Eigen::Index axis) { return static_cast<std::size_t>(axis); }
 
 ControlMode mode_of(const JointDriver::Capabilities& can, const robcl::arm::ArmModel& model) {
-  if (can.axes != model.axes()) {
-    throw std::invalid_argument("wrong driver for this arm: the driver has " +
-                                std::to_string(can.axes) + " joints, but the model of " +
-                                model.name() + " has " + std::to_string(model.axes()));
+  if (!(can.period > 0 && can.period <= longest_period)) {
+    throw std::invalid_argument("the driver of " + model.name() + " has a period of " +
+                                std::to_string(can.period) + " s; give one above 0, up to " +
+                                std::to_string(longest_period) + " s");
   }
   if (can.position) return ControlMode::Position;
   if (can.velocity) return ControlMode::Velocity;
@@ -58,15 +59,13 @@ ArmController::ArmController(const robcl::arm::ArmModel& model, const Settings& 
                              JointDriver& driver)
     : settings_(settings),
       axes_(model.axes()),
+      can_(driver.capabilities()),
       driver_(driver, model.limits()),
-      can_(driver_.capabilities()),
       mode_(mode_of(can_, model)),
       forward_(model),
       loop_{.state = first_state(driver_)},
       reading_(Reading{}) {
   enable();
-  if (auto state = driver_.read()) loop_.state = std::move(*state);
-  loop_.command = loop_.state.position;
   publish();
 }
 
@@ -95,7 +94,7 @@ std::optional<ArmController::Outcome> ArmController::wait(gecos::Duration patien
 
 void ArmController::step(double seconds) {
   beats_.fetch_add(1);
-  const auto cycles = std::max(std::lround(seconds / settings_.cycle), 1L);
+  const auto cycles = std::max(std::lround(seconds / can_.period), 1L);
   const auto missed = static_cast<std::uint64_t>(cycles - 1);
   loop_.last.missed += missed;
   look_after_drives();
@@ -140,10 +139,15 @@ void ArmController::take(tl::expected<JointState, DriverFault> answer, bool moti
 void ArmController::enable() {
   const auto enabled = driver_.enable(mode_);
   loop_.refusal = enabled ? std::string() : enabled.error().text;
+  if (auto state = driver_.read()) {
+    loop_.state = std::move(*state);
+    loop_.silent = false;
+  }
+  loop_.command = loop_.state.position;
 }
 
 void ArmController::look_after_drives() {
-  if (!reset_.load() || !reset_.exchange(false)) return;
+  if (loop_.phase != Phase::Standing || !reset_.load() || !reset_.exchange(false)) return;
   if (const auto reset = driver_.reset(); !reset) {
     loop_.refusal = reset.error().text;
     return;
@@ -165,7 +169,7 @@ void ArmController::begin_motion() {
 }
 
 JointCommand ArmController::command_for(const JointValues& before) const {
-  JointCommand command{loop_.command, (loop_.command - before) / settings_.cycle, {}};
+  JointCommand command{loop_.command, (loop_.command - before) / can_.period, {}};
   if (mode_ == ControlMode::Velocity) {
     command.velocity += settings_.position_gain * (before - loop_.state.position);
   }
@@ -196,7 +200,7 @@ void ArmController::move(std::uint64_t missed) {
   generator_->set_override(override_.load());
   if (stop_.load()) generator_->stop();
   if (missed > most_delayed) generator_->rest();
-  loop_.command = generator_->advance(settings_.cycle);
+  loop_.command = generator_->advance(can_.period);
   loop_.last.fraction = generator_->fraction();
   loop_.last.remaining = generator_->remaining();
   if (!generator_->standing()) return;

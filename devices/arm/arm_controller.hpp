@@ -8,8 +8,8 @@
 #include <optional>
 #include <semaphore>
 
-#include "arm/latest.hpp"
-#include "drivers/supervised_driver.hpp"
+#include "devices/arm/latest.hpp"
+#include "devices/drivers/supervised_driver.hpp"
 #include "gecos/base/clock.hpp"
 #include "robcl/arm/kinematics.hpp"
 #include "robcl/motion/trajectory_generator.hpp"
@@ -34,7 +34,6 @@ class ArmController {
     double settle_time =
         1;  ///< time in s, after the end of a plan, in which all joints must arrive
     double position_gain = 20;  ///< rad/s per rad of position error, in velocity mode
-    double cycle = 0.004;       ///< s, the period of the control loop
   };
 
   /// The measurements of one cycle.
@@ -62,15 +61,15 @@ class ArmController {
   };
 
   /// Throws std::runtime_error with the driver's message if the driver cannot read the joint
-  /// positions. Throws std::invalid_argument if the driver has only torque mode, or if its number
-  /// of joints differs from the model's.
+  /// positions, or the positions of another number of joints than the model has. Throws
+  /// std::invalid_argument if the driver has only torque mode, or no period.
   ArmController(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
   /// Turns the drives off, so that the brakes hold the arm.
   ~ArmController();
   ArmController(const ArmController&) = delete;
   ArmController& operator=(const ArmController&) = delete;
 
-  /// Runs one control cycle. `seconds` is the time since the last one: Settings::cycle, or a
+  /// Runs one control cycle. `seconds` is the time since the last one: `cycle()`, or a
   /// multiple of it after missed cycles.
   ///
   /// A missed cycle delays the motion by one cycle, so that no command moves a joint further than a
@@ -79,7 +78,8 @@ class ArmController {
   void step(double seconds);
   static constexpr std::uint64_t most_delayed = 5;
 
-  /// Makes the next control cycle clear a fault of the drives and enable the drives again.
+  /// Makes the next control cycle in which no motion runs clear a fault of the drives and enable
+  /// the drives again.
   void reset_drives() { reset_.store(true); }
   /// Returns the number of control cycles that have started. The number does not rise while a call
   /// of the driver blocks.
@@ -104,7 +104,7 @@ class ArmController {
   /// Returns the set points that the joints hold while no motion runs. They are the end of the last
   /// motion or, after a fault of the driver, the measured joint positions.
   JointValues standing_at() const;
-  double cycle() const { return settings_.cycle; }
+  double cycle() const { return can_.period; }  ///< s
   Reading now() const { return reading_.read(); }
 
  private:
@@ -124,8 +124,8 @@ class ArmController {
 
   const Settings settings_;
   const Eigen::Index axes_;
-  SupervisedDriver driver_;
   const JointDriver::Capabilities can_;
+  SupervisedDriver driver_;
   const ControlMode mode_;
   robcl::arm::Kinematics forward_;
 

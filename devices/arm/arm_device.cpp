@@ -1,9 +1,8 @@
-#include "arm/arm_device.hpp"
+#include "devices/arm/arm_device.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <sstream>
-#include <stdexcept>
 #include <utility>
 
 namespace devices {
@@ -147,8 +146,8 @@ tl::expected<void, MoveFailure> ArmDevice::move(
   return motion_.move({make, goes_over}, watcher);
 }
 
-tl::expected<void, MoveFailure> ArmDevice::move_to(const JointValues& target, const Pace& pace,
-                                                   MotionWatcher& watcher, bool goes_over) {
+tl::expected<void, MoveFailure> ArmDevice::move_joints(const JointValues& target, const Pace& pace,
+                                                       MotionWatcher& watcher, bool goes_over) {
   if (auto problem = robcl::motion::problem_of(pace)) return tl::unexpected(Refused{*problem});
   const auto make = [&](Planner& planner, const JointValues& from) {
     return made(planner.joint_move(from, target, pace, tool_offset()));
@@ -170,15 +169,6 @@ tl::expected<void, MoveFailure> ArmDevice::follow(
   const bool stopped = !ended && std::holds_alternative<Interrupted>(ended.error());
   if (stopped && following && following->expired()) return tl::unexpected(CorrectionsStopped{});
   return ended;
-}
-
-SixAxisDevice::SixAxisDevice(const robcl::arm::ArmModel& model, const Settings& settings,
-                             JointDriver& driver)
-    : ArmDevice(model, settings, driver) {
-  if (model.axes() != 6) {
-    throw std::invalid_argument(model.name() + " has " + std::to_string(model.axes()) +
-                                " axes, but a six-axis arm needs six");
-  }
 }
 
 }  // namespace devices

@@ -4,8 +4,8 @@
 #include <memory>
 #include <optional>
 
-#include "arm/arm_controller.hpp"
-#include "arm/arm_motion.hpp"
+#include "devices/arm/arm_controller.hpp"
+#include "devices/arm/arm_motion.hpp"
 #include "gecos/base/mutex.hpp"
 #include "robcl/frames/frame.hpp"
 #include "robcl/motion/following.hpp"
@@ -61,7 +61,8 @@ class ArmDevice {
   const robcl::arm::ArmModel& model() const { return model_; }
 
   /// Requests that the control loop clears a fault of the drives and enables the drives again.
-  /// Returns at once. Until the reset is done, each motion fails with the text of the fault.
+  /// Returns at once. A motion that is requested afterwards begins after the reset. It fails if the
+  /// drives are not On by then: with the text of the fault, or because they still turn on.
   void reset_drives() { controller_.reset_drives(); }
 
   /// Sets the frame of the arm's base in the world. Fails while the arm moves.
@@ -78,6 +79,12 @@ class ArmDevice {
       MotionWatcher& watcher, const std::optional<robcl::arm::Configuration>& wanted = std::nullopt,
       bool goes_over = false);
 
+  /// Moves all joints to the positions `target`, in rad; the joints arrive at the same time. @pre
+  /// `target` has a finite value for each joint.
+  tl::expected<void, MoveFailure> move_joints(const JointValues& target,
+                                              const robcl::motion::Pace& pace,
+                                              MotionWatcher& watcher, bool goes_over = false);
+
   /// Moves the tool by the corrections of `source`, until it fails: with Interrupted when `watcher`
   /// interrupts it, or with CorrectionsStopped. The speeds and accelerations of `limits` are
   /// lowered to the arm's own. A control loop that stalls may use `source` also later.
@@ -85,11 +92,6 @@ class ArmDevice {
                                          robcl::motion::FollowLimits limits,
                                          std::shared_ptr<robcl::motion::CorrectionSource> source,
                                          MotionWatcher& watcher);
-
- protected:
-  tl::expected<void, MoveFailure> move_to(const JointValues& target,
-                                          const robcl::motion::Pace& pace, MotionWatcher& watcher,
-                                          bool goes_over);
 
  private:
   const robcl::arm::ArmModel model_;
@@ -103,21 +105,6 @@ class ArmDevice {
   Frame flange_from_tool_ GECOS_GUARDED_BY(reading_);
   const std::unique_ptr<robcl::arm::InverseKinematics> postures_ GECOS_POINTER_GUARDED_BY(reading_);
   const bool has_configurations_;
-};
-
-/// An arm with six joints. A caller may command the positions of the joints.
-class SixAxisDevice : public ArmDevice {
- public:
-  /// Throws std::invalid_argument unless the model has six axes.
-  SixAxisDevice(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
-
-  /// Moves all joints to the positions `target`, in rad; the joints arrive at the same time. @pre
-  /// `target` has six values.
-  tl::expected<void, MoveFailure> move_joints(const JointValues& target,
-                                              const robcl::motion::Pace& pace,
-                                              MotionWatcher& watcher, bool goes_over = false) {
-    return move_to(target, pace, watcher, goes_over);
-  }
 };
 
 }  // namespace devices

@@ -1,4 +1,4 @@
-#include "arm/arm_file.hpp"
+#include "devices/arm/arm_file.hpp"
 
 #define TOML_EXCEPTIONS 0
 #include <toml++/toml.h>

@@ -1,4 +1,4 @@
-#include "arm/arm_motion.hpp"
+#include "devices/arm/arm_motion.hpp"
 
 #include <algorithm>
 #include <chrono>

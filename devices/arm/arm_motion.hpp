@@ -7,9 +7,9 @@
 #include <memory>
 #include <optional>
 
-#include "arm/arm_controller.hpp"
-#include "arm/motion_watcher.hpp"
-#include "arm/move_failure.hpp"
+#include "devices/arm/arm_controller.hpp"
+#include "devices/arm/motion_watcher.hpp"
+#include "devices/arm/move_failure.hpp"
 #include "gecos/base/mutex.hpp"
 #include "robcl/motion/move_chain.hpp"
 #include "robcl/motion/planner.hpp"

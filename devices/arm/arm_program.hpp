@@ -1,41 +1,47 @@
-// The code of the server programs for arms. All arms use this code.
+// The `main` of a program that serves an arm.
 #pragma once
 
+#include <concepts>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
-#include "arm/arm_file.hpp"
-#include "arm/six_axis_servant.hpp"
+#include "devices/arm/arm_file.hpp"
+#include "devices/arm/six_axis_servant.hpp"
 
 namespace devices {
 
-/// The settings in which the program of one six-axis arm differs from the programs of other arms.
+/// The settings in which the program of one arm differs from the programs of other arms.
 struct ArmProgram {
   std::string program;  ///< name of the program, for example "robcl-rx90"
-  ArmFiles files;       ///< the description of the arm
-  /// Makes the driver of the real joints. If this function is empty, the program simulates the
-  /// joints.
-  std::function<std::unique_ptr<JointDriver>()> connect{};
+  /// The description of the arm. Without it, the first argument of the program is the TOML file of
+  /// the arm.
+  std::optional<ArmFiles> files{};
+  /// Makes the driver of the real joints of `arm`. If this function is empty, the program simulates
+  /// the joints. What it throws ends the program with the text of the exception.
+  std::function<std::unique_ptr<JointDriver>(const ArmDescription& arm)> connect{};
 };
 
-using MakeServant = std::function<std::unique_ptr<SixAxisServant>(SixAxisDevice&, std::string)>;
+/// Makes the servant of an arm. `place`: see ManipulatorServant.
+using MakeServant =
+    std::function<std::unique_ptr<ManipulatorServant>(ArmDevice& arm, std::string place)>;
 
 /// Serves the arm until the program gets SIGINT or SIGTERM. Returns the program's exit status.
-int serve_arm(const ArmProgram& arm, const MakeServant& make_servant, int count, char** words);
+int serve_arm(const ArmProgram& program, const MakeServant& make_servant, int count, char** words);
 
-/// Serves an arm whose interface adds no operation to SixAxis. `Skeleton` is the generated servant
-/// class of that interface.
-template <class Skeleton>
-int serve_arm(const ArmProgram& arm, int count, char** words) {
-  const MakeServant make = [](SixAxisDevice& device, std::string place) {
-    return std::make_unique<ExactArm<Skeleton>>(device, std::move(place));
+/// Serves an arm without an interface of its own: as SixAxis if it has six joints, otherwise as
+/// Manipulator.
+int serve_arm(const ArmProgram& program, int count, char** words);
+
+/// Serves an arm with an interface of its own, which `Servant` implements.
+template <std::derived_from<ManipulatorServant> Servant>
+int serve_arm(const ArmProgram& program, int count, char** words) {
+  const MakeServant make = [](ArmDevice& arm, std::string place) {
+    return std::make_unique<Servant>(arm, std::move(place));
   };
-  return serve_arm(arm, make, count, words);
+  return serve_arm(program, make, count, words);
 }
-
-/// The program robcl-arm: serves the arm of the TOML file that its first argument names, with
-/// simulated joints. An arm of six joints has the interface SixAxis, any other one Manipulator.
-int serve_arm_of_file(int count, char** words);
 
 }  // namespace devices

@@ -1,8 +1,8 @@
-#include "arm/follow_call.hpp"
+#include "devices/arm/follow_call.hpp"
 
 #include <limits>
 
-#include "arm/motion_call.hpp"
+#include "devices/arm/motion_call.hpp"
 
 namespace devices {
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "arm/arm_device.hpp"
-#include "arm/latest.hpp"
+#include "devices/arm/arm_device.hpp"
+#include "devices/arm/latest.hpp"
 #include "gecos/servant.hpp"
 #include "robcl/manipulator_types.hpp"
 

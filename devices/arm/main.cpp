@@ -1,4 +1,4 @@
 // The program robcl-arm: serves the arm that a TOML file and a URDF file describe.
-#include "arm/arm_program.hpp"
+#include "devices/arm/arm_program.hpp"
 
-int main(int count, char** words) { return devices::serve_arm_of_file(count, words); }
+int main(int count, char** words) { return devices::serve_arm({"robcl-arm"}, count, words); }

@@ -1,8 +1,8 @@
-#include "arm/manipulator_servant.hpp"
+#include "devices/arm/manipulator_servant.hpp"
 
 #include <utility>
 
-#include "arm/motion_call.hpp"
+#include "devices/arm/motion_call.hpp"
 
 namespace devices {
 

@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "arm/arm_device.hpp"
-#include "arm/follow_call.hpp"
-#include "arm/next_configuration.hpp"
+#include "devices/arm/arm_device.hpp"
+#include "devices/arm/follow_call.hpp"
+#include "devices/arm/next_configuration.hpp"
 #include "gecos/base/mutex.hpp"
 #include "robcl/manipulator_server.hpp"
 
@@ -12,8 +12,8 @@ namespace devices {
 
 /// Implements the operations of the interface `robcl::Manipulator` with an ArmDevice. Thread-safe.
 ///
-/// The servant of a particular arm derives from this class and from the generated servant class of
-/// that arm's interface (see ExactArm).
+/// The servant of an arm with an interface of its own derives from the generated servant class of
+/// that interface, and from this class or SixAxisServant. It implements what the interface adds.
 class ManipulatorServant : public virtual robcl::ManipulatorServant {
  public:
   /// `place` says where the arm stands, for example "an RX90 weighs 111 kg and stands on the
@@ -30,6 +30,8 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
 
  protected:
   using Progress = gecos::Execution<robcl::MotionProgress>;
+
+  ArmDevice& arm() { return arm_; }
 
   /// Sends the measurements of `sample` on the streams of the interface Manipulator. The servant of
   /// an interface that has more streams must override this method; the new method must also call

@@ -1,4 +1,4 @@
-#include "arm/motion_call.hpp"
+#include "devices/arm/motion_call.hpp"
 
 #include <variant>
 

@@ -2,7 +2,7 @@
 // the handler.
 #pragma once
 
-#include "arm/arm_device.hpp"
+#include "devices/arm/arm_device.hpp"
 #include "gecos/servant.hpp"
 #include "robcl/manipulator_types.hpp"
 

@@ -1,4 +1,4 @@
-#include "arm/move_failure.hpp"
+#include "devices/arm/move_failure.hpp"
 
 namespace devices {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <variant>
 
-#include "drivers/joint_driver.hpp"
+#include "devices/drivers/joint_driver.hpp"
 #include "robcl/arm/failure.hpp"
 
 namespace devices {

@@ -1,6 +1,9 @@
-#include "arm/six_axis_servant.hpp"
+#include "devices/arm/six_axis_servant.hpp"
 
-#include "arm/motion_call.hpp"
+#include <stdexcept>
+#include <utility>
+
+#include "devices/arm/motion_call.hpp"
 
 namespace devices {
 namespace {
@@ -23,16 +26,24 @@ JointValues from_wire(const robcl::Joints& joints) {
 
 }  // namespace
 
+SixAxisServant::SixAxisServant(ArmDevice& arm, std::string place)
+    : ManipulatorServant(arm, std::move(place)) {
+  const robcl::arm::ArmModel& model = arm.model();
+  if (model.axes() == 6) return;
+  throw std::invalid_argument("an arm with the interface SixAxis has six joints, but " +
+                              model.name() + " has " + std::to_string(model.axes()));
+}
+
 void SixAxisServant::publish_sample(const ArmDevice::Sample& sample) {
   ManipulatorServant::publish_sample(sample);
   publish_joints(on_wire(sample.joints), sample.measured_at_ns);
   publish_commanded_joints(on_wire(sample.commanded), sample.measured_at_ns);
 }
 
-gecos::Result<robcl::Joints> SixAxisServant::joints() { return on_wire(arm_.sample().joints); }
+gecos::Result<robcl::Joints> SixAxisServant::joints() { return on_wire(arm().sample().joints); }
 
 gecos::Result<robcl::Joints> SixAxisServant::commanded_joints() {
-  return on_wire(arm_.sample().commanded);
+  return on_wire(arm().sample().commanded);
 }
 
 gecos::Result<void> SixAxisServant::move_joints(const robcl::Joints& target,
@@ -44,7 +55,7 @@ gecos::Result<void> SixAxisServant::move_joints(const robcl::Joints& target,
   }
   const robcl::Trajectory trajectory = how.value_or(robcl::Trajectory{});
   CallWatcher watcher(run);
-  return answer(arm_.move_joints(joints, pace_of(trajectory), watcher, goes_over(trajectory)));
+  return answer(arm().move_joints(joints, pace_of(trajectory), watcher, goes_over(trajectory)));
 }
 
 }  // namespace devices

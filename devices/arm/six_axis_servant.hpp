@@ -1,18 +1,18 @@
 #pragma once
 
 #include <string>
-#include <utility>
 
-#include "arm/manipulator_servant.hpp"
+#include "devices/arm/manipulator_servant.hpp"
 #include "robcl/six_axis_server.hpp"
 
 namespace devices {
 
-/// Implements the operations of the interface `robcl::SixAxis` with a SixAxisDevice. Thread-safe.
+/// Implements the operations of the interface `robcl::SixAxis` with an ArmDevice of six joints.
+/// Thread-safe.
 class SixAxisServant : public virtual robcl::SixAxisServant, public ManipulatorServant {
  public:
-  SixAxisServant(SixAxisDevice& arm, std::string place)
-      : ManipulatorServant(arm, std::move(place)), arm_(arm) {}
+  /// Throws std::invalid_argument if the arm has another number of joints.
+  SixAxisServant(ArmDevice& arm, std::string place);
 
  protected:
   using Progress = ManipulatorServant::Progress;
@@ -24,17 +24,6 @@ class SixAxisServant : public virtual robcl::SixAxisServant, public ManipulatorS
   gecos::Result<void> move_joints(const robcl::Joints& target,
                                   const std::optional<robcl::Trajectory>& how,
                                   Progress& run) override;
-
- private:
-  SixAxisDevice& arm_;
-};
-
-/// The servant of an arm whose interface adds no operation to SixAxis. `Skeleton` is the generated
-/// servant class of that interface. Derive from ExactArm to implement additional operations.
-template <class Skeleton>
-class ExactArm : public Skeleton, public SixAxisServant {
- public:
-  using SixAxisServant::SixAxisServant;
 };
 
 }  // namespace devices

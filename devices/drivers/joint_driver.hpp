@@ -28,7 +28,7 @@ enum class DrivePower {
   Fault,      ///< no torque; the brakes hold until `reset` is called
 };
 
-/// State of the joints' brakes. Joints without brakes always have the state Released.
+/// State of the joints' brakes. Joints without brakes are always Released.
 enum class Brakes { Engaged, Released };
 
 /// The set points that the joints follow until the next command.
@@ -41,50 +41,50 @@ struct JointCommand {
 /// Measurements and state of the drives.
 struct JointState {
   DrivePower power = DrivePower::Off;
-  Brakes brakes = Brakes::Engaged;
+  Brakes brakes = Brakes::Released;
   ControlMode mode = ControlMode::Position;  ///< valid once the drives were enabled
-  JointValues position;                      ///< rad
-  JointValues velocity;                      ///< rad/s; empty: not measured
-  JointValues torque;                        ///< N·m; empty: not measured
-  std::int64_t measured_at_ns = 0;           ///< time of this host's Unix clock
-  std::string fault;                         ///< text for people if power is Fault
+  JointValues position{};                    ///< rad
+  JointValues velocity{};                    ///< rad/s; empty: not measured
+  JointValues torque{};                      ///< N·m; empty: not measured
+  std::int64_t measured_at_ns = 0;  ///< time of this host's Unix clock; 0: when `read` returned
+  std::string fault{};              ///< text for people if power is Fault
 };
 
 /// The driver of the joints of one arm. Only one thread at a time may use a driver.
 ///
-/// Each function must return within a fraction of the control cycle. Longer work, such as releasing
-/// the brakes, must continue in the background while `exchange` reports TurningOn. If a driver
-/// fails, throws or returns impossible values, the motion ends with a fault (see SupervisedDriver).
+/// The control loop calls `write` and then `read` once per cycle. Each function must return within
+/// a fraction of the cycle. Longer work, such as releasing the brakes, must continue in the
+/// background while `read` reports TurningOn. If a driver fails, throws or returns impossible
+/// values, the motion ends with a fault (see SupervisedDriver).
 class JointDriver {
  public:
   struct Capabilities {
-    Eigen::Index axes = 0;
-    bool position = false, velocity = false, torque = false;  ///< supported control modes
-    /// Time in s without a call of `exchange` after which the drives stop by themselves. If the
+    bool position = true, velocity = false, torque = false;  ///< supported control modes
+    double period = 0.004;                                   ///< s, of the control loop
+    /// Time in s without a call of `write` after which the drives stop by themselves. If the
     /// control loop stalls for longer than this time, the motion fails.
     double longest_gap = std::numeric_limits<double>::infinity();
   };
 
   virtual ~JointDriver() = default;
 
-  virtual Capabilities capabilities() const = 0;
+  virtual Capabilities capabilities() const { return {}; }
 
-  /// Reads the measured state of the joints. Sends no command to the drives.
+  /// Returns the measured state of the joints. Sends no command to the drives. Allocates memory
+  /// only when it fails.
   virtual tl::expected<JointState, DriverFault> read() = 0;
-  /// Turns the drives on in the control mode `mode` and releases the brakes. The joints stay where
-  /// they are until the first call of `exchange` at which the drives are On. Fails if the drives do
-  /// not have this mode, or if they have a fault that `reset` has not cleared.
+  /// Takes the command for the next `seconds`. Ignores it unless the drives are On. Allocates
+  /// memory only when it fails.
+  virtual tl::expected<void, DriverFault> write(const JointCommand& command, double seconds) = 0;
+
+  /// Turns the drives on in the control mode `mode`, one of `capabilities`, and releases the
+  /// brakes. The joints stay where they are until the first call of `write` at which the drives are
+  /// On. Fails if the drives have a fault that `reset` has not cleared.
   virtual tl::expected<void, DriverFault> enable(ControlMode mode) = 0;
   /// Stops the joints, engages the brakes and turns the drives off.
   virtual tl::expected<void, DriverFault> disable() = 0;
   /// Clears a fault of the drives after its cause has disappeared. The drives are then Off.
   virtual tl::expected<void, DriverFault> reset() = 0;
-
-  /// Takes the command for the next `seconds` and returns measurements. The control loop calls this
-  /// function once per cycle. Ignores the command unless the drives are On. Allocates memory only
-  /// when it fails.
-  virtual tl::expected<JointState, DriverFault> exchange(const JointCommand& command,
-                                                         double seconds) = 0;
 };
 
 }  // namespace devices

@@ -1,19 +1,10 @@
-#include "drivers/simulated_driver.hpp"
+#include "devices/drivers/simulated_driver.hpp"
 
-#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 namespace devices {
-namespace {
-
-std::int64_t unix_ns() {
-  const auto since = std::chrono::system_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(since).count();
-}
-
-}  // namespace
 
 SimulatedDriver::SimulatedDriver(const JointValues& start, const Imperfection& imperfection)
     : imperfection_(imperfection),
@@ -21,10 +12,6 @@ SimulatedDriver::SimulatedDriver(const JointValues& start, const Imperfection& i
       speed_(JointValues::Zero(start.size())),
       random_(imperfection.seed),
       noise_(0, imperfection.noise) {}
-
-JointDriver::Capabilities SimulatedDriver::capabilities() const {
-  return {.axes = actual_.size(), .position = true, .velocity = true};
-}
 
 JointValues SimulatedDriver::measured() {
   const double count = 2 * std::numbers::pi / imperfection_.encoder_counts;
@@ -42,7 +29,6 @@ JointState SimulatedDriver::state() {
   state.mode = mode_;
   state.position = measured();
   state.velocity = speed_;
-  state.measured_at_ns = unix_ns();
   if (power_ == DrivePower::Fault) state.fault = fault_;
   return state;
 }
@@ -76,20 +62,19 @@ void SimulatedDriver::break_down(std::string fault) {
   speed_.setZero();
 }
 
-tl::expected<JointState, DriverFault> SimulatedDriver::exchange(const JointCommand& command,
-                                                                double seconds) {
-  if (power_ == DrivePower::On) {
-    const double done = 1 - std::exp(-seconds / imperfection_.lag);
-    const JointValues before = actual_;
-    if (mode_ == ControlMode::Position) {
-      actual_ += done * (command.position - actual_);
-      speed_ = (actual_ - before) / seconds;
-    } else {
-      speed_ += done * (command.velocity - speed_);
-      actual_ += seconds * speed_;
-    }
+tl::expected<void, DriverFault> SimulatedDriver::write(const JointCommand& command,
+                                                       double seconds) {
+  if (power_ != DrivePower::On) return {};
+  const double done = 1 - std::exp(-seconds / imperfection_.lag);
+  const JointValues before = actual_;
+  if (mode_ == ControlMode::Position) {
+    actual_ += done * (command.position - actual_);
+    speed_ = (actual_ - before) / seconds;
+  } else {
+    speed_ += done * (command.velocity - speed_);
+    actual_ += seconds * speed_;
   }
-  return state();
+  return {};
 }
 
 }  // namespace devices

@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "drivers/joint_driver.hpp"
+#include "devices/drivers/joint_driver.hpp"
 
 namespace devices {
 
@@ -16,17 +16,19 @@ class SimulatedDriver final : public JointDriver {
     double encoder_counts = 262'144;  ///< counts per turn
     double noise = 0.4;               ///< standard deviation, counts
     unsigned seed = 1;
+    double period = 0.004;  ///< s, of the control loop
   };
 
   SimulatedDriver(const JointValues& start, const Imperfection& imperfection);
 
-  Capabilities capabilities() const override;
+  Capabilities capabilities() const override {
+    return {.velocity = true, .period = imperfection_.period};
+  }
   tl::expected<JointState, DriverFault> read() override { return state(); }
+  tl::expected<void, DriverFault> write(const JointCommand& command, double seconds) override;
   tl::expected<void, DriverFault> enable(ControlMode mode) override;
   tl::expected<void, DriverFault> disable() override;
   tl::expected<void, DriverFault> reset() override;
-  tl::expected<JointState, DriverFault> exchange(const JointCommand& command,
-                                                 double seconds) override;
 
   /// Returns the positions of the joints in rad, as the encoders measure them now.
   JointValues measured();

@@ -1,4 +1,4 @@
-#include "drivers/supervised_driver.hpp"
+#include "devices/drivers/supervised_driver.hpp"
 
 #include <chrono>
 #include <cmath>
@@ -25,8 +25,9 @@ auto caught(Ask ask) -> decltype(ask()) {
   }
 }
 
-double unix_now() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+std::int64_t unix_ns() {
+  const auto since = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(since).count();
 }
 
 template <typename... Parts>
@@ -45,7 +46,7 @@ bool fits(const JointValues& values, Eigen::Index axes) {
 
 tl::expected<JointState, DriverFault> SupervisedDriver::read() {
   last_.resize(0);
-  return judged(caught([&] { return driver_.read(); }), 0);
+  return read_judged(0);
 }
 
 tl::expected<void, DriverFault> SupervisedDriver::enable(ControlMode mode) {
@@ -62,12 +63,17 @@ tl::expected<void, DriverFault> SupervisedDriver::reset() {
 
 tl::expected<JointState, DriverFault> SupervisedDriver::exchange(const JointCommand& command,
                                                                  double seconds) {
-  return judged(caught([&] { return driver_.exchange(command, seconds); }), seconds);
+  if (const auto written = caught([&] { return driver_.write(command, seconds); }); !written) {
+    last_.resize(0);
+    return tl::unexpected(written.error());
+  }
+  return read_judged(seconds);
 }
 
-tl::expected<JointState, DriverFault> SupervisedDriver::judged(
-    tl::expected<JointState, DriverFault> answer, double seconds) {
+tl::expected<JointState, DriverFault> SupervisedDriver::read_judged(double seconds) {
+  auto answer = caught([&] { return driver_.read(); });
   if (answer) {
+    if (answer->measured_at_ns == 0) answer->measured_at_ns = unix_ns();
     if (auto lie = lie_of(*answer, seconds)) answer = tl::unexpected(std::move(*lie));
   }
   if (answer) {
@@ -91,7 +97,7 @@ std::optional<DriverFault> SupervisedDriver::lie_of(const JointState& state, dou
   if (state.torque.size() > 0 && !fits(state.torque, axes)) {
     return lie("the joint torques are not ", axes, " finite numbers");
   }
-  const double age = unix_now() - 1e-9 * static_cast<double>(state.measured_at_ns);
+  const double age = 1e-9 * static_cast<double>(unix_ns() - state.measured_at_ns);
   if (age > oldest) return lie("the measurement is ", age, " s old");
   if (age < -oldest) return lie("the time of the measurement is ", -age, " s in the future");
   return jump_of(state.position, seconds);

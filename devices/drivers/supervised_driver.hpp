@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "drivers/joint_driver.hpp"
+#include "devices/drivers/joint_driver.hpp"
 
 namespace devices {
 
@@ -12,7 +12,7 @@ namespace devices {
 /// when the other driver throws an exception or gives an impossible answer: a number that is NaN or
 /// infinite, a wrong number of joints, a time stamp that is too old or in the future, or a joint
 /// that moved faster than it can.
-class SupervisedDriver final : public JointDriver {
+class SupervisedDriver {
  public:
   /// Greatest allowed age of a measurement, in s. An older measurement is a fault, and so is a
   /// measurement whose time stamp is more than this time in the future.
@@ -25,19 +25,17 @@ class SupervisedDriver final : public JointDriver {
   SupervisedDriver(JointDriver& driver, std::vector<robcl::arm::JointLimits> limits)
       : driver_(driver), limits_(std::move(limits)) {}
 
-  Capabilities capabilities() const override { return driver_.capabilities(); }
-  tl::expected<JointState, DriverFault> read() override;
-  tl::expected<void, DriverFault> enable(ControlMode mode) override;
-  tl::expected<void, DriverFault> disable() override;
-  tl::expected<void, DriverFault> reset() override;
-  tl::expected<JointState, DriverFault> exchange(const JointCommand& command,
-                                                 double seconds) override;
+  tl::expected<JointState, DriverFault> read();
+  tl::expected<void, DriverFault> enable(ControlMode mode);
+  tl::expected<void, DriverFault> disable();
+  tl::expected<void, DriverFault> reset();
+  /// Writes the command for the next `seconds`, and reads.
+  tl::expected<JointState, DriverFault> exchange(const JointCommand& command, double seconds);
 
  private:
   std::optional<DriverFault> lie_of(const JointState& state, double seconds) const;
   std::optional<DriverFault> jump_of(const JointValues& position, double seconds) const;
-  tl::expected<JointState, DriverFault> judged(tl::expected<JointState, DriverFault> answer,
-                                               double seconds);
+  tl::expected<JointState, DriverFault> read_judged(double seconds);
 
   JointDriver& driver_;
   const std::vector<robcl::arm::JointLimits> limits_;

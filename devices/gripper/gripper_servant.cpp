@@ -1,4 +1,4 @@
-#include "gripper/gripper_servant.hpp"
+#include "devices/gripper/gripper_servant.hpp"
 
 #include <algorithm>
 #include <chrono>

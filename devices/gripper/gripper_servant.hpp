@@ -3,11 +3,11 @@
 #include <optional>
 #include <string>
 
+#include "devices/gripper/simulated_gripper.hpp"
+#include "devices/support/carrier.hpp"
 #include "gecos/reconnecting.hpp"
-#include "gripper/simulated_gripper.hpp"
 #include "robcl/gripper_server.hpp"
 #include "robcl/world_client.hpp"
-#include "support/carrier.hpp"
 
 namespace devices {
 

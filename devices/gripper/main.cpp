@@ -2,10 +2,10 @@
 #include <chrono>
 #include <cstdio>
 
-#include "gripper/gripper_servant.hpp"
-#include "support/command_line.hpp"
-#include "support/device_main.hpp"
-#include "support/periodic.hpp"
+#include "devices/gripper/gripper_servant.hpp"
+#include "devices/support/command_line.hpp"
+#include "devices/support/device_main.hpp"
+#include "devices/support/periodic.hpp"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "gripper/simulated_gripper.hpp"
+#include "devices/gripper/simulated_gripper.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "laser_distance_sensor/lds_servant.hpp"
+#include "devices/laser_distance_sensor/lds_servant.hpp"
 
 #include <utility>
 

@@ -3,11 +3,11 @@
 #include <atomic>
 #include <string>
 
+#include "devices/laser_distance_sensor/simulated_beam.hpp"
+#include "devices/support/carrier.hpp"
 #include "gecos/reconnecting.hpp"
-#include "laser_distance_sensor/simulated_beam.hpp"
 #include "robcl/laser_distance_sensor_server.hpp"
 #include "robcl/world_client.hpp"
-#include "support/carrier.hpp"
 
 namespace devices {
 

@@ -3,9 +3,9 @@
 #include <chrono>
 #include <cstdio>
 
-#include "laser_distance_sensor/lds_servant.hpp"
-#include "support/command_line.hpp"
-#include "support/device_main.hpp"
+#include "devices/laser_distance_sensor/lds_servant.hpp"
+#include "devices/support/command_line.hpp"
+#include "devices/support/device_main.hpp"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "laser_distance_sensor/simulated_beam.hpp"
+#include "devices/laser_distance_sensor/simulated_beam.hpp"
 
 namespace devices {
 

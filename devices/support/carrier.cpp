@@ -1,4 +1,4 @@
-#include "support/carrier.hpp"
+#include "devices/support/carrier.hpp"
 
 #include <chrono>
 #include <utility>

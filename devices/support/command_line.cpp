@@ -1,4 +1,4 @@
-#include "support/command_line.hpp"
+#include "devices/support/command_line.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "support/device_main.hpp"
+#include "devices/support/device_main.hpp"
 
 #include <cstdio>
 #include <exception>
 #include <memory>
 
+#include "devices/support/periodic.hpp"
 #include "gecos/serve.hpp"
-#include "support/periodic.hpp"
 
 namespace devices {
 

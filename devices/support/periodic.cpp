@@ -1,4 +1,4 @@
-#include "support/periodic.hpp"
+#include "devices/support/periodic.hpp"
 
 #include <chrono>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "support/real_time.hpp"
+#include "devices/support/real_time.hpp"
 
 #include <linux/capability.h>
 #include <pthread.h>

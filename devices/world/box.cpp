@@ -1,4 +1,4 @@
-#include "world/box.hpp"
+#include "devices/world/box.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "world/gripper_watch.hpp"
+#include "devices/world/gripper_watch.hpp"
 
 #include <chrono>
 #include <utility>

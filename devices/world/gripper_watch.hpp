@@ -2,10 +2,10 @@
 
 #include <string>
 
+#include "devices/support/carrier.hpp"
+#include "devices/world/simulated_world.hpp"
 #include "gecos/base/mutex.hpp"
 #include "robcl/gripper_client.hpp"
-#include "support/carrier.hpp"
-#include "world/simulated_world.hpp"
 
 namespace devices {
 

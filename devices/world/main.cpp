@@ -5,10 +5,10 @@
 #include <sstream>
 #include <vector>
 
-#include "support/command_line.hpp"
-#include "support/device_main.hpp"
-#include "world/gripper_watch.hpp"
-#include "world/world_servant.hpp"
+#include "devices/support/command_line.hpp"
+#include "devices/support/device_main.hpp"
+#include "devices/world/gripper_watch.hpp"
+#include "devices/world/world_servant.hpp"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "world/simulated_world.hpp"
+#include "devices/world/simulated_world.hpp"
 
 #include <algorithm>
 #include <set>

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
+#include "devices/world/box.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/base/result.hpp"
-#include "world/box.hpp"
 
 namespace devices {
 

@@ -1,4 +1,4 @@
-#include "world/world_servant.hpp"
+#include "devices/world/world_servant.hpp"
 
 #include <utility>
 

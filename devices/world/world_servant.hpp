@@ -2,8 +2,8 @@
 
 #include <functional>
 
+#include "devices/world/simulated_world.hpp"
 #include "robcl/world_server.hpp"
-#include "world/simulated_world.hpp"
 
 namespace devices {
 

@@ -1,5 +1,5 @@
 // What a TOML file says about an arm, and the errors of bad ones.
-#include "arm/arm_file.hpp"
+#include "devices/arm/arm_file.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "devices/rx90/rx90_files.hpp"
 #include "robcl/frames/units.hpp"
-#include "rx90/rx90_files.hpp"
 
 namespace devices {
 namespace {

@@ -1,11 +1,11 @@
 #include <thread>
 
-#include "gripper/gripper_servant.hpp"
+#include "devices/gripper/gripper_servant.hpp"
+#include "devices/world/gripper_watch.hpp"
+#include "devices/world/world_servant.hpp"
 #include "laboratory.hpp"
 #include "robcl/gripper_client.hpp"
 #include "robcl/world_client.hpp"
-#include "world/gripper_watch.hpp"
-#include "world/world_servant.hpp"
 
 namespace devices {
 namespace {

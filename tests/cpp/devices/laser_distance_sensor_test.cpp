@@ -1,7 +1,7 @@
+#include "devices/laser_distance_sensor/lds_servant.hpp"
+#include "devices/world/world_servant.hpp"
 #include "laboratory.hpp"
-#include "laser_distance_sensor/lds_servant.hpp"
 #include "robcl/laser_distance_sensor_client.hpp"
-#include "world/world_servant.hpp"
 
 namespace devices {
 namespace {

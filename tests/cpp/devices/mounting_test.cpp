@@ -1,5 +1,5 @@
+#include "devices/support/carrier.hpp"
 #include "rx90_fixture.hpp"
-#include "support/carrier.hpp"
 
 namespace devices {
 namespace {

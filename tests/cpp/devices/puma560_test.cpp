@@ -1,8 +1,8 @@
 // The servants of all arms, over an arm of another make.
-#include "arm/six_axis_servant.hpp"
-#include "drivers/simulated_driver.hpp"
+#include "devices/arm/six_axis_servant.hpp"
+#include "devices/drivers/simulated_driver.hpp"
+#include "devices/puma560/puma560_files.hpp"
 #include "laboratory.hpp"
-#include "puma560/puma560_files.hpp"
 #include "robcl/frames/units.hpp"
 #include "robcl/puma560_client.hpp"
 #include "robcl/puma560_server.hpp"
@@ -12,6 +12,11 @@ namespace {
 
 using robcl::translate;
 using namespace robcl::literals;
+
+class Puma560Arm final : public robcl::Puma560Servant, public SixAxisServant {
+ public:
+  using devices::SixAxisServant::SixAxisServant;
+};
 
 class Puma560Test : public Laboratory {
  protected:
@@ -30,10 +35,10 @@ class Puma560Test : public Laboratory {
 
   const ArmDescription described_ = parse_arm(puma560_files).value();
   SimulatedDriver driver_{described_.start, {}};
-  SixAxisDevice arm_{described_.model,
-                     {.tool_limits = described_.tool_limits, .tool_offset = described_.tool_offset},
-                     driver_};
-  ExactArm<robcl::Puma560Servant> servant_{arm_, described_.place};
+  ArmDevice arm_{described_.model,
+                 {.tool_limits = described_.tool_limits, .tool_offset = described_.tool_offset},
+                 driver_};
+  Puma560Arm servant_{arm_, described_.place};
   robcl::Manipulator robot_;
 };
 
@@ -59,13 +64,26 @@ TEST_F(Puma560Test, SaysInWhichConfigurationItIsAndLeavesOutWhatASingularityHide
   JointValues straight_wrist = described_.start;
   straight_wrist[4] = 0;
   SimulatedDriver exact(straight_wrist, {.noise = 0});
-  SixAxisDevice arm(arm_.model(), {}, exact);
-  ExactArm<robcl::Puma560Servant> servant(arm, "");
+  ArmDevice arm(arm_.model(), {}, exact);
+  Puma560Arm servant(arm, "");
   serve("STRAIGHT", servant);
   const auto straight = create<robcl::Manipulator>("STRAIGHT").posture().get().value();
   EXPECT_EQ(straight.bend, robcl::Elbow::ABOVE);
   EXPECT_FALSE(straight.hand.has_value()) << straight;
   stop_serving();
+}
+
+TEST(SixAxisServant, RefusesAnArmOfAnotherNumberOfJoints) {
+  const auto described = read_arm(ROBCL_SOURCE_DIR "/devices/arms/iiwa14.toml").value();
+  SimulatedDriver driver(described.start, {});
+  ArmDevice arm(described.model, {}, driver);
+  try {
+    Puma560Arm servant(arm, "");
+    FAIL() << "a six-axis arm of seven joints";
+  } catch (const std::invalid_argument& refused) {
+    EXPECT_STREQ(refused.what(),
+                 "an arm with the interface SixAxis has six joints, but iiwa14 has 7");
+  }
 }
 
 TEST_F(Puma560Test, IsRefusedACarrierInItsOwnWords) {

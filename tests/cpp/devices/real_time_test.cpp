@@ -1,4 +1,4 @@
-#include "support/real_time.hpp"
+#include "devices/support/real_time.hpp"
 
 #include <gtest/gtest.h>
 #include <linux/capability.h>

@@ -1,15 +1,20 @@
 // An RX90 that is served, and whose control loop is the test's.
 #pragma once
 
-#include "arm/six_axis_servant.hpp"
-#include "drivers/simulated_driver.hpp"
+#include "devices/arm/six_axis_servant.hpp"
+#include "devices/drivers/simulated_driver.hpp"
+#include "devices/rx90/rx90_files.hpp"
 #include "laboratory.hpp"
 #include "robcl/frames/units.hpp"
 #include "robcl/rx90_client.hpp"
 #include "robcl/rx90_server.hpp"
-#include "rx90/rx90_files.hpp"
 
 namespace devices {
+
+class Rx90Arm final : public robcl::Rx90Servant, public SixAxisServant {
+ public:
+  using devices::SixAxisServant::SixAxisServant;
+};
 
 class Rx90Laboratory : public Laboratory {
  protected:
@@ -29,10 +34,10 @@ class Rx90Laboratory : public Laboratory {
 
   const ArmDescription described_ = parse_arm(rx90_files).value();
   SimulatedDriver driver_{described_.start, {}};
-  SixAxisDevice arm_{described_.model,
-                     {.tool_limits = described_.tool_limits, .tool_offset = described_.tool_offset},
-                     driver_};
-  ExactArm<robcl::Rx90Servant> servant_{arm_, described_.place};
+  ArmDevice arm_{described_.model,
+                 {.tool_limits = described_.tool_limits, .tool_offset = described_.tool_offset},
+                 driver_};
+  Rx90Arm servant_{arm_, described_.place};
   robcl::Rx90 robot_;
 };
 

@@ -4,8 +4,8 @@
 #include <thread>
 
 #include "../robcl/allocations.hpp"
+#include "devices/support/periodic.hpp"
 #include "rx90_fixture.hpp"
-#include "support/periodic.hpp"
 
 namespace devices {
 namespace {

@@ -1,6 +1,6 @@
+#include "devices/world/world_servant.hpp"
 #include "laboratory.hpp"
 #include "robcl/world_client.hpp"
-#include "world/world_servant.hpp"
 
 namespace devices {
 namespace {

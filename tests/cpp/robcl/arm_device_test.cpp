@@ -1,4 +1,4 @@
-#include "arm/arm_device.hpp"
+#include "devices/arm/arm_device.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 
 #include "allocations.hpp"
 #include "arms.hpp"
-#include "drivers/simulated_driver.hpp"
+#include "devices/drivers/simulated_driver.hpp"
 #include "standing_driver.hpp"
 
 namespace devices {
@@ -71,7 +71,7 @@ class Arm : public ::testing::Test {
   const robcl::arm::ArmModel model_ = rx90();
   SimulatedDriver driver_{ready, {}};
   ArmDevice::Settings settings_{.tool_offset = translate(0, 0, 150_mm)};
-  SixAxisDevice arm_{model_, settings_, driver_};
+  ArmDevice arm_{model_, settings_, driver_};
   Silent silent_;
 };
 
@@ -188,10 +188,10 @@ TEST_F(Arm, ItsControlCycleAllocatesNothing) {
 class RecordingDriver : public StandingDriver {
  public:
   using StandingDriver::StandingDriver;
-  tl::expected<JointState, DriverFault> exchange(const JointCommand& command, double) override {
+  tl::expected<void, DriverFault> write(const JointCommand& command, double) override {
     stands = command.position;
     all.push_back(stands);
-    return state();
+    return {};
   }
   std::vector<JointValues> all;
 };

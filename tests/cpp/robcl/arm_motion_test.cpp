@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "arm/arm_device.hpp"
 #include "arms.hpp"
+#include "devices/arm/arm_device.hpp"
 #include "set_points.hpp"
 #include "standing_driver.hpp"
 
@@ -29,12 +29,12 @@ const JointValues ready = robcl::joints({0, -20, 110, 0, 90, 0});
 class Recorder : public StandingDriver {
  public:
   using StandingDriver::StandingDriver;
-  tl::expected<JointState, DriverFault> exchange(const JointCommand& command, double) override {
+  tl::expected<void, DriverFault> write(const JointCommand& command, double) override {
     if (fails) return tl::unexpected(DriverFault{"no answer from the drives"});
     stands = command.position;
     const std::lock_guard lock(mutex_);
     all_.push_back(stands);
-    return state();
+    return {};
   }
   std::vector<JointValues> all() const {
     const std::lock_guard lock(mutex_);
@@ -99,7 +99,7 @@ class Chain : public ::testing::Test {
 
   const robcl::arm::ArmModel model_ = rx90();
   Recorder driver_{ready};
-  SixAxisDevice arm_{model_, {}, driver_};
+  ArmDevice arm_{model_, {}, driver_};
   const Frame start_ = arm_.sample().tool;
   const ControlLoop loop_{arm_};
 };

@@ -6,9 +6,9 @@
 #include <future>
 #include <stdexcept>
 
-#include "arm/arm_device.hpp"
 #include "arms.hpp"
-#include "drivers/simulated_driver.hpp"
+#include "devices/arm/arm_device.hpp"
+#include "devices/drivers/simulated_driver.hpp"
 #include "standing_driver.hpp"
 
 namespace devices {
@@ -39,20 +39,24 @@ std::optional<ArmController::Outcome> outcome_of(
   return std::nullopt;
 }
 
-/// Gives the answer that the test makes of the true one, from the tenth exchange on.
+/// Gives the answer that the test makes of the true one, after ten commands.
 class LyingDriver : public StandingDriver {
  public:
   explicit LyingDriver(std::function<void(JointState&)> lie)
       : StandingDriver(start), lie_(std::move(lie)) {}
-  tl::expected<JointState, DriverFault> exchange(const JointCommand&, double) override {
+  tl::expected<void, DriverFault> write(const JointCommand&, double) override {
+    ++commands_;
+    return {};
+  }
+  tl::expected<JointState, DriverFault> read() override {
     JointState answer = state();
-    if (++exchanges_ >= 10) lie_(answer);
+    if (commands_ >= 10) lie_(answer);
     return answer;
   }
 
  private:
   std::function<void(JointState&)> lie_;
-  int exchanges_ = 0;
+  int commands_ = 0;
 };
 
 struct Lie {
@@ -136,6 +140,55 @@ TEST(DriverFault, IsKeptUntilTheDrivesAreResetAndTheArmThenMovesFromWhereItStand
   EXPECT_EQ(moved->end, ArmController::End::Arrived) << moved->fault.text;
 }
 
+TEST(DriverFault, AMotionThatIsRequestedAfterTheResetBeginsAfterIt) {
+  SimulatedDriver driver(start, {});
+  ArmController controller(robcl::rx90(), {}, driver);
+  driver.break_down("overcurrent in axis 2");
+  controller.step(beat);
+  controller.reset_drives();
+  const auto outcome = outcome_of(controller);
+  ASSERT_TRUE(outcome.has_value());
+  EXPECT_EQ(outcome->end, ArmController::End::Arrived) << outcome->fault.text;
+}
+
+TEST(Drives, AreNotResetDuringAMotion) {
+  class Counting : public StandingDriver {
+   public:
+    using StandingDriver::StandingDriver;
+    tl::expected<void, DriverFault> write(const JointCommand& command, double) override {
+      stands = command.position;
+      return {};
+    }
+    tl::expected<void, DriverFault> reset() override {
+      ++resets;
+      return {};
+    }
+    int resets = 0;
+  };
+  Counting driver(start);
+  ArmController controller(robcl::rx90(), {}, driver);
+  const auto outcome = outcome_of(controller, [&](int i) {
+    if (i == 5) controller.reset_drives();
+    EXPECT_EQ(driver.resets, 0);
+  });
+  ASSERT_TRUE(outcome.has_value());
+  EXPECT_EQ(outcome->end, ArmController::End::Arrived) << outcome->fault.text;
+  controller.step(beat);
+  EXPECT_EQ(driver.resets, 1);
+}
+
+TEST(Drives, ThatDoNotSayWhenTheyMeasuredAreTakenToHaveMeasuredNow) {
+  StandingDriver driver(start);
+  driver.tells_time = false;
+  ArmController controller(robcl::rx90(), {}, driver);
+  for (int i = 0; i < 2; ++i) {
+    const std::int64_t before = unix_ns();
+    controller.step(beat);
+    EXPECT_GE(controller.now().measured_at_ns, before);
+    EXPECT_LE(controller.now().measured_at_ns, unix_ns());
+  }
+}
+
 TEST(Drives, ThatAreNotReadyBeginNoMotion) {
   for (const auto& [power, brakes, text] : std::vector<std::tuple<DrivePower, Brakes, std::string>>{
            {DrivePower::Off, Brakes::Engaged, "the drives are off"},
@@ -187,9 +240,8 @@ class Limited : public JointDriver {
   tl::expected<void, DriverFault> enable(ControlMode mode) override { return joints.enable(mode); }
   tl::expected<void, DriverFault> disable() override { return joints.disable(); }
   tl::expected<void, DriverFault> reset() override { return joints.reset(); }
-  tl::expected<JointState, DriverFault> exchange(const JointCommand& command,
-                                                 double seconds) override {
-    return joints.exchange(command, seconds);
+  tl::expected<void, DriverFault> write(const JointCommand& command, double seconds) override {
+    return joints.write(command, seconds);
   }
   SimulatedDriver joints{start, {}};
 
@@ -198,7 +250,7 @@ class Limited : public JointDriver {
 };
 
 TEST(Drives, ThatFollowVelocityAloneComeToTheirGoalToo) {
-  Limited driver({.axes = 6, .velocity = true});
+  Limited driver({.position = false, .velocity = true});
   ArmController controller(robcl::rx90(), {}, driver);
   const auto outcome = outcome_of(controller);
   ASSERT_TRUE(outcome.has_value());
@@ -210,14 +262,16 @@ TEST(Drives, ThatFollowVelocityAloneComeToTheirGoalToo) {
 }
 
 TEST(Drives, ThatDoNotFitTheArmAreRefusedWhenItIsMade) {
-  Limited torque({.axes = 6, .torque = true});
+  Limited torque({.position = false, .torque = true});
   EXPECT_THROW(ArmController(robcl::rx90(), {}, torque), std::invalid_argument);
-  Limited seven({.axes = 7, .position = true});
-  EXPECT_THROW(ArmController(robcl::rx90(), {}, seven), std::invalid_argument);
+  Limited standing_still({.period = 0});
+  EXPECT_THROW(ArmController(robcl::rx90(), {}, standing_still), std::invalid_argument);
+  StandingDriver seven(JointValues::Zero(7));
+  EXPECT_THROW(ArmController(robcl::rx90(), {}, seven), std::runtime_error);
 }
 
 TEST(Drives, ThatWereNotServedForLongerThanTheyAllowDoNotGoOn) {
-  Limited driver({.axes = 6, .position = true, .longest_gap = 0.02});
+  Limited driver({.longest_gap = 0.02});
   ArmController controller(robcl::rx90(), {}, driver);
   controller.start(playing(plan_to(robcl::rx90(), beside_start())));
   for (int i = 0; i < 20; ++i) controller.step(beat);
@@ -229,13 +283,13 @@ TEST(Drives, ThatWereNotServedForLongerThanTheyAllowDoNotGoOn) {
       << outcome->fault.text;
 }
 
-/// Does not return from an exchange while it is held.
+/// Does not return from `write` while it is held.
 class HeldDriver : public StandingDriver {
  public:
   using StandingDriver::StandingDriver;
-  tl::expected<JointState, DriverFault> exchange(const JointCommand&, double) override {
+  tl::expected<void, DriverFault> write(const JointCommand&, double) override {
     held.wait(true);
-    return state();
+    return {};
   }
   std::atomic<bool> held{false};
 };
@@ -247,7 +301,7 @@ TEST(DriverThatDoesNotReturn, EndsTheMoveAndNoOtherBeginsBeforeItDoes) {
     void progress(double, double) override {}
   } watcher;
   HeldDriver driver(start);
-  SixAxisDevice arm(robcl::rx90(), {}, driver);
+  ArmDevice arm(robcl::rx90(), {}, driver);
   driver.held = true;
   auto loop = std::async(std::launch::async, [&] { arm.step(beat); });
   const auto failed = arm.move_joints(beside_start(), {}, watcher);
@@ -262,13 +316,19 @@ TEST(DriverThatDoesNotReturn, EndsTheMoveAndNoOtherBeginsBeforeItDoes) {
   loop.get();
 }
 
+/// The joints after a cycle with the command `goal`.
+JointState after(const JointCommand& goal, SimulatedDriver& driver) {
+  EXPECT_TRUE(driver.write(goal, beat));
+  return driver.read().value();
+}
+
 TEST(SimulatedDriver, LagsBehindItsCommandAndComesToIt) {
   SimulatedDriver driver(JointValues::Zero(6), {});
   ASSERT_TRUE(driver.enable(ControlMode::Position));
   const JointCommand goal{JointValues::Constant(6, 0.1), {}, {}};
-  const JointState first = driver.exchange(goal, beat).value();
+  const JointState first = after(goal, driver);
   EXPECT_NEAR(first.position[0], 0.1 * (1 - std::exp(-0.4)), 1e-4);
-  for (int i = 0; i < 50; ++i) (void)driver.exchange(goal, beat);
+  for (int i = 0; i < 50; ++i) after(goal, driver);
   EXPECT_LT((driver.measured() - goal.position).cwiseAbs().maxCoeff(), 1e-4);
 }
 
@@ -284,18 +344,18 @@ TEST(SimulatedDriver, TheSameSeedGivesTheSameNoise) {
 TEST(SimulatedDriver, StandsInItsBrakesUnlessItIsOn) {
   SimulatedDriver driver(start, {.noise = 0});
   const JointCommand goal{JointValues::Constant(6, 0.1), {}, {}};
-  const JointState before = driver.exchange(goal, beat).value();
+  const JointState before = after(goal, driver);
   EXPECT_EQ(before.power, DrivePower::Off);
   EXPECT_EQ(before.brakes, Brakes::Engaged);
   EXPECT_FALSE(driver.enable(ControlMode::Torque));
   ASSERT_TRUE(driver.enable(ControlMode::Position));
-  EXPECT_NE(driver.exchange(goal, beat).value().position, before.position);
+  EXPECT_NE(after(goal, driver).position, before.position);
   ASSERT_TRUE(driver.disable());
-  const JointState stopped = driver.exchange(goal, beat).value();
-  EXPECT_EQ(driver.exchange(goal, beat).value().position, stopped.position);
+  const JointState stopped = after(goal, driver);
+  EXPECT_EQ(after(goal, driver).position, stopped.position);
   driver.break_down("no supply");
   EXPECT_FALSE(driver.enable(ControlMode::Position)) << "not before it is reset";
-  EXPECT_EQ(driver.exchange(goal, beat).value().fault, "no supply");
+  EXPECT_EQ(after(goal, driver).fault, "no supply");
   ASSERT_TRUE(driver.reset());
   EXPECT_TRUE(driver.enable(ControlMode::Position));
 }

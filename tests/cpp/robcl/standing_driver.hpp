@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "drivers/joint_driver.hpp"
+#include "devices/drivers/joint_driver.hpp"
 #include "robcl/motion/playback.hpp"
 
 namespace devices {
@@ -26,22 +26,21 @@ class StandingDriver : public JointDriver {
  public:
   explicit StandingDriver(JointValues where) : stands(std::move(where)) {}
 
-  Capabilities capabilities() const override { return {.axes = stands.size(), .position = true}; }
   tl::expected<JointState, DriverFault> read() override { return state(); }
+  tl::expected<void, DriverFault> write(const JointCommand&, double) override {
+    if (broken) return tl::unexpected(DriverFault{"no answer from the drives"});
+    return {};
+  }
   tl::expected<void, DriverFault> enable(ControlMode) override { return {}; }
   tl::expected<void, DriverFault> disable() override { return {}; }
   tl::expected<void, DriverFault> reset() override { return {}; }
-  tl::expected<JointState, DriverFault> exchange(const JointCommand&, double) override {
-    if (broken) return tl::unexpected(DriverFault{"no answer from the drives"});
-    return state();
-  }
 
   JointState state() const {
     JointState now;
     now.power = power;
     now.brakes = brakes;
     now.position = stands;
-    now.measured_at_ns = unix_ns();
+    if (tells_time) now.measured_at_ns = unix_ns();
     return now;
   }
 
@@ -49,6 +48,7 @@ class StandingDriver : public JointDriver {
   DrivePower power = DrivePower::On;
   Brakes brakes = Brakes::Released;
   bool broken = false;
+  bool tells_time = true;
 };
 
 }  // namespace devices

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <random>
 
-#include "gripper/simulated_gripper.hpp"
-#include "laser_distance_sensor/simulated_beam.hpp"
-#include "world/simulated_world.hpp"
+#include "devices/gripper/simulated_gripper.hpp"
+#include "devices/laser_distance_sensor/simulated_beam.hpp"
+#include "devices/world/simulated_world.hpp"
 
 namespace devices {
 namespace {
