@@ -2,7 +2,8 @@
 # `cmake --install <build folder> --prefix <folder>` fills and that may be moved. docs/sdk.md says how to use it.
 #
 # Every library below runtime/cpp and generated/cpp is exported: gecos_x as robcl::gecos_x, robcl_x as robcl::x. Those
-# that need KDL and urdfdom are the component `arm`. Of the broker only the program is installed.
+# that need KDL and urdfdom are the component `arm`; those below devices/ that serve an arm are the component `arm_server`.
+# Of the broker and the devices only the programs are installed.
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
@@ -35,8 +36,15 @@ gecos_targets_below("${runtime}/robcl/motion" STATIC_LIBRARY of_motion)
 gecos_targets_below("${runtime}" EXECUTABLE programs)
 gecos_targets_below("${PROJECT_SOURCE_DIR}/devices" EXECUTABLE devices)
 set(arm_libraries ${of_arm} ${of_motion})
+set(server_libraries "")
+foreach(folder IN ITEMS drivers support arm)
+  gecos_targets_below("${PROJECT_SOURCE_DIR}/devices/${folder}" STATIC_LIBRARY of_folder)
+  list(APPEND server_libraries ${of_folder})
+endforeach()
 set(libraries ${of_runtime} ${of_generated})
 list(REMOVE_ITEM libraries gecos_broker ${arm_libraries})
+set_target_properties(devices_arm_object PROPERTIES EXPORT_NAME arm_server)
+add_library(robcl::arm_server ALIAS devices_arm_object)
 foreach(library IN LISTS libraries arm_libraries)
   string(REGEX REPLACE "^robcl_" "" name ${library})
   set_target_properties(${library} PROPERTIES EXPORT_NAME ${name})
@@ -63,6 +71,7 @@ set(licenses_dir "${CMAKE_INSTALL_DATADIR}/doc/robcl")
 
 install(TARGETS ${libraries} EXPORT robcl DESTINATION "${libraries_dir}" INCLUDES DESTINATION include)
 install(TARGETS ${arm_libraries} EXPORT robclArm DESTINATION "${libraries_dir}" INCLUDES DESTINATION include)
+install(TARGETS ${server_libraries} EXPORT robclArmServer DESTINATION "${libraries_dir}" INCLUDES DESTINATION include)
 install(TARGETS ${programs} ${devices} DESTINATION "${CMAKE_INSTALL_BINDIR}")
 install(FILES "${GECOS_LCM_LIBRARY}" DESTINATION "${libraries_dir}/robcl")
 install(CODE "set(tree [[${PROJECT_SOURCE_DIR}]])\ninclude([[${PROJECT_SOURCE_DIR}/cmake/InstallHeaders.cmake]])")
@@ -118,6 +127,7 @@ write_basic_package_version_file("${written}/robclConfigVersion.cmake" COMPATIBI
 install(FILES ${parts} "${written}/robclConfig.cmake" "${written}/robclConfigVersion.cmake" DESTINATION "${package_dir}")
 install(EXPORT robcl NAMESPACE robcl:: FILE robclTargets.cmake DESTINATION "${package_dir}")
 install(EXPORT robclArm NAMESPACE robcl:: FILE robclArmTargets.cmake DESTINATION "${package_dir}")
+install(EXPORT robclArmServer NAMESPACE robcl:: FILE robclArmServerTargets.cmake DESTINATION "${package_dir}")
 
 set(idl "${PROJECT_SOURCE_DIR}/idl")
 set(python "${PROJECT_SOURCE_DIR}/codegen")
@@ -128,3 +138,4 @@ configure_package_config_file("${config}" "${PROJECT_BINARY_DIR}/robclConfig.cma
 file(COPY ${parts} "${written}/robclConfigVersion.cmake" DESTINATION "${PROJECT_BINARY_DIR}")
 export(EXPORT robcl NAMESPACE robcl:: FILE robclTargets.cmake)
 export(EXPORT robclArm NAMESPACE robcl:: FILE robclArmTargets.cmake)
+export(EXPORT robclArmServer NAMESPACE robcl:: FILE robclArmServerTargets.cmake)

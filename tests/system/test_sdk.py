@@ -10,13 +10,19 @@ import sys
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from math import radians
 from pathlib import Path
 
+import gecos
 import pytest
-from processes import Laboratory
+from processes import Laboratory, until
+from robcl.frames import mm, translate
+from robcl.manipulator import Trajectory
+from robcl.six_axis import SixAxis
 from without_tree import TREE, without_tree
 
-PROJECT = TREE / "examples" / "own_project"
+PROJECTS = ("own_project", "own_arm")
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 SAID = ["not above 500 K", "it is at 400 K"]
 
@@ -31,7 +37,7 @@ def checked(*command: str | Path, env: Mapping[str, str] | None = None) -> str:
 
 @dataclass(frozen=True, slots=True)
 class User:
-    """Somebody who has the SDK, the example project and an interpreter with jinja2 and numpy."""
+    """Somebody who has the SDK, the example projects and an interpreter with jinja2 and numpy."""
 
     folder: Path
 
@@ -60,12 +66,12 @@ class User:
     def run(self, *command: str | Path) -> str:
         return checked(*self.unseen(*command), env=self.env)
 
-    def build(self, name: str, *options: str) -> None:
+    def build(self, name: str, *options: str, project: str = "own_project") -> None:
         folder = self.folder / name
         words = ["-G", "Ninja", f"-DCMAKE_PREFIX_PATH={self.sdk}", *options]
         if shutil.which("ccache"):
             words.append("-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
-        self.run("cmake", "-S", self.project, "-B", folder, *words)
+        self.run("cmake", "-S", self.folder / project, "-B", folder, *words)
         self.run("cmake", "--build", folder)
 
 
@@ -77,7 +83,8 @@ def user(build: Path) -> Iterator[User]:
         checked("cmake", "--install", build, "--prefix", user.folder / "installed")
         user.sdk.parent.mkdir()
         (user.folder / "installed").rename(user.sdk)
-        shutil.copytree(PROJECT, user.project)
+        for project in PROJECTS:
+            shutil.copytree(TREE / "examples" / project, user.folder / project)
         checked(sys.executable, "-m", "venv", "--without-pip", "--symlinks", user.folder / "env")
         (user.folder / "packages").mkdir()
         site = next((user.folder / "env/lib").glob("python3*/site-packages"))
@@ -120,7 +127,8 @@ def test_what_installed_headers_include_is_installed_and_no_inner_header_is(user
     for header, path in headers.items():
         assert set(INCLUDE.findall(path.read_text())) <= headers.keys(), header
     inner = ("gecos/session/", "gecos/broker/", "gecos/crypto/", "gecos/binding.hpp")
-    assert not [header for header in headers if header.startswith(inner)]
+    not_of_arms = ("devices/support/", "devices/world/", "devices/gripper/")
+    assert not [header for header in headers if header.startswith(inner + not_of_arms)]
 
 
 def test_gecos_up_starts_the_simulated_laboratory(lab: Laboratory, user: User) -> None:
@@ -166,3 +174,76 @@ def test_a_project_under_asan_and_one_compiled_by_clang(user: User, meeting: Lab
     assert server.terminate() == 0, str(server)
     meeting.start(*user.unseen(other / "server"), ready="OVEN is ready")
     assert says(meeting, user, asan / "client") == SAID
+
+
+@dataclass(frozen=True, slots=True)
+class Drives:
+    """The drives of examples/own_arm: what they received, and their emergency stop."""
+
+    folder: Path
+
+    def set_points(self) -> list[list[float]]:
+        lines = (self.folder / "set_points.txt").read_text().splitlines(keepends=True)
+        return [[float(word) for word in line.split()] for line in lines if line.endswith("\n")]
+
+    @property
+    def emergency_stop(self) -> Path:
+        return self.folder / "emergency_stop"
+
+
+@pytest.fixture
+def bench(user: User, meeting: Laboratory) -> Drives:
+    """The arm of examples/own_arm is served."""
+    user.build("own_arm_built", project="own_arm")
+    folder = user.folder / "drives"
+    folder.mkdir(exist_ok=True)
+    words = (folder, user.folder / "own_arm_built/bench-arm", user.folder / "own_arm/bench.toml")
+    in_folder = ("sh", "-euc", 'cd "$1"; exec "$2" "$3"', "sh", *words)
+    meeting.start(*user.unseen(*in_folder), ready="bench-arm: BENCH is ready")
+    return Drives(folder)
+
+
+@pytest.mark.timeout(600)
+@pytest.mark.usefixtures("here")
+def test_an_arm_with_drives_of_its_own(user: User, meeting: Laboratory, bench: Drives) -> None:
+    moved = says(meeting, user, "python", user.folder / "own_arm/move_aside.py")
+    assert moved == ["the tool is 100 mm aside"]
+    arm = gecos.Lab().create(SixAxis, "BENCH")
+    received = bench.set_points()
+    assert received[-1] == pytest.approx(list(arm.commanded_joints().result().position), abs=1e-8)
+    fastest = [2, 2, 2.5, 4, 4, 6]  # rad/s, in bench.urdf
+    for before, after in pairwise(received):
+        steps = [abs(one - other) for one, other in zip(before, after, strict=True)]
+        assert all(step <= 1.001 * v * 0.004 for step, v in zip(steps, fastest, strict=True))
+
+    with gecos.actor(arm):
+        goal = arm.tool().result() * translate(0.0, mm(-200), 0.0)
+        moving = arm.move(goal, Trajectory(speed=0.05))
+        until(lambda: len(bench.set_points()) > len(received) + 10, "the arm moves")
+        bench.emergency_stop.touch()
+        fault = "the drives have a fault: the emergency stop is pressed"
+        with pytest.raises(gecos.CommandFailed, match=fault):
+            moving.result()
+        received = bench.set_points()
+        bench.emergency_stop.unlink()
+        with pytest.raises(gecos.CommandFailed, match=fault):
+            arm.move(goal).result()
+        assert bench.set_points() == received
+
+    turned = says(meeting, user, user.folder / "own_arm_built/reset_and_turn")
+    assert turned == ["joint 1 is at 10 degrees"]
+    assert bench.set_points()[-1][0] == pytest.approx(radians(10), abs=1e-8)
+    assert "workshop::BenchArm" in user_lists(meeting, user)
+
+
+def test_the_driver_and_the_program_of_an_arm_are_no_more_than_60_lines() -> None:
+    lines = (TREE / "examples/own_arm/bench_arm.cpp").read_text().splitlines()
+    assert len([line for line in lines if line.strip() and not line.strip().startswith("//")]) <= 60
+
+
+def test_the_example_of_an_arm_is_what_the_page_shows() -> None:
+    page = (TREE / "docs/adding-an-arm.md").read_text()
+    for file in ("bench.toml", "bench.urdf", "bench_arm.cpp", "CMakeLists.txt"):
+        text = (TREE / "examples/own_arm" / file).read_text()
+        blocks = re.findall(r"^```\w+\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+        assert any(block in text for block in blocks), file
