@@ -99,6 +99,15 @@ ArmDevice::Sample ArmDevice::sample() const {
   return sample;
 }
 
+double ArmDevice::braking_time() const {
+  double longest = std::max(tool_limits_.speed / tool_limits_.acceleration,
+                            tool_limits_.turn_speed / tool_limits_.turn_acceleration);
+  for (const robcl::arm::JointLimits& joint : model_.limits()) {
+    longest = std::max(longest, joint.speed / joint.acceleration);
+  }
+  return longest;
+}
+
 robcl::arm::Configuration ArmDevice::configuration() const {
   const JointValues now = sample().joints;
   const gecos::MutexLock lock(reading_);

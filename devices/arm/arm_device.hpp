@@ -49,6 +49,10 @@ class ArmDevice {
   std::uint64_t pose_epoch() const;
   Frame tool_offset() const;                            ///< tool seen from the flange
   double cycle() const { return controller_.cycle(); }  ///< period of the control loop, s
+  /// Returns the time in s in which a stop brings the slowest joint from full speed to rest or, if
+  /// that is longer, the tool on a straight line. Where a line bends the path of the joints, a stop
+  /// takes longer.
+  double braking_time() const;
   bool moving() const { return controller_.now().moving; }
   /// Returns the number of control cycles that were missed so far.
   std::uint64_t missed_cycles() const { return controller_.now().missed; }

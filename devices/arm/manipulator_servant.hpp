@@ -62,6 +62,7 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
   gecos::Result<bool> standing() override { return !arm_.moving(); }
   gecos::Result<std::uint64_t> missed_cycles() override { return arm_.missed_cycles(); }
   gecos::Result<double> cycle() override { return arm_.cycle(); }
+  gecos::Result<double> braking_time() override { return arm_.braking_time(); }
 
  private:
   ArmDevice& arm_;

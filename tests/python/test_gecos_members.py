@@ -78,6 +78,9 @@ class Arm(ManipulatorServant):
     def cycle(self) -> float:
         return 0.004
 
+    def braking_time(self) -> float:
+        return 0.25
+
     def set_configuration(self, wanted: Configuration, run: gecos.Execution) -> None:
         pass
 

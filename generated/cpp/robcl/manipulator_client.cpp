@@ -155,6 +155,12 @@ gecos::Command<double> Manipulator::cycle() const {
       [](auto& from, auto& value) { return from.get(value, "cycle"); });
 }
 
+gecos::Command<double> Manipulator::braking_time() const {
+  return gecos_call<double>(
+      ManipulatorInterface::braking_time,
+      [](auto& from, auto& value) { return from.get(value, "braking_time"); });
+}
+
 tl::expected<gecos::Stream<::robcl::Manipulator_stood>, gecos::Failure> Manipulator::stood(
     gecos::StreamAnnotation) const {
   return gecos_subscribe<::robcl::Manipulator_stood>(

@@ -92,6 +92,11 @@ class Manipulator : public virtual ::robcl::Device {
   /// Period of the arm's control loop. [s]
   gecos::Command<double> cycle() const;
 
+  /// Time in which a stop brings the arm from full speed to rest: of the slowest joint or,
+  /// if that is longer, of the tool on a straight line. On a line on which the joints have
+  /// to change their speeds much, a stop takes longer. [s]
+  gecos::Command<double> braking_time() const;
+
   /// The arm has come to rest, with its tool there.
   tl::expected<gecos::Stream<::robcl::Manipulator_stood>, gecos::Failure> stood(
       gecos::StreamAnnotation) const;

@@ -18,6 +18,7 @@ constinit const gecos::OperationDescription ManipulatorInterface::operations[] =
     gecos::getter(0x5df86bcb, "tool_offset", 0xd5db88cc5c4a48eeU),
     gecos::getter(0x5e3bb91a, "pose_epoch", 0x647f63cefbd156f4U),
     gecos::getter(0x6bd0f685, "standing", 0x1031d81d03f43ec5U),
+    gecos::getter(0x75f13cad, "braking_time", 0xf31438fa79812471U),
     gecos::getter(0x8c5e921b, "posture", 0x3d861e0f224574c5U),
     gecos::operation(0xade090ae, "set_configuration", 0x214642d141946a53U,
         {.cancelable = true, .on_new = gecos::OnNew::Blend}),
@@ -60,13 +61,13 @@ constinit const gecos::InterfaceDescription* const ManipulatorInterface::inherit
 constinit const gecos::InterfaceDescription ManipulatorInterface::description{
     .name = "robcl::Manipulator",
     .version = "1.0",
-    .hash = 0x2e707a6b40cea416U,
+    .hash = 0xd9ee320bb78711e3U,
     .bases = bases,
     .inherits = inherits,
     .operations = operations,
     .streams = streams,
     .inward_streams = inward_streams,
-    .model = R"json({"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"nested":["robcl::Manipulator::stood"],"hash":"0x2e707a6b40cea416","members":[
+    .model = R"json({"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"nested":["robcl::Manipulator::stood"],"hash":"0xd9ee320bb78711e3","members":[
 {"kind":"attribute","name":"tool","doc":"Tool frame in the world, as measured.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":1000000000},"codes":{"get":656093559,"stream":656093559},"hash":"0xe4a63fbb9f4aa676"},
 {"kind":"attribute","name":"flange","doc":"Flange in the world, as measured: where grippers and sensors are mounted.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":1000000000},"codes":{"get":3590499756,"stream":3590499756},"hash":"0x294c864a0a1bb0d9"},
 {"kind":"attribute","name":"posture","doc":"Configuration that the arm is in.","type":"robcl::Configuration","readonly":true,"read_access":"sensor","codes":{"get":2355008027},"hash":"0x3d861e0f224574c5"},
@@ -81,7 +82,8 @@ constinit const gecos::InterfaceDescription ManipulatorInterface::description{
 {"kind":"attribute","name":"missed_cycles","doc":"Cycles that the control loop has missed since the start of the server. A missed cycle delays the motion.","type":"uint64","readonly":true,"read_access":"sensor","codes":{"get":791224718},"hash":"0xd882759adbc634bd"},
 {"kind":"operation","name":"follow","doc":"Moves the tool by the samples of `alter`, from where it stands, until it is cancelled. What the limits of the arm do not allow in one cycle follows in the next ones.","parameters":[{"name":"axes","direction":"in","type":"robcl::FollowMode"},{"name":"limits","direction":"in","type":"robcl::FollowLimits","optional":true}],"raises":["robcl::CorrectionsStopped"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::FollowState","on_new":"queue","on_loss":"stop","qos":{"quality_class":"HARD_REALTIME","media":["shm","can"]},"code":3270902176,"hash":"0x83451582d3f132ad"},
 {"kind":"attribute","name":"alter","doc":"Corrections for `follow`: each is multiplied to the pose that the tool is moving to, in order and at the beginning of a cycle.","type":"robcl::Frame","stream":{"direction":"in","rate_hz":1000.0,"watchdog_ns":48000000,"largest":56},"write_access":"actor","write_needs_presence":true,"qos":{"quality_class":"HARD_REALTIME","depth":64,"media":["shm","can"]},"codes":{"stream":2258633307},"hash":"0x58d3c93f202ac8d1"},
-{"kind":"attribute","name":"cycle","doc":"Period of the arm\u0027s control loop.","type":"double","readonly":true,"unit":"s","read_access":"sensor","codes":{"get":89107713},"hash":"0x38a6c7959e7f00ad"}]},
+{"kind":"attribute","name":"cycle","doc":"Period of the arm\u0027s control loop.","type":"double","readonly":true,"unit":"s","read_access":"sensor","codes":{"get":89107713},"hash":"0x38a6c7959e7f00ad"},
+{"kind":"attribute","name":"braking_time","doc":"Time in which a stop brings the arm from full speed to rest: of the slowest joint or, if that is longer, of the tool on a straight line. On a line on which the joints have to change their speeds much, a stop takes longer.","type":"double","readonly":true,"unit":"s","read_access":"sensor","codes":{"get":1978743981},"hash":"0xf31438fa79812471"}]},
 "types":[
 {"kind":"struct","name":"robcl::Vector","extensibility":"final","members":[{"name":"x","type":"double","unit":"m"},{"name":"y","type":"double","unit":"m"},{"name":"z","type":"double","unit":"m"}],"wire":{"fingerprint":"0xae7e5fba5eeca11e","min_size":24,"fixed_size":24}},
 {"kind":"struct","name":"robcl::Quaternion","doc":"Unit quaternion, w + xi + yj + zk.","extensibility":"final","members":[{"name":"w","type":"double"},{"name":"x","type":"double"},{"name":"y","type":"double"},{"name":"z","type":"double"}],"wire":{"fingerprint":"0x365bdd4bf9100a1f","min_size":32,"fixed_size":32}},

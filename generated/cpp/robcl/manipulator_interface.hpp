@@ -11,7 +11,7 @@ namespace robcl {
 struct ManipulatorInterface {
   static const gecos::InterfaceDescription description;
 
-  static const gecos::OperationDescription operations[14];
+  static const gecos::OperationDescription operations[15];
   static constexpr const gecos::OperationDescription& speed_override = operations[0];
   static constexpr const gecos::OperationDescription& cycle = operations[1];
   static constexpr const gecos::OperationDescription& tool = operations[2];
@@ -20,12 +20,13 @@ struct ManipulatorInterface {
   static constexpr const gecos::OperationDescription& tool_offset = operations[5];
   static constexpr const gecos::OperationDescription& pose_epoch = operations[6];
   static constexpr const gecos::OperationDescription& standing = operations[7];
-  static constexpr const gecos::OperationDescription& posture = operations[8];
-  static constexpr const gecos::OperationDescription& set_configuration = operations[9];
-  static constexpr const gecos::OperationDescription& follow = operations[10];
-  static constexpr const gecos::OperationDescription& flange = operations[11];
-  static constexpr const gecos::OperationDescription& set_tool_offset = operations[12];
-  static constexpr const gecos::OperationDescription& override_speed = operations[13];
+  static constexpr const gecos::OperationDescription& braking_time = operations[8];
+  static constexpr const gecos::OperationDescription& posture = operations[9];
+  static constexpr const gecos::OperationDescription& set_configuration = operations[10];
+  static constexpr const gecos::OperationDescription& follow = operations[11];
+  static constexpr const gecos::OperationDescription& flange = operations[12];
+  static constexpr const gecos::OperationDescription& set_tool_offset = operations[13];
+  static constexpr const gecos::OperationDescription& override_speed = operations[14];
 
   static const gecos::StreamDescription streams[3];
   static constexpr const gecos::StreamDescription& tool_stream = streams[0];

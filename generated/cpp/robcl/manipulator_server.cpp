@@ -92,6 +92,8 @@ bool ManipulatorServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call
     }
     case 0x054fad01:  // cycle
       return call.answer("robcl::Manipulator::cycle", this->cycle(), {});
+    case 0x75f13cad:  // braking_time
+      return call.answer("robcl::Manipulator::braking_time", this->braking_time(), {});
   }
   return ::robcl::DeviceServant::gecos_answer(call);
 }

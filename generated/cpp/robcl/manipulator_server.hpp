@@ -97,6 +97,11 @@ class ManipulatorServant : public virtual ::robcl::DeviceServant {
   /// Period of the arm's control loop. [s]
   virtual gecos::Result<double> cycle() = 0;
 
+  /// Time in which a stop brings the arm from full speed to rest: of the slowest joint or,
+  /// if that is longer, of the tool on a straight line. On a line on which the joints have
+  /// to change their speeds much, a stop takes longer. [s]
+  virtual gecos::Result<double> braking_time() = 0;
+
   bool gecos_answer(gecos::IncomingCall& call) override;
 
  private:

@@ -196,6 +196,30 @@ class RecordingDriver : public StandingDriver {
   std::vector<JointValues> all;
 };
 
+TEST(BrakingTime, IsThatOfAStopFromFullSpeedOrOfTheToolIfThatIsLonger) {
+  const auto model = rx90();
+  const robcl::motion::ToolLimits agile{.acceleration = 10, .turn_acceleration = 1440_deg};
+  RecordingDriver driver(ready);
+  const double told = ArmDevice(model, {.tool_limits = agile}, driver).braking_time();
+  EXPECT_NEAR(ArmDevice(model, {}, driver).braking_time(), 1.0 / 3, 1e-9);  // 1 m/s, 3 m/s²
+
+  JointValues target = ready;
+  target[0] += 2;
+  ArmController controller(model, {}, driver);
+  controller.start(playing(robcl::motion::Planner(model, {}).joints(ready, target, {}).value()));
+  for (int i = 0; i < 90; ++i) controller.step(cycle);
+  const auto& all = driver.all;
+  ASSERT_NEAR(all.back()[0] - all[all.size() - 2][0], model.limits()[0].speed * cycle, 1e-6);
+  controller.stop();
+  int cycles = 0;
+  do {
+    controller.step(cycle);
+    ++cycles;
+  } while (all.back() != all[all.size() - 2]);
+  EXPECT_LE(cycles * cycle, told + 2 * cycle);
+  EXPECT_GE(cycles * cycle, told);
+}
+
 TEST(StarvedArm, NoCommandMovesAJointFurtherThanACycleMayAndTheMotionArrives) {
   const auto model = rx90();
   robcl::motion::Planner planner(model, {});
