@@ -16,16 +16,13 @@ constexpr double moved_away = 1e-3;
 
 std::size_t at(Eigen::Index axis) { return static_cast<std::size_t>(axis); }
 
-ControlMode mode_of(const JointDriver::Capabilities& can, const robcl::arm::ArmModel& model) {
-  if (!(can.period > 0 && can.period <= longest_period)) {
-    throw std::invalid_argument("the driver of " + model.name() + " has a period of " +
-                                std::to_string(can.period) + " s; give one above 0, up to " +
-                                std::to_string(longest_period) + " s");
-  }
-  if (can.position) return ControlMode::Position;
-  if (can.velocity) return ControlMode::Velocity;
-  throw std::invalid_argument("the driver of " + model.name() +
-                              " has only torque mode; motion needs position or velocity mode");
+JointDriver::Properties properties_of(const JointDriver& driver,
+                                      const robcl::arm::ArmModel& model) {
+  const JointDriver::Properties properties = driver.properties();
+  if (properties.period > 0 && properties.period <= longest_period) return properties;
+  throw std::invalid_argument("the driver of " + model.name() + " has a period of " +
+                              std::to_string(properties.period) + " s; give one above 0, up to " +
+                              std::to_string(longest_period) + " s");
 }
 
 JointState first_state(SupervisedDriver& driver) {
@@ -35,8 +32,7 @@ JointState first_state(SupervisedDriver& driver) {
 }
 
 /// Returns the reason why `state` does not allow a motion; nullopt if a motion is allowed.
-std::optional<DriverFault> not_ready(const JointState& state, ControlMode mode,
-                                     const std::string& refusal) {
+std::optional<DriverFault> not_ready(const JointState& state, const std::string& refusal) {
   switch (state.power) {
     case DrivePower::Fault:
       return DriverFault{"the drives have a fault: " + state.fault};
@@ -48,8 +44,6 @@ std::optional<DriverFault> not_ready(const JointState& state, ControlMode mode,
       break;
   }
   if (state.brakes == Brakes::Engaged) return DriverFault{"the brakes of the drives are engaged"};
-  if (state.mode != mode)
-    return DriverFault{"the drives are not in the control mode that was requested"};
   return std::nullopt;
 }
 
@@ -59,9 +53,8 @@ ArmController::ArmController(const robcl::arm::ArmModel& model, const Settings& 
                              JointDriver& driver)
     : settings_(settings),
       axes_(model.axes()),
-      can_(driver.capabilities()),
+      drives_(properties_of(driver, model)),
       driver_(driver, model.limits()),
-      mode_(mode_of(can_, model)),
       forward_(model),
       loop_{.state = first_state(driver_)},
       reading_(Reading{}) {
@@ -94,7 +87,7 @@ std::optional<ArmController::Outcome> ArmController::wait(gecos::Duration patien
 
 void ArmController::step(double seconds) {
   beats_.fetch_add(1);
-  const auto cycles = std::max(std::lround(seconds / can_.period), 1L);
+  const auto cycles = std::max(std::lround(seconds / drives_.period), 1L);
   const auto missed = static_cast<std::uint64_t>(cycles - 1);
   loop_.last.missed += missed;
   look_after_drives();
@@ -137,7 +130,7 @@ void ArmController::take(tl::expected<JointState, DriverFault> answer, bool moti
 }
 
 void ArmController::enable() {
-  const auto enabled = driver_.enable(mode_);
+  const auto enabled = driver_.enable();
   loop_.refusal = enabled ? std::string() : enabled.error().text;
   if (auto state = driver_.read()) {
     loop_.state = std::move(*state);
@@ -159,7 +152,7 @@ void ArmController::begin_motion() {
   loop_.last.motion = motion_;
   loop_.last.fraction = generator_->fraction();
   loop_.last.remaining = generator_->remaining();
-  auto why = not_ready(loop_.state, mode_, loop_.refusal);
+  auto why = not_ready(loop_.state, loop_.refusal);
   if (!why && loop_.silent) why = DriverFault{"the driver does not answer"};
   if (!why && (generator_->start() - loop_.command).cwiseAbs().maxCoeff() > moved_away) {
     why = DriverFault{"the joints moved after the motion was planned; request it again"};
@@ -169,8 +162,8 @@ void ArmController::begin_motion() {
 }
 
 JointCommand ArmController::command_for(const JointValues& before) const {
-  JointCommand command{loop_.command, (loop_.command - before) / can_.period, {}};
-  if (mode_ == ControlMode::Velocity) {
+  JointCommand command{loop_.command, (loop_.command - before) / drives_.period};
+  if (drives_.mode == ControlMode::Velocity) {
     command.velocity += settings_.position_gain * (before - loop_.state.position);
   }
   return command;
@@ -179,12 +172,12 @@ JointCommand ArmController::command_for(const JointValues& before) const {
 std::optional<DriverFault> ArmController::fault_of(
     const tl::expected<JointState, DriverFault>& answer, double seconds) const {
   if (!answer) return answer.error();
-  if (seconds > can_.longest_gap) {
+  if (seconds > drives_.longest_gap) {
     return DriverFault{"the control loop stalled for " + std::to_string(seconds) +
                        " s, but the drives stop by themselves after " +
-                       std::to_string(can_.longest_gap) + " s"};
+                       std::to_string(drives_.longest_gap) + " s"};
   }
-  return not_ready(*answer, mode_, loop_.refusal);
+  return not_ready(*answer, loop_.refusal);
 }
 
 void ArmController::end_motion(Outcome outcome) {
@@ -200,7 +193,7 @@ void ArmController::move(std::uint64_t missed) {
   generator_->set_override(override_.load());
   if (stop_.load()) generator_->stop();
   if (missed > most_delayed) generator_->rest();
-  loop_.command = generator_->advance(can_.period);
+  loop_.command = generator_->advance(drives_.period);
   loop_.last.fraction = generator_->fraction();
   loop_.last.remaining = generator_->remaining();
   if (!generator_->standing()) return;

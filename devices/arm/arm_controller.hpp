@@ -20,10 +20,9 @@ namespace devices {
 /// loop's thread may call `step`. Unless the driver fails, `step` neither locks nor allocates. Any
 /// thread may call `now`. Only the thread that moves the arm may call the other methods.
 ///
-/// The constructor enables the drives in position mode if they have that mode. Otherwise it enables
-/// velocity mode, and the control loop controls the joint positions. A fault of the drives ends the
-/// motion. The fault lasts until `reset_drives` is called, so that the arm does not start to move
-/// when the cause of the fault disappears.
+/// The constructor enables the drives. If they follow velocities, the control loop controls the
+/// joint positions. A fault of the drives ends the motion. The fault lasts until `reset_drives` is
+/// called, so that the arm does not start to move when the cause of the fault disappears.
 ///
 /// It has more members than other classes: half of them are the orders and results that pass
 /// between two threads, which it exists to keep apart.
@@ -62,7 +61,7 @@ class ArmController {
 
   /// Throws std::runtime_error with the driver's message if the driver cannot read the joint
   /// positions, or the positions of another number of joints than the model has. Throws
-  /// std::invalid_argument if the driver has only torque mode, or no period.
+  /// std::invalid_argument if the period of the driver is not above 0, or longer than 0.1 s.
   ArmController(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
   /// Turns the drives off, so that the brakes hold the arm.
   ~ArmController();
@@ -104,7 +103,7 @@ class ArmController {
   /// Returns the set points that the joints hold while no motion runs. They are the end of the last
   /// motion or, after a fault of the driver, the measured joint positions.
   JointValues standing_at() const;
-  double cycle() const { return can_.period; }  ///< s
+  double cycle() const { return drives_.period; }  ///< s
   Reading now() const { return reading_.read(); }
 
  private:
@@ -124,9 +123,8 @@ class ArmController {
 
   const Settings settings_;
   const Eigen::Index axes_;
-  const JointDriver::Capabilities can_;
+  const JointDriver::Properties drives_;
   SupervisedDriver driver_;
-  const ControlMode mode_;
   robcl::arm::Kinematics forward_;
 
   // From the call of start() to the end of the motion, only the control loop uses generator_,

@@ -17,9 +17,9 @@ struct DriverFault {
   std::string text;
 };
 
-/// Tells which member of a JointCommand the drives must follow. A driver may use the other members
-/// as feed-forward.
-enum class ControlMode { Position, Velocity, Torque };
+/// Tells which member of a JointCommand the drives follow. A driver may use the other one as
+/// feed-forward.
+enum class ControlMode { Position, Velocity };
 
 enum class DrivePower {
   Off,        ///< no torque; the brakes hold
@@ -35,17 +35,14 @@ enum class Brakes { Engaged, Released };
 struct JointCommand {
   JointValues position;  ///< rad, at the end of the cycle
   JointValues velocity;  ///< rad/s
-  JointValues torque;    ///< N·m; empty unless the mode is Torque
 };
 
 /// Measurements and state of the drives.
 struct JointState {
   DrivePower power = DrivePower::Off;
   Brakes brakes = Brakes::Released;
-  ControlMode mode = ControlMode::Position;  ///< valid once the drives were enabled
-  JointValues position{};                    ///< rad
-  JointValues velocity{};                    ///< rad/s; empty: not measured
-  JointValues torque{};                      ///< N·m; empty: not measured
+  JointValues position{};           ///< rad
+  JointValues velocity{};           ///< rad/s; empty: not measured
   std::int64_t measured_at_ns = 0;  ///< time of this host's Unix clock; 0: when `read` returned
   std::string fault{};              ///< text for people if power is Fault
 };
@@ -58,9 +55,10 @@ struct JointState {
 /// values, the motion ends with a fault (see SupervisedDriver).
 class JointDriver {
  public:
-  struct Capabilities {
-    bool position = true, velocity = false, torque = false;  ///< supported control modes
-    double period = 0.004;                                   ///< s, of the control loop
+  struct Properties {
+    /// In Velocity mode, the arm controls the joint positions itself.
+    ControlMode mode = ControlMode::Position;
+    double period = 0.004;  ///< s, of the control loop
     /// Time in s without a call of `write` after which the drives stop by themselves. If the
     /// control loop stalls for longer than this time, the motion fails.
     double longest_gap = std::numeric_limits<double>::infinity();
@@ -68,7 +66,7 @@ class JointDriver {
 
   virtual ~JointDriver() = default;
 
-  virtual Capabilities capabilities() const { return {}; }
+  virtual Properties properties() const { return {}; }
 
   /// Returns the measured state of the joints. Sends no command to the drives. Allocates memory
   /// only when it fails.
@@ -77,10 +75,10 @@ class JointDriver {
   /// memory only when it fails.
   virtual tl::expected<void, DriverFault> write(const JointCommand& command, double seconds) = 0;
 
-  /// Turns the drives on in the control mode `mode`, one of `capabilities`, and releases the
-  /// brakes. The joints stay where they are until the first call of `write` at which the drives are
-  /// On. Fails if the drives have a fault that `reset` has not cleared.
-  virtual tl::expected<void, DriverFault> enable(ControlMode mode) = 0;
+  /// Turns the drives on and releases the brakes. The joints stay where they are until the first
+  /// call of `write` at which the drives are On. Fails if the drives have a fault that `reset` has
+  /// not cleared.
+  virtual tl::expected<void, DriverFault> enable() = 0;
   /// Stops the joints, engages the brakes and turns the drives off.
   virtual tl::expected<void, DriverFault> disable() = 0;
   /// Clears a fault of the drives after its cause has disappeared. The drives are then Off.

@@ -26,21 +26,15 @@ JointState SimulatedDriver::state() {
   JointState state;
   state.power = power_;
   state.brakes = power_ == DrivePower::On ? Brakes::Released : Brakes::Engaged;
-  state.mode = mode_;
   state.position = measured();
   state.velocity = speed_;
   if (power_ == DrivePower::Fault) state.fault = fault_;
   return state;
 }
 
-tl::expected<void, DriverFault> SimulatedDriver::enable(ControlMode mode) {
+tl::expected<void, DriverFault> SimulatedDriver::enable() {
   if (power_ == DrivePower::Fault) return tl::unexpected(DriverFault{fault_});
-  if (mode == ControlMode::Torque) {
-    return tl::unexpected(
-        DriverFault{"torque mode is not supported: the simulated joints have no mass"});
-  }
   power_ = DrivePower::On;
-  mode_ = mode;
   speed_.setZero();
   return {};
 }
@@ -67,7 +61,7 @@ tl::expected<void, DriverFault> SimulatedDriver::write(const JointCommand& comma
   if (power_ != DrivePower::On) return {};
   const double done = 1 - std::exp(-seconds / imperfection_.lag);
   const JointValues before = actual_;
-  if (mode_ == ControlMode::Position) {
+  if (imperfection_.mode == ControlMode::Position) {
     actual_ += done * (command.position - actual_);
     speed_ = (actual_ - before) / seconds;
   } else {

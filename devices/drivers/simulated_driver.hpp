@@ -7,8 +7,7 @@
 namespace devices {
 
 /// A driver of simulated, imperfect joints. The joints follow a commanded position or velocity with
-/// a first-order lag. Encoders of finite resolution measure the joints with noise. The joints have
-/// no mass, so there is no torque mode.
+/// a first-order lag. Encoders of finite resolution measure the joints with noise.
 class SimulatedDriver final : public JointDriver {
  public:
   struct Imperfection {
@@ -16,17 +15,18 @@ class SimulatedDriver final : public JointDriver {
     double encoder_counts = 262'144;  ///< counts per turn
     double noise = 0.4;               ///< standard deviation, counts
     unsigned seed = 1;
+    ControlMode mode = ControlMode::Position;
     double period = 0.004;  ///< s, of the control loop
   };
 
   SimulatedDriver(const JointValues& start, const Imperfection& imperfection);
 
-  Capabilities capabilities() const override {
-    return {.velocity = true, .period = imperfection_.period};
+  Properties properties() const override {
+    return {.mode = imperfection_.mode, .period = imperfection_.period};
   }
   tl::expected<JointState, DriverFault> read() override { return state(); }
   tl::expected<void, DriverFault> write(const JointCommand& command, double seconds) override;
-  tl::expected<void, DriverFault> enable(ControlMode mode) override;
+  tl::expected<void, DriverFault> enable() override;
   tl::expected<void, DriverFault> disable() override;
   tl::expected<void, DriverFault> reset() override;
 
@@ -40,7 +40,6 @@ class SimulatedDriver final : public JointDriver {
 
   Imperfection imperfection_;
   DrivePower power_ = DrivePower::Off;
-  ControlMode mode_ = ControlMode::Position;
   std::string fault_;
   JointValues actual_;
   JointValues speed_;

@@ -49,8 +49,8 @@ tl::expected<JointState, DriverFault> SupervisedDriver::read() {
   return read_judged(0);
 }
 
-tl::expected<void, DriverFault> SupervisedDriver::enable(ControlMode mode) {
-  return caught([&] { return driver_.enable(mode); });
+tl::expected<void, DriverFault> SupervisedDriver::enable() {
+  return caught([&] { return driver_.enable(); });
 }
 
 tl::expected<void, DriverFault> SupervisedDriver::disable() {
@@ -93,9 +93,6 @@ std::optional<DriverFault> SupervisedDriver::lie_of(const JointState& state, dou
   if (!fits(state.position, axes)) return lie("a joint position is not finite");
   if (state.velocity.size() > 0 && !fits(state.velocity, axes)) {
     return lie("the joint velocities are not ", axes, " finite numbers");
-  }
-  if (state.torque.size() > 0 && !fits(state.torque, axes)) {
-    return lie("the joint torques are not ", axes, " finite numbers");
   }
   const double age = 1e-9 * static_cast<double>(unix_ns() - state.measured_at_ns);
   if (age > oldest) return lie("the measurement is ", age, " s old");

@@ -26,7 +26,7 @@ class SupervisedDriver {
       : driver_(driver), limits_(std::move(limits)) {}
 
   tl::expected<JointState, DriverFault> read();
-  tl::expected<void, DriverFault> enable(ControlMode mode);
+  tl::expected<void, DriverFault> enable();
   tl::expected<void, DriverFault> disable();
   tl::expected<void, DriverFault> reset();
   /// Writes the command for the next `seconds`, and reads.

@@ -28,7 +28,7 @@ class BenchDrives final : public devices::JointDriver {
     drives_.go_to(from(command.position));
     return {};
   }
-  tl::expected<void, DriverFault> enable(devices::ControlMode) override {
+  tl::expected<void, DriverFault> enable() override {
     if (!drives_.turn_on()) return tl::unexpected(DriverFault{drives_.fault()});
     return {};
   }

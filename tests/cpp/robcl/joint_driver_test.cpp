@@ -72,8 +72,6 @@ TEST(LyingDriver, EndsTheMotionWithAFaultThatSaysWhyItCannotBeTrue) {
             "the answer has 5 joint positions, but the arm has 6 joints"},
            {[&](JointState& state) { state.velocity = JointValues::Constant(6, none); },
             "the joint velocities are not 6 finite numbers"},
-           {[](JointState& state) { state.torque = JointValues::Zero(2); },
-            "the joint torques are not 6 finite numbers"},
            {[](JointState& state) { state.measured_at_ns -= 60'000'000'000; },
             "the measurement is 60 s old"},
            {[](JointState& state) { state.measured_at_ns += 60'000'000'000; },
@@ -209,7 +207,7 @@ TEST(Drives, ThatCannotBeEnabledSayWhy) {
   class Locked : public StandingDriver {
    public:
     using StandingDriver::StandingDriver;
-    tl::expected<void, DriverFault> enable(ControlMode) override {
+    tl::expected<void, DriverFault> enable() override {
       return tl::unexpected(DriverFault{"the emergency stop is pressed"});
     }
   };
@@ -231,47 +229,31 @@ TEST(Drives, WhoseBrakesEngageOnTheWayEndTheMotion) {
   EXPECT_EQ(outcome->fault.text, "the brakes of the drives are engaged");
 }
 
-/// Simulated joints with some of their modes, or with a watchdog.
-class Limited : public JointDriver {
- public:
-  explicit Limited(Capabilities can) : can_(can) {}
-  Capabilities capabilities() const override { return can_; }
-  tl::expected<JointState, DriverFault> read() override { return joints.read(); }
-  tl::expected<void, DriverFault> enable(ControlMode mode) override { return joints.enable(mode); }
-  tl::expected<void, DriverFault> disable() override { return joints.disable(); }
-  tl::expected<void, DriverFault> reset() override { return joints.reset(); }
-  tl::expected<void, DriverFault> write(const JointCommand& command, double seconds) override {
-    return joints.write(command, seconds);
-  }
-  SimulatedDriver joints{start, {}};
-
- private:
-  const Capabilities can_;
-};
-
 TEST(Drives, ThatFollowVelocityAloneComeToTheirGoalToo) {
-  Limited driver({.position = false, .velocity = true});
+  SimulatedDriver driver(start, {.mode = ControlMode::Velocity});
   ArmController controller(robcl::rx90(), {}, driver);
   const auto outcome = outcome_of(controller);
   ASSERT_TRUE(outcome.has_value());
   EXPECT_EQ(outcome->end, ArmController::End::Arrived) << outcome->fault.text;
-  EXPECT_LT((driver.joints.measured() - beside_start()).cwiseAbs().maxCoeff(), 2e-4);
+  EXPECT_LT((driver.measured() - beside_start()).cwiseAbs().maxCoeff(), 2e-4);
   for (int i = 0; i < 500; ++i) controller.step(beat);
-  EXPECT_LT((driver.joints.measured() - beside_start()).cwiseAbs().maxCoeff(), 2e-4)
-      << "it stays there";
+  EXPECT_LT((driver.measured() - beside_start()).cwiseAbs().maxCoeff(), 2e-4) << "it stays there";
 }
 
 TEST(Drives, ThatDoNotFitTheArmAreRefusedWhenItIsMade) {
-  Limited torque({.position = false, .torque = true});
-  EXPECT_THROW(ArmController(robcl::rx90(), {}, torque), std::invalid_argument);
-  Limited standing_still({.period = 0});
+  SimulatedDriver standing_still(start, {.period = 0});
   EXPECT_THROW(ArmController(robcl::rx90(), {}, standing_still), std::invalid_argument);
   StandingDriver seven(JointValues::Zero(7));
   EXPECT_THROW(ArmController(robcl::rx90(), {}, seven), std::runtime_error);
 }
 
 TEST(Drives, ThatWereNotServedForLongerThanTheyAllowDoNotGoOn) {
-  Limited driver({.longest_gap = 0.02});
+  class Watchful : public StandingDriver {
+   public:
+    using StandingDriver::StandingDriver;
+    Properties properties() const override { return {.longest_gap = 0.02}; }
+  };
+  Watchful driver(start);
   ArmController controller(robcl::rx90(), {}, driver);
   controller.start(playing(plan_to(robcl::rx90(), beside_start())));
   for (int i = 0; i < 20; ++i) controller.step(beat);
@@ -324,8 +306,8 @@ JointState after(const JointCommand& goal, SimulatedDriver& driver) {
 
 TEST(SimulatedDriver, LagsBehindItsCommandAndComesToIt) {
   SimulatedDriver driver(JointValues::Zero(6), {});
-  ASSERT_TRUE(driver.enable(ControlMode::Position));
-  const JointCommand goal{JointValues::Constant(6, 0.1), {}, {}};
+  ASSERT_TRUE(driver.enable());
+  const JointCommand goal{JointValues::Constant(6, 0.1), {}};
   const JointState first = after(goal, driver);
   EXPECT_NEAR(first.position[0], 0.1 * (1 - std::exp(-0.4)), 1e-4);
   for (int i = 0; i < 50; ++i) after(goal, driver);
@@ -343,21 +325,20 @@ TEST(SimulatedDriver, TheSameSeedGivesTheSameNoise) {
 
 TEST(SimulatedDriver, StandsInItsBrakesUnlessItIsOn) {
   SimulatedDriver driver(start, {.noise = 0});
-  const JointCommand goal{JointValues::Constant(6, 0.1), {}, {}};
+  const JointCommand goal{JointValues::Constant(6, 0.1), {}};
   const JointState before = after(goal, driver);
   EXPECT_EQ(before.power, DrivePower::Off);
   EXPECT_EQ(before.brakes, Brakes::Engaged);
-  EXPECT_FALSE(driver.enable(ControlMode::Torque));
-  ASSERT_TRUE(driver.enable(ControlMode::Position));
+  ASSERT_TRUE(driver.enable());
   EXPECT_NE(after(goal, driver).position, before.position);
   ASSERT_TRUE(driver.disable());
   const JointState stopped = after(goal, driver);
   EXPECT_EQ(after(goal, driver).position, stopped.position);
   driver.break_down("no supply");
-  EXPECT_FALSE(driver.enable(ControlMode::Position)) << "not before it is reset";
+  EXPECT_FALSE(driver.enable()) << "not before it is reset";
   EXPECT_EQ(after(goal, driver).fault, "no supply");
   ASSERT_TRUE(driver.reset());
-  EXPECT_TRUE(driver.enable(ControlMode::Position));
+  EXPECT_TRUE(driver.enable());
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ class StandingDriver : public JointDriver {
     if (broken) return tl::unexpected(DriverFault{"no answer from the drives"});
     return {};
   }
-  tl::expected<void, DriverFault> enable(ControlMode) override { return {}; }
+  tl::expected<void, DriverFault> enable() override { return {}; }
   tl::expected<void, DriverFault> disable() override { return {}; }
   tl::expected<void, DriverFault> reset() override { return {}; }
 
