@@ -243,7 +243,14 @@ def test_the_driver_and_the_program_of_an_arm_are_no_more_than_60_lines() -> Non
 
 def test_the_example_of_an_arm_is_what_the_page_shows() -> None:
     page = (TREE / "docs/adding-an-arm.md").read_text()
-    for file in ("bench.toml", "bench.urdf", "bench_arm.cpp", "CMakeLists.txt"):
-        text = (TREE / "examples/own_arm" / file).read_text()
-        blocks = re.findall(r"^```\w+\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
-        assert any(block in text for block in blocks), file
+    blocks = re.findall(r"^```(\w+)\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+
+    def text_of(name: str) -> str:
+        return (TREE / "examples/own_arm" / name).read_text()
+
+    assert ("toml", text_of("bench.toml")) in blocks
+    assert ("xml", text_of("bench.urdf")) in blocks
+    assert ("idl", text_of("idl/workshop/bench_arm.gidl")) in blocks
+    for language, name in (("cpp", "bench_arm.cpp"), ("cmake", "CMakeLists.txt")):
+        shown = [block for kind, block in blocks if kind == language]
+        assert shown and all(block in text_of(name) for block in shown)

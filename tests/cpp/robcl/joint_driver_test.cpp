@@ -240,6 +240,24 @@ TEST(Drives, ThatFollowVelocityAloneComeToTheirGoalToo) {
   EXPECT_LT((driver.measured() - beside_start()).cwiseAbs().maxCoeff(), 2e-4) << "it stays there";
 }
 
+TEST(Drives, GiveThePeriodOfTheControlLoop) {
+  SimulatedDriver driver(start, {.period = 0.001});
+  ArmController controller(robcl::rx90(), {}, driver);
+  controller.step(0.001);
+  EXPECT_EQ(controller.now().missed, 0U);
+  controller.step(0.004);
+  EXPECT_EQ(controller.now().missed, 3U);
+
+  const auto plan = plan_to(robcl::rx90(), beside_start());
+  controller.start(playing(plan));
+  int cycles = 0;
+  while (!controller.wait(std::chrono::seconds(0))) {
+    controller.step(0.001);
+    if (controller.now().fraction < 1) ++cycles;
+  }
+  EXPECT_NEAR(cycles * 0.001, plan.law.duration(), 0.002);
+}
+
 TEST(Drives, ThatDoNotFitTheArmAreRefusedWhenItIsMade) {
   SimulatedDriver standing_still(start, {.period = 0});
   EXPECT_THROW(ArmController(robcl::rx90(), {}, standing_still), std::invalid_argument);
