@@ -34,6 +34,7 @@ using namespace std::chrono_literals;
 using robcl::translate;
 
 constexpr double cycle = 0.004;  // s, of the served arm
+const auto limited_jerk = robcl::motion::Smoothing::over(0.03, cycle);
 
 class Times {
  public:
@@ -129,8 +130,8 @@ void measure_cycles() {
   const auto model = rx90();
   const robcl::Frame goal =
       robcl::arm::Kinematics(model).base_from_flange(front()) * translate(0, 0, 0.2);
-  auto plan = robcl::motion::Planner(model, {}).straight(front(), goal, robcl::Frame(),
-                                                         {.tool_speed = 0.02});
+  auto plan = robcl::motion::Planner(model, {}, limited_jerk)
+                  .straight(front(), goal, robcl::Frame(), {.tool_speed = 0.02});
   cycles_with(std::make_shared<robcl::motion::Playback>(std::move(plan).value()), 9000)
       .print("straight move", "");
   cycles_with(std::make_shared<robcl::motion::Following>(
@@ -176,7 +177,7 @@ void measure_inverse() {
 /// Plans random moves of the RX90 from anywhere to anywhere.
 void measure_planning() {
   const auto model = rx90();
-  robcl::motion::Planner planner(model, {});
+  robcl::motion::Planner planner(model, {}, limited_jerk);
   RandomJoints random(model);
   Times joint_moves, lines, refusals;
   while (lines.count() < 500) {

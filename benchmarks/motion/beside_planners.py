@@ -1,7 +1,8 @@
 """The durations of our moves beside those of ruckig and toppra, for the same moves and limits.
 
-ruckig plans the joint moves, from rest to rest, without a limit of jerk, all joints arriving
-together. toppra gets the path of the joints that we computed for a straight line, with the way and
+ruckig plans the joint moves, from rest to rest, all joints arriving together, without and with the
+limit of jerk of the arm. toppra has no limit of jerk: ours are compared with it without theirs and
+with it. toppra gets the path of the joints that we computed for a straight line, with the way and
 the turn of the tool as two joints more, whose limits are those of the tool. It keeps the limits at
 its grid points; ours hold everywhere.
 """
@@ -24,12 +25,13 @@ TREE = Path(__file__).resolve().parents[2]
 GRID = 2000  # points of toppra on a line
 
 
-def ruckig_duration(move: dict[str, Any], limits: dict[str, Any]) -> float:
+def ruckig_duration(move: dict[str, Any], limits: dict[str, Any], *, jerk: bool) -> float:
     axes = len(limits["speeds"])
     asked = ruckig.InputParameter(axes)
     asked.current_position, asked.target_position = move["from"], move["to"]
     asked.max_velocity, asked.max_acceleration = limits["speeds"], limits["accelerations"]
-    asked.max_jerk = [float("inf")] * axes
+    rise = limits["seconds_to_full_acceleration"] if jerk else 0.0
+    asked.max_jerk = [a / rise if rise > 0 else float("inf") for a in limits["accelerations"]]
     trajectory = ruckig.Trajectory(axes)
     if ruckig.Ruckig(axes).calculate(asked, trajectory) < 0:
         raise RuntimeError(f"ruckig does not plan {move}")
@@ -77,9 +79,25 @@ def main() -> None:
         ]
         printed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
         limits, *moves = map(json.loads, printed.splitlines())
-        lines = [m["duration"] / toppra_duration(m, limits) for m in moves if "joints" in m]
-        joints = [m["duration"] / ruckig_duration(m, limits) for m in moves if "from" in m]
-        for what, ratios in (("joint moves, ruckig", joints), ("straight moves, toppra", lines)):
+        lines = [m for m in moves if "joints" in m]
+        joints = [m for m in moves if "from" in m]
+        toppra_durations = [toppra_duration(m, limits) for m in lines]
+        rows: dict[str, list[float]] = {
+            "joint moves, ruckig": [
+                m["duration"] / ruckig_duration(m, limits, jerk=False) for m in joints
+            ],
+            "joint moves, limited jerk, ruckig with the same": [
+                m["with_jerk_limit"] / ruckig_duration(m, limits, jerk=True) for m in joints
+            ],
+            "straight moves, toppra": [
+                m["duration"] / theirs for m, theirs in zip(lines, toppra_durations, strict=True)
+            ],
+            "straight moves, limited jerk, toppra without": [
+                m["with_jerk_limit"] / theirs
+                for m, theirs in zip(lines, toppra_durations, strict=True)
+            ],
+        }
+        for what, ratios in rows.items():
             p99 = float(np.quantile(ratios, 0.99))
             median = statistics.median(ratios)
             print(

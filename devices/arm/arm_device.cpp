@@ -61,7 +61,9 @@ ArmDevice::ArmDevice(const robcl::arm::ArmModel& model, const Settings& settings
     : model_(model),
       tool_limits_(settings.tool_limits),
       controller_(model, settings.control, driver),
-      motion_(controller_, Planner(model, settings.tool_limits)),
+      smoothing_(robcl::motion::Smoothing::over(settings.seconds_to_full_acceleration,
+                                                controller_.cycle())),
+      motion_(controller_, Planner(model, settings.tool_limits, smoothing_)),
       pose_epoch_(unix_ms()),
       flange_from_tool_(settings.tool_offset),
       postures_(robcl::arm::make_inverse(model)),
@@ -105,7 +107,8 @@ double ArmDevice::braking_time() const {
   for (const robcl::arm::JointLimits& joint : model_.limits()) {
     longest = std::max(longest, joint.speed / joint.acceleration);
   }
-  return longest;
+  // Until the acceleration is 0, and until the set points have come to rest.
+  return longest + 2 * smoothing_.window;
 }
 
 robcl::arm::Configuration ArmDevice::configuration() const {

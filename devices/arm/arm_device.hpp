@@ -22,7 +22,8 @@ class ArmDevice {
  public:
   struct Settings {
     robcl::motion::ToolLimits tool_limits{};
-    Frame tool_offset{};  ///< tool frame seen from the flange
+    double seconds_to_full_acceleration = 0;  ///< limit of jerk; 0 if there is none
+    Frame tool_offset{};                      ///< tool frame seen from the flange
     ArmController::Settings control{};
   };
 
@@ -50,8 +51,9 @@ class ArmDevice {
   Frame tool_offset() const;                            ///< tool seen from the flange
   double cycle() const { return controller_.cycle(); }  ///< period of the control loop, s
   /// Returns the time in s in which a stop brings the slowest joint from full speed to rest or, if
-  /// that is longer, the tool on a straight line. Where a line bends the path of the joints, a stop
-  /// takes longer.
+  /// that is longer, the tool on a straight line. With a limit of jerk, the arm may still
+  /// accelerate when the stop comes. Where a line bends the path of the joints, a stop takes
+  /// longer.
   double braking_time() const;
   bool moving() const { return controller_.now().moving; }
   /// Returns the number of control cycles that were missed so far.
@@ -101,6 +103,7 @@ class ArmDevice {
   const robcl::arm::ArmModel model_;
   const robcl::motion::ToolLimits tool_limits_;
   ArmController controller_;
+  const robcl::motion::Smoothing smoothing_;
   ArmMotion motion_;
 
   mutable gecos::Mutex reading_;  // never held while waiting

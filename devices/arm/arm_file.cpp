@@ -164,6 +164,9 @@ constexpr Key seconds_to_full_speed{
     "seconds_to_full_speed",
     "the time in s, above 0, in which a joint reaches its full speed: one for all, or a list with "
     "one for each joint"};
+constexpr Key seconds_to_full_acceleration{
+    "seconds_to_full_acceleration",
+    "the time in s, above 0 and at most 1, in which an acceleration rises to its limit"};
 constexpr Key front_deg{"front_deg",
                         "a list with an angle in degrees for each joint, at which the elbow is up, "
                         "the wrist in front of the shoulder, and the flange bent up"};
@@ -215,6 +218,15 @@ ArmModel model_of(const Table& table, const ReadUrdf& read_urdf) {
   const std::vector<double> seconds = table.positive_of_each(seconds_to_full_speed, joints);
   need_one_for_each_joint(table, seconds_to_full_speed, seconds.size(), *model);
   return model->with_seconds_to_full_speed(seconds);
+}
+
+/// Without the key, there is no limit of jerk.
+double rise_of(const Table& table) {
+  if (!table.has(seconds_to_full_acceleration)) return 0;
+  const double seconds = table.positive(seconds_to_full_acceleration);
+  if (seconds <= 1) return seconds;
+  table.refuse(seconds_to_full_acceleration,
+               words(seconds) + " is above 1; give " + seconds_to_full_acceleration.wanted);
 }
 
 JointValues joints_inside(const Table& table, const Key& key, const ArmModel& model) {
@@ -279,7 +291,7 @@ robcl::motion::ToolLimits limits_of(const Table& table) {
 
 ArmDescription arm_of(const Table& table, const ReadUrdf& read_urdf) {
   table.admit_only({name, description, urdf, base_link, flange_link, seconds_to_full_speed,
-                    front_deg, start_deg, place, tool});
+                    seconds_to_full_acceleration, front_deg, start_deg, place, tool});
   std::string called = table.text(name);
   std::string described = table.text(description);
   const ArmModel model = with_front(table, model_of(table, read_urdf));
@@ -288,8 +300,14 @@ ArmDescription arm_of(const Table& table, const ReadUrdf& read_urdf) {
   const Table of_tool = table.table(tool);
   of_tool.admit_only(
       {offset_mm, offset_zyz_deg, speed, acceleration, turn_speed, turn_acceleration});
-  return {std::move(called),  std::move(described), model, std::move(start), limits_of(of_tool),
-          offset_of(of_tool), std::move(stands)};
+  return {.name = std::move(called),
+          .description = std::move(described),
+          .model = model,
+          .start = std::move(start),
+          .tool_limits = limits_of(of_tool),
+          .seconds_to_full_acceleration = rise_of(table),
+          .tool_offset = offset_of(of_tool),
+          .place = std::move(stands)};
 }
 
 tl::expected<std::string, std::string> text_of(const std::filesystem::path& file) {

@@ -22,7 +22,8 @@ struct ArmDescription {
   robcl::arm::ArmModel model;     ///< with the configuration that `front_deg` defines, if given
   robcl::arm::JointValues start;  ///< start positions of the simulated joints, rad
   robcl::motion::ToolLimits tool_limits;
-  robcl::Frame tool_offset;  ///< tool frame seen from the flange
+  double seconds_to_full_acceleration = 0;  ///< limit of jerk (robcl::motion::Smoothing); 0: none
+  robcl::Frame tool_offset;                 ///< tool frame seen from the flange
   /// Tells where the arm stands. The text becomes the start of an error of `mount`; see
   /// ManipulatorServant.
   std::string place;

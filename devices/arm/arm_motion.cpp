@@ -131,9 +131,12 @@ ArmMotion::Result ArmMotion::await(Lock& lock, Link& link) {
 void ArmMotion::watch(Lock&) {
   std::optional<ArmController::Outcome> ended;
   OutcomeWatch& outcome = *outcome_;
+  MotionWatcher& own = links_.front()->watcher;
   {
     const gecos::MutexUnlock<gecos::Mutex> unlocked(mutex_);
     ended = outcome.look();
+    // The arm brakes at once: another thread may plan the next move, and hold the mutex for it.
+    if (own.interrupted()) controller_.stop();
   }
   look_after_links();
   if (ended) {
@@ -216,10 +219,10 @@ void ArmMotion::set_times() {
 
 /// Ends the moves whose corners are passed, and reports the progress of the first of the others.
 void ArmMotion::look_after_links() {
-  const double now = playback_->elapsed();
+  const double now = playback_->elapsed(), shown = now - playback_->lag();
   const std::size_t entered = playback_->entered();
   const auto passed = [&](const Link& link) {
-    return link.corner && link.corner_plan <= entered && now >= link.ends;
+    return link.corner && link.corner_plan <= entered && shown >= link.ends;
   };
   while (passed(*links_.front())) end_first({});
   for (Link* const link : links_) stopping_ = link->watcher.interrupted() || stopping_;

@@ -101,6 +101,7 @@ class Serving {
     const double longer = robcl::mm(line_.number("tool-length")) - arm_.tool_offset.position().z();
     ArmDevice::Settings settings;
     settings.tool_limits = arm_.tool_limits;
+    settings.seconds_to_full_acceleration = arm_.seconds_to_full_acceleration;
     settings.tool_offset = robcl::translate(0, 0, longer) * arm_.tool_offset;
     return settings;
   }

@@ -77,6 +77,13 @@ TEST(ArmFile, EachJointMayHaveATimeOfItsOwnToFullSpeed) {
   EXPECT_EQ(arm->model.limits()[5].acceleration, arm->model.limits()[5].speed / 2);
 }
 
+TEST(ArmFile, TheLimitOfJerkMayBeLeftOut) {
+  EXPECT_EQ(parse(good).value().seconds_to_full_acceleration, 0);
+  const std::string limited =
+      good_but("seconds_to", "seconds_to_full_speed = 0.5\nseconds_to_full_acceleration = 0.05");
+  EXPECT_EQ(parse(limited).value().seconds_to_full_acceleration, 0.05);
+}
+
 TEST(ArmFile, FrontAndTheAnglesOfTheToolMayBeLeftOut) {
   EXPECT_FALSE(parse(good_but("front_deg", "")).value().model.front().has_value());
   const robcl::Frame offset = parse(good_but("offset_zyz_deg", "")).value().tool_offset;
@@ -117,7 +124,9 @@ const std::vector<Bad> bad{
      "file, or base_link and flange_link in this one"},
     {"flange_link", "flange = \"flange\"",
      "arm.toml:5: flange: this key is unknown; the keys here are name, description, urdf, "
-     "base_link, flange_link, seconds_to_full_speed, front_deg, start_deg, place, tool"},
+     "base_link, flange_link, seconds_to_full_speed, seconds_to_full_acceleration, front_deg, "
+     "start_deg, "
+     "place, tool"},
     {"seconds_to_full_speed", "seconds_to_full_speed = 0",
      "arm.toml:6: seconds_to_full_speed: 0 is not above 0; give the time in s, above 0, in which a "
      "joint reaches its full speed: one for all, or a list with one for each joint"},
@@ -128,6 +137,9 @@ const std::vector<Bad> bad{
      "arm.toml:6: seconds_to_full_speed: the list has 2 values, but the arm has 6 joints (joint1, "
      "joint2, joint3, joint4, joint5, joint6); give the time in s, above 0, in which a joint "
      "reaches its full speed: one for all, or a list with one for each joint"},
+    {"front_deg", "seconds_to_full_acceleration = 30",
+     "arm.toml:7: seconds_to_full_acceleration: 30 is above 1; give the time in s, above 0 and at "
+     "most 1, in which an acceleration rises to its limit"},
     {"front_deg", "front_deg = [0, -20, 110, 0, 0, 0]",
      "arm.toml:7: front_deg: rx90: 'front' is at a singularity of the arm; give joint positions "
      "with the elbow up, the wrist in front of the shoulder and the flange bent up"},
@@ -158,7 +170,9 @@ const std::vector<Bad> bad{
      "stands, for example \"an RX90 stands on the floor\""},
     {"[tool]", "[tools]",
      "arm.toml:10: tools: this key is unknown; the keys here are name, description, urdf, "
-     "base_link, flange_link, seconds_to_full_speed, front_deg, start_deg, place, tool"},
+     "base_link, flange_link, seconds_to_full_speed, seconds_to_full_acceleration, front_deg, "
+     "start_deg, "
+     "place, tool"},
     {"offset_mm", "offset_mm = [0, 150]",
      "arm.toml:11: tool.offset_mm: the list has 2 values; give a list of x, y and z of the tool "
      "frame, seen from the flange, in mm"},

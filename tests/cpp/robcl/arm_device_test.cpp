@@ -202,6 +202,8 @@ TEST(BrakingTime, IsThatOfAStopFromFullSpeedOrOfTheToolIfThatIsLonger) {
   RecordingDriver driver(ready);
   const double told = ArmDevice(model, {.tool_limits = agile}, driver).braking_time();
   EXPECT_NEAR(ArmDevice(model, {}, driver).braking_time(), 1.0 / 3, 1e-9);  // 1 m/s, 3 m/s²
+  const ArmDevice smooth(model, {.seconds_to_full_acceleration = 0.03}, driver);
+  EXPECT_NEAR(smooth.braking_time(), 1.0 / 3 + 2 * 0.032, 1e-9);
 
   JointValues target = ready;
   target[0] += 2;

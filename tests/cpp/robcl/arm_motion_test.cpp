@@ -51,7 +51,8 @@ class Recorder : public StandingDriver {
 /// arm, and so no cycle is missed.
 class ControlLoop {
  public:
-  explicit ControlLoop(ArmDevice& arm)
+  template <class Arm>  // an ArmDevice or an ArmController
+  explicit ControlLoop(Arm& arm)
       : thread_([&arm](std::stop_token stop) {
           auto next = std::chrono::steady_clock::now();
           while (!stop.stop_requested()) {
@@ -217,6 +218,42 @@ TEST(ArmMotions, AMoveWhosePlanningThrowsIsRefusedAndTheNextOneGoesOn) {
     EXPECT_EQ(to_string(refused.error()), "the motion cannot be planned: no memory for it");
   }
   EXPECT_TRUE(motion.while_standing([] {}));
+}
+
+TEST(ArmMotions, AStopActsWhileTheNextMoveIsPlanned) {
+  const auto model = rx90();
+  Recorder driver(ready);
+  ArmController controller(model, {}, driver);
+  ArmMotion motion(controller, robcl::motion::Planner(model, {}));
+  JointValues there = ready;
+  there[0] += 1;
+  const auto to_there =
+      [&](robcl::motion::Planner& planner,
+          const JointValues& from) -> tl::expected<robcl::motion::Move, MoveFailure> {
+    return *planner.joint_move(from, there, {});
+  };
+  const ControlLoop loop(controller);
+  std::promise<void> planning, planned;
+  Caller one, other;
+  auto first = std::async(std::launch::async, [&] { return motion.move({to_there, true}, one); });
+  one.is_taken.wait(false);
+  auto second = std::async(std::launch::async, [&] {
+    return motion.move({[&](auto& planner, const auto& from) {
+                          planning.set_value();
+                          planned.get_future().wait();
+                          return to_there(planner, from);
+                        },
+                        false},
+                       other);
+  });
+  planning.get_future().wait();
+  one.interrupt = true;
+  while (controller.now().moving) std::this_thread::yield();
+  EXPECT_GT(there[0] - driver.all().back()[0], 0.1) << "it stopped on the way";
+  other.interrupt = true;
+  planned.set_value();
+  EXPECT_FALSE(first.get());
+  EXPECT_FALSE(second.get());
 }
 
 TEST_F(Chain, HundredsOfMovesFollowWithoutAStop) {

@@ -10,6 +10,7 @@
 
 #include "allocations.hpp"
 #include "arms.hpp"
+#include "moving.hpp"
 #include "robcl/motion/planner.hpp"
 #include "robcl/motion/playback.hpp"
 #include "set_points.hpp"
@@ -133,6 +134,14 @@ TEST_F(Motion, AStraightMoveIsATrapezoidWhereOnlyTheToolsLimitsBind) {
   const auto plan = planner_.straight(ready, start * translate(0, 0, 0.2), Frame(), pace);
   ASSERT_TRUE(plan.has_value()) << to_string(plan.error());
   EXPECT_NEAR(plan->law.duration(), 0.2 / 0.2 + 0.2 / 3.0, 2e-3);
+}
+
+TEST_F(Motion, AMoveOfDaysIsPlannedAsFastAsAnyOther) {
+  const Planner planner(model_, tool_limits_, Smoothing::over(0.03, 0.001));
+  const Frame goal = forward_.base_from_flange(ready) * translate(0, 0, 0.2);
+  const auto move = planner_.straight_move(ready, goal, Frame(), {.tool_speed = 1e-6});
+  ASSERT_TRUE(move);
+  EXPECT_NEAR(planner.plan(*move).duration(), 0.2 / 1e-6, 0.02 * 0.2 / 1e-6);  // s
 }
 
 TEST_F(Motion, AStraightMoveKeepsItsConfiguration) {
@@ -279,86 +288,6 @@ TEST_F(Motion, PlayingBackAndStoppingAllocatesNothing) {
   EXPECT_TRUE(sum.allFinite());
 }
 
-/// Straight and joint moves in turn; MOTION_MOVES says how many.
-class RandomMoves : public ::testing::TestWithParam<ArmModel (*)()> {
- protected:
-  /// Returns nullopt when the move is not possible: most lines leave the reach of the arm.
-  std::optional<Plan> random_move(RandomJoints& random, bool straight) {
-    const JointValues from = random(), to = random();
-    auto plan = straight ? planner_.straight(from, planner_.base_from_tool(to, {}), {}, {})
-                         : planner_.joints(from, to, {});
-    if (!plan) return std::nullopt;
-    return std::move(*plan);
-  }
-
-  const int moves = std::getenv("MOTION_MOVES") ? std::atoi(std::getenv("MOTION_MOVES")) : 500;
-  const ArmModel model_ = GetParam()();
-  Planner planner_{model_, ToolLimits{}};
-};
-constexpr const char* arm_names[] = {"rx90", "puma560", "seven_axes"};
-INSTANTIATE_TEST_SUITE_P(OfArms, RandomMoves, ::testing::Values(&rx90, &puma560, &seven_axes),
-                         [](const auto& arm) { return arm_names[arm.index]; });
-
-TEST_P(RandomMoves, StoppedAtAnyTimeKeepAllLimits) {
-  RandomJoints random(model_, 14);
-  std::mt19937 engine(14);
-  for (int made = 0; made < moves;) {
-    const auto plan = random_move(random, made % 2 == 0);
-    if (!plan) continue;
-    ++made;
-    const double stop_at = std::uniform_real_distribution(0.0, plan->law.duration())(engine);
-    for (const double period : {0.001, 0.004}) {
-      Playback playback(*plan);
-      std::vector<JointValues> all(2, plan->start());
-      for (double time = 0; time < stop_at; time += period) all.push_back(playback.advance(period));
-      playback.stop();
-      while (!playback.standing()) all.push_back(playback.advance(period));
-      all.insert(all.end(), 2, playback.advance(period));
-      SCOPED_TRACE("move " + std::to_string(made) + ", stopped after " + std::to_string(stop_at) +
-                   " of " + std::to_string(plan->law.duration()) + " s");
-      ASSERT_NO_FATAL_FAILURE(expect_within_limits(model_, all, {}, period));
-    }
-  }
-}
-
-TEST_P(RandomMoves, ThatWaitedAtAnyTimeGoOnFromRestOnTheirPathAndKeepAllLimits) {
-  RandomJoints random(model_, 15);
-  std::mt19937 engine(15);
-  for (int made = 0; made < moves;) {
-    const auto plan = random_move(random, made % 2 == 0);
-    if (!plan) continue;
-    ++made;
-    const double duration = plan->law.duration();
-    std::uniform_real_distribution<double> sometime(0.0, duration);
-    const double first = sometime(engine), second = sometime(engine);
-    Playback playback(*plan);
-    std::vector<JointValues> all(2, plan->start());
-    double fraction = 0;
-    int cycles = 0;
-    for (double time = 0; !playback.standing(); time += cycle) {
-      for (const double rest_at : {first, second}) {
-        if (time < rest_at || time >= rest_at + cycle) continue;
-        SCOPED_TRACE("before a rest of move " + std::to_string(made));
-        // The joints come to rest between two set points, which is judged by the drives.
-        all.pop_back();
-        ASSERT_NO_FATAL_FAILURE(expect_within_limits(model_, all, {}, cycle));
-        playback.rest();
-        all.assign(2, playback.advance(0));
-      }
-      all.push_back(playback.advance(cycle));
-      ASSERT_GE(playback.fraction(), fraction);
-      fraction = playback.fraction();
-      ASSERT_LT(++cycles * cycle, 4 * duration + 1) << "does not arrive";
-    }
-    all.insert(all.end(), 2, playback.advance(cycle));
-    SCOPED_TRACE("move " + std::to_string(made) + ", at rest after " + std::to_string(first) +
-                 " and " + std::to_string(second) + " of " + std::to_string(duration) + " s");
-    ASSERT_NO_FATAL_FAILURE(expect_within_limits(model_, all, {}, cycle));
-    ASSERT_EQ(all.back(), plan->goal());
-    ASSERT_EQ(playback.fraction(), 1);
-  }
-}
-
 /// How far `joints` is from the path of `plan`, in rad. The path is searched from `s` on, which
 /// moves to the nearest place.
 double off_path(const Plan& plan, const JointValues& joints, double& s) {
@@ -374,39 +303,187 @@ double off_path(const Plan& plan, const JointValues& joints, double& s) {
   return away(s);
 }
 
-TEST_P(RandomMoves, OverriddenAndPausedAtAnyTimeKeepTheirPathAndAllLimits) {
-  RandomJoints random(model_, 16);
-  std::mt19937 engine(16);
-  constexpr std::array factors{0.0, 0.1, 0.5, 0.9, 1.0};
-  for (int made = 0; made < moves;) {
-    const auto plan = random_move(random, made % 2 == 0);
-    if (!plan) continue;
-    ++made;
-    const double duration = plan->law.duration();
-    std::exponential_distribution<double> lasts(6 / duration);
-    for (const double period : {0.001, 0.004}) {
-      Playback playback(*plan);
-      std::vector<JointValues> all(2, plan->start());
-      double fraction = 0, until = 0, time = 0, s = 0;
-      for (; !playback.standing(); time += period) {
-        if (time >= until) {
-          until = time + lasts(engine);
-          // In the end it goes on at full speed.
-          playback.set_override(time < 3 * duration ? factors[engine() % factors.size()] : 1);
-        }
-        all.push_back(playback.advance(period));
-        ASSERT_GE(playback.fraction(), fraction);
-        fraction = playback.fraction();
-        ASSERT_LT(time, 6 * duration + 1) << "does not arrive";
-        if (made % 5 != 0 || all.size() % 64 != 0) continue;
-        ASSERT_LT(off_path(*plan, all.back(), s), 1e-6);
+/// Straight and joint moves in turn; MOTION_MOVES says how many of each arm with a limit of jerk.
+/// There are fifth as many without.
+class RandomMoves : public ::testing::TestWithParam<Moving> {
+ protected:
+  /// A move, planned for set points that are `period` s apart.
+  struct Case {
+    Plan plan;
+    double period;
+    bool straight;
+  };
+
+  /// Returns nothing when the move is not possible: most lines leave the reach of the arm.
+  std::optional<Move> random_move(RandomJoints& random, bool straight) {
+    const JointValues from = random(), to = random();
+    auto move = straight ? planner_.straight_move(from, planner_.base_from_tool(to, {}), {}, {})
+                         : planner_.joint_move(from, to, {});
+    if (!move) return std::nullopt;
+    return *std::move(move);
+  }
+
+  /// Calls `check` for random moves, with set points at 1 ms and at 4 ms.
+  template <class Check>
+  void for_random_moves(unsigned seed, const Check& check) {
+    RandomJoints random(model_, seed);
+    for (int made = 0; made < moves;) {
+      const bool straight = made % 2 == 0;
+      const auto move = random_move(random, straight);
+      if (!move) continue;
+      ++made;
+      for (const double period : {0.001, 0.004}) {
+        const Planner planner(model_, {}, Smoothing::over(GetParam().rise, period));
+        const Case one{planner.plan(*move), period, straight};
+        SCOPED_TRACE("move " + std::to_string(made) + " at a period of " + std::to_string(period));
+        ASSERT_NO_FATAL_FAILURE(check(one, made));
       }
-      all.insert(all.end(), 2, playback.advance(period));
-      SCOPED_TRACE("move " + std::to_string(made) + " at a period of " + std::to_string(period));
-      ASSERT_NO_FATAL_FAILURE(expect_within_limits(model_, all, {}, period));
-      ASSERT_EQ(all.back(), plan->goal());
     }
   }
+
+  /// `all`: set points; at least the first two are the same, and the last two.
+  void expect_within_limits(const Case& one, std::vector<JointValues> all) {
+    motion::expect_within_limits(model_, all, {}, one.period);
+    if (GetParam().rise <= 0) return;
+    all.insert(all.begin(), all.front());
+    all.push_back(all.back());
+    if (one.straight) {
+      expect_limited_jerk_on_path(one, all);
+    } else {
+      expect_limited_jerk(model_, all, GetParam().rise, one.period);
+    }
+  }
+
+  void expect_limited_jerk_on_path(const Case& one, const std::vector<JointValues>& all) {
+    const Frame start = planner_.base_from_tool(one.plan.start(), {});
+    const Frame goal = planner_.base_from_tool(one.plan.goal(), {});
+    const ToolLimits tool;
+    const double limit =
+        one.plan.path.end() * std::min(tool.acceleration / distance(start, goal),
+                                       tool.turn_acceleration / angle(start, goal));
+    std::vector<double> places;
+    double s = 0;
+    ASSERT_LT(off_path(one.plan, all.front(), s), 1e-6);
+    for (const JointValues& joints : all) {
+      for (int i = 0; i < 4; ++i) s = nearer(one.plan.path, joints, s);
+      places.push_back(s);
+    }
+    const double cubed = one.period * one.period * one.period;
+    for (std::size_t k = 3; k < places.size(); ++k) {
+      const double third = places[k] - 3 * places[k - 1] + 3 * places[k - 2] - places[k - 3];
+      ASSERT_LE(std::abs(third) / cubed, limit / GetParam().rise * slack)
+          << "jerk along the path in cycle " << k << " of " << places.size();
+    }
+  }
+
+  /// A step of Newton's method to the place of `joints` on the path.
+  static double nearer(const Path& path, const JointValues& joints, double s) {
+    const std::size_t i = path.interval_at(s);
+    const double part = std::clamp((s - path.place(i)) / path.step(i), 0.0, 1.0);
+    const JointValues slope = path.derivatives(i, part).slope;
+    const double by = (joints - path.position(s)).dot(slope) / slope.squaredNorm();
+    return std::clamp(s + by, path.begin(), path.end());
+  }
+
+  const int moves = moves_to_try(GetParam());
+  const ArmModel model_ = GetParam().model();
+  Planner planner_{model_, ToolLimits{}};
+};
+INSTANTIATE_TEST_SUITE_P(OfArms, RandomMoves, ::testing::ValuesIn(all_moving),
+                         [](const auto& moving) { return moving.param.name; });
+
+TEST_P(RandomMoves, KeepAllLimitsAndArrive) {
+  for_random_moves(13, [&](const Case& one, int) {
+    Playback playback(one.plan);
+    std::vector<JointValues> all(2, one.plan.start());
+    double time = 0;
+    for (; !playback.standing(); time += one.period) all.push_back(playback.advance(one.period));
+    all.insert(all.end(), 2, playback.advance(one.period));
+    ASSERT_NO_FATAL_FAILURE(expect_within_limits(one, all));
+    ASSERT_EQ(all.back(), one.plan.goal());
+    ASSERT_NEAR(time, one.plan.duration(), 2 * one.period);
+  });
+}
+
+TEST_P(RandomMoves, StoppedAtAnyTimeKeepAllLimits) {
+  std::mt19937 engine(14);
+  for_random_moves(14, [&](const Case& one, int) {
+    const auto& [plan, period, straight] = one;
+    const double stop_at = std::uniform_real_distribution(0.0, plan.duration())(engine);
+    Playback playback(plan);
+    std::vector<JointValues> all(2, plan.start());
+    for (double time = 0; time < stop_at; time += period) all.push_back(playback.advance(period));
+    playback.stop();
+    while (!playback.standing()) all.push_back(playback.advance(period));
+    all.insert(all.end(), 2, playback.advance(period));
+    SCOPED_TRACE("stopped after " + std::to_string(stop_at) + " of " +
+                 std::to_string(plan.duration()) + " s");
+    ASSERT_NO_FATAL_FAILURE(expect_within_limits(one, all));
+  });
+}
+
+TEST_P(RandomMoves, ThatWaitedAtAnyTimeGoOnFromRestOnTheirPathAndKeepAllLimits) {
+  std::mt19937 engine(15);
+  for_random_moves(15, [&](const Case& one, int) {
+    const auto& [plan, period, straight] = one;
+    const double duration = plan.duration();
+    std::uniform_real_distribution<double> sometime(0.0, duration);
+    const double first = sometime(engine), second = sometime(engine);
+    Playback playback(plan);
+    std::vector<JointValues> all(2, plan.start());
+    double fraction = 0;
+    SCOPED_TRACE("at rest after " + std::to_string(first) + " and " + std::to_string(second) +
+                 " of " + std::to_string(duration) + " s");
+    for (double time = 0; !playback.standing(); time += period) {
+      for (const double rest_at : {first, second}) {
+        if (time < rest_at || time >= rest_at + period) continue;
+        SCOPED_TRACE("before a rest");
+        // The joints come to rest between two set points, which is judged by the drives.
+        motion::expect_within_limits(model_, all, {}, period);
+        const JointValues before = all.back();
+        playback.rest();
+        all.assign(2, playback.advance(0));
+        ASSERT_LT((all.back() - before).cwiseAbs().maxCoeff(), 1e-9) << "moves at once";
+      }
+      all.push_back(playback.advance(period));
+      ASSERT_GE(playback.fraction(), fraction);
+      fraction = playback.fraction();
+      ASSERT_LT(time, 4 * duration + 1) << "does not arrive";
+    }
+    all.insert(all.end(), 2, playback.advance(period));
+    ASSERT_NO_FATAL_FAILURE(expect_within_limits(one, all));
+    ASSERT_EQ(all.back(), plan.goal());
+    ASSERT_EQ(playback.fraction(), 1);
+  });
+}
+
+TEST_P(RandomMoves, OverriddenAndPausedAtAnyTimeKeepTheirPathAndAllLimits) {
+  std::mt19937 engine(16);
+  constexpr std::array factors{0.0, 0.1, 0.5, 0.9, 1.0};
+  for_random_moves(16, [&](const Case& one, int made) {
+    const auto& [plan, period, straight] = one;
+    const double duration = plan.duration();
+    std::exponential_distribution<double> lasts(6 / duration);
+    Playback playback(plan);
+    std::vector<JointValues> all(2, plan.start());
+    double fraction = 0, until = 0, time = 0, s = 0;
+    for (; !playback.standing(); time += period) {
+      if (time >= until) {
+        until = time + lasts(engine);
+        // In the end it goes on at full speed.
+        playback.set_override(time < 3 * duration ? factors[engine() % factors.size()] : 1);
+      }
+      all.push_back(playback.advance(period));
+      ASSERT_GE(playback.fraction(), fraction);
+      fraction = playback.fraction();
+      ASSERT_LT(time, 6 * duration + 1) << "does not arrive";
+      if (made % 5 != 0 || all.size() % 64 != 0) continue;
+      ASSERT_LT(off_path(plan, all.back(), s), 1e-6);
+    }
+    all.insert(all.end(), 2, playback.advance(period));
+    ASSERT_NO_FATAL_FAILURE(expect_within_limits(one, all));
+    ASSERT_EQ(all.back(), plan.goal());
+  });
 }
 
 TEST_P(RandomMoves, KeepTheConfigurationOrSayWhichOneCouldReachTheGoal) {

@@ -150,6 +150,20 @@ PathBounds::Interval PathBounds::everywhere(std::size_t knot, double from, doubl
   return allowed;
 }
 
+double PathBounds::acceleration_limit(std::size_t knot) const {
+  const Stretch& here = stretches_[knot];
+  double limit = infinite;
+  for (const IntervalLimits::Tool& tool : {here.limits.way, here.limits.turn}) {
+    if (tool.per_u > negligible) limit = std::min(limit, tool.limit / tool.per_u);
+  }
+  if (limit < infinite) return limit;
+  for (Eigen::Index axis = 0; axis < accelerations_.size(); ++axis) {
+    const double way = std::abs(here.slope[axis]);
+    if (way > negligible) limit = std::min(limit, acceleration_limit(knot, axis) / way);
+  }
+  return limit;
+}
+
 double PathBounds::excess(std::size_t knot, double x, double u) const {
   double factor = 1;
   const Stretch& here = stretches_[knot];

@@ -77,6 +77,9 @@ class PathBounds {
   double hardest_to_rest(std::size_t knot, double part) const {
     return -everywhere(knot, part, 1, 0).lower;
   }
+  /// Returns the greatest d²s/dt² of the interval after the knot `knot`: that of the tool on a
+  /// line, else that of the joints on a straight way.
+  double acceleration_limit(std::size_t knot) const;
   /// Returns the factor by which a motion must be slowed so that it keeps the limits everywhere
   /// from the knot `knot` to the next one; 1 if it keeps them. (ds/dt)² is `x` at this knot.
   double excess(std::size_t knot, double x, double u) const;

@@ -10,9 +10,6 @@ namespace robcl::motion {
 namespace {
 
 constexpr std::size_t fewest_intervals = 16, most_intervals = 4096;  // of an overlap
-// The limits are kept up to this factor of the time; the rest is rounding.
-constexpr double content = 1.0003;
-constexpr int most_tries = 8;
 
 /// The way from the corner, in s, on the path of the one move and on that of the other, at the time
 /// `t` after the corner. The overlap lasts from -half to half.
@@ -79,13 +76,24 @@ MoveChain::MoveChain(Planner& planner, Move first)
   for (std::size_t i = 0; i <= last_.path.intervals(); ++i) {
     course_.knots.add(last_.path.place(i), last_.path.knot(i));
   }
-  course_.limits = limits_of(last_, planner_.tool_limits());
-  course_.braking = braking_limits_of(last_, planner_.tool_limits());
+  course_.limits = {limits_of(last_, planner_.tool_limits()),
+                    braking_limits_of(last_, planner_.tool_limits())};
 }
 
 std::optional<double> MoveChain::time_at(double s) const {
   if (s < plan_.path.begin()) return std::nullopt;
   return begins_ + plan_.law.time_at(s);
+}
+
+/// Returns the state of the motion at the time `time`, by the time law that was in force then.
+TimeLaw::State MoveChain::state_at(double time) const {
+  const TimeLaw* law = &plan_.law;
+  double begins = begins_;
+  for (auto passed = passed_.rbegin(); time < begins && passed != passed_.rend(); ++passed) {
+    begins = passed->begins;
+    law = &passed->law;
+  }
+  return law->at(time - begins);
 }
 
 /// Returns the first knot that the motion passes after `time`; nullopt if it is behind
@@ -113,8 +121,8 @@ MoveChain::Course MoveChain::course_between(std::size_t first, double end) const
     } else {
       course.knots.add(plan_.path.place(i + 1), plan_.path.knot(i + 1));
     }
-    course.limits.push_back(course_.limits[i]);
-    course.braking.push_back(course_.braking[i]);
+    course.limits.moving.push_back(course_.limits.moving[i]);
+    course.limits.braking.push_back(course_.limits.braking[i]);
   }
   return course;
 }
@@ -189,8 +197,8 @@ bool MoveChain::add_overlap(Course& course, const Move& next, const Overlap& ove
   for (std::size_t i = 1; i <= intervals; ++i) {
     const double part = static_cast<double>(i) / static_cast<double>(intervals);
     course.knots.add(overlap.corner + overlap.half * (2 * part - 1), (*joints)[i - 1]);
-    course.limits.push_back(limits);
-    course.braking.push_back(braking);
+    course.limits.moving.push_back(limits);
+    course.limits.braking.push_back(braking);
   }
   course.knots.joins.push_back(course.knots.places.size() - 1);
   return true;
@@ -217,34 +225,17 @@ void MoveChain::add_move(Course& course, const Move& next, const Overlap& overla
       if (since < step / 4 || (further <= apart && turned(i + 1) <= joint_step)) continue;
     }
     course.knots.add(place, next.path.knot(i));
-    course.limits.push_back(limits[i - 1]);
-    course.limits.back().cap = std::exchange(cap, infinite);
-    course.braking.push_back(braking[i - 1]);
+    course.limits.moving.push_back(limits[i - 1]);
+    course.limits.moving.back().cap = std::exchange(cap, infinite);
+    course.limits.braking.push_back(braking[i - 1]);
   }
 }
 
-std::optional<Plan> MoveChain::plan_of(const Course& course, double speed) const {
+std::optional<Plan> MoveChain::plan_of(const Course& course, const TimeLaw::Start& start) const {
   Path path(course.knots);
   if (first_outside(planner_.model(), path)) return std::nullopt;
-  const PathBounds limits(path, planner_.model(), course.limits);
-  PathBounds tightened = limits;
-  for (int i = 0; i < most_tries; ++i) {
-    auto law = TimeLaw::fastest_from(tightened, speed);
-    if (!law) return std::nullopt;
-    bool kept = true;
-    for (std::size_t knot = 0; knot < path.intervals(); ++knot) {
-      const double x = squared(law->speed(knot)), after = squared(law->speed(knot + 1));
-      const double excess = limits.excess(knot, x, (after - x) / (2 * limits.step(knot)));
-      if (excess <= content) continue;
-      tightened.tighten(knot, excess);
-      kept = false;
-    }
-    if (kept) {
-      PathBounds braking(path, planner_.model(), course.braking);
-      return Plan{std::move(path), std::move(braking), *std::move(law)};
-    }
-  }
-  return std::nullopt;
+  return fastest_plan(std::move(path), planner_.model(), course.limits, planner_.smoothing(),
+                      start);
 }
 
 std::optional<MoveChain::Corner> MoveChain::extend(const Move& next, double after) {
@@ -264,13 +255,20 @@ std::optional<MoveChain::Corner> MoveChain::extend(const Move& next, double afte
   Course course = course_between(*first, begin);
   if (!add_overlap(course, next, overlap)) return std::nullopt;
   add_move(course, next, overlap);
-  auto plan = plan_of(course, plan_.law.speed(*first));
+  const double window = planner_.smoothing().window;
+  const double switches = begins_ + plan_.law.time(*first);
+  const auto before = [&](double seconds) { return state_at(switches + seconds); };
+  auto plan =
+      plan_of(course, {plan_.law.speed(*first), plan_.law.accelerations_before(*first, window),
+                       before, &plan_.path});
   if (!plan) return std::nullopt;
   const auto tool_at = [&](const JointValues& joints) {
     return planner_.base_from_tool(joints, next.flange_from_tool);
   };
   const Frame corner = tool_at(goal()), passed = tool_at(plan->path.position(overlap.corner));
-  begins_ += plan_.law.time(*first);
+  while (passed_.size() > 1 && passed_[1].begins < switches - window) passed_.pop_front();
+  passed_.push_back({begins_, plan_.law});
+  begins_ = switches;
   course_ = std::move(course);
   plan_ = *std::move(plan);
   last_ = next;

@@ -1,6 +1,7 @@
 // Moves that go over into each other, so that the arm does not stand at the goals between them.
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <vector>
 
@@ -50,7 +51,7 @@ class MoveChain {
   /// A path with its limits.
   struct Course {
     Path::Knots knots;
-    std::vector<IntervalLimits> limits, braking;
+    CourseLimits limits;
   };
   /// How two moves overlap.
   struct Overlap {
@@ -59,18 +60,25 @@ class MoveChain {
     double unhindered = 0;      ///< d, if both moves are long enough
     JointValues before, after;  ///< joint positions where the overlap begins and ends
   };
+  TimeLaw::State state_at(double time) const;
   std::optional<std::size_t> first_knot_after(double time, double last_place) const;
   Course course_between(std::size_t first, double end) const;
   bool add_overlap(Course& course, const Move& next, const Overlap& overlap);
   void add_move(Course& course, const Move& next, const Overlap& overlap) const;
   std::optional<std::vector<JointValues>> overlap_joints(const Move& next, const Overlap& overlap,
                                                          std::size_t intervals);
-  std::optional<Plan> plan_of(const Course& course, double speed) const;
+  std::optional<Plan> plan_of(const Course& course, const TimeLaw::Start& start) const;
 
   Planner& planner_;
   Course course_;
   Plan plan_;
   double begins_ = 0;
+  /// A time law that was replaced.
+  struct Passed {
+    double begins = 0;
+    TimeLaw law;
+  };
+  std::deque<Passed> passed_;  // those that were in force in the last window
   Move last_;
 };
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "robcl/motion/bounds.hpp"
 #include "robcl/motion/path.hpp"
 #include "robcl/motion/time_law.hpp"
@@ -11,9 +14,23 @@ struct Plan {
   Path path;
   PathBounds braking;  ///< for a stop on the path: the limits of the arm at full pace
   TimeLaw law;
+  Smoothing smoothing{};
 
+  double duration() const {
+    return law.duration() + (law.duration() > 0 ? smoothing.window : 0);
+  }  ///< s
   const JointValues& start() const { return path.knot(0); }
   const JointValues& goal() const { return path.knot(path.intervals()); }
 };
+
+/// The limits of each interval of a path: of the move, and of an arm that brakes.
+struct CourseLimits {
+  std::vector<IntervalLimits> moving, braking;
+};
+
+/// Plans the fastest motion on `path` whose set points keep all limits. Returns nullopt if the arm,
+/// which comes to the path as `start` says, cannot keep them; it always can from rest.
+std::optional<Plan> fastest_plan(Path path, const arm::ArmModel& model, CourseLimits limits,
+                                 const Smoothing& smoothing, const TimeLaw::Start& start = {});
 
 }  // namespace robcl::motion

@@ -15,27 +15,18 @@ using arm::OutOfReach;
 constexpr int joint_move_knots = 100;
 constexpr double no_move = 1e-9;  // rad or m: a smaller move counts as none
 
-/// Returns the factor by which `law` must be slowed so that the joint limits are also kept between
-/// the places that PathBounds::over_interval checks. Where the path of a joint is steep, for
-/// example when an arm starts stretched, an interval between two knots may last many control
-/// cycles.
-double excess(const PathBounds& bounds, const TimeLaw& law) {
-  double factor = 1;
-  for (std::size_t i = 0; i < bounds.intervals(); ++i) {
-    const double x = squared(law.speed(i)), after = squared(law.speed(i + 1));
-    factor = std::max(factor, bounds.excess(i, x, (after - x) / (2 * bounds.step(i))));
-  }
-  return factor;
-}
-
 Move standing(const JointValues& at, const Pace& pace, const Frame& flange_from_tool) {
   return {Path({{0, 1}, {at, at}}), pace, std::nullopt, flange_from_tool, true};
 }
 
 }  // namespace
 
-Planner::Planner(const arm::ArmModel& model, const ToolLimits& limits)
-    : model_(model), limits_(limits), forward_(model), inverse_(arm::make_inverse(model)) {}
+Planner::Planner(const arm::ArmModel& model, const ToolLimits& limits, const Smoothing& smoothing)
+    : model_(model),
+      limits_(limits),
+      smoothing_(smoothing),
+      forward_(model),
+      inverse_(arm::make_inverse(model)) {}
 
 Frame Planner::base_from_tool(const JointValues& joints, const Frame& flange_from_tool) {
   return forward_.base_from_flange(joints) * flange_from_tool;
@@ -56,11 +47,11 @@ tl::expected<Plan, Failure> Planner::plan_of(const tl::expected<Move, Failure>& 
 }
 
 Plan Planner::plan(const Move& move) const {
-  PathBounds braking(move.path, model_, braking_limits_of(move, limits_));
-  if (move.stands) return {move.path, std::move(braking), TimeLaw::standing()};
-  const PathBounds bounds(move.path, model_, limits_of(move, limits_));
-  const TimeLaw law = TimeLaw::fastest(bounds);
-  return {move.path, std::move(braking), law.slowed(excess(bounds, law))};
+  CourseLimits limits{limits_of(move, limits_), braking_limits_of(move, limits_)};
+  if (move.stands) {
+    return {move.path, {move.path, model_, limits.braking}, TimeLaw::standing(), smoothing_};
+  }
+  return *fastest_plan(move.path, model_, std::move(limits), smoothing_);
 }
 
 tl::expected<Move, Failure> Planner::joint_move(const JointValues& from, const JointValues& to,

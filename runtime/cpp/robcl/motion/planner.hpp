@@ -19,7 +19,7 @@ namespace robcl::motion {
 /// it. Only one thread at a time may use it.
 class Planner {
  public:
-  Planner(const arm::ArmModel& model, const ToolLimits& limits);
+  Planner(const arm::ArmModel& model, const ToolLimits& limits, const Smoothing& smoothing = {});
 
   /// Makes a move of all joints to the positions `to`; the joints start and arrive together. May
   /// fail with JointLimit. @pre for this and the following functions: the arm starts at the joint
@@ -68,6 +68,7 @@ class Planner {
 
   const arm::ArmModel& model() const { return model_; }
   const ToolLimits& tool_limits() const { return limits_; }
+  const Smoothing& smoothing() const { return smoothing_; }
   arm::InverseKinematics& inverse() { return *inverse_; }
 
  private:
@@ -80,6 +81,7 @@ class Planner {
 
   arm::ArmModel model_;
   ToolLimits limits_;
+  Smoothing smoothing_;
   arm::Kinematics forward_;
   std::unique_ptr<arm::InverseKinematics> inverse_;
 };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robcl/motion/ceiling.hpp"
+
 namespace robcl::motion {
 namespace {
 
@@ -40,20 +42,110 @@ double fastest_at(const PathBounds& bounds, std::size_t knot, double next) {
   return 0;
 }
 
+/// Makes the accelerations of a time law, from one knot to the next.
+class ForwardPass {
+ public:
+  /// `highest`: the greatest (ds/dt)² at each knot from which the arm can stop in time.
+  ForwardPass(const PathBounds& bounds, const Smoothing& smoothing,
+              const std::vector<double>& highest, const TimeLaw::Start& start)
+      : bounds_(bounds),
+        smoothing_(smoothing),
+        ceiling_(bounds.places(), highest),
+        highest_(highest),
+        start_(start) {
+    squares_.push_back(squared(start.speed));
+  }
+
+  std::vector<double> run() && {
+    for (std::size_t i = 0; i < bounds_.intervals(); ++i) {
+      const double x = squares_[i], step = bounds_.step(i), top = highest_[i + 1];
+      const double u = acceleration(i, allowed(bounds_, i, x, top));
+      squares_.push_back(std::clamp(x + 2 * step * u, 0.0, top));
+      const double speeds = std::sqrt(x) + std::sqrt(squares_.back());
+      times_.push_back(speeds > 0 ? 2 * step / speeds : infinite);
+    }
+    return std::move(squares_);
+  }
+
+ private:
+  double acceleration(std::size_t knot, const Interval& allowed) const {
+    if (!smoothing_.on() || allowed.empty()) return allowed.upper;
+    const double change = smoothing_.change(bounds_.acceleration_limit(knot));
+    const TimeLaw::Range before = in_window_before(knot);
+    const double lowest = std::max(allowed.lower, before.greatest - change);
+    const double highest = std::min(allowed.upper, before.least + change);
+    const Ceiling::State here{knot, bounds_.places()[knot], squares_[knot]};
+    const double u = greatest_admitted(lowest, highest, [&](double some) {
+      const double then = std::max(some, before.greatest) - change;
+      return ceiling_.admits(here, {some, infinite, then, smoothing_.window, true});
+    });
+    // Where nothing is admitted, the limit of jerk cannot be kept. The motion must not stop there.
+    const double slower = -here.x / (4 * bounds_.step(knot));  // halves (ds/dt)²
+    return std::clamp(std::max(u, slower), allowed.lower, allowed.upper);
+  }
+
+  /// Returns the accelerations within the window before `knot`.
+  TimeLaw::Range in_window_before(std::size_t knot) const {
+    double since = 0;
+    TimeLaw::Range range{infinite, -infinite};
+    for (std::size_t i = knot; since < smoothing_.window; --i) {
+      if (i == 0) {
+        range.add(start_.accelerations_before.least);
+        range.add(start_.accelerations_before.greatest);
+        break;
+      }
+      range.add((squares_[i] - squares_[i - 1]) / (2 * bounds_.step(i - 1)));
+      since += times_[i - 1];
+    }
+    return range;
+  }
+
+  const PathBounds& bounds_;
+  const Smoothing& smoothing_;
+  const Ceiling ceiling_;
+  const std::vector<double>& highest_;
+  const TimeLaw::Start start_;
+  std::vector<double> squares_, times_;
+};
+
 }  // namespace
 
-std::optional<TimeLaw> TimeLaw::fastest_from(const PathBounds& bounds, double speed) {
+std::optional<TimeLaw> TimeLaw::fastest_from(const PathBounds& bounds, const Start& start,
+                                             const Smoothing& smoothing) {
   const std::size_t last = bounds.intervals();
-  std::vector<double> squared(last + 1, 0.0);
-  for (std::size_t i = last; i-- > 0;) squared[i] = fastest_at(bounds, i, squared[i + 1]);
-  const double start = speed * speed;
-  if (start > squared[0] * (1 + rounding_of_start)) return std::nullopt;
-  squared[0] = start;
-  for (std::size_t i = 0; i < last; ++i) {
-    const Interval u = allowed(bounds, i, squared[i], squared[i + 1]);
-    squared[i + 1] = std::clamp(squared[i] + 2 * bounds.step(i) * u.upper, 0.0, squared[i + 1]);
+  std::vector<double> highest(last + 1, 0.0);
+  for (std::size_t i = last; i-- > 0;) highest[i] = fastest_at(bounds, i, highest[i + 1]);
+  if (squared(start.speed) > highest[0] * (1 + rounding_of_start)) return std::nullopt;
+  TimeLaw law(bounds.places(), ForwardPass(bounds, smoothing, highest, start).run());
+  if (!std::isfinite(law.duration())) return std::nullopt;
+  return law;
+}
+
+std::vector<double> TimeLaw::change_excess(const PathBounds& bounds,
+                                           const Smoothing& smoothing) const {
+  std::vector<double> factors(bounds.intervals(), 1);
+  const double window = smoothing.window * (1 - 1e-9);  // but for rounding
+  for (std::size_t i = 1; smoothing.on() && i < bounds.intervals(); ++i) {
+    const double limit = bounds.acceleration_limit(i);
+    for (std::size_t j = i; j > 0 && times_[i] - times_[j] < window; --j) {
+      const double change = smoothing.change(std::max(limit, bounds.acceleration_limit(j - 1)));
+      const double apart = std::abs(acceleration(i) - acceleration(j - 1));
+      if (apart <= change) continue;
+      const auto begin = factors.begin() + static_cast<std::ptrdiff_t>(j - 1);
+      const auto end = factors.begin() + static_cast<std::ptrdiff_t>(i + 1);
+      const double factor = std::sqrt(apart / change);
+      std::transform(begin, end, begin, [&](double other) { return std::max(other, factor); });
+    }
   }
-  return TimeLaw(bounds.places(), squared);
+  return factors;
+}
+
+TimeLaw::Range TimeLaw::accelerations_before(std::size_t knot, double seconds) const {
+  Range range;
+  for (std::size_t i = knot; i > 0 && times_[knot] - times_[i] < seconds; --i) {
+    range.add(acceleration(i - 1));
+  }
+  return range;
 }
 
 TimeLaw TimeLaw::standing() {
@@ -62,11 +154,11 @@ TimeLaw TimeLaw::standing() {
   return law;
 }
 
-TimeLaw::TimeLaw(std::vector<double> places, const std::vector<double>& squared_speeds)
-    : places_(std::move(places)) {
+TimeLaw::TimeLaw(std::vector<double> places, std::vector<double> squared_speeds)
+    : places_(std::move(places)), squares_(std::move(squared_speeds)) {
   double time = 0;
-  for (std::size_t i = 0; i < squared_speeds.size(); ++i) {
-    speeds_.push_back(std::sqrt(squared_speeds[i]));
+  for (std::size_t i = 0; i < squares_.size(); ++i) {
+    speeds_.push_back(std::sqrt(squares_[i]));
     if (i > 0) time += 2 * (places_[i] - places_[i - 1]) / (speeds_[i - 1] + speeds_[i]);
     times_.push_back(time);
   }
@@ -76,12 +168,13 @@ TimeLaw TimeLaw::slowed(double factor) const {
   TimeLaw slower = *this;
   for (double& time : slower.times_) time *= factor;
   for (double& speed : slower.speeds_) speed /= factor;
+  for (double& square : slower.squares_) square /= squared(factor);
   return slower;
 }
 
 TimeLaw::State TimeLaw::at(double seconds) const {
   if (seconds >= duration()) return {places_.back(), 0, 0};
-  if (seconds <= 0) return {places_.front(), speeds_.front(), 0};
+  if (seconds <= 0) return {places_.front() + seconds * speeds_.front(), speeds_.front(), 0};
   const auto after = std::upper_bound(times_.begin(), times_.end(), seconds);
   const auto i = static_cast<std::size_t>(after - times_.begin()) - 1;
   const double acceleration = (speeds_[i + 1] - speeds_[i]) / (times_[i + 1] - times_[i]);

@@ -1,10 +1,13 @@
 // Time laws. A time law is the path parameter s as a function of time.
 #pragma once
 
+#include <algorithm>
+#include <functional>
 #include <optional>
 #include <vector>
 
 #include "robcl/motion/bounds.hpp"
+#include "robcl/motion/smoothing.hpp"
 
 namespace robcl::motion {
 
@@ -22,10 +25,32 @@ class TimeLaw {
   /// hard as these speeds allow. The method is that of H. Pham and Q.-C. Pham, "A New Approach to
   /// Time-Optimal Path Parameterization Based on Reachability Analysis", 2018. If only the limits
   /// of the tool apply, the speed profile is a trapezoid.
-  static TimeLaw fastest(const PathBounds& bounds) { return *fastest_from(bounds, 0); }
-  /// Returns the fastest time law that starts with the speed ds/dt = `speed`; nullopt if no time
-  /// law with this speed keeps all limits.
-  static std::optional<TimeLaw> fastest_from(const PathBounds& bounds, double speed);
+  ///
+  /// With a limit of jerk, d²s/dt² changes within the window of `smoothing` by no more than this
+  /// allows: before the motion brakes, it goes on at a constant speed for a while.
+  static TimeLaw fastest(const PathBounds& bounds, const Smoothing& smoothing = {}) {
+    return *fastest_from(bounds, {}, smoothing);
+  }
+  /// Values of d²s/dt².
+  struct Range {
+    double least = 0, greatest = 0;
+    void add(double value) {
+      least = std::min(least, value);
+      greatest = std::max(greatest, value);
+    }
+  };
+  /// How a motion comes to the start of a path.
+  struct Start {
+    double speed = 0;              ///< ds/dt
+    Range accelerations_before{};  ///< within the last window
+    /// Returns the state of the motion at a time before 0, in s; null if it starts at rest.
+    std::function<State(double seconds)> before{};
+    const Path* path_before = nullptr;  ///< on which the motion is then
+  };
+  /// Returns the fastest time law with this start; nullopt if no time law with this speed keeps all
+  /// limits, or if the arm would stop before the end.
+  static std::optional<TimeLaw> fastest_from(const PathBounds& bounds, const Start& start,
+                                             const Smoothing& smoothing);
   /// Returns the time law of a path without length.
   static TimeLaw standing();
 
@@ -33,22 +58,36 @@ class TimeLaw {
   TimeLaw slowed(double factor) const;
 
   double duration() const { return times_.back(); }
-  /// Returns the state at the time `seconds`: the start for times before 0, and the end for times
-  /// after `duration()`. Never allocates memory.
+  /// Returns the factor by which this time law must be slowed in each interval so that d²s/dt²
+  /// changes within a window by no more than `smoothing` allows; 1 where it does.
+  std::vector<double> change_excess(const PathBounds& bounds, const Smoothing& smoothing) const;
+  /// Returns the state at the time `seconds`: the end for times after `duration()`, and for times
+  /// before 0 that of a motion which comes to the start with constant speed. Never allocates
+  /// memory.
   State at(double seconds) const;
   /// Returns the speed ds/dt of this time law at the knot `knot`, in 1/s.
   double speed(std::size_t knot) const { return speeds_[knot]; }
+  /// Returns (ds/dt)² at each knot.
+  const std::vector<double>& squares() const { return squares_; }
+  const std::vector<double>& places() const { return places_; }
+  /// Returns d²s/dt² from the knot `knot` to the next one.
+  double acceleration(std::size_t knot) const {
+    return (squares_[knot + 1] - squares_[knot]) / (2 * (places_[knot + 1] - places_[knot]));
+  }
+  /// Returns the values of d²s/dt² in the last `seconds` before the knot `knot`, and 0.
+  Range accelerations_before(std::size_t knot, double seconds) const;
   /// Returns the time in s at which this time law is at the knot `knot`.
   double time(std::size_t knot) const { return times_[knot]; }
   /// Returns the time in s at which this time law is at `s`. Never allocates memory.
   double time_at(double s) const;
 
  private:
-  TimeLaw(std::vector<double> places, const std::vector<double>& squared_speeds);
+  TimeLaw(std::vector<double> places, std::vector<double> squared_speeds);
 
-  std::vector<double> places_;  // s at each knot
-  std::vector<double> times_;   // time at each knot, s
-  std::vector<double> speeds_;  // ds/dt at each knot, 1/s
+  std::vector<double> places_;   // s at each knot
+  std::vector<double> times_;    // time at each knot, s
+  std::vector<double> squares_;  // (ds/dt)² at each knot
+  std::vector<double> speeds_;   // ds/dt at each knot, 1/s
 };
 
 }  // namespace robcl::motion

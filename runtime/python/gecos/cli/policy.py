@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import stat
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -84,8 +85,18 @@ def _named_file() -> Path | None:
     return _OF_THIS_HOST if _OF_THIS_HOST.exists() else None
 
 
+_LARGEST_FILE = 1 << 16  # bytes, as of a server
+
+
 def _text_of(path: Path) -> str:
     try:
+        found = path.stat()
+        if not stat.S_ISREG(found.st_mode):
+            raise UsageFailure(f"{path}: this is not a file")
+        if found.st_size > _LARGEST_FILE:
+            raise UsageFailure(f"{path}: the file is larger than 64 KiB")
+        if found.st_mode & stat.S_IWOTH:
+            raise UsageFailure(f"{path}: everybody may write this file, so no server believes it")
         return path.read_text(encoding="utf-8")
     except OSError as error:
         raise UsageFailure(f"{path}: {error.strerror}") from None

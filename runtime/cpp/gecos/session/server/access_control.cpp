@@ -23,7 +23,8 @@ using access::EditedLabFile;
 using access::LabFileError;
 
 constexpr const char* of_this_host = "/etc/gecos/lab.toml";
-constexpr std::size_t largest_file = 1 << 20;
+// A key of a million parts would need more stack than there is.
+constexpr std::size_t largest_file = 1 << 16;
 
 /// Returns the file that a setting names; an empty text when none does.
 std::string named_file(const std::string& option) {
@@ -44,7 +45,8 @@ std::string distrust(const struct stat& file, const std::string& path) {
   if ((file.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
     return "other users may write to the file and could admit anyone; run: chmod go-w " + path;
   }
-  if (static_cast<std::size_t>(file.st_size) > largest_file) return "the file is larger than 1 MiB";
+  if (static_cast<std::size_t>(file.st_size) > largest_file)
+    return "the file is larger than 64 KiB";
   return "";
 }
 

@@ -1,0 +1,124 @@
+#include "robcl/motion/mean_limits.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace robcl::motion {
+namespace {
+
+constexpr double most_reduced = 0.5;  // of a limit
+// A motion may leave its time law at any time: then its mean is that of two motions.
+constexpr double reserve = 0.006;  // of the limits of acceleration
+constexpr int samples = 30;        // in a window
+// Of a motion of minutes or days, which changes little within a window.
+constexpr int most_samples = 20'000;
+
+/// How a path bends: the second and the third derivative of the joint that is nearest to its limit
+/// of acceleration by them, divided by that limit.
+struct Bend {
+  double second = 0, third = 0;
+  double jump = 0;  ///< of the second derivative, at the start of the interval
+
+  void extend(const Bend& other) {
+    second = std::max(second, other.second);
+    third = std::max(third, other.third);
+    jump = std::max(jump, other.jump);
+  }
+};
+
+/// Returns how each interval bends.
+std::vector<Bend> bends_of(const Path& path, const arm::ArmModel& model) {
+  std::vector<Bend> bends(path.intervals());
+  JointValues before;  // the second derivative at the end of the interval before
+  for (std::size_t i = 0; i < bends.size(); ++i) {
+    const JointValues start = path.derivatives(i, 0).curvature;
+    const JointValues end = path.derivatives(i, 1).curvature;
+    for (Eigen::Index axis = 0; axis < model.axes(); ++axis) {
+      const double limit = model.limits()[static_cast<std::size_t>(axis)].acceleration;
+      const double one = start[axis] / limit, other = end[axis] / limit;
+      bends[i].second = std::max({bends[i].second, std::abs(one), std::abs(other)});
+      bends[i].third = std::max(bends[i].third, std::abs(other - one) / path.step(i));
+      if (i > 0) bends[i].jump = std::max(bends[i].jump, std::abs(one - before[axis] / limit));
+    }
+    before = end;
+  }
+  return bends;
+}
+
+/// Returns the factor by which a motion with this state must be slowed; 1 or less if it keeps the
+/// limits of the joints.
+double excess(const Path& path, const arm::ArmModel& model, const IntervalLimits& limits,
+              const TimeLaw::State& state) {
+  const std::size_t here = path.interval_at(state.s);
+  const double part = std::clamp((state.s - path.place(here)) / path.step(here), 0.0, 1.0);
+  const auto [slope, curvature] = path.derivatives(here, part);
+  double factor = 0;
+  for (Eigen::Index axis = 0; axis < model.axes(); ++axis) {
+    const auto& of_joint = model.limits()[static_cast<std::size_t>(axis)];
+    const double speed = slope[axis] * state.speed;
+    const double acceleration =
+        slope[axis] * state.acceleration + curvature[axis] * squared(state.speed);
+    const double fastest = of_joint.speed * limits.speed;
+    const double most = (1 - reserve) * of_joint.acceleration * limits.acceleration;
+    factor =
+        std::max({factor, std::abs(speed) / fastest, std::sqrt(std::abs(acceleration) / most)});
+  }
+  return factor;
+}
+
+}  // namespace
+
+std::vector<double> excess_of_mean(const Path& path, const arm::ArmModel& model,
+                                   const std::vector<IntervalLimits>& limits, const TimeLaw& law,
+                                   const TimeLaw::Start& start, const Smoothing& smoothing) {
+  std::vector<double> factors(path.intervals(), 1);
+  const double window = smoothing.window;
+  const auto state_at = [&](double time) {
+    return time < 0 && start.before ? start.before(time) : law.at(time);
+  };
+  std::size_t first = 0;  // of the intervals in the window
+  const double step = std::max(window / samples, law.duration() / most_samples);
+  for (double time = 0; time < law.duration() + window; time += step) {
+    const TimeLaw::State begin = state_at(time - window), end = state_at(time);
+    TimeLaw::State mean;
+    mean.s = (begin.s + 4 * state_at(time - window / 2).s + end.s) / 6;  // Simpson's rule
+    mean.speed = (end.s - begin.s) / window;
+    mean.acceleration = (end.speed - begin.speed) / window;
+    const IntervalLimits& here = limits[path.interval_at(mean.s)];
+    const bool before = mean.s < path.begin() && start.path_before != nullptr;
+    const double factor = excess(before ? *start.path_before : path, model, here, mean);
+    while (first + 1 < path.intervals() && path.place(first + 1) < begin.s) ++first;
+    for (std::size_t i = first; factor > 1 && i < path.intervals() && path.place(i) <= end.s; ++i) {
+      factors[i] = std::max(factors[i], factor);
+    }
+  }
+  return factors;
+}
+
+std::vector<IntervalLimits> narrowed(const Path& path, const arm::ArmModel& model,
+                                     std::vector<IntervalLimits> limits, const TimeLaw& fastest,
+                                     const Smoothing& smoothing) {
+  const PathBounds bounds(path, model, limits);
+  const std::vector<Bend> bends = bends_of(path, model);
+  for (std::size_t i = 0; i < path.intervals(); ++i) {
+    const double speed = std::max(fastest.speed(i), fastest.speed(i + 1));
+    const double travel = speed * smoothing.window;
+    const double first = path.place(i) - travel / 2, last = path.place(i + 1) + travel / 2;
+    Bend bend = bends[i];
+    for (std::size_t j = i; j > 0 && path.place(j) > first; --j) bend.extend(bends[j - 1]);
+    for (std::size_t j = i + 1; j < path.intervals() && path.place(j) < last; ++j) {
+      bend.extend(bends[j]);
+    }
+    const double u = bounds.over_interval(i, 0).upper;
+    const double change = std::min(smoothing.change(bounds.acceleration_limit(i)), 2 * u);
+    // Of second * (ds/dt)² + first * d²s/dt², by the covariances and variances within a window.
+    const double by = reserve +
+                      bend.second * (travel * change / 4 + squared(u * smoothing.window) / 12) +
+                      bend.third * travel * (travel * u * 5 / 24 + squared(speed) / 6) +
+                      bend.jump * squared(speed) * 2 / 3;
+    limits[i].acceleration *= 1 - std::min(by, most_reduced);
+  }
+  return limits;
+}
+
+}  // namespace robcl::motion

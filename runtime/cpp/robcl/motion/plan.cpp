@@ -1,0 +1,76 @@
+#include "robcl/motion/plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "robcl/motion/mean_limits.hpp"
+
+namespace robcl::motion {
+namespace {
+
+// The limits are kept up to this factor of the time; the rest is rounding.
+constexpr double content = 1.0003;
+constexpr int most_tries = 8;
+double just_kept(const Smoothing& smoothing) { return smoothing.on() ? 1.0025 : content; }
+
+/// Returns the factor by which `law` must be slowed in each interval so that its set points keep
+/// the limits of the joints; 1 where they keep them.
+std::vector<double> excess_of(const TimeLaw& law, const Path& path, const arm::ArmModel& model,
+                              const std::vector<IntervalLimits>& limits, const PathBounds& bounds,
+                              const TimeLaw::Start& start, const Smoothing& smoothing) {
+  if (smoothing.on()) return excess_of_mean(path, model, limits, law, start, smoothing);
+  std::vector<double> factors;
+  for (std::size_t i = 0; i < path.intervals(); ++i) {
+    factors.push_back(bounds.excess(i, law.squares()[i], law.acceleration(i)));
+  }
+  return factors;
+}
+
+/// Where the limits are exceeded between the places that the time law checks, makes them tighter
+/// there. A time law from rest that still exceeds them in the end is slowed. One that is not from
+/// rest cannot be slowed: it may exceed the limit of jerk where one move goes over into the next,
+/// as the path itself bends at once there, and uses a part of the reserve of excess_of_mean.
+std::optional<TimeLaw> fastest_law(const Path& path, const arm::ArmModel& model,
+                                   const std::vector<IntervalLimits>& limits,
+                                   const Smoothing& smoothing, const TimeLaw::Start& start) {
+  const PathBounds bounds(path, model, limits);
+  PathBounds tightened = bounds;
+  const bool from_rest = start.speed <= 0;
+  for (int tries = 1;; ++tries) {
+    auto law = TimeLaw::fastest_from(tightened, start, smoothing);
+    if (!law && from_rest) law = TimeLaw::fastest(tightened);
+    if (!law) return std::nullopt;
+    auto factors = excess_of(*law, path, model, limits, bounds, start, smoothing);
+    if (from_rest) {
+      const auto of_jerk = law->change_excess(bounds, smoothing);
+      std::ranges::transform(factors, of_jerk, factors.begin(),
+                             [](double one, double other) { return std::max(one, other); });
+    }
+    const double worst = std::ranges::max(factors);
+    if (worst <= content) return law;
+    if (tries == most_tries && from_rest) return law->slowed(worst);
+    if (tries == most_tries) return worst <= just_kept(smoothing) ? law : std::nullopt;
+    // The motion is slower around a place, too: a factor that is left over is small, but stays
+    // long.
+    const double exponent = tries <= 2 ? 1 : 3;
+    for (std::size_t i = 0; i < factors.size(); ++i) {
+      if (factors[i] > 1) tightened.tighten(i, std::pow(factors[i], exponent));
+    }
+  }
+}
+
+}  // namespace
+
+std::optional<Plan> fastest_plan(Path path, const arm::ArmModel& model, CourseLimits limits,
+                                 const Smoothing& smoothing, const TimeLaw::Start& start) {
+  auto law = fastest_law(path, model, limits.moving, smoothing, start);
+  if (!law) return std::nullopt;
+  if (smoothing.on()) {
+    limits.braking = narrowed(path, model, std::move(limits.braking), *law, smoothing);
+  }
+  PathBounds braking(path, model, limits.braking);
+  return Plan{std::move(path), std::move(braking), *std::move(law), smoothing};
+}
+
+}  // namespace robcl::motion

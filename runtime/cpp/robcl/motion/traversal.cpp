@@ -1,0 +1,222 @@
+#include "robcl/motion/traversal.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "robcl/motion/ceiling.hpp"
+
+namespace robcl::motion {
+
+Traversal::Traversal(const Stage& first)
+    : stage_(&first),
+      s_(first.plan.path.begin()),
+      least_(first.plan.smoothing.cycles + 1, 0),
+      greatest_(first.plan.smoothing.cycles + 1, 0) {}
+
+void Traversal::advance(double seconds) {
+  if (seconds > 0) {
+    least_.add(infinite);
+    greatest_.add(-infinite);
+  }
+  if (standing_) {
+    note(0);
+  } else if (mode_ == Mode::OnTime) {
+    note(plan().law.at(time_).acceleration);
+    advance_by_law(seconds);
+  } else {
+    advance_by_pieces(seconds);
+  }
+}
+
+/// Notes that d²s/dt² was `u` in this cycle.
+void Traversal::note(double u) {
+  least_.newest() = std::min(least_.newest(), u);
+  greatest_.newest() = std::max(greatest_.newest(), u);
+}
+
+void Traversal::advance_by_law(double seconds) {
+  const double before = time_;
+  time_ += seconds;
+  const Stage* const next = stage_->next.load();
+  if (next != nullptr) {
+    const double switches = next->begins - stage_->begins;
+    if (before <= switches && switches <= time_) {
+      enter(*next);
+      return advance_by_law(before + seconds - switches);
+    }
+  }
+  const TimeLaw::State state = plan().law.at(time_);
+  s_ = state.s;
+  speed_ = state.speed;
+  note(state.acceleration);
+  standing_ = time_ >= plan().law.duration();
+  if (standing_) time_ = plan().law.duration();
+}
+
+/// Enters the stages that take over at the place where the motion is; several may do so at the same
+/// knot.
+void Traversal::enter_stages_here() {
+  for (const Stage* next = stage_->next.load(); next != nullptr && next->plan.path.begin() == s_;
+       next = stage_->next.load()) {
+    enter(*next);
+    knot_ = 0;
+  }
+}
+
+void Traversal::enter(const Stage& next) {
+  stage_ = &next;
+  time_ = 0;
+}
+
+void Traversal::set_override(double factor) {
+  if (factor == override_) return;
+  override_ = factor;
+  const bool moves = !standing_ && plan().law.duration() > 0;
+  if (moves && mode_ != Mode::Braking) leave_law(Mode::Scaled);
+}
+
+void Traversal::stop() {
+  if (!standing_ && mode_ != Mode::Braking) leave_law(Mode::Braking);
+}
+
+void Traversal::rest(const Stage& stage, double s) {
+  if (stage_ != &stage) enter(stage);
+  s_ = s;
+  speed_ = 0;
+  least_.fill(0);
+  greatest_.fill(0);
+  standing_ = mode_ == Mode::Braking;
+  if (!standing_) leave_law(Mode::Scaled);
+}
+
+void Traversal::leave_law(Mode mode) {
+  mode_ = mode;
+  knot_ = plan().path.interval_at(s_);
+}
+
+/// Returns the values of d²s/dt² that are allowed up to the next knot.
+///
+/// The law of the plan, slowed by a constant factor so that it has the present speed here, keeps
+/// all limits on the rest of the path (PathBounds). Its d²s/dt² is therefore allowed here, and the
+/// arm can always brake so that it stops at the goal at the latest. A path may bend so that an arm
+/// which is fast cannot brake yet: then the least allowed d²s/dt² is positive.
+PathBounds::Interval Traversal::allowed() const {
+  const TimeLaw& law = plan().law;
+  const double x = squared(speed_), step = plan().path.step(knot_);
+  auto allowed = plan().braking.over_rest(knot_, 1 - std::min(way_to_knot() / step, 1.0), x);
+  const double u = law.acceleration(knot_);
+  const double fastest = law.squares()[knot_ + 1] - 2 * u * way_to_knot();  // (ds/dt)² of the law
+  const double slowed = fastest > 0 ? u * std::min(x / fastest, 1.0) : 0;
+  allowed.lower = std::min(allowed.lower, slowed);
+  allowed.upper = std::max(allowed.upper, slowed);
+  return allowed;
+}
+
+/// Returns d²s/dt² from here to the next knot, for `seconds` at most.
+double Traversal::acceleration(double seconds) const {
+  if (way_to_knot() <= 0) return 0;
+  const Smoothing& smoothing = plan().smoothing;
+  const TimeLaw& law = plan().law;
+  const Ceiling::State here{knot_, s_, squared(speed_)};
+  const auto stays_below = [&](const Ceiling& ceiling, double u) {
+    return ceiling.admits(here, {u, seconds, 0, 0});
+  };
+  const PathBounds::Interval allowed = this->allowed();
+  const double change = smoothing.change(plan().braking.acceleration_limit(knot_));
+  const double held = greatest_.greatest() - change;
+  double u = std::max(allowed.lower, std::min(held, allowed.upper));
+  if (mode_ == Mode::Scaled && override_ > 0) {
+    const double most = std::max(u, std::min(allowed.upper, least_.least() + change));
+    const Ceiling wanted(law.places(), law.squares(), squared(override_));
+    u = greatest_admitted(u, most, [&](double some) {
+      return stays_below(wanted, some) && (!smoothing.on() || can_slow_down(some, seconds, change));
+    });
+  }
+  const Ceiling highest(law.places(), law.squares());
+  const double stops = -here.x / (2 * way_to_knot());
+  return greatest_admitted(std::min(stops, u), u,
+                           [&](double some) { return stays_below(highest, some); });
+}
+
+/// Returns whether the motion, after it had d²s/dt² = `u` for `seconds`, can take on each d²s/dt²
+/// that the plan may force on it while `u` is in the window: that of the plan, slowed to the speed
+/// of the motion. `change`: by how much d²s/dt² may change within the window.
+bool Traversal::can_slow_down(double u, double seconds, double change) const {
+  const Smoothing& smoothing = plan().smoothing;
+  const TimeLaw& law = plan().law;
+  const double speed = std::max(speed_ + u * seconds, 0.0), x = squared(speed);
+  const double cycle = smoothing.window / static_cast<double>(smoothing.cycles);
+  const double reached = s_ + speed * (smoothing.window + 2 * cycle);
+  const double least = std::max(u, greatest_.greatest()) - change;
+  for (std::size_t i = knot_; i < plan().path.intervals() && law.places()[i] < reached; ++i) {
+    const double way = std::min(reached, law.places()[i + 1]) - law.places()[i];
+    const double fastest = law.squares()[i] + 2 * std::min(law.acceleration(i), 0.0) * way;
+    if (law.acceleration(i) * (x < fastest ? x / fastest : 1) < least) return false;
+  }
+  return true;
+}
+
+/// Goes on with d²s/dt² = `u` to the next knot, or until the arm stands, but for no longer than
+/// `seconds`. Returns the time that remains.
+double Traversal::go_on(double u, double seconds) {
+  const double end = plan().path.place(knot_ + 1), way = way_to_knot();
+  const double left = squared(speed_) + 2 * u * way;  // (ds/dt)² at the knot
+  const bool stops = left <= 0 && way > 0;
+  const double after = stops ? 0 : std::sqrt(std::max(left, 0.0));
+  const double lasts = stops     ? (speed_ > 0 ? speed_ / -u : 0)
+                       : way > 0 ? 2 * way / (speed_ + after)
+                                 : 0;
+  if (seconds < lasts) {
+    s_ = std::min(s_ + seconds * (speed_ + u * seconds / 2), end);
+    speed_ = std::max(speed_ + u * seconds, 0.0);
+    return 0;
+  }
+  s_ = stops ? std::min(s_ + lasts * speed_ / 2, end) : end;
+  speed_ = after;
+  return seconds - lasts;
+}
+
+/// Returns whether the motion, which is at a knot, can follow the time law from here on: it has the
+/// speed of the law, and its acceleration may change to all that the law has within a window.
+bool Traversal::can_follow_law() const {
+  constexpr double rounding = 1e-6;  // relative
+  const TimeLaw& law = plan().law;
+  if (speed_ < law.speed(knot_) * (1 - rounding)) return false;
+  const Smoothing& smoothing = plan().smoothing;
+  for (std::size_t i = knot_; i < plan().path.intervals(); ++i) {
+    if (law.time(i) - law.time(knot_) >= smoothing.window) break;
+    const double change = smoothing.change(plan().braking.acceleration_limit(i));
+    const double u = law.acceleration(i), slack = rounding * change;
+    if (u < greatest_.greatest() - change - slack || u > least_.least() + change + slack)
+      return false;
+  }
+  return true;
+}
+
+void Traversal::advance_by_pieces(double seconds) {
+  if (mode_ == Mode::Scaled) enter_stages_here();
+  while (seconds > 0) {
+    const double u = acceleration(seconds);
+    note(u);
+    seconds = go_on(u, seconds);
+    const Path& path = plan().path;
+    // Rounding lets the motion stop a little before the goal.
+    constexpr double negligible = 1e-9;  // s
+    if (speed_ == 0 && mode_ == Mode::Scaled && s_ > path.end() - negligible) s_ = path.end();
+    const bool at_knot = s_ >= path.place(knot_ + 1);
+    if (at_knot) ++knot_;
+    if (at_knot && mode_ == Mode::Scaled) enter_stages_here();
+    standing_ = knot_ == plan().path.intervals() || (speed_ == 0 && mode_ == Mode::Braking);
+    if (standing_ || speed_ == 0) break;
+    if (mode_ == Mode::Scaled && override_ == 1 && at_knot && can_follow_law()) {
+      mode_ = Mode::OnTime;
+      time_ = plan().law.time(knot_);
+      return advance_by_law(seconds);
+    }
+  }
+  if (mode_ == Mode::Scaled) {
+    time_ = standing_ ? plan().law.duration() : std::max(time_, plan().law.time_at(s_));
+  }
+}
+
+}  // namespace robcl::motion
