@@ -220,7 +220,7 @@ TEST(ArmMotions, AMoveWhosePlanningThrowsIsRefusedAndTheNextOneGoesOn) {
   EXPECT_TRUE(motion.while_standing([] {}));
 }
 
-TEST(ArmMotions, AStopActsWhileTheNextMoveIsPlanned) {
+TEST(ArmMotions, AStopActsWhileTheNextMoveIsBeingMade) {
   const auto model = rx90();
   Recorder driver(ready);
   ArmController controller(model, {}, driver);
@@ -230,28 +230,29 @@ TEST(ArmMotions, AStopActsWhileTheNextMoveIsPlanned) {
   const auto to_there =
       [&](robcl::motion::Planner& planner,
           const JointValues& from) -> tl::expected<robcl::motion::Move, MoveFailure> {
-    return *planner.joint_move(from, there, {});
+    return *planner.joint_move(from, there, {.speed = 0.1});
   };
   const ControlLoop loop(controller);
-  std::promise<void> planning, planned;
+  std::promise<void> making, made;
   Caller one, other;
   auto first = std::async(std::launch::async, [&] { return motion.move({to_there, true}, one); });
   one.is_taken.wait(false);
+  while (!controller.now().moving) std::this_thread::yield();
   auto second = std::async(std::launch::async, [&] {
     return motion.move({[&](auto& planner, const auto& from) {
-                          planning.set_value();
-                          planned.get_future().wait();
+                          making.set_value();
+                          made.get_future().wait();
                           return to_there(planner, from);
                         },
                         false},
                        other);
   });
-  planning.get_future().wait();
+  making.get_future().wait();
   one.interrupt = true;
   while (controller.now().moving) std::this_thread::yield();
   EXPECT_GT(there[0] - driver.all().back()[0], 0.1) << "it stopped on the way";
   other.interrupt = true;
-  planned.set_value();
+  made.set_value();
   EXPECT_FALSE(first.get());
   EXPECT_FALSE(second.get());
 }

@@ -136,7 +136,7 @@ TEST_F(Motion, AStraightMoveIsATrapezoidWhereOnlyTheToolsLimitsBind) {
   EXPECT_NEAR(plan->law.duration(), 0.2 / 0.2 + 0.2 / 3.0, 2e-3);
 }
 
-TEST_F(Motion, AMoveOfDaysIsPlannedAsFastAsAnyOther) {
+TEST_F(Motion, AMoveThatLastsDaysIsFoundAsFastAsAnyOther) {
   const Planner planner(model_, tool_limits_, Smoothing::over(0.03, 0.001));
   const Frame goal = forward_.base_from_flange(ready) * translate(0, 0, 0.2);
   const auto move = planner_.straight_move(ready, goal, Frame(), {.tool_speed = 1e-6});
