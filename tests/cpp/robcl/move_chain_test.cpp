@@ -307,7 +307,7 @@ TEST_P(RandomChains, KeepAllLimitsAtAnyTimeOverriddenAndStopped) { try_chains(fa
 
 // Where the arm is planned again while it rounds the corner of a small move, a joint may accelerate
 // a little harder (known-limits).
-TEST_P(RandomChains, OfSmallMovesKeepTheLimitsOfAccelerationNearly) { try_chains(true, 1.1); }
+TEST_P(RandomChains, OfSmallMovesKeepTheLimitsOfAccelerationNearly) { try_chains(true, 1.05); }
 
 }  // namespace
 }  // namespace robcl::motion
