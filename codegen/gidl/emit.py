@@ -12,7 +12,7 @@ from gidl.layout.wire_layout import Layout
 from gidl.model import Interface, Model
 from gidl.targets.cpp import mock as cpp_mock
 from gidl.targets.cpp import view as cpp
-from gidl.targets.cpp.lower import Lowering as CppLowering
+from gidl.targets.cpp.lowering import Lowering as CppLowering
 from gidl.targets.groups import group
 from gidl.targets.layout import laid_out
 from gidl.targets.lcm import view as lcm

@@ -10,7 +10,7 @@ from gidl.layout import wire_layout
 from gidl.layout.wire_layout import min_size_of, node_of
 from gidl.model import ArrayType, MapType, Model, NamedType, SequenceType, StringType, Struct, Type
 from gidl.model import Union as UnionDeclaration
-from gidl.targets.cpp.lower import Lowering
+from gidl.targets.cpp.lowering import Lowering
 from type_values import value_type
 
 MAX_DEPTH = 16

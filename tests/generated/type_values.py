@@ -45,9 +45,9 @@ from gidl.model import (
     Union,
 )
 from gidl.resolve.files import resolve
-from gidl.targets.cpp.lower import PRIMITIVES
-from gidl.targets.cpp.lower import Lowering as CppLowering
+from gidl.targets.cpp.lowering import Lowering as CppLowering
 from gidl.targets.cpp.names import member_name
+from gidl.targets.cpp.type_text import PRIMITIVES
 from gidl.targets.python import names as python_names
 from gidl.targets.python.homes import Homes
 

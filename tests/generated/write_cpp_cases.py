@@ -8,7 +8,7 @@ from pathlib import Path
 
 from gidl.layout import wire_layout
 from gidl.model import Model, NamedType
-from gidl.targets.cpp.lower import Lowering
+from gidl.targets.cpp.lowering import Lowering
 from memory_factor import MemoryFactors
 from type_values import CppWriter, cases, load
 

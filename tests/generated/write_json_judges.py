@@ -7,7 +7,7 @@ from pathlib import Path
 
 from gidl.layout import wire_layout
 from gidl.model import Model
-from gidl.targets.cpp.lower import Lowering
+from gidl.targets.cpp.lowering import Lowering
 from type_values import cases, load
 
 HELPERS = r"""

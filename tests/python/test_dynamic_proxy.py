@@ -232,7 +232,7 @@ WORDS = {
     "PARAMETER_WORDS": PYTHON_WORDS,
     "METHOD_WORDS": names.METHOD_WORDS,
     "STRUCT_WORDS": names.STRUCT_WORDS,
-    "BITSET_WORDS": names.STRUCT_WORDS | {"pack", "unpack"},  # as gidl.targets.python.values.file
+    "BITSET_WORDS": names.STRUCT_WORDS | {"pack", "unpack"},  # as gidl.targets.python.types_file
     "EXCEPTION_WORDS": names.EXCEPTION_WORDS,
     "ENUM_WORDS": names.ENUM_WORDS,
 }

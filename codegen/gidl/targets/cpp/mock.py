@@ -28,9 +28,9 @@ from gidl.policy import Access
 from gidl.targets import samples
 from gidl.targets.calls import CallValue, attribute_value, parameter_value, reply_values
 from gidl.targets.cpp import names
-from gidl.targets.cpp.calls.server import ServerSide
-from gidl.targets.cpp.lower import Lowering
-from gidl.targets.cpp.lower.statements import indented, quoted
+from gidl.targets.cpp.lowering import Lowering
+from gidl.targets.cpp.servant_handlers import ServerSide
+from gidl.targets.cpp.statements import indented, quoted
 from gidl.targets.groups import group
 from gidl.targets.naming import LocalNames, snake_case
 

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from gidl.file_names import source_stem
 from gidl.layout.wire_layout import Layout
 from gidl.model import Model
-from gidl.targets.cpp.calls.file import has_stubs, interfaces_view
-from gidl.targets.cpp.calls.structs import calls_view
-from gidl.targets.cpp.lower import Lowering
-from gidl.targets.cpp.values.file import types_view
-from gidl.targets.cpp.values.json import json_view
+from gidl.targets.cpp.call_structs import calls_view
+from gidl.targets.cpp.interface_files import has_stubs, interfaces_view
+from gidl.targets.cpp.json_files import json_view
+from gidl.targets.cpp.lowering import Lowering
+from gidl.targets.cpp.types_files import types_view
 from gidl.targets.naming import OutputFile, has_output
 
 

@@ -15,11 +15,11 @@ from gidl.targets import samples
 from gidl.targets.groups import call
 from gidl.targets.naming import LocalNames, snake_case
 from gidl.targets.python import names
-from gidl.targets.python.calls.members import Members
-from gidl.targets.python.calls.views import HandlerView
 from gidl.targets.python.homes import NamesAsUsed
 from gidl.targets.python.imports import import_lines
-from gidl.targets.python.lower import Lowering
+from gidl.targets.python.interface_members import Members
+from gidl.targets.python.interface_views import HandlerView
+from gidl.targets.python.layout_steps import Lowering
 from gidl.targets.python.mock_values import MockValues, OwnNames, plain_hint
 
 

@@ -24,8 +24,8 @@ from gidl.targets import samples
 from gidl.targets.groups import call, clauses, group
 from gidl.targets.naming import LocalNames
 from gidl.targets.python import names
-from gidl.targets.python.lower import Lowering
-from gidl.targets.python.lower.types import DTYPES, bulk_code, is_octet
+from gidl.targets.python.layout_steps import Lowering
+from gidl.targets.python.type_text import DTYPES, bulk_code, is_octet
 
 
 class OwnNames:

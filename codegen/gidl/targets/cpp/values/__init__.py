@@ -1,1 +1,0 @@
-"""Views for the templates of `<file>_types.{hpp,cpp}`."""

@@ -1,1 +1,0 @@
-"""Builds the views of client proxies and servants, for the template of `<file>.py`."""

@@ -1,1 +1,0 @@
-"""Builds the views for the template of `<file>_types.py`."""
