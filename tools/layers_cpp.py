@@ -10,7 +10,7 @@ from layers_rule import Violation
 # These may include everything except the inner modules of the session.
 PROGRAM = "a program"
 PROGRAMS = ("benchmarks", "examples", "tests")
-ROOTS = ("runtime/cpp", "runtime/python/src", "devices", "generated/cpp", *PROGRAMS)
+ROOTS = ("runtime/cpp", "runtime/python/extensions", "devices", "generated/cpp", *PROGRAMS)
 SUFFIXES = (".hpp", ".cpp", ".h", ".cc")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
@@ -186,15 +186,15 @@ GUESTS = (
     ),
     Guest(
         re.compile(r"^nanobind/"),
-        re.compile(r"^runtime/python/src/"),
+        re.compile(r"^runtime/python/extensions/"),
         "nanobind",
-        "nanobind appears in runtime/python/src alone",
+        "nanobind appears in runtime/python/extensions alone",
     ),
     Guest(
         re.compile(r"^Python\.h$"),
-        re.compile(r"^runtime/python/src/"),
+        re.compile(r"^runtime/python/extensions/"),
         "the Python C API",
-        "C++ outside runtime/python/src never calls Python",
+        "C++ outside runtime/python/extensions never calls Python",
     ),
     Guest(
         re.compile(r"^sodium(\.h|/)"),
@@ -244,7 +244,7 @@ def module_of_file(path: str) -> str | None:
     """Module of a file of the tree."""
     if path.startswith(tuple(root + "/" for root in PROGRAMS)):
         return PROGRAM
-    if path.startswith("runtime/python/src/"):
+    if path.startswith("runtime/python/extensions/"):
         return "binding"
     if path.startswith("devices/"):
         return module_of_header(path)

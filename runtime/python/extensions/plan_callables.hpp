@@ -2,7 +2,7 @@
 
 #include <Python.h>
 
-#include "plans/plan.hpp"
+#include "plan.hpp"
 
 /// Callables that replace Python functions. A callable handles only the usual case. In all other
 /// cases it calls the function that it replaced, which is its `__wrapped__`.

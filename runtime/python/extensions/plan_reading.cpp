@@ -1,8 +1,8 @@
 #include <cstring>
 
 #include "gecos/wire/swap_copy.hpp"
-#include "plans/arrays.hpp"
-#include "plans/plan.hpp"
+#include "plan.hpp"
+#include "plan_arrays.hpp"
 
 namespace gecos::python::plans {
 namespace {

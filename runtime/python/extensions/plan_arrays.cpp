@@ -1,4 +1,4 @@
-#include "plans/arrays.hpp"
+#include "plan_arrays.hpp"
 
 #define NPY_NO_DEPRECATED_API NPY_2_0_API_VERSION
 #include <numpy/arrayobject.h>

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "gecos/wire/swap_copy.hpp"
-#include "plans/arrays.hpp"
-#include "plans/plan.hpp"
+#include "plan.hpp"
+#include "plan_arrays.hpp"
 
 namespace gecos::python::plans {
 namespace {

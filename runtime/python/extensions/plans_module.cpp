@@ -1,7 +1,7 @@
 #include <nanobind/nanobind.h>
 
-#include "plans/callables.hpp"
-#include "plans/description.hpp"
+#include "plan_callables.hpp"
+#include "plan_description.hpp"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "plans/callables.hpp"
+#include "plan_callables.hpp"
 
 #include <structmember.h>
 
@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "gecos/wire/swap_copy.hpp"
-#include "plans/arrays.hpp"
-#include "plans/description.hpp"
+#include "plan_arrays.hpp"
+#include "plan_description.hpp"
 
 namespace gecos::python::plans {
 namespace {

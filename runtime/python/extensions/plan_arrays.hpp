@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "plans/plan.hpp"
+#include "plan.hpp"
 
 /// Functions that read and write numpy arrays. The C interface of numpy is loaded for the first
 /// array.

@@ -2,7 +2,7 @@
 
 #include <nanobind/nanobind.h>
 
-#include "plans/plan.hpp"
+#include "plan.hpp"
 
 /// Functions that make plans from the descriptions of structs that `gecos.wire.plans` gives.
 namespace gecos::python::plans {

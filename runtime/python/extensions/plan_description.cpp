@@ -1,4 +1,4 @@
-#include "plans/description.hpp"
+#include "plan_description.hpp"
 
 #include <nanobind/stl/pair.h>
 #include <structmember.h>
