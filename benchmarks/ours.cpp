@@ -12,7 +12,7 @@
 #include "gecos/broker/broker.hpp"
 #include "gecos/gecos.hpp"
 #include "gecos/media/kinds.hpp"
-#include "gecos/media/parts/waiting.hpp"
+#include "gecos/media/waiting.hpp"
 #include "robcl/laser_distance_sensor_client.hpp"
 #include "robcl/laser_distance_sensor_server.hpp"
 

@@ -15,7 +15,7 @@ SUFFIXES = (".hpp", ".cpp", ".h", ".cc")
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 # The headers for users of media: the contract, how to wait, and the header that opens a medium.
-CONTRACT = re.compile(r"^gecos/media/(?:(?:core|medium|quiet|parts/waiting)\.[hc]pp|kinds\.hpp)$")
+CONTRACT = re.compile(r"^gecos/media/(?:(?:core|medium|quiet|waiting)\.[hc]pp|kinds\.hpp)$")
 # What an interface is in the words of the session; it stands below all of its modules.
 DESCRIPTION = re.compile(r"^gecos/description\.[hc]pp$")
 # The headers that users and generated code include, and their sources.
@@ -26,7 +26,7 @@ PUBLIC = re.compile(
 )
 HAND_WRITTEN = re.compile(
     r"^(?:gecos/(base|wire|qos|access|crypto|"
-    r"media(?:/(?:parts|layers|sealed|inproc|shm|lcm|testing))?|"
+    r"media(?:/(?:buffers|layers|sealed|inproc|shm|lcm|testing))?|"
     r"session/(?:protocol|process|client|server)|broker)|robcl/(frames|arm|motion))/"
 )
 # The folders that all devices share are modules of their own.
@@ -66,7 +66,9 @@ _BY_CONTRACT = (
     "and generated types, never clients; "
 )
 
-_MEDIUM = "a medium moves opaque bytes and knows no other: the contract, its registration and parts"
+_MEDIUM = (
+    "a medium moves opaque bytes and knows no other: the contract, its registration and buffers"
+)
 _DEVICE = _BELOW_SESSION + " public umbrella frames generated-stubs"
 
 MODULES: dict[str, Module] = {
@@ -80,17 +82,17 @@ MODULES: dict[str, Module] = {
         "base medium media/layers media/shm",
         "kinds.cpp opens a medium and puts layers on it: what it offers is asked by contract",
     ),
-    "media/parts": _module("base medium", "parts of media know base and the contract"),
+    "media/buffers": _module("base medium", "buffers of media know base and the contract"),
     "media/layers": _module("base medium", "a layer knows the contract of what it is put on"),
     "media/sealed": _module(
-        "base crypto medium media/parts",
-        "what seals a medium knows no medium: datagrams, crypto and parts",
+        "base crypto medium media/buffers",
+        "what seals a medium knows no medium: datagrams, crypto and buffers",
     ),
-    "media/inproc": _module("base medium media media/parts", _MEDIUM),
-    "media/shm": _module("base medium media media/parts", _MEDIUM),
-    "media/lcm": _module("base crypto medium media media/parts media/sealed", _MEDIUM),
+    "media/inproc": _module("base medium media media/buffers", _MEDIUM),
+    "media/shm": _module("base medium media media/buffers", _MEDIUM),
+    "media/lcm": _module("base crypto medium media media/buffers media/sealed", _MEDIUM),
     "media/testing": _module(
-        "base medium media/parts media/layers", "a faulty line is a layer for tests"
+        "base medium media/buffers media/layers", "a faulty line is a layer for tests"
     ),
     "description": _module("base qos access", "a description knows status, quality and base alone"),
     "public": _module(_BELOW_SESSION, _BY_CONTRACT + _INWARDS),

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "gecos/gecos.hpp"
-#include "gecos/media/parts/stream_ring.hpp"
+#include "gecos/media/buffers/stream_ring.hpp"
 #include "gecos/object_calls.hpp"
 #include "gecos/session/client/open_session.hpp"
 #include "gecos/session/protocol/packets.hpp"

@@ -6,8 +6,8 @@
 #include <memory>
 #include <new>
 
-#include "gecos/media/parts/ring.hpp"
-#include "gecos/media/parts/stream_ring.hpp"
+#include "gecos/media/buffers/ring.hpp"
+#include "gecos/media/buffers/stream_ring.hpp"
 #include "script.hpp"
 #include "shm_target.hpp"
 #include "targets.hpp"

@@ -1,6 +1,6 @@
 // Large packets beside a ring: both sides in one mapping, so that a thread sanitizer sees them.
 
-#include "gecos/media/parts/bulk.hpp"
+#include "gecos/media/buffers/bulk.hpp"
 
 #include <gtest/gtest.h>
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "gecos/media/medium.hpp"
-#include "gecos/media/parts/waiting.hpp"
+#include "gecos/media/waiting.hpp"
 #include "scratch_directory.hpp"
 
 namespace gecos::media {

@@ -14,10 +14,10 @@
 
 #include "gecos/base/descriptor.hpp"
 #include "gecos/base/event_fd.hpp"
+#include "gecos/base/fork_watch.hpp"
 #include "gecos/base/system_error.hpp"
-#include "gecos/media/parts/fork_watch.hpp"
-#include "gecos/media/parts/mapping.hpp"
-#include "gecos/media/parts/stream_ring.hpp"
+#include "gecos/media/buffers/mapping.hpp"
+#include "gecos/media/buffers/stream_ring.hpp"
 #include "pair_sockets.hpp"
 
 namespace gecos::media {

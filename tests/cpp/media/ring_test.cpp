@@ -1,4 +1,4 @@
-#include "gecos/media/parts/ring.hpp"
+#include "gecos/media/buffers/ring.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "gecos/base/suspension.hpp"
-#include "gecos/media/parts/mapping.hpp"
-#include "gecos/media/parts/stream_ring.hpp"
+#include "gecos/media/buffers/mapping.hpp"
+#include "gecos/media/buffers/stream_ring.hpp"
 
 namespace gecos::media {
 namespace {

@@ -12,9 +12,9 @@
 #include <thread>
 
 #include "gecos/base/event_fd.hpp"
-#include "gecos/media/parts/bulk.hpp"
-#include "gecos/media/parts/ring.hpp"
-#include "gecos/media/parts/stream_ring.hpp"
+#include "gecos/media/buffers/bulk.hpp"
+#include "gecos/media/buffers/ring.hpp"
+#include "gecos/media/buffers/stream_ring.hpp"
 #include "gecos/media/shm/control.hpp"
 #include "gecos/media/shm/memory.hpp"
 #include "gecos/media/shm/shm.hpp"

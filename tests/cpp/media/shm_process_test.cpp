@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "child_process.hpp"
-#include "gecos/media/parts/bulk.hpp"
+#include "gecos/media/buffers/bulk.hpp"
 #include "gecos/media/shm/acceptor.hpp"
 #include "gecos/media/shm/shm.hpp"
 #include "media_under_test.hpp"

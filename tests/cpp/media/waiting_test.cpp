@@ -1,4 +1,4 @@
-#include "gecos/media/parts/waiting.hpp"
+#include "gecos/media/waiting.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

@@ -2,8 +2,8 @@
 
 #include <memory>
 
+#include "gecos/media/buffers/bulk.hpp"
 #include "gecos/media/medium.hpp"
-#include "gecos/media/parts/bulk.hpp"
 
 namespace gecos::media {
 

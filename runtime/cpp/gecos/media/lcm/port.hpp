@@ -8,10 +8,10 @@
 #include <optional>
 #include <string>
 
+#include "gecos/base/fork_watch.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/media/lcm/lcm.hpp"
 #include "gecos/media/lcm/receiver.hpp"
-#include "gecos/media/parts/fork_watch.hpp"
 #include "gecos/media/sealed/network.hpp"
 
 struct _lcm_t;

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "gecos/base/descriptor.hpp"
+#include "gecos/base/fork_watch.hpp"
 #include "gecos/base/mutex.hpp"
-#include "gecos/media/parts/fork_watch.hpp"
 #include "gecos/media/sealed/initiator.hpp"
 #include "gecos/media/sealed/inward.hpp"
 #include "gecos/media/sealed/network.hpp"

@@ -3,9 +3,9 @@
 #include <atomic>
 #include <memory>
 
+#include "gecos/base/fork_watch.hpp"
 #include "gecos/base/mutex.hpp"
-#include "gecos/media/parts/fork_watch.hpp"
-#include "gecos/media/parts/sample_buffer.hpp"
+#include "gecos/media/buffers/sample_buffer.hpp"
 #include "gecos/media/sealed/datagram.hpp"
 #include "gecos/media/sealed/sender.hpp"
 

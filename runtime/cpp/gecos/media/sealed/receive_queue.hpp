@@ -11,8 +11,8 @@
 #include "gecos/base/event_fd.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/crypto/transport.hpp"
-#include "gecos/media/parts/sample_buffer.hpp"
-#include "gecos/media/parts/stream_ring.hpp"
+#include "gecos/media/buffers/sample_buffer.hpp"
+#include "gecos/media/buffers/stream_ring.hpp"
 #include "gecos/media/sealed/datagram.hpp"
 #include "gecos/media/sealed/senders_clock.hpp"
 

@@ -6,8 +6,8 @@
 
 #include "gecos/base/mutex.hpp"
 #include "gecos/crypto/stream_seal.hpp"
-#include "gecos/media/parts/sample_buffer.hpp"
-#include "gecos/media/parts/stream_ring.hpp"
+#include "gecos/media/buffers/sample_buffer.hpp"
+#include "gecos/media/buffers/stream_ring.hpp"
 #include "gecos/media/sealed/datagram.hpp"
 #include "gecos/media/sealed/network.hpp"
 

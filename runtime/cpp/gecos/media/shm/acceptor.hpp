@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gecos/base/event_fd.hpp"
-#include "gecos/media/parts/fork_watch.hpp"
+#include "gecos/base/fork_watch.hpp"
 #include "gecos/media/shm/control.hpp"
 #include "gecos/media/shm/shm.hpp"
 

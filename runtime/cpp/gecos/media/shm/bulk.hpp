@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "gecos/media/parts/bulk.hpp"
+#include "gecos/media/buffers/bulk.hpp"
 #include "gecos/media/shm/control.hpp"
 
 namespace gecos::media::shm {

@@ -7,10 +7,10 @@
 #include <string>
 
 #include "gecos/base/event_fd.hpp"
+#include "gecos/base/fork_watch.hpp"
 #include "gecos/base/mutex.hpp"
-#include "gecos/media/parts/fork_watch.hpp"
-#include "gecos/media/parts/ring.hpp"
-#include "gecos/media/parts/stream_ring.hpp"
+#include "gecos/media/buffers/ring.hpp"
+#include "gecos/media/buffers/stream_ring.hpp"
 #include "gecos/media/quiet.hpp"
 #include "gecos/media/shm/bulk.hpp"
 #include "gecos/media/shm/control.hpp"

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "gecos/base/descriptor.hpp"
+#include "gecos/media/buffers/mapping.hpp"
 #include "gecos/media/medium.hpp"
-#include "gecos/media/parts/mapping.hpp"
 
 namespace gecos::media::shm {
 

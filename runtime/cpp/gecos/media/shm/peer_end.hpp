@@ -3,8 +3,8 @@
 #include <atomic>
 
 #include "gecos/base/descriptor.hpp"
-#include "gecos/media/parts/ring.hpp"
-#include "gecos/media/parts/stream_ring.hpp"
+#include "gecos/media/buffers/ring.hpp"
+#include "gecos/media/buffers/stream_ring.hpp"
 #include "gecos/media/shm/memory.hpp"
 #include "gecos/media/shm/shm.hpp"
 

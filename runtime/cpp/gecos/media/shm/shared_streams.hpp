@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "gecos/media/buffers/stream_ring.hpp"
 #include "gecos/media/medium.hpp"
-#include "gecos/media/parts/stream_ring.hpp"
 #include "gecos/media/shm/control.hpp"
 #include "gecos/media/shm/control_queue.hpp"
 #include "gecos/media/shm/memory.hpp"

@@ -3,8 +3,8 @@
 #include <memory>
 #include <string>
 
+#include "gecos/media/buffers/bulk.hpp"
 #include "gecos/media/medium.hpp"
-#include "gecos/media/parts/bulk.hpp"
 #include "gecos/media/shm/directory.hpp"
 
 /// The medium shm: shared memory between processes of one host.

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "gecos/media/parts/stream_ring.hpp"
+#include "gecos/media/buffers/stream_ring.hpp"
 #include "gecos/media/shm/memory.hpp"
 
 namespace gecos::media::shm {

@@ -9,7 +9,7 @@
 #include "gecos/base/event_fd.hpp"
 #include "gecos/base/function_ref.hpp"
 #include "gecos/media/medium.hpp"
-#include "gecos/media/parts/waiting.hpp"
+#include "gecos/media/waiting.hpp"
 #include "gecos/session/client/call_sender.hpp"
 #include "gecos/session/client/ending.hpp"
 #include "gecos/session/client/leader_lock.hpp"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gecos/base/function_ref.hpp"
-#include "gecos/media/parts/waiting.hpp"
+#include "gecos/media/waiting.hpp"
 #include "gecos/session/server/server_session.hpp"
 
 namespace gecos::session {

@@ -7,7 +7,7 @@
 
 #include "gecos/base/event_fd.hpp"
 #include "gecos/base/mutex.hpp"
-#include "gecos/media/parts/waiting.hpp"
+#include "gecos/media/waiting.hpp"
 #include "gecos/session/process/runtime.hpp"
 #include "gecos/session/server/active_sessions.hpp"
 #include "gecos/session/server/epoll.hpp"

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "gecos/media/parts/waiting.hpp"
+#include "gecos/media/waiting.hpp"
 #include "gecos/session/process/termination_signals.hpp"
 
 namespace gecos {

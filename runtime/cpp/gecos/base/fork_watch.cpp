@@ -1,10 +1,10 @@
-#include "gecos/media/parts/fork_watch.hpp"
+#include "gecos/base/fork_watch.hpp"
 
 #include <pthread.h>
 
 #include "gecos/base/mutex.hpp"
 
-namespace gecos::media {
+namespace gecos {
 
 /// The list of all watches of this process. The list is global, because the handlers of
 /// pthread_atfork have no parameter.
@@ -46,4 +46,4 @@ ForkWatch::~ForkWatch() {
   (previous_ != nullptr ? previous_->next_ : list.first) = next_;
 }
 
-}  // namespace gecos::media
+}  // namespace gecos

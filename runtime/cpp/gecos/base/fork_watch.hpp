@@ -1,6 +1,6 @@
 #pragma once
 
-namespace gecos::media {
+namespace gecos {
 
 /// Tells its owner, in a forked child, that the owner's descriptors and memory belong to the
 /// parent.
@@ -27,4 +27,4 @@ class ForkWatch {
   ForkWatch* next_ = nullptr;
 };
 
-}  // namespace gecos::media
+}  // namespace gecos

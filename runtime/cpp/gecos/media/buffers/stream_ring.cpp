@@ -1,4 +1,4 @@
-#include "gecos/media/parts/stream_ring.hpp"
+#include "gecos/media/buffers/stream_ring.hpp"
 
 #include <algorithm>
 #include <cassert>

@@ -1,4 +1,4 @@
-#include "gecos/media/parts/ring.hpp"
+#include "gecos/media/buffers/ring.hpp"
 
 #include <time.h>
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "gecos/base/mutex.hpp"
-#include "gecos/media/parts/mapping.hpp"
-#include "gecos/media/parts/ring.hpp"
+#include "gecos/media/buffers/mapping.hpp"
+#include "gecos/media/buffers/ring.hpp"
 
 /// Memory for packets that are too large for a ring.
 ///

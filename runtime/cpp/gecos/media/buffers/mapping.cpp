@@ -1,4 +1,4 @@
-#include "gecos/media/parts/mapping.hpp"
+#include "gecos/media/buffers/mapping.hpp"
 
 #include <sys/mman.h>
 

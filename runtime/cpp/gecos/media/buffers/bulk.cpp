@@ -1,4 +1,4 @@
-#include "gecos/media/parts/bulk.hpp"
+#include "gecos/media/buffers/bulk.hpp"
 
 #include <sys/mman.h>
 

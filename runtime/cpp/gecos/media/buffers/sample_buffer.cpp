@@ -1,4 +1,4 @@
-#include "gecos/media/parts/sample_buffer.hpp"
+#include "gecos/media/buffers/sample_buffer.hpp"
 
 #include <algorithm>
 #include <utility>
