@@ -29,44 +29,45 @@ def _gidl(*names: str) -> str:
     return r"gidl\.(?:" + "|".join(names) + r")(?:\..*)?"
 
 
-_FOUNDATION = ("source", "diagnostics")
-_MODEL = ("model", "policy")
-_WORDS = ("keywords", "places", "file_names", "standard_modules")
-_COMPILER = "the compiler stands alone: standard library, and jinja2 in emit.py"
+# The keywords of IDL and the rules of file names, which each later stage may ask for.
+_NAMES = (r"syntax\.keywords", r"files\.names")
+_COMPILER = "the compiler stands alone: standard library, and jinja2 in targets/emit.py"
 
 ROWS = (
     _row(
-        _gidl(*_MODEL),
-        _gidl(*_MODEL),
+        _gidl("model"),
+        _gidl("model"),
         "the model has the meaning of a file: it knows neither text nor targets",
     ),
     _row(
-        _gidl(*_FOUNDATION),
-        _gidl(*_FOUNDATION, "model"),
-        "source and diagnostics know places in files, and nothing of what stands there",
+        _gidl("diagnostics"),
+        _gidl("diagnostics", "model"),
+        "diagnostics know places in files, and nothing of what stands there",
     ),
-    _row(_gidl(*_WORDS), _gidl(*_FOUNDATION, *_WORDS), "words stand before text and meaning"),
     _row(
-        _gidl("syntax"),
-        _gidl(*_FOUNDATION, *_WORDS, "syntax"),
-        "syntax: text comes first, meaning later",
+        _gidl("syntax"), _gidl("diagnostics", "syntax"), "syntax: text comes first, meaning later"
+    ),
+    _row(
+        _gidl("files"),
+        _gidl("diagnostics", "syntax", "files"),
+        "files are found, read and parsed before anybody asks what they mean",
     ),
     _row(
         _gidl("resolve"),
-        _gidl(*_FOUNDATION, *_WORDS, *_MODEL, "loader", "syntax", "resolve"),
-        "resolve -> syntax, model",
+        _gidl("diagnostics", "model", "files", "syntax", "resolve"),
+        "resolve -> files, syntax, model",
     ),
-    _row(_gidl("layout"), _gidl(*_WORDS, *_MODEL, "layout"), "wire layout -> model"),
-    _row(r"gidl\.rules(\..*)?", _gidl(*_FOUNDATION, *_MODEL, "rules"), "rules -> model"),
+    _row(_gidl("layout"), _gidl("diagnostics", "model", "layout", *_NAMES), "wire layout -> model"),
+    _row(_gidl("rules"), _gidl("diagnostics", "model", "rules"), "rules -> model"),
     _row(
-        r"gidl\.targets(\..*)?",
-        _gidl(*_WORDS, "targets", "model_json", "layout", *_MODEL),
-        "targets -> layout -> model",
-    ),
-    _row(
-        r"gidl\.emit",
-        r"jinja2(\..*)?|" + _gidl("targets", "layout", *_MODEL, *_FOUNDATION),
+        r"gidl\.targets\.emit",
+        r"jinja2(\..*)?|" + _gidl("targets", "layout", "model"),
         "cli -> emit -> targets",
+    ),
+    _row(
+        _gidl("targets"),
+        _gidl("targets", "layout", "model", *_NAMES),
+        "targets -> layout -> model",
     ),
     _row(r"gidl(\..*)?", r"gidl(\..*)?", _COMPILER),
     _row(

@@ -8,15 +8,15 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from gidl.diagnostics import Finding, Findings
-from gidl.file_names import same_files
+from gidl.diagnostics.findings import Finding, Findings
+from gidl.diagnostics.source import Source
+from gidl.files.loader import Loader, default_search
+from gidl.files.missing_include import point_at_includes
+from gidl.files.names import same_files
 from gidl.layout.function_codes import codes_of
-from gidl.loader import Loader, default_search
-from gidl.missing_include import point_at_includes
 from gidl.model import Model
 from gidl.resolve.files import resolve
 from gidl.rules import check_all
-from gidl.source import Source
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,10 +16,10 @@ from random import Random
 from typing import Any
 
 from gecos import wire
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
+from gidl.files.loader import Loader
 from gidl.layout import wire_layout
 from gidl.layout.wire_layout import Layout
-from gidl.loader import Loader
 from gidl.model import Model, Struct
 from gidl.resolve.files import resolve
 from lcm_converter import program

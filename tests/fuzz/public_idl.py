@@ -28,7 +28,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gidl.compile import Compiled, compile_files
-from gidl.diagnostics import Severity, as_text
+from gidl.diagnostics.findings import Severity, as_text
 
 REFUSED = {
     "G0201": "any and TypeCode",

@@ -10,9 +10,9 @@ from gecos.proxy import Object
 from gecos.servant import Servant
 from generating import TREE
 from gidl.compile import compile_files
-from gidl.emit import render
 from gidl.layout import wire_layout
 from gidl.targets.cpp import names as cpp
+from gidl.targets.emit import render
 from gidl.targets.python import names as python
 
 

@@ -21,10 +21,10 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
+from gidl.files.loader import Loader
 from gidl.layout import wire_layout
 from gidl.layout.events import events_as_streams
-from gidl.loader import Loader
 from gidl.model import (
     ArrayType,
     Bitmask,

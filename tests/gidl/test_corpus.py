@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from gidl.compile import Compiled, compile_files
-from gidl.diagnostics import as_text
+from gidl.diagnostics.findings import as_text
 
 HERE = Path(__file__).parent
 GOOD = [

@@ -13,8 +13,8 @@ from typing import Any
 
 import pytest
 from gidl.cli.main import main
-from gidl.file_names import interfaces_below, python_stem, same_modules, source_stem
-from gidl.standard_modules import STANDARD
+from gidl.files.names import interfaces_below, python_stem, same_modules, source_stem
+from gidl.files.standard_modules import STANDARD
 
 STRUCT = "@final struct {} {{ double x; }};\n"
 

@@ -19,7 +19,7 @@ from gidl.fmt import UnreadableError, layout
 from gidl.fmt.pieces import scan
 from gidl.layout import wire_layout
 from gidl.layout.events import events_as_streams
-from gidl.model_json import model_text
+from gidl.targets.model_json import model_text
 from hypothesis import HealthCheck, given, reject, settings
 from hypothesis import strategies as st
 

@@ -20,7 +20,7 @@ from gidl.model import (
     Struct,
     Union,
 )
-from gidl.policy import Access, OnLoss, OnNew, QualityClass, Reliability, StreamDirection
+from gidl.model.policy import Access, OnLoss, OnNew, QualityClass, Reliability, StreamDirection
 
 HERE = Path(__file__).parent
 IDL = HERE.parents[1] / "idl"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from gidl.cli.main import main
-from gidl.file_names import python_module
+from gidl.files.names import python_module
 
 
 @pytest.fixture(autouse=True)

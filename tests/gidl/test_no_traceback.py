@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 from gidl.cli.main import main
 from gidl.compile import Compiled, compile_files
-from gidl.diagnostics import as_json, as_text
+from gidl.diagnostics.findings import as_json, as_text
 from gidl.layout import hashes, wire_layout
 from gidl.layout.events import events_as_streams
-from gidl.model_json import model_text
+from gidl.targets.model_json import model_text
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 

@@ -4,11 +4,11 @@ import re
 from pathlib import Path
 
 import pytest
-from gidl import not_yet
 from gidl.cli.main import main
 from gidl.compile import compile_files
-from gidl.diagnostics import Findings
-from gidl.policy import Qos
+from gidl.diagnostics.findings import Findings
+from gidl.model.policy import Qos
+from gidl.rules import not_yet
 
 IDL = Path(__file__).parents[2] / "idl"
 

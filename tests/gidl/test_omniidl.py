@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from gidl.compile import compile_files
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
 from gidl.omg import omg_text
 
 HERE = Path(__file__).parent

@@ -11,7 +11,7 @@ from gidl import __version__
 from gidl.cli.main import main
 from gidl.cli.project import Project, line_of, read
 from gidl.compile import compile_files
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
 from gidl.model import ArrayType
 
 TREE = Path(__file__).resolve().parents[2]

@@ -7,9 +7,9 @@ import re
 from pathlib import Path
 
 from gidl.compile import compile_files
-from gidl.emit import render
 from gidl.layout.events import events_as_streams
 from gidl.layout.wire_layout import build
+from gidl.targets.emit import render
 from gidl.targets.served_model import served_model
 
 TEXT = """

@@ -16,7 +16,7 @@ for folder in ("codegen", "tests/generated", "tests/generated/gate"):
 
 from generating import generate as generate  # noqa: E402  (found by the lines above)
 from gidl.compile import compile_files  # noqa: E402
-from gidl.file_names import python_module as python_module  # noqa: E402
+from gidl.files.names import python_module as python_module  # noqa: E402
 from gidl.layout.events import events_as_streams  # noqa: E402
 from gidl.layout.wire_layout import CallKind as CallKind  # noqa: E402
 from gidl.layout.wire_layout import CallLayout, Layout, build  # noqa: E402

@@ -165,8 +165,8 @@ def test_a_file_in_no_module_is_found(path: str) -> None:
 @pytest.mark.parametrize(
     ("path", "statement", "named"),
     [
-        ("codegen/gidl/model.py", "from gidl.layout import wire_layout", "gidl.layout"),
-        ("codegen/gidl/model.py", "from .syntax.tree import Struct", "gidl.syntax.tree"),
+        ("codegen/gidl/model/types.py", "from gidl.layout import wire_layout", "gidl.layout"),
+        ("codegen/gidl/model/types.py", "from ..syntax.tree import Struct", "gidl.syntax.tree"),
         ("codegen/gidl/syntax/parser.py", "import gidl.resolve.files", "gidl.resolve"),
         ("codegen/gidl/resolve/types.py", "from gidl.layout import hashes", "gidl.layout"),
         (
@@ -183,7 +183,7 @@ def test_a_file_in_no_module_is_found(path: str) -> None:
         ("codegen/gidl/targets/cpp/lowering.py", "import jinja2", "jinja2"),
         ("codegen/gidl/cli/main.py", "import jinja2", "jinja2"),
         ("codegen/gidl/cli/main.py", "import gecos", "gecos"),
-        ("codegen/gidl/emit.py", "import numpy as np", "numpy"),
+        ("codegen/gidl/targets/emit.py", "import numpy as np", "numpy"),
         ("runtime/python/gecos/wire/decode.py", "from gecos import command", "gecos.command"),
         ("runtime/python/gecos/wire/decode.py", "from .. import _core", "gecos._core"),
         ("runtime/python/gecos/command.py", "import robcl.frames", "robcl.frames"),
@@ -211,8 +211,8 @@ def test_a_forbidden_import_is_found(path: str, statement: str, named: str) -> N
     ("path", "statement"),
     [
         ("codegen/gidl/syntax/parser.py", "from gidl.syntax.tree import Struct"),
-        ("codegen/gidl/emit.py", "import jinja2"),
-        ("codegen/gidl/cli/main.py", "from gidl import emit, resolve"),
+        ("codegen/gidl/targets/emit.py", "import jinja2"),
+        ("codegen/gidl/cli/main.py", "from gidl import resolve, targets"),
         ("codegen/gidl/targets/cpp/lowering.py", "from gidl.targets.cpp.view import File"),
         ("runtime/python/gecos/wire/codes.py", "import numpy as np, struct"),
         ("runtime/python/gecos/command.py", "from gecos import _core"),

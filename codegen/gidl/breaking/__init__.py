@@ -11,7 +11,7 @@ from __future__ import annotations
 from gidl.breaking import calls, values
 from gidl.breaking.report import CATEGORIES, Report, category_of
 from gidl.breaking.sides import Sides
-from gidl.diagnostics import Finding
+from gidl.diagnostics.findings import Finding
 from gidl.model import Model
 
 __all__ = ["CATEGORIES", "category_of", "compare"]

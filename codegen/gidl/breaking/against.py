@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from gidl.file_names import interfaces_below, source_stem
+from gidl.files.names import interfaces_below, source_stem
 
 _GIT = "git#"
 

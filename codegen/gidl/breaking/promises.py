@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from gidl.breaking.report import Report
 from gidl.breaking.sides import Call
 from gidl.model import Attribute, Facts, Interface, Operation
-from gidl.policy import Access, OnLoss, Qos, Stream
+from gidl.model.policy import Access, OnLoss, Qos, Stream
 
 _RELIES = "programs that rely on the old promise may fail"
 _KEEP = "keep the promise"

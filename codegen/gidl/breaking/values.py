@@ -5,7 +5,7 @@ from __future__ import annotations
 from gidl.breaking import slots
 from gidl.breaking.report import Report
 from gidl.breaking.sides import Sides, read_exactly, wire_text
-from gidl.file_names import source_stem
+from gidl.files.names import source_stem
 from gidl.model import (
     AnyDeclaration,
     Bitmask,

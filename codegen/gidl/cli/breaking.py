@@ -20,10 +20,10 @@ from gidl.cli.shared import (
     strictly,
 )
 from gidl.compile import compile_files
-from gidl.diagnostics import Findings
-from gidl.file_names import source_stem
-from gidl.loader import default_search
-from gidl.source import Source
+from gidl.diagnostics.findings import Findings
+from gidl.diagnostics.source import Source
+from gidl.files.loader import default_search
+from gidl.files.names import source_stem
 
 _OLD = "old:"  # prefix, in findings, of the paths of the older interface files
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from gidl.loader import COMMAND_LINE, PACKAGED, VOCABULARY
-from gidl.source import Source
+from gidl.diagnostics.source import Source
+from gidl.files.loader import COMMAND_LINE, PACKAGED, VOCABULARY
 
 
 def depfile_text(

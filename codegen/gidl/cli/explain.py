@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 
-from gidl import not_yet
+from gidl.rules import not_yet
 
 _HEAD = re.compile(r"^## (G\d{4}) (.+)$", re.MULTILINE)
 

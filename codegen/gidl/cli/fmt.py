@@ -12,11 +12,11 @@ from pathlib import Path
 from gidl.cli.output import replace_texts
 from gidl.cli.shared import FINDINGS, FINE, USAGE, WHEN_LEFT_OUT, count, files_of, show
 from gidl.compile import room_for_nesting
-from gidl.diagnostics import Findings, Severity
+from gidl.diagnostics.findings import Findings, Severity
+from gidl.diagnostics.source import Source
+from gidl.files.loader import read_text
 from gidl.fmt import UnreadableError, layout
-from gidl.loader import read_text
 from gidl.model import Location
-from gidl.source import Source
 from gidl.syntax.parser import parse
 
 

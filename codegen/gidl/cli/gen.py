@@ -36,11 +36,11 @@ from gidl.cli.shared import (
     strictly,
 )
 from gidl.compile import Compiled
-from gidl.diagnostics import Finding, Findings, Severity
-from gidl.file_names import same_modules, source_stem
-from gidl.loader import absolute
+from gidl.diagnostics.findings import Finding, Findings, Severity
+from gidl.files.loader import absolute
+from gidl.files.names import same_modules, source_stem
+from gidl.layout.same_names import same_names
 from gidl.model import Location
-from gidl.same_names import same_names
 
 
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -81,7 +81,7 @@ def _languages(text: str) -> tuple[str, ...]:
 
 def run(chosen: argparse.Namespace) -> int:
     from gidl.cli.depfile import depfile_text
-    from gidl.emit import UnsupportedError
+    from gidl.targets.emit import UnsupportedError
 
     files = files_of(chosen)
     if files is None:
@@ -216,10 +216,10 @@ def _not_written(problem: OSError) -> Finding:
 def texts_of(compiled: Compiled, languages: Collection[str]) -> dict[str, str]:
     """Returns the generated files, as a map from the path below the output folder to the text.
     Raises UnsupportedError."""
-    from gidl.emit import render
     from gidl.layout import wire_layout
     from gidl.layout.events import events_as_streams
-    from gidl.model_json import file_text
+    from gidl.targets.emit import render
+    from gidl.targets.model_json import file_text
 
     model = events_as_streams(compiled.model)
     layout = wire_layout.build(model)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from gidl import __version__, not_yet
+from gidl import __version__
 from gidl.cli import breaking, fmt, gen, lint, new
 from gidl.cli.shared import (
     FAILED,
@@ -28,7 +28,8 @@ from gidl.cli.shared import (
     strictly,
 )
 from gidl.compile import Compiled
-from gidl.diagnostics import Finding, Findings
+from gidl.diagnostics.findings import Finding, Findings
+from gidl.rules import not_yet
 
 
 def run() -> None:
@@ -199,8 +200,8 @@ def _dump(chosen: argparse.Namespace) -> int:
 def _dumped(chosen: argparse.Namespace, compiled: Compiled, findings: Findings) -> str:
     from gidl.layout import wire_layout
     from gidl.layout.events import events_as_streams
-    from gidl.model_json import model_text
     from gidl.omg import omg_text
+    from gidl.targets.model_json import model_text
 
     if chosen.omg is not None:
         return omg_text(compiled.model, chosen.omg, chosen.whole, findings)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from gidl.cli.scaffold import ScaffoldRefusal, write_device, write_mock
 from gidl.cli.shared import FINDINGS, FINE, USAGE, add_reading, compiled_from, settle, show
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
 
 
 def add_verb(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -48,7 +48,7 @@ def _new(chosen: argparse.Namespace) -> int:
 
 
 def _mock(chosen: argparse.Namespace) -> int:
-    from gidl.emit import UnsupportedError
+    from gidl.targets.emit import UnsupportedError
 
     chosen.files = [chosen.mock]
     if not settle(chosen):

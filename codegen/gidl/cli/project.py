@@ -12,9 +12,9 @@ from typing import Any
 
 from gidl.cli.output import LANGUAGES
 from gidl.cli.project_keys import OUTPUTS, wrong_with
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
+from gidl.diagnostics.source import Source
 from gidl.model import Location
-from gidl.source import Source
 
 FILE = "gidl.toml"
 _AT = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)\Z")

@@ -10,10 +10,10 @@ from pathlib import Path
 from string import Template
 
 from gidl.compile import Compiled, compile_files
-from gidl.file_names import source_stem
+from gidl.files.loader import absolute
+from gidl.files.names import source_stem
 from gidl.layout import wire_layout
 from gidl.layout.events import events_as_streams
-from gidl.loader import absolute
 from gidl.model import Interface
 
 _STARTING_POINT = Path(__file__).parent / "starting_point"
@@ -66,7 +66,7 @@ def write_mock(
     """Writes a mock server for the interfaces of the file, or only for the interface `wanted`.
     Returns a text with the next steps. Raises UnsupportedError if an interface uses something that
     gidl cannot generate."""
-    from gidl.emit import render, render_mock
+    from gidl.targets.emit import render, render_mock
 
     model = events_as_streams(compiled.model)
     (file,) = (f for f in model.files if f.asked_for)

@@ -10,12 +10,12 @@ from pathlib import Path
 
 from gidl.cli import project
 from gidl.cli.project_keys import DEFINE, WIDE
-from gidl.cli.report_formats import as_github_actions, as_sarif
 from gidl.compile import Compiled, compile_files
-from gidl.diagnostics import Finding, Findings, Printer, Severity, as_json, as_text
-from gidl.file_names import interfaces_below
-from gidl.loader import absolute, default_search
-from gidl.source import Source
+from gidl.diagnostics.findings import Finding, Findings, Printer, Severity, as_json, as_text
+from gidl.diagnostics.report_formats import as_github_actions, as_sarif
+from gidl.diagnostics.source import Source
+from gidl.files.loader import absolute, default_search
+from gidl.files.names import interfaces_below
 
 FINE, FAILED, USAGE, FINDINGS = 0, 1, 2, 100
 
@@ -23,10 +23,17 @@ WHEN_LEFT_OUT = (
     "interface files, or - for stdin; default: all files in the roots of gidl.toml, or in idl/"
 )
 
+
+def _sarif(findings: list[Finding], sources: Mapping[str, Source]) -> str:
+    from gidl.cli.explain import all_titles
+
+    return as_sarif(findings, sources, dict(all_titles()))
+
+
 PRINTERS: dict[str, Printer] = {
     "text": as_text,
     "json": as_json,
-    "sarif": as_sarif,
+    "sarif": _sarif,
     "github-actions": as_github_actions,
 }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from gidl.keywords import USED_BY_LOWER
+from gidl.syntax.keywords import USED_BY_LOWER
 from gidl.syntax.lexer import TOKEN, directive_line
 
 _KEYWORDS = frozenset(USED_BY_LOWER.values())

@@ -23,7 +23,7 @@ from gidl.model import (
     Operation,
     Struct,
 )
-from gidl.policy import Stream, StreamDirection
+from gidl.model.policy import Stream, StreamDirection
 
 
 def events_as_streams(model: Model) -> Model:

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from gidl.keywords import CPP, PYTHON, words
 from gidl.layout.type_names import Language, escaped
 from gidl.model import AnyDeclaration, Bitset, Interface, Model, Struct, Union
+from gidl.syntax.keywords import CPP, PYTHON, words
 
 # -- C++ -----------------------------------------------------------------------------------------
 

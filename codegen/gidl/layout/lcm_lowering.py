@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from gidl.keywords import CPP, PYTHON
 from gidl.layout.wire_nodes import (
     AppendableNode,
     ArrayNode,
@@ -37,6 +36,7 @@ from gidl.model import (
     Type,
     Union,
 )
+from gidl.syntax.keywords import CPP, PYTHON
 
 LCM_PRIMITIVES = frozenset(
     ("int8_t", "int16_t", "int32_t", "int64_t", "byte", "float", "double", "string", "boolean")

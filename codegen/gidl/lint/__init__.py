@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from gidl.diagnostics import Finding, Findings
+from gidl.diagnostics.findings import Finding, Findings
 from gidl.lint import (
     access_unwritten,
     best_effort_actor,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
 from gidl.model import Attribute, Model, Operation
-from gidl.policy import Access, Reliability
+from gidl.model.policy import Access, Reliability
 from gidl.rules.walk import members
 
 

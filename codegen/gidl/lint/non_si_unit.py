@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
 from gidl.model import Constant, Location, Model
 from gidl.rules.walk import slots
 

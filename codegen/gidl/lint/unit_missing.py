@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
 from gidl.model import ArrayType, MapType, Model, NamedType, SequenceType, Type, Typedef
 from gidl.rules.walk import Slot, numeric_core, slots
 

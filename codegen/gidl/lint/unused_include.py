@@ -3,7 +3,7 @@ indirectly."""
 
 from __future__ import annotations
 
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
 from gidl.lint.uses import uses
 from gidl.model import File, Location, Model
 

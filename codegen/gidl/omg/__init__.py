@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
 from gidl.model import Model
 from gidl.omg.corba import CorbaWriter
 from gidl.omg.dds import DdsWriter

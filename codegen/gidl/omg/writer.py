@@ -11,9 +11,8 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator
 
-from gidl.diagnostics import Findings
-from gidl.file_names import source_stem
-from gidl.keywords import UNUSED_BY_LOWER, USED_BY_LOWER
+from gidl.diagnostics.findings import Findings
+from gidl.files.names import source_stem
 from gidl.model import (
     AnnotationDeclaration,
     AnyDeclaration,
@@ -39,6 +38,7 @@ from gidl.model import (
     Union,
     Value,
 )
+from gidl.syntax.keywords import UNUSED_BY_LOWER, USED_BY_LOWER
 
 # Words that get an underscore where they are used as names.
 _KEYWORDS = frozenset((*USED_BY_LOWER, *UNUSED_BY_LOWER))

@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
+from gidl.diagnostics.source import Span
 from gidl.model import EnumValue, Value
-from gidl.source import Span
 from gidl.syntax.tree import Binary, Expression, Literal, NameUse, RefusedValue, ScopedName, Unary
 
 

@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from gidl.diagnostics import Findings
-from gidl.loader import VOCABULARY, LoadedFile
+from gidl.diagnostics.findings import Findings
+from gidl.files.loader import VOCABULARY, LoadedFile
 from gidl.model import (
     Annotation,
     AnnotationDeclaration,
@@ -32,10 +32,10 @@ from gidl.model import (
     Union,
     Value,
 )
-from gidl.places import PLACES
 from gidl.resolve.interfaces import InterfaceResolver
 from gidl.resolve.scopes import Names, Scope, Symbol
 from gidl.resolve.vocabulary import Declared, Parameter, Vocabulary
+from gidl.syntax.annotation_places import PLACES
 from gidl.syntax.tree import (
     AnnotationSyntax,
     AttributeSyntax,

@@ -7,7 +7,7 @@ from abc import abstractmethod
 from collections.abc import Callable
 from typing import TypeVar
 
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
 from gidl.model import (
     Attribute,
     Direction,
@@ -16,7 +16,7 @@ from gidl.model import (
     Operation,
     Parameter,
 )
-from gidl.policy import (
+from gidl.model.policy import (
     Access,
     Liveliness,
     OnDegraded,

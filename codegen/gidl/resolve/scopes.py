@@ -11,9 +11,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 
-from gidl.diagnostics import Findings, Note, suggestion
+from gidl.diagnostics.findings import Findings, Note, suggestion
+from gidl.diagnostics.source import Span
 from gidl.model import Type, Value
-from gidl.source import Span
 from gidl.syntax.tree import Name, ScopedName
 
 # Scopes of these kinds may contain a declaration that has the name of the scope.

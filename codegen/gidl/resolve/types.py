@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from gidl.diagnostics import Findings, Note
+from gidl.diagnostics.findings import Findings, Note
+from gidl.diagnostics.source import Span
 from gidl.model import (
     AnyDeclaration,
     ArrayType,
@@ -42,7 +43,6 @@ from gidl.resolve.quantities import cpp_type, python_type
 from gidl.resolve.scopes import Names, Scope, Symbol
 from gidl.resolve.values import Marks, ValueResolver
 from gidl.resolve.vocabulary import Vocabulary
-from gidl.source import Span
 from gidl.syntax.tree import (
     BasicType,
     BitfieldSyntax,

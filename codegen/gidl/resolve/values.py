@@ -6,7 +6,8 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 
-from gidl.diagnostics import Findings, Note
+from gidl.diagnostics.findings import Findings, Note
+from gidl.diagnostics.source import Span
 from gidl.model import (
     Annotation,
     ArrayType,
@@ -25,7 +26,6 @@ from gidl.model import (
 from gidl.resolve.constants import Arithmetic, Computed, compute, computed, describe_kind
 from gidl.resolve.scopes import TYPE_KINDS, Names, Scope, Symbol
 from gidl.resolve.vocabulary import Applied, Vocabulary
-from gidl.source import Span
 from gidl.syntax.tree import (
     AnnotationUse,
     BasicType,

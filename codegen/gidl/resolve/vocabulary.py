@@ -2,7 +2,7 @@
 that the use annotates.
 
 The parameters come from idl/gecos/annotations.gidl. IDL cannot express which declarations an
-annotation may annotate, so places.py lists them.
+annotation may annotate, so annotation_places.py lists them.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 
-from gidl.diagnostics import Findings, Note
+from gidl.diagnostics.findings import Findings, Note
+from gidl.diagnostics.source import Span
 from gidl.model import Primitive, PrimitiveType, StringType, Type, Value
-from gidl.places import PLACES
 from gidl.resolve.constants import Computed, describe_kind
-from gidl.source import Span
+from gidl.syntax.annotation_places import PLACES
 from gidl.syntax.tree import AnnotationUse
 
 # Annotations of the IDL standard that have no meaning in .gidl. They are never reported as

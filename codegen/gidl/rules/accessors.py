@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from gidl.diagnostics import Findings, Note
+from gidl.diagnostics.findings import Findings, Note
 from gidl.model import Attribute, Model, Operation
 from gidl.rules.walk import meet_first
 

@@ -3,9 +3,9 @@ operation or getter."""
 
 from __future__ import annotations
 
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
 from gidl.model import Attribute, Model, Operation
-from gidl.policy import Access
+from gidl.model.policy import Access
 from gidl.rules.walk import members
 
 _OF_ACTORS = ("on_new", "parallel", "on_loss")

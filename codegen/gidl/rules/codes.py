@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from gidl.diagnostics import Findings, Note
+from gidl.diagnostics.findings import Findings, Note
 from gidl.model import BUILT_IN, Attribute, Interface, Model, Operation
 from gidl.rules.walk import meet_first
 

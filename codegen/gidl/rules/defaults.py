@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
 from gidl.model import Model
 from gidl.rules.walk import Slot, slots
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gidl.diagnostics import Findings, Note
+from gidl.diagnostics.findings import Findings, Note
 from gidl.model import Bitmask, Bitset, EnumDeclaration, Location, Model
 
 

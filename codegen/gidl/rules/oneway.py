@@ -3,7 +3,7 @@ no cancellation."""
 
 from __future__ import annotations
 
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
 from gidl.model import Direction, Model, Operation
 from gidl.rules.walk import members
 

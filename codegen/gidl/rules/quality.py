@@ -3,9 +3,9 @@ them."""
 
 from __future__ import annotations
 
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
 from gidl.model import Attribute, Facts, Model, Operation
-from gidl.policy import Liveliness, Qos, QualityClass
+from gidl.model.policy import Liveliness, Qos, QualityClass
 from gidl.rules.walk import members
 
 _HARD = ("inproc", "shm", "can")

@@ -6,9 +6,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from gidl.diagnostics import Findings, Note
+from gidl.diagnostics.findings import Findings, Note
 from gidl.model import Attribute, Facts, Interface, Model
-from gidl.policy import Qos, Stream
+from gidl.model.policy import Qos, Stream
 
 
 def check(model: Model, findings: Findings) -> None:

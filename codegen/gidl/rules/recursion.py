@@ -3,7 +3,7 @@ deep."""
 
 from __future__ import annotations
 
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
 from gidl.model import (
     ArrayType,
     MapType,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
 from gidl.model import Attribute, Model, NamedType, Struct
-from gidl.policy import QualityClass
+from gidl.model.policy import QualityClass
 from gidl.rules.walk import members
 
 

@@ -3,7 +3,7 @@ base."""
 
 from __future__ import annotations
 
-from gidl.diagnostics import Findings, Note
+from gidl.diagnostics.findings import Findings, Note
 from gidl.model import Model, Struct
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gidl.diagnostics import Findings, suggestion
+from gidl.diagnostics.findings import Findings, suggestion
 from gidl.model import (
     ArrayType,
     Constant,

@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from bisect import bisect_left
 
-from gidl.source import Source
+from gidl.diagnostics.source import Source
 from gidl.syntax.lexer import Comment, Lexed
 
 _BEFORE = re.compile(r"/\*\*(?!/)|///(?!/)|/\*!|//!")

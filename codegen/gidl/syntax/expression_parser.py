@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gidl.source import Span
+from gidl.diagnostics.source import Span
 from gidl.syntax.lexer import Token
 from gidl.syntax.token_reader import Skip, TokenReader
 from gidl.syntax.tree import Binary, Expression, Literal, NameUse, RefusedValue, Unary

@@ -14,9 +14,9 @@ from bisect import bisect_right
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from gidl.diagnostics import Findings
-from gidl.places import PLACES
-from gidl.source import Source, Span
+from gidl.diagnostics.findings import Findings
+from gidl.diagnostics.source import Source, Span
+from gidl.syntax.annotation_places import PLACES
 
 
 class Token(NamedTuple):

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from gidl.diagnostics import Findings
-from gidl.source import Source
+from gidl.diagnostics.findings import Findings
+from gidl.diagnostics.source import Source
 from gidl.syntax.conditions import Macros
 from gidl.syntax.docs_text import DocReader, joined
 from gidl.syntax.interface_parser import InterfaceParser

@@ -11,8 +11,8 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from gidl.diagnostics import Findings
-from gidl.source import Source, Span
+from gidl.diagnostics.findings import Findings
+from gidl.diagnostics.source import Source, Span
 from gidl.syntax.conditions import MAX_EXPANSION, Macros, RefusedError, is_true
 from gidl.syntax.lexer import Lexed, Token, lex
 from gidl.syntax.tree import Include

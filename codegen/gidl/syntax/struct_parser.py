@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 
-from gidl.source import Span
+from gidl.diagnostics.source import Span
 from gidl.syntax.token_reader import Skip
 from gidl.syntax.tree import (
     BasicType,

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
 
-from gidl.diagnostics import Findings, Note
-from gidl.keywords import NEW_IN_4, UNUSED_BY_LOWER, USED_BY_LOWER
-from gidl.source import Source, Span
+from gidl.diagnostics.findings import Findings, Note
+from gidl.diagnostics.source import Source, Span
+from gidl.syntax.keywords import NEW_IN_4, UNUSED_BY_LOWER, USED_BY_LOWER
 from gidl.syntax.lexer import Token
 from gidl.syntax.tree import Name, ScopedName
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from gidl.source import Span
+from gidl.diagnostics.source import Span
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,7 @@ from gidl.model import (
     Model,
     Type,
 )
-from gidl.model_json import declaration_json
+from gidl.targets.model_json import declaration_json
 from gidl.targets.reach import named_types, reached_types
 
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import spelled
-from gidl.file_names import source_stem
+from gidl.files.names import source_stem
 from gidl.layout.wire_layout import Layout
 from gidl.model import Attribute, Bitset, Interface, Model, Struct, Union
 from gidl.targets.cpp.names import absolute, member_name

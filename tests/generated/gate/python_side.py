@@ -19,7 +19,7 @@ from gecos import wire
 from gecos.errors import DeclaredError
 from gecos.interface import Method
 from gecos.proxy import StreamAttribute
-from gidl.file_names import python_module
+from gidl.files.names import python_module
 from gidl.layout.wire_layout import Layout
 from gidl.model import (
     ArrayType,

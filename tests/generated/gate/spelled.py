@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
-from gidl.file_names import python_module
+from gidl.files.names import python_module
 from gidl.layout.type_names import TypeName
 from gidl.layout.wire_layout import Layout
 from gidl.model import Model, Struct

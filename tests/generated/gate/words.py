@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from random import Random
 
-from gidl.keywords import UNUSED_BY_LOWER, USED_BY_LOWER, words
+from gidl.syntax.keywords import UNUSED_BY_LOWER, USED_BY_LOWER, words
 
 CPP = sorted(
     words(

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby
 
-from gidl.file_names import source_stem
+from gidl.files.names import source_stem
 from gidl.layout.type_names import TypeName
 from gidl.layout.wire_layout import CallKind, CallLayout, FieldLayout, min_size_of
 from gidl.layout.wire_nodes import (

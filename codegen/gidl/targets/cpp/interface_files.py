@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from gidl.file_names import source_stem
+from gidl.files.names import source_stem
 from gidl.layout.wire_layout import CallKind
 from gidl.model import (
     BUILT_IN,

@@ -9,7 +9,7 @@ from gidl.model import (
     Attribute,
     Operation,
 )
-from gidl.policy import (
+from gidl.model.policy import (
     Access,
     Liveliness,
     OnDegraded,

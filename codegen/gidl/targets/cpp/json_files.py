@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from gidl.file_names import source_stem
+from gidl.files.names import source_stem
 from gidl.layout.languages import CPP_BITSET_WORDS, CPP_WORDS
 from gidl.layout.type_names import escaped
 from gidl.model import (

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from gidl.file_names import source_stem
+from gidl.files.names import source_stem
 from gidl.layout.languages import CPP_TYPES, CPP_WORDS
 from gidl.layout.type_names import TypeName, escaped
 from gidl.layout.wire_layout import CallKind, CallLayout, node_of
@@ -24,7 +24,7 @@ from gidl.model import (
     Type,
     Union,
 )
-from gidl.policy import Access
+from gidl.model.policy import Access
 from gidl.targets import samples
 from gidl.targets.calls import CallValue, attribute_value, parameter_value, reply_values
 from gidl.targets.cpp import names

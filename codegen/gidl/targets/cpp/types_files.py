@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import groupby
 
-from gidl.file_names import source_stem
+from gidl.files.names import source_stem
 from gidl.layout.type_names import TypeName
 from gidl.model import (
     AnyDeclaration,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gidl.file_names import source_stem
+from gidl.files.names import source_stem
 from gidl.layout.wire_layout import Layout
 from gidl.model import Model
 from gidl.targets.cpp.call_structs import calls_view

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from gidl.file_names import source_stem
+from gidl.files.names import source_stem
 from gidl.layout.lcm_lowering import (
     LCM_PRIMITIVES,
     OBJECT_REF,

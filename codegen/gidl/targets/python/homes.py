@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from gidl.file_names import python_module
+from gidl.files.names import python_module
 from gidl.layout.wire_layout import Layout
 from gidl.model import File, Interface, Model, Operation, Struct
 from gidl.targets.naming import LocalNames

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from gidl.file_names import python_module
+from gidl.files.names import python_module
 from gidl.layout.wire_layout import CallKind
 from gidl.model import File, Interface
 from gidl.targets.calls import refuse_unsupported

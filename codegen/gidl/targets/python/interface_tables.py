@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gidl.layout.wire_layout import CallKind, CallLayout
 from gidl.model import Attribute, Operation
-from gidl.policy import Liveliness, OnDegraded, OnLoss, OnNew, Qos, QualityClass, Reliability
+from gidl.model.policy import Liveliness, OnDegraded, OnLoss, OnNew, Qos, QualityClass, Reliability
 from gidl.targets.calls import first_missing, short_name
 from gidl.targets.groups import call, group
 from gidl.targets.python.call_facts import CallFacts, Passed

@@ -10,7 +10,7 @@ from gidl.layout.languages import PYTHON_CLASS_WORDS
 from gidl.layout.wire_layout import CallKind, CallLayout
 from gidl.layout.wire_nodes import Node
 from gidl.model import Attribute, Direction, Interface, Operation
-from gidl.policy import Access
+from gidl.model.policy import Access
 from gidl.targets import samples
 from gidl.targets.groups import call
 from gidl.targets.naming import LocalNames, snake_case

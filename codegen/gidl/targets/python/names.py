@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from gidl.keywords import words
 from gidl.layout.languages import PYTHON_CLASS_WORDS, PYTHON_WORDS
 from gidl.layout.type_names import escaped
 from gidl.model import Attribute, Operation, Struct
+from gidl.syntax.keywords import words
 from gidl.targets.naming import DOC_WIDTH, LocalNames, snake_case, wrapped
 
 # A name that is reserved in Python gets an underscore at its end. The names that generated code

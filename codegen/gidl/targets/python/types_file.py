@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gidl.file_names import python_module
+from gidl.files.names import python_module
 from gidl.layout.wire_layout import Layout, node_of
 from gidl.layout.wire_nodes import Node
 from gidl.model import (

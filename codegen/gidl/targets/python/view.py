@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gidl.file_names import python_stem
+from gidl.files.names import python_stem
 from gidl.layout.wire_layout import Layout
 from gidl.model import Model
 from gidl.targets.naming import OutputFile, has_output

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from gidl.diagnostics import Findings, Note
+from gidl.diagnostics.findings import Findings, Note
 from gidl.layout.languages import CPP_TYPES
 from gidl.layout.type_names import TypeName, TypeNames, name_types
 from gidl.model import (

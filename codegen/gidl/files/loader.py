@@ -11,17 +11,17 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path, PurePosixPath
 
-from gidl.diagnostics import Findings, Severity
-from gidl.file_names import is_interface
-from gidl.installed import installed_folders
-from gidl.source import MAX_BYTES, Source, Span
+from gidl.diagnostics.findings import Findings, Severity
+from gidl.diagnostics.source import MAX_BYTES, Source, Span
+from gidl.files.installed import installed_folders
+from gidl.files.names import is_interface
 from gidl.syntax.conditions import Macros
 from gidl.syntax.lexer import lex
 from gidl.syntax.parser import parse
 from gidl.syntax.preprocess import preprocess
 from gidl.syntax.tree import FileSyntax, Include
 
-PACKAGED = Path(__file__).parent / "include"
+PACKAGED = Path(__file__).parents[1] / "include"
 VOCABULARY = "gecos/annotations.gidl"
 OBJECT_REF = "gecos/object_ref.gidl"  # the file that declares the type of `Object` values
 COMMAND_LINE = "<-D>"  # the path, in findings, of constants that -D defines

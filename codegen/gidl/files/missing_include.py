@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from gidl.diagnostics import Finding, Findings
-from gidl.file_names import interfaces_below
+from gidl.diagnostics.findings import Finding, Findings
+from gidl.files.names import interfaces_below
 
 _MOST_FILES = 500
 _MOST_BYTES = 1_000_000

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from enum import Enum
 
+from gidl.diagnostics.source import Source, Span
 from gidl.model import Location
-from gidl.source import Source, Span
 
 MAX_FINDINGS = 100  # the text output prints at most this number of findings
 _MAX_WIDTH = 140  # a quoted source line is cut to this number of characters

@@ -3,7 +3,7 @@ comes first on the import path."""
 
 from __future__ import annotations
 
-from gidl.keywords import words
+from gidl.syntax.keywords import words
 
 # This table replaces sys.stdlib_module_names, because the output of gidl must not depend on the
 # version of Python.

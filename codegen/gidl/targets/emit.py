@@ -62,7 +62,7 @@ def render_mock(
 
 @cache
 def _environment(language: str) -> jinja2.Environment:
-    folder = Path(__file__).parent / "targets" / language / "templates"
+    folder = Path(__file__).parent / language / "templates"
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder),
         undefined=jinja2.StrictUndefined,

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from gidl.diagnostics import Findings
+from gidl.diagnostics.findings import Findings
 from gidl.model import Attribute, Facts, File, Interface, Model, Operation, Struct, Union
-from gidl.policy import Access, QualityClass
+from gidl.model.policy import Access, QualityClass
 
 CODE = "G0708"
 

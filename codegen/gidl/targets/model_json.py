@@ -43,7 +43,7 @@ from gidl.model import (
     Union,
     Value,
 )
-from gidl.policy import Qos, Stream
+from gidl.model.policy import Qos, Stream
 
 Json = dict[str, object]
 

@@ -6,18 +6,18 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 
-from gidl.diagnostics import Finding, Severity
+from gidl.diagnostics.findings import Finding, Severity
+from gidl.diagnostics.source import Source
 from gidl.model import Location
-from gidl.source import Source
 
 _SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
-def as_sarif(findings: list[Finding], sources: Mapping[str, Source]) -> str:
-    """Returns the findings as a SARIF 2.1.0 report with one run."""
-    from gidl.cli.explain import all_titles
-
-    titles = dict(all_titles())
+def as_sarif(
+    findings: list[Finding], sources: Mapping[str, Source], titles: Mapping[str, str]
+) -> str:
+    """Returns the findings as a SARIF 2.1.0 report with one run. `titles` has the title of each
+    code."""
     codes = sorted({f.code for f in findings})
     driver = {
         "name": "gidl",

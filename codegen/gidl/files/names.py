@@ -12,10 +12,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from gidl.diagnostics import Findings
-from gidl.keywords import PYTHON
-from gidl.source import Source
-from gidl.standard_modules import OURS, STANDARD
+from gidl.diagnostics.findings import Findings
+from gidl.diagnostics.source import Source
+from gidl.files.standard_modules import OURS, STANDARD
+from gidl.syntax.keywords import PYTHON
 
 SUFFIXES = (".gidl", ".idl")
 _PACKAGES = {"gecos": "gecos_idl"}  # the Python package gecos is the runtime

@@ -1,0 +1,1 @@
+"""Errors and warnings, the places in source texts to which they point, and their output."""

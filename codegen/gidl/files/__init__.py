@@ -1,0 +1,1 @@
+"""Finds, reads and names files: interface files, and the files that are generated from them."""
