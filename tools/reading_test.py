@@ -4,6 +4,10 @@ The sheet has lines of code without their file, comments, and texts that users m
 lines, help). A stranger who has only the list of folders and docs/glossary.md writes for each line
 the folder that it belongs to, and for each comment and text whether one reading was enough. The key
 has the places. The same seed draws the same sheet from the same tree.
+
+The strict form, which is the default and the one whose figures count, lists the bare names of the
+folders. `--rooms` prints beside each folder its sentence in docs/architecture.md, as a newcomer
+would have it; figures of the two forms cannot be compared.
 """
 
 import argparse
@@ -39,6 +43,10 @@ def sources() -> list[Path]:
     )
     names = [TREE / name for name in listed.stdout.splitlines()]
     return [name for name in names if name.suffix in (".cpp", ".hpp", ".py")]
+
+
+def folders() -> list[str]:
+    return sorted({str(path.relative_to(TREE).parent) for path in sources()})
 
 
 def says_something(line: str) -> bool:
@@ -117,10 +125,24 @@ def drawn(seed: int) -> dict[str, list[Found]]:
     }
 
 
+def rooms(architecture: str) -> dict[str, str]:
+    """What docs/architecture.md says of each folder in its table of rooms."""
+    table = re.search(r"^\| room \|.*?\n\n", architecture, re.MULTILINE | re.DOTALL)
+    said: dict[str, str] = {}
+    for names, contents in re.findall(
+        r"^\| `([^`]+)` \| (.+) \|$", table[0] if table else "", re.M
+    ):
+        start, _, alternatives = names.partition("{")
+        for each in alternatives.rstrip("}").split(","):
+            said[(start + each).rstrip("/")] = contents
+    return said
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description="draws the sheets of a reading test")
     parser.add_argument("seed", type=int)
     parser.add_argument("--key", action="store_true", help="print the places, not the sheet")
+    parser.add_argument("--rooms", action="store_true", help="say what is in each folder")
     options = parser.parse_args()
     sheet = drawn(options.seed)
     if options.key:
@@ -128,9 +150,10 @@ def main() -> None:
             for at, one in enumerate(each, 1):
                 print(f"{kind} {at}: {one.folder if kind == 'line' else one.place}")
         return
+    said = rooms((TREE / "docs/architecture.md").read_text("utf-8")) if options.rooms else {}
     print("Folders:")
-    for folder in sorted({str(path.relative_to(TREE).parent) for path in sources()}):
-        print(f"  {folder}")
+    for folder in folders():
+        print(f"  {folder}: {said[folder]}" if said else f"  {folder}")
     for kind, each in sheet.items():
         for at, one in enumerate(each, 1):
             print(f"\n{kind} {at}:\n    {one.text}")
