@@ -129,9 +129,8 @@ def rooms(architecture: str) -> dict[str, str]:
     """What docs/architecture.md says of each folder in its table of rooms."""
     table = re.search(r"^\| room \|.*?\n\n", architecture, re.MULTILINE | re.DOTALL)
     said: dict[str, str] = {}
-    for names, contents in re.findall(
-        r"^\| `([^`]+)` \| (.+) \|$", table[0] if table else "", re.M
-    ):
+    row = re.compile(r"^\| `([^` ]+)` \| (.+) \|$", re.MULTILINE)
+    for names, contents in row.findall(table[0] if table else ""):
         start, _, alternatives = names.partition("{")
         for each in alternatives.rstrip("}").split(","):
             said[(start + each).rstrip("/")] = contents
