@@ -49,8 +49,8 @@ class Outputs:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """How the folders on disk differ from the generated files. Missing and changed files are given
-    by their generated paths, stale files by their paths on disk."""
+    """The differences between the generated files and the folders on disk. Missing and changed
+    files are given by their generated paths, stale files by their paths on disk."""
 
     changed: tuple[str, ...]
     missing: tuple[str, ...]

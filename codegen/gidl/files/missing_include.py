@@ -1,5 +1,5 @@
-"""For a name that the run does not know, finds the file to include, so that the error can name this
-file."""
+"""Finds the file that declares an unknown name, so that the error can tell the author to include
+this file."""
 
 from __future__ import annotations
 

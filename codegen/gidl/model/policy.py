@@ -19,8 +19,8 @@ class Access(IntEnum):
 
 
 class OnNew(Enum):
-    """What the server does with a new actor command while another actor command of the object is
-    running."""
+    """Decides what the server does with a new actor command while another actor command of the
+    object is running."""
 
     QUEUE = "queue"
     REJECT = "reject"
@@ -29,15 +29,15 @@ class OnNew(Enum):
 
 
 class OnLoss(Enum):
-    """What the server does with a running actor operation when the holder of the lease is lost."""
+    """Decides what the server does with a running actor operation when the holder of the lease is
+    lost."""
 
     STOP = "stop"
     FINISH = "finish"
 
 
 class QualityClass(IntEnum):
-    """How strictly a connection keeps its promises about time, from the least to the most
-    strict."""
+    """The strictness with which a connection keeps its promises about time, in rising order."""
 
     TIME_INDEPENDENT = 0
     SOFT_REALTIME = 1
@@ -55,7 +55,8 @@ class Liveliness(IntEnum):
 
 
 class OnDegraded(Enum):
-    """What becomes of a session whose connection exceeds the latency that its interface demands."""
+    """Decides what happens to a session whose connection exceeds the latency that its interface
+    demands."""
 
     EVENT = "event"
     FAIL = "fail"
@@ -94,7 +95,7 @@ class Qos:
 
     @property
     def of_member(self) -> Qos:
-        """This quality without the terms that belong to the interface alone."""
+        """Returns this quality without the terms that only an interface can have."""
         return replace(self, on_degraded=None)
 
     @property

@@ -20,7 +20,7 @@ class Computed:
 
 @dataclass(frozen=True, slots=True)
 class Arithmetic:
-    """How integers are computed: every intermediate result must fit in `bits` bits, signed or
+    """The rules of integer arithmetic: every intermediate result must fit in `bits` bits, signed or
     unsigned. The value of `~` depends on `unsigned`, as the IDL standard says."""
 
     bits: int = 64

@@ -17,7 +17,7 @@ struct UnsuitedMember {
   std::vector<qos::Violation> violations;
 };
 
-/// What speaks for and against one medium of an object.
+/// The reasons for and against one medium of an object.
 struct MediumVerdict {
   std::string medium;       ///< "shm"
   std::string address;      ///< under which the server offers the medium
@@ -29,7 +29,7 @@ struct MediumVerdict {
   bool suitable() const { return unreachable.empty() && violations.empty(); }
 };
 
-/// Over which media `create` would reach an object.
+/// The media over which `create` would reach an object, and the reasons.
 struct Explanation {
   std::string name;
   std::string interface_name;  ///< that of the object

@@ -37,7 +37,7 @@ namespace session {
 
 class CallCore;
 
-/// What happens to samples that feed no command while no command takes samples.
+/// Decides what happens to samples that feed no command, at times when no command takes samples.
 enum class Unfed : std::uint8_t { Taken, Refused };
 
 /// An admitted sample before it is decoded. Its memory is used again.
@@ -61,9 +61,9 @@ class InwardCore {
   virtual void unreadable(const RawInward& sample, const std::string& why) = 0;
   virtual bool expired() = 0;
   virtual FeedReport report() = 0;
-  /// From now on only samples that feed the command `call` are admitted, and none once `call` is
-  /// interrupted. If several commands take samples, only the one that began last gets them. Returns
-  /// the number for `end_feeding`.
+  /// From now on, admits only samples that feed the command `call`. After `call` is interrupted,
+  /// admits no sample. If several commands take samples, only the command that began last gets
+  /// them. Returns the number for `end_feeding`.
   virtual std::uint64_t begin_feeding(std::shared_ptr<const CallCore> call) = 0;
   virtual void end_feeding(std::uint64_t feeding) = 0;
 };
@@ -81,9 +81,9 @@ void with_inward(const Servant& servant, const InwardDescription& stream,
 /// Each sample is judged when it is read: its session must be open, its sender must have the status
 /// that the stream needs under the present epoch, the sample must not be older than the watchdog or
 /// the lifespan, and the command that it feeds must take samples (Feeding). Other samples have no
-/// effect and are counted. After a pause of this process samples wait as long as commands do.
-/// Samples of one client come in order; a client that sends more than the stream's depth between
-/// two reads loses the oldest.
+/// effect and are counted. After a pause of this process, samples are held back as long as commands
+/// are. Samples of one client come in order. If a client sends more samples than the depth of the
+/// stream between two reads, the oldest of them are lost.
 template <class T>
 class Inward {
  public:
@@ -114,17 +114,17 @@ class Inward {
     with([&](session::InwardCore& core) { expired = core.expired(); });
     return expired;
   }
-  /// Returns what became of the samples since the servant was added to its server.
+  /// Returns the counts of samples since the servant was added to its server.
   FeedReport report() const {
     FeedReport report;
     with([&](session::InwardCore& core) { report = core.report(); });
     return report;
   }
-  /// From now on, samples that feed no command are refused also while no command takes samples.
+  /// From now on, samples that feed no command are refused even while no command takes samples.
   void need_command() { unfed_ = session::Unfed::Refused; }
 
-  /// While this object lives, the stream takes only the samples that feed one command, and none
-  /// once the command is interrupted.
+  /// While this object lives, the stream takes only the samples that feed one command. After the
+  /// command is interrupted, the stream takes no samples.
   class [[nodiscard]] Feeding {
    public:
     Feeding(Inward& inward, const std::shared_ptr<const session::CallCore>& call)
@@ -149,8 +149,8 @@ class Inward {
   }
 
  private:
-  /// How many samples one call of next() or newest() reads at most, so that a client that floods
-  /// the stream does not keep the servant in it.
+  /// The most samples that one call of next() or newest() reads. Without this limit, a client that
+  /// floods the stream would keep the servant in the call.
   static constexpr int most_looks = 1024;
 
   std::optional<InwardSample<T>> next_within(int& looks) {

@@ -42,8 +42,9 @@ struct CreateOptions {
   std::optional<media::Kind> medium{};
   /// Longest wait for an answer of the broker and of the server.
   Duration patience = std::chrono::seconds(2);
-  /// How long to keep trying while none of the named objects is online, or while no broker answers.
-  /// Duration::max(): without limit. `create` does not wait for an object of the wrong type.
+  /// The time for which `create` keeps trying while none of the named objects is online, or while
+  /// no broker answers. Duration::max(): without limit. `create` does not wait for an object of the
+  /// wrong type.
   Duration wait{};
   /// Required incarnation of the server process, as in an ObjectRef; 0: any.
   std::uint64_t incarnation = 0;
@@ -155,10 +156,10 @@ class Lab {
   template <class Proxy, class... Rest>
   requires(!ClientClass<Proxy>) void create(Rest&&...) = delete;  // name a client class of gidl
 
-  /// Tells over which media `create<Proxy>(name)` would reach the object, and what speaks against
-  /// each of the others. Asks the broker, and opens no session with the object. Fails as `create`
-  /// does when the object is not online or has another interface. Of `options` only `patience` and
-  /// `incarnation` count.
+  /// Tells over which media `create<Proxy>(name)` would reach the object, and why it would not use
+  /// each of the other media. Asks the broker, and opens no session with the object. Fails as
+  /// `create` does when the object is not online or has another interface. Of `options` only
+  /// `patience` and `incarnation` count.
   template <ClientClass Proxy>
   Checked<Explanation, CreateError> explain(const std::string& name, CreateOptions options = {}) {
     auto told = session::explain(core_, Proxy::gecos_description(), name, options);

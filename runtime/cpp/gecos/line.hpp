@@ -15,7 +15,7 @@ LineState line_state(const Object& proxy);
 /// Reports when the connection of a proxy becomes degraded, and when it recovers. It is degraded
 /// while its round trip exceeds the smallest `latency` that the interface of the proxy or a member
 /// of it demands, with the class SOFT_REALTIME or HARD_REALTIME. A single slow answer is no change:
-/// every answer of one second must tell the same. Keeps the session open. Not thread-safe.
+/// all answers within one second must agree. Keeps the session open. Not thread-safe.
 class LineWatch {
  public:
   /// Reports the changes from now on.

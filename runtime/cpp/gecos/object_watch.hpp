@@ -19,7 +19,7 @@ tl::expected<std::vector<Entry>, std::string> find_objects(
     const Lab& lab, std::string_view interface_name = {},
     Duration patience = std::chrono::seconds(2));
 
-/// Reports which objects come online, fall silent and go. Reports each change once, also when the
+/// Reports which objects come online, fall silent and go. Reports each change once, even if the
 /// broker is restarted meanwhile. Not thread-safe.
 class ObjectWatch {
  public:
@@ -36,8 +36,9 @@ class ObjectWatch {
   /// nullopt at once.
   std::optional<Registration> next(Duration patience);
 
-  /// Returns how many changes this watch read too late to see each of them: the broker keeps the
-  /// last 1024. Their result was reported.
+  /// Returns the number of changes that this watch read too late: the broker keeps only the last
+  /// 1024. The watch did not report each of these changes, but it reported the state that they led
+  /// to.
   std::uint64_t skipped() const;
   /// Returns true when the Lab was closed.
   bool closed() const;

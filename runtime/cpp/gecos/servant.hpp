@@ -230,10 +230,10 @@ class Execution {
     }
     call_.progress(fraction, wire::to_bytes(feedback));
   }
-  /// For an operation with @on_new("blend"): lets the next command start beside this one, if its
-  /// operation has that, too. Until then the next command waits, as behind any other command. So
-  /// the handlers begin in the order of their commands, and a handler decides when it is ready for
-  /// the next one. Without effect for other operations.
+  /// For an operation with @on_new("blend"): lets the next command start while this command still
+  /// runs, if the operation of the next command has @on_new("blend") too. Until this call, the next
+  /// command waits. So the handlers begin in the order of their commands, and each handler decides
+  /// when the next one may begin. Has no effect for other operations.
   void let_next() { call_.let_next(); }
   const Caller& caller() const { return call_.caller(); }
   /// Returns the number of the command in its caller's session.
@@ -263,8 +263,9 @@ class Publisher {
   virtual std::string served_as() { return {}; }
 };
 
-/// Where a servant publishes to. All functions may be called from several threads: a thread of the
-/// servant may publish while a server adds or releases the servant.
+/// The destination of the samples that a servant publishes. All functions may be called from
+/// several threads: a thread of the servant may publish while a server adds or releases the
+/// servant.
 class PublisherSlot {
  public:
   /// Sets the publisher. Returns false if a server serves the servant already.

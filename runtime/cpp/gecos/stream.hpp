@@ -63,8 +63,8 @@ class StreamCore {
   /// before the loss. After the Lab was closed it returns none.
   virtual tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) = 0;
   virtual bool lost() const = 0;
-  /// Of an event: the sequence number of the last one before the subscription, with which the first
-  /// reading begins. Of a stream: nullopt; it begins with the newest sample.
+  /// For an event: the sequence number of the last event before the subscription; reading begins
+  /// after it. For a stream: nullopt, because reading begins with the newest sample.
   virtual std::optional<std::uint64_t> after() const { return std::nullopt; }
   virtual qos::StreamCounts counts() const = 0;
   virtual bool alive() const = 0;

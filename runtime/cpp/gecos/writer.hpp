@@ -33,7 +33,7 @@ class WriterCore {
   virtual tl::expected<void, Failure> send(std::size_t size,
                                            FunctionRef<void(wire::Encoder&)> encode,
                                            std::int64_t stamp_ns) = 0;
-  /// From now on each sample feeds the command `id`; nullopt: none.
+  /// From now on, each sample feeds the command `id`; nullopt: the samples feed no command.
   virtual void feeds(std::optional<CommandId> id) = 0;
   virtual Command<FeedReport> report() = 0;
   virtual bool lost() const = 0;

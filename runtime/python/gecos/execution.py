@@ -1,4 +1,4 @@
-"""What a handler knows of the call that it executes: the caller, the cancellation and the
+"""The view that a handler has of the call that it executes: the caller, the cancellation and the
 progress."""
 
 from __future__ import annotations

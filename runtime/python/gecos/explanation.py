@@ -30,7 +30,7 @@ class UnsuitedMember(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class MediumVerdict:
-    """What speaks for and against one medium of an object."""
+    """The reasons for and against one medium of an object."""
 
     medium: str  # for example "shm"
     address: str

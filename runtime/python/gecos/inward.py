@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from gecos.servant import Servant
 
 T = TypeVar("T")
-# How many samples one call of `next` or `newest` reads at most, so that a client that floods the
-# stream does not keep the servant in it.
+# The most samples that one call of `next` or `newest` reads. Without this limit, a client that
+# floods the stream would keep the servant in the call.
 _MOST_LOOKS = 1024
 
 
@@ -85,9 +85,9 @@ class Inward(Generic[T]):
 
     @property
     def expired(self) -> bool:
-        """Whether no sample that was read is younger than the watchdog of the stream. While a
-        command begins to take samples (`feeds`), one watchdog must pass first. Always False for a
-        stream without a watchdog."""
+        """True if every sample that was read is older than the watchdog of the stream. After a
+        command has begun to take samples (`feeds`), the value stays False for the time of one
+        watchdog. Always False for a stream without a watchdog."""
         core = self._servant._gecos_core
         if core is None:
             return self._inward.stream.watchdog_ns > 0
@@ -100,7 +100,7 @@ class Inward(Generic[T]):
         return FeedReport.decode(Decoder(self._served().inward_report(self._code)))
 
     def need_command(self) -> None:
-        """From now on, samples that feed no command are refused also while no command takes
+        """From now on, samples that feed no command are refused even while no command takes
         samples."""
         self._only_commands = True
 

@@ -90,7 +90,7 @@ class Server:
                 if why := self._core.add(prepared, name, simulated, list(media)):
                     raise ServeError(why)  # `why` already contains the name of the object
             except BaseException as error:
-                # If neither condition holds, the object stays served.
+                # If neither of the two conditions holds, the object remains served.
                 if not may_be_served or isinstance(error, Exception):
                     _release(servant, prepared)
                     self._core.forget(prepared)  # ends the lanes of the servant

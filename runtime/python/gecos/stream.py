@@ -40,7 +40,7 @@ class Sample(Generic[T]):
 
 @dataclass(frozen=True, slots=True)
 class StreamCounts:
-    """What became of the samples of one subscription."""
+    """Counts the samples of one subscription, and the deadlines that its stream missed."""
 
     received: int  # read, each counted once
     lost: int  # overwritten before `next` came to them, or lost on the way
@@ -130,7 +130,7 @@ class Stream(Generic[T]):
 
     @property
     def counts(self) -> StreamCounts:
-        """What became of the samples since the subscription. Any thread may ask, also after
+        """Counts of the samples since the subscription. Any thread may ask, even after
         `close()`."""
         return StreamCounts(*self._core.counts())
 

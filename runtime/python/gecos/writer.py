@@ -79,7 +79,7 @@ class Writer(Generic[T]):
 
     @property
     def lost(self) -> bool:
-        """Whether the server is gone or has closed the session, or the Lab or the writer is
+        """True if the server is gone or has closed the session, or the Lab or the writer is
         closed."""
         return self._core.lost()
 

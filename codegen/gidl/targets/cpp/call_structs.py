@@ -116,8 +116,8 @@ def _texts(views: Iterator[ListedView | ResultView]) -> Iterator[str]:
 
 @dataclass(frozen=True, slots=True)
 class _Step:
-    """How a value is encoded: a type of the namespace gecos::layout, and what its constructor
-    takes."""
+    """The encoding of a value: a class of the namespace gecos::layout, and the arguments of its
+    constructor."""
 
     type: str
     arguments: tuple[str, ...] = ()

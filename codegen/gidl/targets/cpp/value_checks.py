@@ -39,7 +39,7 @@ class Checks(Types):
         self._checked: dict[str, bool] = {}
 
     def have_checks(self, fields: tuple[FieldLayout, ...]) -> bool:
-        """Whether `fields` can have values that must not be sent."""
+        """Returns whether `fields` can have values that must not be sent."""
         return any(self._has_checks(field.node) for field in fields)
 
     def _has_checks(self, node: Node) -> bool:

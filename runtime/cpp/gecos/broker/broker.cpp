@@ -31,10 +31,11 @@ Duration silence_that_ends_a_session() {
   return standard.lease_ttl + standard.grace;
 }
 
-/// The time between the close of a dead process's sockets and the report of its end.
+/// The longest expected time between the moment at which the kernel closes the sockets of a dead
+/// process and the moment at which it reports the end of the process.
 constexpr Duration death_is_reported_within = std::chrono::milliseconds(100);
 
-/// Returns a number that no other life of a broker has.
+/// Returns a random number that identifies this run of the broker.
 std::uint64_t draw_life() {
   std::random_device random;
   return std::uint64_t{random()} << 32U | random();
@@ -149,7 +150,7 @@ Serving Broker::serving(std::vector<media::Kind> media) {
   ObjectOptions options;
   options.simulated = true;  // a broker moves nothing, so it cannot cause harm
   options.well_known = true;
-  // When no other process can use these media, no object was served before this broker started.
+  // If no other process can use these media, no object was served before this broker started.
   const bool alone = media::within_process(media);
   {
     const MutexLock lock(mutex_);

@@ -18,16 +18,17 @@
 namespace gecos::broker {
 
 struct BrokerOptions {
-  /// How long a silent server of another host keeps its names.
+  /// The time for which a silent server of another host keeps its names.
   Duration name_hold = DirectoryOptions().name_hold;
 };
 
 /// The broker as an object: `gecos::serve(lab, {broker.serving()})` serves it at this host's
-/// well-known address; `broker.serve(server)` does so in a program that has a server of its own.
-/// An object leaves the broker's list when the session that enlisted the object ends; a process of
-/// this host also when the kernel reports its end (directory.hpp). In its first second the broker
-/// prefers objects that were served before the broker started. A broker that is served over shm
-/// knows the objects of this host's processes that the broker before it had (kept_names.hpp).
+/// well-known address; `broker.serve(server)` does so in a program that has a server of its own. An
+/// object leaves the broker's list when the session that registered it ends; if its server runs on
+/// this host, also when the kernel reports the end of the server's process (directory.hpp). In its
+/// first second the broker prefers objects that were served before the broker started. A broker
+/// that is served over shm knows which objects of this host's processes its predecessor had
+/// (kept_names.hpp).
 class Broker final : public BrokerServant {
  public:
   explicit Broker(const BrokerOptions& options = {});
@@ -56,11 +57,11 @@ class Broker final : public BrokerServant {
 
  private:
   Directory new_directory(Duration young) const;
-  /// Reads which objects the broker before this one had, if this one is served over `media`.
+  /// Reads which objects the previous broker had, if this broker is served over `media`.
   void expect_known(const std::vector<media::Kind>& media) GECOS_REQUIRES(mutex_);
   void start_watcher();
   void watch_processes();
-  /// Ends the sessions whose `due` has come. Returns how long until the next one is due.
+  /// Ends the sessions whose `due` has come. Returns the time until the next session is due.
   Duration end_due_sessions(TimePoint now) GECOS_REQUIRES(mutex_);
   void end_session(std::uint64_t session, TimePoint heard) GECOS_REQUIRES(mutex_);
   /// Removes the objects of processes that have ended. Each operation calls this first, because the

@@ -55,8 +55,7 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
   Place& place = found->second;
   if (place.entry == entry && (place.session == claim.session || own_life)) {
     place.session = claim.session;
-    // A claim that arrives with a delay yields a later `since`, so the earliest `since` is the most
-    // exact.
+    // A delayed claim yields a later `since`. Therefore the earliest `since` is the most exact.
     place.since = std::min(place.since, since);
     return provisional;
   }

@@ -16,7 +16,7 @@
 
 namespace gecos::broker {
 
-/// Where the process of a server runs.
+/// The host and the process of a server.
 enum class Host : std::uint8_t {
   Other,
   Same,  ///< on the broker's host: its end is reported by `Directory::process_ended`
@@ -40,36 +40,38 @@ struct Silent {
 };
 
 struct DirectoryOptions {
-  /// The answer to a claim is provisional for so long after the start.
+  /// The time after the broker's start during which its answers to claims are provisional.
   Duration young = std::chrono::seconds(1);
-  /// How long a silent server of another host keeps its name.
+  /// The time for which a silent server of another host keeps its name.
   Duration name_hold = std::chrono::seconds(10);
   std::uint64_t life = 0;  ///< a number that no other directory has
 };
 
 /// The known objects, each with the session that enlisted it. Does no I/O. Not thread-safe.
 ///
-/// For the duration `young` after its start, the directory may receive claims for objects that were
-/// served before the broker started. If several such objects have one name, the object that has
-/// been served longest gets the name. An object that was served before the broker started also
-/// takes its name from an object that is newer than the broker. During `young` the answer to a
-/// claim is provisional. After `young` a name stays with its object.
+/// Within the time `young` after the broker's start, servers register the objects that they served
+/// before. If several such objects have one name, the object that has been served longest gets the
+/// name. An object that was served before the broker started also takes its name from an object
+/// that is newer than the broker. During `young` the answer to a claim is provisional. After
+/// `young` a name stays with its object.
 ///
 /// A registration ends with the session that made it. If the server has not withdrawn the object,
-/// it is then silent, and nobody else gets its name: on the broker's host until its process has
-/// ended, on another host for `name_hold`, or until `free` is called. The same is true of objects
-/// that the broker before this one had and that are `expect`ed.
+/// the object is then silent, and no other server gets its name until `free` is called. Without
+/// that call, a server on the broker's host keeps the name until its process has ended, and a
+/// server on another host for `name_hold`. The same is true of the objects of the previous broker
+/// that are expected to return (`expect`).
 ///
 /// Each change has a number, and the last `most_changes` are kept, so that a watcher sees each
 /// change once. All moments are read from CLOCK_BOOTTIME.
 class Directory {
  public:
   static constexpr Duration remembered = std::chrono::hours(1);
-  /// Most silent objects that are remembered although their names are free.
+  /// The maximum number of silent objects that are remembered after their names became free.
   static constexpr std::size_t most_silent = 256;
   static constexpr std::size_t most_changes = 1024;
-  /// A server that is expected and has not returned so long after the start is silent. Watchers
-  /// wait longer before they report it as gone (`ListView::servers_return_within`).
+  /// An expected server that has not returned within this time after the broker's start counts as
+  /// silent. Watchers wait longer before they report it as gone
+  /// (`ListView::servers_return_within`).
   static constexpr Duration servers_return_within = std::chrono::seconds(2);
 
   explicit Directory(TimePoint started, const DirectoryOptions& options = {})
@@ -92,17 +94,18 @@ class Directory {
   bool is_of_this_host(std::uint64_t session) const;
   /// Removes the objects of a process of the broker's host that has ended, and returns their names.
   std::vector<std::string> process_ended(std::int32_t pid);
-  /// Gives the name of a silent object free. Fails when the directory does not have the name, and
-  /// when its server is heard or its process lives on the broker's host.
+  /// Frees the name of a silent object. Fails when the directory does not have the name, when the
+  /// server of the object is heard, and when the process of the server lives on the broker's host.
   tl::expected<void, std::variant<UnknownName, NameInUse>> free(const std::string& name);
-  /// Calls the expected servers silent that have not returned in time. Forgets the objects that
-  /// have been silent for longer than `remembered`, and, of those whose names are free, the ones
-  /// above `most_silent` that were heard longest ago. Returns when to call this again.
+  /// Marks the expected servers that have not returned in time as silent. Forgets the objects that
+  /// have been silent for longer than `remembered`. Of the silent objects whose names are free,
+  /// keeps the `most_silent` that were heard last. Returns the time at which this function must be
+  /// called again.
   TimePoint on_tick(TimePoint now);
 
   tl::expected<Entry, UnknownName> look_up(const std::string& name) const;
   std::vector<Entry> list() const;
-  /// Returns the objects that have the interface or one that is derived from it, sorted by name.
+  /// Returns the objects that have the interface, or an interface derived from it, sorted by name.
   std::vector<Entry> query(std::string_view interface_name) const;
   /// Returns the objects that are silent and were heard within `remembered`, sorted by name.
   std::vector<Silent> silent(TimePoint now) const;

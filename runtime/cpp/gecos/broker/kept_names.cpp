@@ -29,8 +29,8 @@ KeptList read(const std::string& path) {
   return {};
 }
 
-/// Returns an errno, or 0. The file has either its old or its new contents, whenever this process
-/// ends.
+/// Returns an errno, or 0. Even if this process ends during the call, the file has either its old
+/// or its new contents.
 int replace(const std::string& path, ByteView contents) {
   const std::string next = path + ".new";
   const Descriptor file(

@@ -9,9 +9,9 @@
 
 namespace gecos::broker {
 
-/// The file in which a broker keeps the objects of this host's processes, so that the next broker
-/// does not give away the name of a server that stands still and cannot register again. The file
-/// names each process together with its start, because a later process may get the same number.
+/// The file in which a broker lists the objects of this host's processes. Without it, the next
+/// broker would give away the name of a suspended server, which cannot register again. The file has
+/// the start time of each process, because a later process may get the same pid.
 class KeptNames {
  public:
   explicit KeptNames(std::string path) : path_(std::move(path)) {}

@@ -36,7 +36,7 @@ std::optional<gecos::Duration> seconds_of(const char* text) {
   return std::chrono::duration_cast<gecos::Duration>(std::chrono::duration<double>(seconds));
 }
 
-/// The search for other brokers, on a thread of its own, until its end.
+/// Searches for other brokers on a separate thread. The destructor waits for the end of the search.
 class Search {
  public:
   ~Search() { thread_.join(); }

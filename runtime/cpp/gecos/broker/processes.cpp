@@ -16,7 +16,7 @@
 namespace gecos::broker {
 namespace {
 
-/// What the kernel tells of a process.
+/// The entries of /proc/<pid>/stat that this file needs.
 struct Status {
   char state = ' ';  ///< 'Z': ended, not yet waited for by its parent
   std::uint64_t start = 0;

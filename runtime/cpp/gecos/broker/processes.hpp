@@ -24,7 +24,8 @@ class Processes {
   /// Returns the watched processes that have ended, and forgets them. Never blocks.
   std::vector<std::int32_t> take_ended();
   std::vector<std::int32_t> watched() const;
-  /// Is readable while a watched process has ended that `take_ended` has not returned.
+  /// Returns a descriptor that is readable while a watched process has ended that `take_ended` has
+  /// not returned yet.
   int descriptor() const { return epoll_.get(); }
 
  private:

@@ -7,14 +7,14 @@
 
 namespace gecos::qos {
 
-/// Judges by probes whether the round trip of a connection stays within its bound. The connection
-/// is degraded once no probe has come back within the bound for `judged_after`, and has recovered
-/// once all probes have done so for as long. Between two changes there is at least that time, so a
-/// single slow answer is no change. Reads no clock. Not thread-safe.
+/// Judges whether the round trip of a connection stays within its bound. The connection becomes
+/// degraded when every probe of the last `judged_after` exceeded the bound, and recovers when every
+/// probe of the last `judged_after` kept it. Therefore a single slow answer changes nothing, and
+/// two changes are at least `judged_after` apart. Reads no clock. Not thread-safe.
 class LatencyWatch {
  public:
   static constexpr Duration judged_after = std::chrono::seconds(1);
-  /// Time between two probes, also while the connection is as it should be.
+  /// Time between two probes while the judgement does not change.
   static constexpr Duration usual_pause = std::chrono::seconds(1);
   /// Time between two probes while the connection may change.
   static constexpr Duration short_pause = std::chrono::milliseconds(100);
@@ -24,15 +24,16 @@ class LatencyWatch {
   /// @pre `bound` is positive
   explicit LatencyWatch(Duration bound) : bound_(bound) {}
 
-  /// Returns whether a probe should be sent now: one is under way at a time.
+  /// Returns whether a probe should be sent now. Only one probe at a time is under way.
   bool probe_due(TimePoint now) const { return !sent_ && now >= next_; }
   /// Must be called when a probe is sent.
   void sent(TimePoint now) { sent_ = now; }
   /// Must be called when the answer to the probe has come, after `round_trip`.
   Change answered(Duration round_trip, TimePoint now);
-  /// Must be called when the probe has failed: it tells nothing.
+  /// Must be called when the probe has failed. A failed probe says nothing about the latency.
   void failed(TimePoint now);
-  /// Looks at a probe that is under way: one that takes longer than the bound counts at once.
+  /// Checks the probe that is under way. If it already takes longer than the bound, it counts at
+  /// once.
   Change look(TimePoint now);
 
   bool degraded() const { return degraded_; }
@@ -49,7 +50,8 @@ class LatencyWatch {
   TimePoint next_{};
   std::optional<Duration> round_trip_;
   bool degraded_ = false;
-  /// Since when all probes contradict `degraded_`; nullopt when the last one does not.
+  /// The time since which all probes contradict `degraded_`; nullopt if the last probe agrees with
+  /// it.
   std::optional<TimePoint> otherwise_since_;
 };
 

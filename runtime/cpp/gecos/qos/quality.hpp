@@ -6,18 +6,19 @@
 
 #include "gecos/base/clock.hpp"
 
-/// Required quality of service: the values of `@qos`, inherited and narrowed by gidl.
+/// Required quality of service: the values of `@qos`, after gidl has combined them with the
+/// inherited values.
 namespace gecos::qos {
 
 enum class Class : std::uint8_t { TimeIndependent, SoftRealtime, HardRealtime };
 enum class Reliability : std::uint8_t { Reliable, BestEffort };
-/// What becomes of a session whose connection exceeds the latency that its interface demands.
+/// The fate of a session whose connection exceeds the latency that its interface demands.
 enum class OnDegraded : std::uint8_t {
   Event,  ///< it goes on; a program may hear of it (LineWatch)
   Fail,   ///< it is lost
 };
-/// Who vouches that the writer of a stream is alive: its process, by heartbeats, or the writer
-/// itself, by its samples.
+/// The evidence that the writer of a stream is alive: heartbeats of its process, or samples of the
+/// writer itself.
 enum class Liveliness : std::uint8_t { Automatic, Manual };
 std::string_view to_string(Class line);  ///< for example "HARD_REALTIME", as in the interface
 std::string_view to_string(Reliability reliability);

@@ -8,7 +8,7 @@
 
 namespace gecos::qos {
 
-/// What became of the samples of one subscription.
+/// Counts the samples of one subscription, and the deadlines that its stream missed.
 struct StreamCounts {
   std::uint64_t received = 0;  ///< samples that were read, each counted once
   std::uint64_t lost = 0;      ///< overwritten before next() came to them, or lost on the way
@@ -25,12 +25,13 @@ struct StreamCounts {
 /// and writer_alive().
 ///
 /// A gap between two samples is the time between their measurements, and is judged when the reader
-/// has read both. Samples that the reader has not read tell nothing, so a gap in the sequence
-/// numbers is never a missed deadline. While nothing comes, the gap is measured from the moment at
-/// which the last sample was read, and at first from the subscription.
+/// has read both. Samples that the reader has not read prove nothing, so a gap in the sequence
+/// numbers is never a missed deadline. While no sample comes, the gap is measured from the moment
+/// at which the last sample was read; before the first sample, from the subscription.
 class Reception {
  public:
-  /// How the reader came to a sample: the samples before it that were not read are lost or skipped.
+  /// How the reader obtained a sample. It decides whether the unread samples before this sample
+  /// count as lost or as skipped.
   enum class Way : std::uint8_t { InOrder, Newest };
 
   /// `after`: sequence number before the first sample that the reader expects; nullopt when it
@@ -41,7 +42,7 @@ class Reception {
   bool take(Way way, std::uint64_t sequence, TimePoint measured, TimePoint now);
   /// Must be called when there is no unread sample at the time `now`.
   void find_nothing(TimePoint now);
-  /// Returns whether the reader may get the sample that was taken last again, at the time `now`.
+  /// Returns whether the reader may get the last sample once more at the time `now`.
   bool still_valid(TimePoint now) const;
   /// Returns true once for each silence that is longer than the deadline.
   bool report_late();

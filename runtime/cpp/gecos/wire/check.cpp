@@ -16,8 +16,8 @@ double bound_of(std::string_view text) {
   return bound;
 }
 
-/// What to do about a number outside `limits`, such as "[0.01, 1.0] m": the question of
-/// `mistaken_unit`, else "; give at least 0.01 m".
+/// Returns advice about a number that is outside `limits`: the question of `mistaken_unit`, or a
+/// text such as "; give at least 0.01 m".
 std::string advice(double number, std::string_view limits) {
   const auto comma = limits.find(", "), end = limits.find(']');
   if (comma == limits.npos || end == limits.npos) return {};

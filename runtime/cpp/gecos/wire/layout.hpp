@@ -174,7 +174,8 @@ inline constexpr bool is_secret = false;
 template <class Step>
 inline constexpr bool is_secret<Secret<Step>> = true;
 
-/// The error of an element of an element, which has more than one index: the text has none.
+/// Returns the error of an element of a nested array. Such an element has several indices, so the
+/// text mentions none.
 template <class Step, class T>
 std::string wrong_inside(const Step& step, const T& value, const char* label) {
   if constexpr (requires { step.wrong(value, label, true); }) {
@@ -217,7 +218,7 @@ struct Optional {
   Step step;
 };
 
-/// What `Array` and `Items` have in common: elements with one step.
+/// The common base of `Array` and `Items`, whose elements are all encoded by one step.
 template <class Step>
 struct Elements {
   constexpr Elements() = default;

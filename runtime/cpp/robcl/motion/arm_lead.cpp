@@ -8,21 +8,22 @@
 namespace robcl::motion {
 namespace {
 
-// The shares of a joint's speed and acceleration that a change of the tool's speed may ask for, and
-// the share of its acceleration that a bend of the joint's way at constant speed of the tool may.
+// The lead chooses the speed of the tool so that each joint uses at most these shares of its
+// limits: of its speed and of its acceleration when the tool changes its speed, and of its
+// acceleration in a bend that the tool passes at constant speed.
 constexpr double speed_share = 0.95, change_share = 0.6, bend_share = 0.35;
-// The tool moves this much slower than its limits at most: at a singularity no speed is low enough
-// for the joints, and JointLimiter limits them.
+// The greatest factor by which the lead slows the tool. At a singularity no speed is low enough for
+// the joints, and JointLimiter limits them.
 constexpr double slowest = 20;
-// The tool does not move nearer to a singularity, as DampedInverse measures it: joints
-// would move by more than 20 rad per m of the tool.
+// The least distance to a singularity, as DampedInverse measures it. The tool does not move nearer,
+// because joints would move by more than 20 rad per m of the tool.
 constexpr double near_singularity = 0.05;
-// How accurately the place is computed at which the lead would stand if it braked now, in m and
-// rad. JointLimiter keeps the limits of the joints in any case.
+// The accuracy, in m and rad, of the place at which the lead would stand if it braked now.
+// JointLimiter keeps the limits of the joints in any case.
 constexpr double foresight = 1e-6;
 
-/// Returns the twist in the direction of `way` with the given speeds; a part of the way that is
-/// zero stays so.
+/// Returns the twist in the direction of `way` with the given speeds. A part of `way` that is zero
+/// remains zero.
 arm::PoseStep twist(const arm::PoseStep& way, double speed, double turn_speed) {
   arm::PoseStep result;
   result << way.head<3>().stableNormalized() * speed, way.tail<3>().stableNormalized() * turn_speed;
@@ -77,8 +78,9 @@ std::optional<Hold> ArmLead::try_towards(const Frame& target, const ToolLimits& 
   return std::nullopt;
 }
 
-/// Returns why the lead could not brake so that it stands where the arm may stand. The limits of
-/// the tool may be lower there than here: then its way is longer.
+/// Returns why the lead could not brake to a place where the arm may stand; nullopt if it could. At
+/// that place the limits of the tool may be lower than here, and then the lead needs more distance
+/// to brake.
 std::optional<Hold> ArmLead::why_not_stop(const ToolLead& lead, const Solution& at,
                                           const Frame& target, const ToolLimits& limits,
                                           double cycle) const {
@@ -95,7 +97,7 @@ std::optional<Hold> ArmLead::why_not_stand(const std::optional<Solution>& there)
     return Hold{.limit_axis = static_cast<std::uint32_t>(outside->axis)};
   }
   const double distance = there->inverse.singularity_distance();
-  // A lead that is nearer already may move away.
+  // A lead that is already nearer than the limit may move away.
   if (distance >= near_singularity || distance >= at_.inverse.singularity_distance()) {
     return std::nullopt;
   }
@@ -105,7 +107,7 @@ std::optional<Hold> ArmLead::why_not_stand(const std::optional<Solution>& there)
 void ArmLead::brake(const ToolLimits& limits, const JointLimiter& followers, double cycle) {
   const ToolLead next = lead_.braking(limits, cycle);
   const auto there = inverse_.solve(next.pose, at_);
-  // In a bend the joints may need more way to brake than the tool.
+  // In a bend, the joints may need a longer distance to brake than the tool.
   if (!there || arm::first_outside(model_, there->joints)) return put_at(followers.stop(cycle));
   accept(next, *there, cycle);
 }
@@ -119,9 +121,9 @@ void ArmLead::accept(const ToolLead& lead, const Solution& at, double cycle) {
   at_ = at;
 }
 
-/// Returns the limits of the tool where the arm has `inverse`, so low that the joints can follow:
-/// with the greatest speed and acceleration in the direction of the target, and in the direction of
-/// the lead's motion, no joint exceeds its share.
+/// Returns the limits of the tool at the joint positions of `inverse`. They are so low that no
+/// joint exceeds its share when the tool moves with the greatest speed and acceleration towards the
+/// target, or in the direction of the lead's motion.
 ToolLimits ArmLead::limits_at(const arm::DampedInverse& inverse, const ToolLead& lead,
                               const Frame& target) const {
   double slower = 1, softer = 1;
@@ -143,8 +145,9 @@ ToolLimits ArmLead::limits_at(const arm::DampedInverse& inverse, const ToolLead&
           .turn_acceleration = limits_.turn_acceleration / softer};
 }
 
-/// Returns the factor by which the lead is too fast for the bends of the joints' way: their
-/// accelerations at a constant speed of the tool, which rise with the square of that speed.
+/// Returns the factor by which the lead is too fast for the bends in the paths of the joints. At a
+/// constant speed of the tool, the joints accelerate in a bend, and this acceleration rises with
+/// the square of the speed.
 double ArmLead::bend_excess() const {
   const JointValues bend = change_.accelerations - at_.inverse.joint_speeds(change_.acceleration);
   double excess = 0;

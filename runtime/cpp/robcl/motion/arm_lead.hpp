@@ -10,18 +10,18 @@
 
 namespace robcl::motion {
 
-/// Why a lead does not move towards its target.
+/// The reason for which a lead does not move towards its target.
 struct Hold {
   std::uint32_t limit_axis = 0;  ///< this axis, from 1, would exceed its limits; 0: none
   bool out_of_reach = false;     ///< at the end of the arm's reach, or beside a singularity
 };
 
-/// A ToolLead that keeps to what an arm can do: its limits are so low that the joints can follow,
-/// and it moves only where it can still brake to a place that the arm reaches within its limits and
-/// away from singularities. Never allocates memory after it was made.
+/// A ToolLead that respects what the arm can do. Its limits are so low that the joints can follow.
+/// It moves only while it can still brake to a place that the arm reaches within its limits and
+/// away from singularities. The constructor allocates all memory.
 class ArmLead {
  public:
-  /// The lead stands where the arm has the joint positions `joints`.
+  /// The lead starts where the arm has the joint positions `joints`.
   ArmLead(const arm::ArmModel& model, const JointValues& joints, const Frame& flange_from_tool,
           const ToolLimits& limits);
 
@@ -30,18 +30,19 @@ class ArmLead {
   bool at_rest() const { return lead_.at_rest(); }
   bool stands_at(const Frame& target) const { return lead_.at_rest() && lead_.is_at(target); }
 
-  /// Moves for one cycle of `cycle` seconds towards `target`, or brakes if it must not, or if there
-  /// is no target. `followers`: the joints that follow the lead, which waits when they are behind.
-  /// If it cannot brake within their limits, it is put where they stand soonest.
-  /// `share`: the share of its speed limits that the lead may use, 0 to 1.
+  /// Moves for one cycle of `cycle` seconds towards `target`. Brakes if the lead must not move on,
+  /// or if there is no target. `followers` are the joints that follow the lead; the lead waits
+  /// while they are behind it. If the lead cannot brake within the limits of the joints, it is set
+  /// to the place where the joints come to rest soonest. `share` is the share of its speed limits
+  /// that the lead may use, from 0 to 1.
   Hold move(const std::optional<Frame>& target, double share, const JointLimiter& followers,
             double cycle);
-  /// Stands where the arm has the joint positions `joints`.
+  /// Sets the lead, at rest, to the place where the arm has the joint positions `joints`.
   void put_at(const JointValues& joints);
 
  private:
   using Solution = arm::LocalInverse::Solution;
-  /// How the lead moved in the last cycle.
+  /// The motion of the lead in the last cycle.
   struct Change {
     JointValues speeds, accelerations;                   // rad/s, rad/s²
     arm::PoseStep acceleration = arm::PoseStep::Zero();  // of the tool, m/s² and rad/s²

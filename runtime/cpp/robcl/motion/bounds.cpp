@@ -34,7 +34,8 @@ PathBounds::PathBounds(const Path& path, const arm::ArmModel& model,
   }
 }
 
-/// Lowers the cap at the knot `knot`, with the slope `slope`, to that of the interval beside it.
+/// Lowers the cap at the knot `knot` to the speed that `limits` allow there. `limits` are those of
+/// an interval beside the knot, and `slope` is the slope of the path at the knot.
 void PathBounds::cap(std::size_t knot, const JointValues& slope, const IntervalLimits& limits) {
   double& cap = caps_[knot];
   cap = std::min(cap, limits.cap);
@@ -51,13 +52,14 @@ void PathBounds::tighten(std::size_t knot, double factor) {
   for (const std::size_t end : {knot, knot + 1}) caps_[end] /= squared(factor);
 }
 
-/// Restricts `interval`, which is that at `x`, to the values of u for which the absolute value of
-/// `acceleration` is at most `limit`.
+/// Restricts `interval`, the allowed values of u at `x`, to the values for which the absolute value
+/// of `acceleration` is at most `limit`.
 void PathBounds::restrict(Interval& interval, const Acceleration& acceleration, double x,
                           double limit) {
   const auto [per_u, per_x] = acceleration;
   if (std::abs(per_u) <= negligible) {
-    // The limit is one of x alone: where it is exceeded, the interval is empty by that excess.
+    // The limit depends on x only. If x exceeds it, no u is allowed: the interval becomes empty by
+    // the excess.
     const double excess = std::abs(per_x) * x - limit;
     if (excess > 0) interval = {excess, 0, std::abs(per_x), 0};
     return;
@@ -87,8 +89,8 @@ PathBounds::Acceleration PathBounds::acceleration(std::size_t knot, Eigen::Index
 }
 
 /// Returns the middle Bézier coefficient of the acceleration between the fractions `start` and
-/// `end` of the interval. The acceleration is quadratic in s there, so that it is nowhere greater
-/// than the greatest of its values at both ends and this coefficient.
+/// `end` of the interval. The acceleration is quadratic in s. Therefore it is nowhere greater than
+/// the greatest of three values: this coefficient, and the acceleration at both ends.
 PathBounds::Acceleration PathBounds::between(std::size_t knot, Eigen::Index axis, double start,
                                              double end, double part) const {
   const auto one = acceleration(knot, axis, start, part);

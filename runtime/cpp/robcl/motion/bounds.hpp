@@ -15,8 +15,9 @@ constexpr double squared(double value) { return value * value; }
 /// The limits in one interval of a path. The limits of the joints apply as fractions of those of
 /// the model.
 struct IntervalLimits {
-  /// The limit |per_u·u| + |per_x·x| <= limit of u = d²s/dt² and x = (ds/dt)²: the acceleration of
-  /// the tool, where a unit of s moves it by `per_u`, and its way bends by `per_x`.
+  /// The limit |per_u·u| + |per_x·x| <= limit, with u = d²s/dt² and x = (ds/dt)². It limits the
+  /// acceleration of the tool: `per_u` is the distance that the tool moves per unit of s, and
+  /// `per_x` is the curvature of its path.
   struct Tool {
     double per_u = 0, per_x = 0;
     double limit = infinite;
@@ -35,7 +36,7 @@ struct IntervalLimits {
 /// In each interval between two knots, u is constant and x is linear in s.
 class PathBounds {
  public:
-  /// Allowed values of u at one x. The limits that set its ends are straight lines over x.
+  /// Allowed values of u at one x. Its ends are linear functions of x.
   struct Interval {
     double lower = 0, upper = 0;
     double lower_per_x = 0, upper_per_x = 0;  ///< slopes of these lines
@@ -72,13 +73,14 @@ class PathBounds {
     return everywhere(knot, part, part, x);
   }
   /// Returns the greatest deceleration -d²s/dt² with which the limits of acceleration hold
-  /// everywhere from the fraction `part` of that interval to the next knot, where the motion comes
-  /// to rest. Never allocates memory.
+  /// everywhere from the fraction `part` of that interval to the next knot, if the motion comes to
+  /// rest at that knot. Never allocates memory.
   double hardest_to_rest(std::size_t knot, double part) const {
     return -everywhere(knot, part, 1, 0).lower;
   }
-  /// Returns the greatest d²s/dt² of the interval after the knot `knot`: that of the tool on a
-  /// line, else that of the joints on a straight way.
+  /// Returns the greatest allowed d²s/dt² in the interval after the knot `knot`. On a line, the
+  /// limit of the tool decides; on another path, the limits of the joints as if the path were
+  /// straight.
   double acceleration_limit(std::size_t knot) const;
   /// Returns the factor by which a motion must be slowed so that it keeps the limits everywhere
   /// from the knot `knot` to the next one; 1 if it keeps them. (ds/dt)² is `x` at this knot.

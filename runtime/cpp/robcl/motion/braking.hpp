@@ -1,4 +1,5 @@
-// How fast something may be that must stop in time, when its speed changes once per control cycle.
+// The speed that a motion may have if it must stop within a distance and its speed changes once per
+// control cycle.
 #pragma once
 
 #include <algorithm>

@@ -16,8 +16,8 @@ double Ceiling::height(std::size_t knot, double s) const {
          (squares_[knot] + std::clamp(part, 0.0, 1.0) * (squares_[knot + 1] - squares_[knot]));
 }
 
-/// Moves `state` with d²s/dt² = `u` to the next knot, but for no longer than `seconds`, which is
-/// reduced by the time that this takes.
+/// Moves `state` with d²s/dt² = `u` to the next knot, but for at most `seconds`. Subtracts the time
+/// that this takes from `seconds`.
 Ceiling::Step Ceiling::step(State& state, double u, double& seconds, bool whole) const {
   const double tolerance =
       slightly * factor_ * std::max(squares_[state.knot], squares_[state.knot + 1]);

@@ -9,8 +9,8 @@ namespace robcl::motion {
 /// vectors must exist as long as the new object.
 class Ceiling {
  public:
-  /// `squares`: (ds/dt)² at each knot of a path, whose places are `places`; the ceiling is `factor`
-  /// times as high.
+  /// `squares` has (ds/dt)² at each knot of a path, and `places` has the places of the knots. The
+  /// ceiling is `factor` times these squares.
   Ceiling(const std::vector<double>& places, const std::vector<double>& squares, double factor = 1)
       : places_(places), squares_(squares), factor_(factor) {}
 
@@ -19,8 +19,8 @@ class Ceiling {
     std::size_t knot = 0;
     double s = 0, x = 0;
   };
-  /// The values of d²s/dt² of a motion: `u` up to the next knot, but for no longer than `seconds`;
-  /// after that, `then` for `hold` seconds.
+  /// The values of d²s/dt² of a motion: first `u`, up to the next knot but for at most `seconds`;
+  /// then `then`, for `hold` seconds.
   struct Course {
     double u = 0;
     double seconds = 0;
@@ -28,7 +28,7 @@ class Ceiling {
     double hold = 0;
     bool whole = false;  ///< each value stays up to a knot, also if its time ends before
   };
-  /// Returns whether the motion stays below the ceiling. It may stop.
+  /// Returns whether the motion stays below the ceiling. A motion that stops stays below it.
   bool admits(State state, const Course& course) const;
 
  private:

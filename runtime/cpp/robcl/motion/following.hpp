@@ -22,8 +22,8 @@ enum class CorrectionAxes {
 
 struct FollowLimits {
   ToolLimits tool{};
-  /// The corrections together may move the tool target this far from where it was at the start, in
-  /// m and rad.
+  /// All corrections together may move the target of the tool by at most this distance and angle
+  /// from its place at the start, in m and rad.
   double distance = 0.5;
   double angle = deg(90);  ///< below pi
 };
@@ -37,28 +37,28 @@ struct FollowState {
   Hold hold{};                ///< why the arm does not move to the target
 };
 
-/// Where a Following gets its corrections. The control loop calls these functions once per cycle or
-/// more often: they must neither allocate memory nor wait.
+/// The source of the corrections of a Following. The control loop calls these functions once per
+/// cycle or more often: they must neither allocate memory nor wait.
 class CorrectionSource {
  public:
   virtual ~CorrectionSource() = default;
   /// Returns the oldest correction that was not returned yet; nullopt if there is none.
   virtual std::optional<Frame> next() = 0;
-  /// Whether the corrections have stopped for longer than they may.
+  /// Returns whether no correction has come for longer than the source allows.
   virtual bool expired() = 0;
   /// Receives the state at the end of each cycle.
   virtual void report(const FollowState& state) = 0;
 };
 
-/// Moves the tool to a target that corrections shift. All corrections that wait are multiplied to
-/// the target in order. The tool moves to the target within its limits of speed and acceleration,
-/// so that what cannot be done in one cycle is done in the next ones; at the target it stands. It
-/// never moves on without a correction. When the corrections have stopped for too long, the motion
+/// Moves the tool to a target that corrections shift. In each cycle, all waiting corrections are
+/// applied to the target in order. The tool moves to the target within its limits of speed and
+/// acceleration, over several cycles if necessary, and stands when it has reached the target.
+/// Without a correction the target does not move. If no correction comes for too long, the motion
 /// brakes and ends.
 ///
-/// The arm keeps its configuration. It holds in front of a joint limit, of the end of its reach and
-/// of a singularity, and moves again when the target is back. The joints keep their limits in every
-/// case.
+/// The arm keeps its configuration. It stops before a joint limit, the end of its reach or a
+/// singularity, and moves again when the target has come back. The joints keep their limits in
+/// every case.
 class Following final : public TrajectoryGenerator {
  public:
   /// @pre the arm stands at `start`, inside its limits, and `source` is not null.
@@ -80,7 +80,7 @@ class Following final : public TrajectoryGenerator {
   double fraction() const override { return 0; }
   double remaining() const override { return 0; }
 
-  /// Whether the motion ended because its source expired.
+  /// Returns whether the motion ended because its source expired.
   bool expired() const { return expired_; }
 
  private:

@@ -25,8 +25,8 @@ const JointValues& JointLimiter::follow(const JointValues& target, double cycle)
   return joints_;
 }
 
-/// After a speed that is allowed here, at least the speed that is lower by one cycle's acceleration
-/// is allowed in the next cycle: `slowest` never exceeds `fastest`.
+/// A speed that is allowed in this cycle may fall by one cycle's acceleration in the next cycle,
+/// and the lower speed is then allowed too. Therefore `slowest` never exceeds `fastest`.
 void JointLimiter::follow(Eigen::Index axis, double target, double cycle) {
   const arm::JointLimits& limits = limits_[static_cast<std::size_t>(axis)];
   const double here = joints_[axis], now = speeds_[axis];

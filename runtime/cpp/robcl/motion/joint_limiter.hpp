@@ -9,9 +9,9 @@ namespace robcl::motion {
 using arm::JointValues;
 
 /// Lets joints follow a moving target, and keeps the limits of their positions, speeds and
-/// accelerations whatever the target does. While the target keeps them too, the joints are at the
-/// target in each cycle; after a jump of the target they catch up as fast as they can, each joint
-/// by itself. Never allocates memory after it was made.
+/// accelerations whatever the target does. While the target keeps the limits too, the joints are at
+/// the target in each cycle. After a jump of the target, each joint catches up as fast as it can.
+/// The constructor allocates all memory.
 ///
 /// The law is that of R. Zanasi, C. Guarino Lo Bianco and A. Tonielli, "Nonlinear filters for the
 /// generation of smooth trajectories", 2000, with the stopping distance counted in whole cycles.
@@ -20,17 +20,19 @@ class JointLimiter {
   /// The joints stand at `start`, inside `limits`.
   JointLimiter(std::vector<arm::JointLimits> limits, const JointValues& start);
 
-  /// Moves the target by one cycle of `cycle` seconds, and returns the positions of the joints.
+  /// Moves the joints for one cycle of `cycle` seconds towards `target`, and returns the positions
+  /// of the joints.
   const JointValues& follow(const JointValues& target, double cycle);
-  /// Returns the positions at which the joints stand soonest, inside their limits.
+  /// Returns the positions, inside the limits, at which the joints come to rest soonest.
   JointValues stop(double cycle) const;
-  /// The joints and the target stand where the joints are.
+  /// Sets the speeds of the joints to zero, and the target to their positions.
   void rest();
 
   const JointValues& joints() const { return joints_; }
   /// Whether all joints are at the target.
   bool at_target() const { return joints_ == target_; }
-  /// Whether each joint is at the target but for what its acceleration does in one cycle.
+  /// Returns whether each joint is at the target, except for the distance that its acceleration
+  /// causes in one cycle.
   bool near_target(double cycle) const;
   bool at_rest() const { return speeds_.isZero(0); }
 

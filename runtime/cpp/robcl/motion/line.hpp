@@ -7,7 +7,7 @@
 namespace robcl::motion {
 
 /// The tool moves and turns by at most this distance in m and angle in rad between two knots of its
-/// path, so that the joints lead it along the line.
+/// path. The knots are that dense so that the joints move the tool along the line.
 inline constexpr double line_step = mm(1), turn_step = deg(0.2);
 
 /// The straight line between two frames. While the position moves along the line, the orientation

@@ -7,14 +7,16 @@ namespace robcl::motion {
 namespace {
 
 constexpr double most_reduced = 0.5;  // of a limit
-// A motion may leave its time law at any time: then its mean is that of two motions.
+// A motion may leave its time law at any time. The mean over the window is then a mean of two
+// motions.
 constexpr double reserve = 0.006;  // of the limits of acceleration
 constexpr int samples = 30;        // in a window
-// Of a motion of minutes or days, which changes little within a window.
+// The maximum for a motion that takes minutes or days. Such a motion changes little within a
+// window.
 constexpr int most_samples = 20'000;
 
-/// How a path bends: the second and the third derivative of the joint that is nearest to its limit
-/// of acceleration by them, divided by that limit.
+/// The bend of a path: the second and third derivative of a joint, divided by the joint's limit of
+/// acceleration. For each derivative, the joint with the greatest quotient counts.
 struct Bend {
   double second = 0, third = 0;
   double jump = 0;  ///< of the second derivative, at the start of the interval
@@ -26,7 +28,7 @@ struct Bend {
   }
 };
 
-/// Returns how each interval bends.
+/// Returns the bend of each interval.
 std::vector<Bend> bends_of(const Path& path, const arm::ArmModel& model) {
   std::vector<Bend> bends(path.intervals());
   JointValues before;  // the second derivative at the end of the interval before
@@ -111,7 +113,8 @@ std::vector<IntervalLimits> narrowed(const Path& path, const arm::ArmModel& mode
     }
     const double u = bounds.over_interval(i, 0).upper;
     const double change = std::min(smoothing.change(bounds.acceleration_limit(i)), 2 * u);
-    // Of second * (ds/dt)² + first * d²s/dt², by the covariances and variances within a window.
+    // The excess of the mean of second * (ds/dt)² + first * d²s/dt², from the covariances and
+    // variances within a window.
     const double by = reserve +
                       bend.second * (travel * change / 4 + squared(u * smoothing.window) / 12) +
                       bend.third * travel * (travel * u * 5 / 24 + squared(speed) / 6) +

@@ -1,4 +1,5 @@
-// What the mean of a motion may exceed (Smoothing).
+// How far the mean of a motion over the window of Smoothing may exceed the limits that its time law
+// keeps.
 #pragma once
 
 #include <vector>

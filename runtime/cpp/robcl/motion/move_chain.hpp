@@ -25,7 +25,7 @@ class MoveChain {
   /// Begins at rest. The planner must exist as long as the chain.
   MoveChain(Planner& planner, Move first);
 
-  /// Where one move goes over into the next one.
+  /// The place where one move goes over into the next one.
   struct Corner {
     double begins = 0, ends = 0;  ///< s in the chain
     double distance = 0;          ///< from the goal to the tool that passes it, m

@@ -6,7 +6,7 @@
 
 namespace robcl::motion {
 
-/// The last values of a quantity. After the constructor, nothing allocates memory.
+/// The last values of a quantity. Only the constructor allocates memory.
 class MovingWindow {
  public:
   /// All of the `size` values are `value` at first.

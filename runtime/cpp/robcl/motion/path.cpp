@@ -68,7 +68,8 @@ Path::Range Path::range(std::size_t i) const {
     const double b = step(i) * slopes_[i][axis], after = step(i) * slopes_[i + 1][axis];
     const double c = 3 * chord - 2 * b - after, d = b + after - 2 * chord;
     const double root = std::sqrt(std::max(c * c - 3 * b * d, 0.0));
-    // Both forms of each zero of the derivative b + 2ct + 3dt², of which one keeps its digits.
+    // The zeros of the derivative b + 2ct + 3dt². Each zero is computed by two formulas, because
+    // rounding spoils one of the two.
     for (const double t :
          {(-c + root) / (3 * d), (-c - root) / (3 * d), b / (-c - root), b / (-c + root)}) {
       if (!(t > 0 && t < 1)) continue;

@@ -24,7 +24,7 @@ class Path {
     std::vector<JointValues> joints;  ///< rad
     /// Indices of the knots, rising, at which the curvature jumps: the path is smooth between them.
     std::vector<std::size_t> joins{};
-    /// The first derivative at the first knot, where the path goes on from another one.
+    /// The first derivative at the first knot, if the path continues another one.
     std::optional<JointValues> first_slope{};
 
     void add(double place, JointValues at) {
@@ -62,8 +62,8 @@ class Path {
   struct Range {
     JointValues lowest, highest;
   };
-  /// Returns the least and the greatest positions of the joints from the knot `i` to the next one:
-  /// between two knots, a joint may go further than at both of them.
+  /// Returns the least and the greatest positions of the joints from the knot `i` to the next one.
+  /// Between two knots, a joint may be outside the range of its positions at these knots.
   Range range(std::size_t i) const;
 
   /// Returns the joint positions at `s`. For an `s` outside the path, returns its nearer end.

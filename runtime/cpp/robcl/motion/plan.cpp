@@ -9,7 +9,8 @@
 namespace robcl::motion {
 namespace {
 
-// The limits are kept up to this factor of the time; the rest is rounding.
+// A motion that is too fast by at most this factor counts as one that keeps its limits: the rest is
+// rounding.
 constexpr double content = 1.0003;
 constexpr int most_tries = 8;
 double just_kept(const Smoothing& smoothing) { return smoothing.on() ? 1.0025 : content; }
@@ -27,10 +28,12 @@ std::vector<double> excess_of(const TimeLaw& law, const Path& path, const arm::A
   return factors;
 }
 
-/// Where the limits are exceeded between the places that the time law checks, makes them tighter
-/// there. A time law from rest that still exceeds them in the end is slowed. One that is not from
-/// rest cannot be slowed: it may exceed the limit of jerk where one move goes over into the next,
-/// as the path itself bends at once there, and uses a part of the reserve of excess_of_mean.
+/// Returns the fastest time law that keeps the limits everywhere. The time law checks the limits at
+/// some places only; where they are exceeded between these places, they are tightened there, and
+/// the time law is computed again. A time law from rest that still exceeds a limit at the end is
+/// slowed. A time law that does not start at rest cannot be slowed. It may exceed the limit of jerk
+/// where one move goes over into the next, because the path itself bends abruptly there, and it
+/// uses a part of the reserve of excess_of_mean.
 std::optional<TimeLaw> fastest_law(const Path& path, const arm::ArmModel& model,
                                    const std::vector<IntervalLimits>& limits,
                                    const Smoothing& smoothing, const TimeLaw::Start& start) {
@@ -51,8 +54,8 @@ std::optional<TimeLaw> fastest_law(const Path& path, const arm::ArmModel& model,
     if (worst <= content) return law;
     if (tries == most_tries && from_rest) return law->slowed(worst);
     if (tries == most_tries) return worst <= just_kept(smoothing) ? law : std::nullopt;
-    // The motion is slower around a place, too: a factor that is left over is small, but stays
-    // long.
+    // The motion is also slowed around the place. A remaining factor is small, but does not go
+    // away.
     const double exponent = tries <= 2 ? 1 : 3;
     for (std::size_t i = 0; i < factors.size(); ++i) {
       if (factors[i] > 1) tightened.tighten(i, std::pow(factors[i], exponent));

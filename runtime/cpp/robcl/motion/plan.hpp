@@ -23,13 +23,15 @@ struct Plan {
   const JointValues& goal() const { return path.knot(path.intervals()); }
 };
 
-/// The limits of each interval of a path: of the move, and of an arm that brakes.
+/// The limits of each interval of a path: those of the move, and those that apply while the arm
+/// brakes.
 struct CourseLimits {
   std::vector<IntervalLimits> moving, braking;
 };
 
-/// Plans the fastest motion on `path` whose set points keep all limits. Returns nullopt if the arm,
-/// which comes to the path as `start` says, cannot keep them; it always can from rest.
+/// Plans the fastest motion on `path` whose set points keep all limits. The arm comes to the path
+/// as `start` says. Returns nullopt if the arm cannot keep the limits from this start; from rest it
+/// always can.
 std::optional<Plan> fastest_plan(Path path, const arm::ArmModel& model, CourseLimits limits,
                                  const Smoothing& smoothing, const TimeLaw::Start& start = {});
 

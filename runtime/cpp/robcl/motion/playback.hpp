@@ -20,19 +20,21 @@ class Playback final : public TrajectoryGenerator {
  public:
   explicit Playback(Plan plan);
 
-  /// Makes the motion go over into `plan`, whose path begins at a knot of the last plan, with the
-  /// position, slope and speed ds/dt of that plan; `begins` is the time of that knot by the time
-  /// laws of all plans so far, in s. If the motion has passed this time already, or brakes, it ends
-  /// as without `plan`. Any one thread may call this function.
+  /// Makes the motion go over into `plan`. The path of `plan` begins at a knot of the last plan,
+  /// with the position, slope and speed ds/dt of that plan at the knot. `begins` is the time of
+  /// that knot in s, by the time laws of all plans so far. If the motion has already passed this
+  /// time, or brakes, it ends as if `append` had not been called. Any one thread may call this
+  /// function.
   void append(Plan plan, double begins);
   /// Returns the number of the plan on whose path the set points are: 0 for the first one, 1 for
   /// the first one that was appended. Only the thread that appends may call this function.
   std::size_t entered() const { return entered_.load()->number; }
-  /// Returns the time in s since the start, by the time laws of the plans: while an override slows
-  /// the motion, it rises more slowly than time, and after `stop` it stands. With a limit of jerk,
-  /// the set points arrive later than this, by lag(). Any thread may call this function.
+  /// Returns the time in s since the start, by the time laws of the plans. While an override slows
+  /// the motion, this time rises more slowly than real time. After `stop` it does not rise. With a
+  /// limit of jerk, the set points lag behind this time by lag(). Any thread may call this
+  /// function.
   double elapsed() const { return elapsed_.load(); }
-  /// Returns the time in s that the set points are behind the time laws, at most.
+  /// Returns the greatest time in s by which the set points lag behind the time laws.
   double lag() const { return lag_; }
 
   const JointValues& start() const override { return start_; }
@@ -42,9 +44,9 @@ class Playback final : public TrajectoryGenerator {
   /// Makes the following calls of `advance` decelerate on the path, as hard as the arm's limits
   /// allow, until the arm stands somewhere on the path.
   void stop() override { traversal_.stop(); }
-  /// The arm stands where it is on the path, because it got no set points for a while. The
-  /// following calls of `advance` accelerate from rest, and then follow the plan again. After
-  /// `stop`, the motion has ended.
+  /// Must be called when the arm has come to rest on the path because it got no set points for a
+  /// while. The following calls of `advance` accelerate from rest, and then follow the plan again.
+  /// After `stop`, the motion has ended.
   void rest() override;
 
   bool standing() const override { return standing_; }
@@ -53,8 +55,8 @@ class Playback final : public TrajectoryGenerator {
   /// after `stop`. It counts from the start of the plan that the motion follows now.
   double fraction() const override;
   /// Returns the remaining time to the goal in s; 0 after `stop` and at the goal. While the arm
-  /// accelerates after `rest`, the time is too short; while the motion is paused, it is that of a
-  /// motion that goes on at full speed.
+  /// accelerates after `rest`, the returned time is too short. While the motion is paused, the time
+  /// assumes that the motion continues at full speed.
   double remaining() const override;
 
  private:

@@ -7,12 +7,13 @@
 
 namespace robcl::motion {
 
-/// How a motion limits its jerk: the place s of a set point on the path is the mean of the last
-/// places of the time law, over a window of some control cycles. The path stays the same. The jerk
-/// d³s/dt³ of the set points is the change of d²s/dt² from one end of the window to the other,
-/// divided by the length of the window. If the limits are constant, the mean of a trapezoid of the
-/// speed is the fastest motion with a limit of jerk; cf. L. Biagiotti and C. Melchiorri, "FIR
-/// filters for online trajectory planning with time- and frequency-domain specifications", 2012.
+/// Limits the jerk of a motion. The place s of a set point on the path is a moving average: the
+/// mean of the last places of the time law, over a window of some control cycles. The path stays
+/// the same. The jerk d³s/dt³ of the set points is the change of d²s/dt² from one end of the window
+/// to the other, divided by the length of the window. If the limits are constant, the mean of a
+/// trapezoid of the speed is the fastest motion with a limit of jerk; cf. L. Biagiotti and C.
+/// Melchiorri, "FIR filters for online trajectory planning with time- and frequency-domain
+/// specifications", 2012.
 struct Smoothing {
   std::size_t cycles = 1;  ///< set points in the window; one if there is no limit of jerk
   double window = 0;       ///< length of the window in s
@@ -23,7 +24,8 @@ struct Smoothing {
   static Smoothing over(double rise, double cycle);
 
   bool on() const { return cycles > 1; }
-  /// Returns by how much d²s/dt² may change within the window, where its limit is `limit`.
+  /// Returns the greatest change of d²s/dt² within the window, at a place where the limit of
+  /// d²s/dt² is `limit`.
   double change(double limit) const { return on() ? limit * window / rise : infinite; }
 };
 

@@ -28,11 +28,12 @@ Interval allowed(const PathBounds& bounds, std::size_t knot, double x, double ne
 /// most `next` at the following knot.
 ///
 /// The width of the interval of allowed values is a concave function of (ds/dt)², made of straight
-/// pieces, and not negative at 0. So Newton's method comes from above to its zero, in as many
-/// steps as there are pieces on the way.
+/// pieces, and not negative at 0. Therefore Newton's method approaches the zero of this function
+/// from above, in at most one step for each piece.
 double fastest_at(const PathBounds& bounds, std::size_t knot, double next) {
   double x = std::min(bounds.speed_cap(knot), no_cap);
-  // Beside the zero, rounding may leave the interval empty: there, a little less is allowed.
+  // Because of rounding, the interval may still be empty at the zero. A slightly smaller value is
+  // then allowed.
   for (double less = rounding; less < 1; less *= 2) {
     const Interval u = allowed(bounds, knot, x, next);
     if (!u.empty()) return x;
@@ -79,7 +80,7 @@ class ForwardPass {
       const double then = std::max(some, before.greatest) - change;
       return ceiling_.admits(here, {some, infinite, then, smoothing_.window, true});
     });
-    // Where nothing is admitted, the limit of jerk cannot be kept. The motion must not stop there.
+    // If no value is allowed, the motion exceeds the limit of jerk here, because it must not stop.
     const double slower = -here.x / (4 * bounds_.step(knot));  // halves (ds/dt)²
     return std::clamp(std::max(u, slower), allowed.lower, allowed.upper);
   }

@@ -26,8 +26,8 @@ class TimeLaw {
   /// Time-Optimal Path Parameterization Based on Reachability Analysis", 2018. If only the limits
   /// of the tool apply, the speed profile is a trapezoid.
   ///
-  /// With a limit of jerk, d²s/dt² changes within the window of `smoothing` by no more than this
-  /// allows: before the motion brakes, it goes on at a constant speed for a while.
+  /// With a limit of jerk, the change of d²s/dt² within the window of `smoothing` is limited.
+  /// Therefore the motion moves at constant speed for a while before it brakes.
   static TimeLaw fastest(const PathBounds& bounds, const Smoothing& smoothing = {}) {
     return *fastest_from(bounds, {}, smoothing);
   }
@@ -39,7 +39,7 @@ class TimeLaw {
       greatest = std::max(greatest, value);
     }
   };
-  /// How a motion comes to the start of a path.
+  /// The state in which a motion comes to the start of a path.
   struct Start {
     double speed = 0;              ///< ds/dt
     Range accelerations_before{};  ///< within the last window
@@ -58,12 +58,12 @@ class TimeLaw {
   TimeLaw slowed(double factor) const;
 
   double duration() const { return times_.back(); }
-  /// Returns the factor by which this time law must be slowed in each interval so that d²s/dt²
-  /// changes within a window by no more than `smoothing` allows; 1 where it does.
+  /// Returns the factor by which this time law must be slowed in each interval so that d²s/dt² does
+  /// not change by more than `smoothing` allows within a window; 1 where it keeps this limit.
   std::vector<double> change_excess(const PathBounds& bounds, const Smoothing& smoothing) const;
-  /// Returns the state at the time `seconds`: the end for times after `duration()`, and for times
-  /// before 0 that of a motion which comes to the start with constant speed. Never allocates
-  /// memory.
+  /// Returns the state at the time `seconds`. For a time after `duration()`, this is the state at
+  /// the end. For a time before 0, it is the state of a motion that comes to the start with
+  /// constant speed. Never allocates memory.
   State at(double seconds) const;
   /// Returns the speed ds/dt of this time law at the knot `knot`, in 1/s.
   double speed(std::size_t knot) const { return speeds_[knot]; }
@@ -74,7 +74,8 @@ class TimeLaw {
   double acceleration(std::size_t knot) const {
     return (squares_[knot + 1] - squares_[knot]) / (2 * (places_[knot + 1] - places_[knot]));
   }
-  /// Returns the values of d²s/dt² in the last `seconds` before the knot `knot`, and 0.
+  /// Returns the values of d²s/dt² in the last `seconds` before the knot `knot`, and in addition
+  /// the value 0.
   Range accelerations_before(std::size_t knot, double seconds) const;
   /// Returns the time in s at which this time law is at the knot `knot`.
   double time(std::size_t knot) const { return times_[knot]; }

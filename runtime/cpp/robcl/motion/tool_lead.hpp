@@ -5,8 +5,8 @@
 
 namespace robcl::motion {
 
-/// A tool frame that moves to a target under limits of speed and acceleration, one control cycle
-/// after the other. The target may change in each cycle. A value type that never allocates memory.
+/// A tool frame that moves to a target in each control cycle, within limits of speed and
+/// acceleration. The target may change in each cycle. A value type that never allocates memory.
 struct ToolLead {
   Frame pose;                                            ///< seen from the base
   Eigen::Vector3d speed = Eigen::Vector3d::Zero();       ///< m/s, in the last cycle
@@ -19,7 +19,7 @@ struct ToolLead {
   ToolLead braking(const ToolLimits& limits, double cycle) const;
   /// Returns the pose at which the lead stands if it brakes in all following cycles.
   Frame stop(const ToolLimits& limits, double cycle) const;
-  /// Whether the lead is at `target`, but for rounding.
+  /// Returns whether the lead is at `target`, except for rounding.
   bool is_at(const Frame& target) const;
   bool at_rest() const { return speed.isZero(0) && turn_speed.isZero(0); }
 

@@ -16,13 +16,13 @@ class TrajectoryGenerator {
   virtual const JointValues& start() const = 0;
   /// Advances the time by `seconds` and returns the set points of the joints.
   virtual JointValues advance(double seconds) = 0;
-  /// Scales the speed of the motion in the following calls of `advance`, which keep its path and
-  /// the limits of the arm: `factor` is from 0, which pauses the motion, to 1.
+  /// Scales the speed of the motion in the following calls of `advance`. `factor` is from 0 to 1; 0
+  /// pauses the motion. The path stays the same, and the limits of the arm are kept.
   virtual void set_override(double factor) = 0;
   /// Makes the following calls of `advance` decelerate until the arm stands.
   virtual void stop() = 0;
-  /// The arm stands where it is, because it got no set points for a while. The following calls of
-  /// `advance` accelerate from rest. After `stop`, the motion has ended.
+  /// Must be called when the arm has come to rest because it got no set points for a while. The
+  /// following calls of `advance` accelerate from rest. After `stop`, the motion has ended.
   virtual void rest() = 0;
 
   virtual bool standing() const = 0;

@@ -53,8 +53,8 @@ void Traversal::advance_by_law(double seconds) {
   if (standing_) time_ = plan().law.duration();
 }
 
-/// Enters the stages that take over at the place where the motion is; several may do so at the same
-/// knot.
+/// Enters each stage that takes over at the present place of the motion. Several stages may begin
+/// at the same knot.
 void Traversal::enter_stages_here() {
   for (const Stage* next = stage_->next.load(); next != nullptr && next->plan.path.begin() == s_;
        next = stage_->next.load()) {
@@ -96,10 +96,10 @@ void Traversal::leave_law(Mode mode) {
 
 /// Returns the values of d²s/dt² that are allowed up to the next knot.
 ///
-/// The law of the plan, slowed by a constant factor so that it has the present speed here, keeps
-/// all limits on the rest of the path (PathBounds). Its d²s/dt² is therefore allowed here, and the
-/// arm can always brake so that it stops at the goal at the latest. A path may bend so that an arm
-/// which is fast cannot brake yet: then the least allowed d²s/dt² is positive.
+/// Consider the time law of the plan, slowed by a constant factor so that it has the present speed
+/// here. It keeps all limits on the rest of the path (PathBounds). Therefore its d²s/dt² is allowed
+/// here, and the arm can always stop at or before the goal. In some bends, a fast arm cannot brake
+/// yet. The least allowed d²s/dt² is then positive.
 PathBounds::Interval Traversal::allowed() const {
   const TimeLaw& law = plan().law;
   const double x = squared(speed_), step = plan().path.step(knot_);
@@ -112,7 +112,7 @@ PathBounds::Interval Traversal::allowed() const {
   return allowed;
 }
 
-/// Returns d²s/dt² from here to the next knot, for `seconds` at most.
+/// Returns d²s/dt² for the motion to the next knot, or for `seconds` if this time is shorter.
 double Traversal::acceleration(double seconds) const {
   if (way_to_knot() <= 0) return 0;
   const Smoothing& smoothing = plan().smoothing;
@@ -138,9 +138,9 @@ double Traversal::acceleration(double seconds) const {
                            [&](double some) { return stays_below(highest, some); });
 }
 
-/// Returns whether the motion, after it had d²s/dt² = `u` for `seconds`, can take on each d²s/dt²
-/// that the plan may force on it while `u` is in the window: that of the plan, slowed to the speed
-/// of the motion. `change`: by how much d²s/dt² may change within the window.
+/// Assumes that the motion has d²s/dt² = `u` for `seconds`. Returns whether it can then take each
+/// d²s/dt² that the plan, slowed to the speed of the motion, may require while `u` is in the
+/// window. `change`: the greatest change of d²s/dt² within the window.
 bool Traversal::can_slow_down(double u, double seconds, double change) const {
   const Smoothing& smoothing = plan().smoothing;
   const TimeLaw& law = plan().law;
@@ -156,7 +156,7 @@ bool Traversal::can_slow_down(double u, double seconds, double change) const {
   return true;
 }
 
-/// Goes on with d²s/dt² = `u` to the next knot, or until the arm stands, but for no longer than
+/// Continues with d²s/dt² = `u` to the next knot, or until the arm stands, but for at most
 /// `seconds`. Returns the time that remains.
 double Traversal::go_on(double u, double seconds) {
   const double end = plan().path.place(knot_ + 1), way = way_to_knot();
@@ -176,8 +176,9 @@ double Traversal::go_on(double u, double seconds) {
   return seconds - lasts;
 }
 
-/// Returns whether the motion, which is at a knot, can follow the time law from here on: it has the
-/// speed of the law, and its acceleration may change to all that the law has within a window.
+/// Returns whether the motion can follow the time law from here. @pre the motion is at a knot. It
+/// can if it has the speed of the time law, and if its acceleration may change to each value that
+/// the time law has within a window.
 bool Traversal::can_follow_law() const {
   constexpr double rounding = 1e-6;  // relative
   const TimeLaw& law = plan().law;
@@ -200,7 +201,7 @@ void Traversal::advance_by_pieces(double seconds) {
     note(u);
     seconds = go_on(u, seconds);
     const Path& path = plan().path;
-    // Rounding lets the motion stop a little before the goal.
+    // Because of rounding, the motion may stop slightly before the goal.
     constexpr double negligible = 1e-9;  // s
     if (speed_ == 0 && mode_ == Mode::Scaled && s_ > path.end() - negligible) s_ = path.end();
     const bool at_knot = s_ >= path.place(knot_ + 1);

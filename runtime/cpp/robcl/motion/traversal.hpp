@@ -10,7 +10,7 @@
 
 namespace robcl::motion {
 
-/// A plan, and the one that takes over from it.
+/// A plan, and the plan that follows it.
 struct Stage {
   Stage(Plan its_plan, double its_begin, std::size_t its_number)
       : plan(std::move(its_plan)), begins(its_begin), number(its_number) {}
@@ -20,10 +20,10 @@ struct Stage {
   std::atomic<const Stage*> next{nullptr};
 };
 
-/// The path parameter s of a motion that follows the time laws of its plans or, slowed, stopped or
-/// at rest, leaves them. It keeps the limits of the arm and never gets ahead of the plan: there,
-/// the limits may allow nothing. Only the control loop calls these functions; they never allocate
-/// memory, lock or log.
+/// The path parameter s of a motion. The motion follows the time laws of its plans, or leaves them
+/// when it is slowed or stopped. It keeps the limits of the arm. It is never faster than the plan,
+/// because at a higher speed the limits may allow no d²s/dt². Only the control loop calls these
+/// functions; they never allocate memory, lock or log.
 class Traversal {
  public:
   explicit Traversal(const Stage& first);

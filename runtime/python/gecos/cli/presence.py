@@ -25,9 +25,9 @@ _MOST_AT_ONCE = 64
 
 @dataclass(frozen=True, slots=True)
 class Presence:
-    """Whether an object can be reached. `silent_since` is the Unix time at which the broker last
-    heard the server; None while the broker hears it. `answers` is true if the server has answered
-    this program, or refused it; otherwise `problem` says why there was no answer."""
+    """Tells whether an object can be reached. `silent_since` is the Unix time at which the broker
+    last heard the server; None while the broker hears it. `answers` is true if the server has
+    answered this program, or refused it; otherwise `problem` says why there was no answer."""
 
     entry: Entry
     silent_since: float | None

@@ -24,7 +24,7 @@ _STOP_WITHIN = 5.0  # s for the answer of a server
 
 @dataclass(slots=True)
 class Stopping:
-    """What became of a request to stop objects. `outcomes` has for each object the reason why it
+    """The results of a request to stop objects. `outcomes` has for each object the reason why it
     was not stopped, or None. `silent_unknown` is the reason why the broker did not say which other
     objects are silent."""
 
@@ -47,7 +47,7 @@ def stop_objects(lab: gecos.Lab, names: Sequence[str] | None) -> Stopping:
     with ThreadPoolExecutor(max(1, len(wanted))) as threads:
         failures = threads.map(lambda name: _failure(lab, name, online), wanted)
         stopping = Stopping(dict(zip(wanted, failures, strict=True)))
-    # Only now, because the question to the broker must not delay a stop.
+    # The broker is asked after the stop, because the question must not delay it.
     outcomes = stopping.outcomes.values()
     if names is None or any(isinstance(error, gecos.CreateError) for error in outcomes):
         _find_silent(lab, stopping, every=names is None)

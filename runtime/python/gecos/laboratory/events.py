@@ -1,4 +1,4 @@
-"""What happens in a running laboratory, and how people read it."""
+"""The events of a running laboratory, and their text for people."""
 
 from __future__ import annotations
 

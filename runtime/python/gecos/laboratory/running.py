@@ -326,8 +326,8 @@ def _command(
 
 
 def _is_ready(line: str, program: Program) -> bool:
-    """Whether a program says by this line that it is ready. Without `ready` the lines that servers
-    print by default do: "serving RX90" and "robcl-rx90: RX90 is ready"."""
+    """Returns whether a program reports by this line that it is ready. Without `ready`, the usual
+    lines of servers count: "serving RX90" and "robcl-rx90: RX90 is ready"."""
     if program.ready is None:
         return re.search(r"^serving |(^|: | is )ready$", line.rstrip()) is not None
     return _says(line, program.ready)

@@ -10,7 +10,8 @@
 namespace gecos::session {
 namespace {
 
-/// What to do when the broker does not know a name, only `names`.
+/// Returns advice for a program that asked for a name that the broker does not know. `names` are
+/// the names that it knows.
 std::string advice(const std::vector<std::string>& names) {
   std::string text;
   for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;

@@ -22,12 +22,12 @@ tl::expected<Entry, std::string> look_up(Context& lab, const std::string& name, 
 std::optional<SilentObject> look_up_silent(Context& lab, const std::string& name,
                                            TimePoint deadline);
 
-/// Returns the objects online that have the interface or a derived one; all if it is empty. On
-/// failure returns why the broker gave no answer.
+/// Returns the objects online that have the interface or a derived one; all objects online if
+/// `interface_name` is empty. On failure returns why the broker gave no answer.
 tl::expected<std::vector<Entry>, std::string> query(Context& lab, const std::string& interface_name,
                                                     TimePoint deadline);
-/// Returns what has changed in the broker's list since `since`. A broker of an older version gives
-/// the whole list in a life of its own, without its silent objects.
+/// Returns what has changed in the broker's list since `since`. A broker of an older version always
+/// returns its whole list, without the silent objects.
 tl::expected<ListChanges, std::string> list_changes(Context& lab, const ListRevision& since,
                                                     TimePoint deadline);
 

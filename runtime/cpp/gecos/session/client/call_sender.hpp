@@ -90,7 +90,7 @@ class CallSender {
   /// no room for the packet.
   bool say_goodbye();
 
-  /// What happens to the calls that the server has received but not started.
+  /// The fate of the calls that the server has received but not started.
   enum class Queued : std::uint8_t { Run, Withdrawn };
   /// The calls that were open when their session was lost.
   struct Remains {

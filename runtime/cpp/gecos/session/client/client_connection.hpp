@@ -76,8 +76,8 @@ class ClientConnection final : public ClientSession,
   /// session.
   void found_at(std::string address) { place_ = std::move(address); }
   const std::string& place() const { return place_; }
-  /// Checks the own `@qos` of the operations and streams of `wanted`, and measures from now on what
-  /// it demands of the connection. Must be called before other threads know the session.
+  /// Checks the `@qos` that single operations and streams of `wanted` have, and begins to measure
+  /// the latency if `wanted` demands one. Must be called before other threads know the session.
   void check_quality(const InterfaceDescription& wanted, bool simulated) {
     refused_.check_quality(wanted, connection_->capabilities(), simulated);
     line_.bound_by(wanted, simulated);

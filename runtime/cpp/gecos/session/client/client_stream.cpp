@@ -40,8 +40,9 @@ std::ostream& operator<<(std::ostream& out, StreamEnd end) {
 namespace gecos::session {
 namespace {
 
-/// How many samples that are too old one call of next() reads after its patience has ended, so that
-/// a server that floods the stream with them does not keep the reader in the call.
+/// The most samples that one call of next() reads after its patience has ended, if all of them are
+/// too old. Without this limit, a server that floods the stream with old samples would keep the
+/// reader in the call.
 constexpr int most_looks = 1024;
 
 }  // namespace

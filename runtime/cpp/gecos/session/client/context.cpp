@@ -135,7 +135,8 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::look_for_b
     auto session = connect(*runtime_, address, BrokerInterface::description, deadline, &why);
     if (session) return session;
     if (why == Detail::Refused) append(refused, session.error());
-    // Few programs have a broker of their own: the reader is told only if it was named.
+    // Few programs contain their own broker. Therefore the message mentions such a broker only if
+    // its address was named.
     const bool expected = addresses.size() > 1 && why == Detail::NoServer &&
                           media::kind_of(address) == media::Kind::Inproc;
     if (!expected) append(tried, session.error());

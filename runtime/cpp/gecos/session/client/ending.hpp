@@ -7,8 +7,8 @@
 
 namespace gecos::session {
 
-/// How a session ends, as its client sees it. The failure of a call that has no reply depends on
-/// this: see Withdrawal.
+/// The way in which a session ends, as its client sees it. It decides the failure of the calls that
+/// have no reply: see Withdrawal.
 enum class Ending : std::uint8_t {
   Died,    ///< the medium reported that the server's process ended
   Closed,  ///< the server closed the session or its connection

@@ -48,8 +48,8 @@ class LeaderLock {
     bool notified = false;
     ConditionVariable woken;
   };
-  /// Up to this many threads may follow at once without an allocation in `follow`, so that readers
-  /// at 1 kHz do not allocate.
+  /// This number of threads may follow at the same time before `follow` allocates memory. It is
+  /// high enough that readers at 1 kHz cause no allocation.
   static constexpr std::size_t usual_followers = 16;
   enum class State : std::uint8_t { Free, Held, Resting, Borrowed };
   bool change(State from, State to) {

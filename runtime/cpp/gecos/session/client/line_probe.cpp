@@ -10,8 +10,8 @@
 namespace gecos::session {
 namespace {
 
-/// The longest step of the probe's clock: a longer one is a pause of this process, of which the
-/// line knows nothing.
+/// The longest step of the probe's clock. A longer step means that this process was suspended,
+/// which says nothing about the connection.
 constexpr Duration longest_step = std::chrono::milliseconds(300);
 
 std::string in_milliseconds(Duration duration) {
@@ -64,7 +64,8 @@ void LineProbe::on_tick(TimePoint now) {
 }
 
 void LineProbe::send(TimePoint now) {
-  // Without a session, the ping does not keep the session of a destroyed proxy alive.
+  // The ping has no reference to the session, so that it does not keep the session of a destroyed
+  // proxy alive.
   auto ping = std::make_shared<PendingCommand>(nullptr, GecosObjectInterface::ping);
   ping->observe();
   ping->timed = true;
@@ -116,7 +117,7 @@ LineState LineProbe::state() const {
 }
 
 LineState LineProbe::await_change(std::uint64_t changes, TimePoint deadline) const {
-  // Nothing notifies this object of the end of the session, so it is looked for.
+  // Nothing notifies this object when the session ends, so this object checks for the end.
   constexpr Duration between_looks = std::chrono::milliseconds(100);
   MutexLock lock(mutex_);
   while (state_.changes <= changes && !session_.lost() && !session_.closed()) {

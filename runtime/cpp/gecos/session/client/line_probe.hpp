@@ -15,9 +15,9 @@ namespace gecos::session {
 class ClientConnection;
 class PendingCommand;
 
-/// Measures the round trip of one session by pings, if its interface bounds it, and does what
-/// `on_degraded` says when the bound is exceeded. A session without a bound sends no pings.
-/// Thread-safe, except where said.
+/// Measures the round trip of one session by pings, if the interface demands a bound of the
+/// latency. When the round trip exceeds the bound, acts as `on_degraded` says. A session without a
+/// bound sends no pings. Thread-safe, except where said.
 class LineProbe {
  public:
   explicit LineProbe(ClientConnection& session);

@@ -30,7 +30,7 @@ class ListView {
   std::vector<Registration> take(const ListChanges& answer, TimePoint now);
   /// Returns the objects whose servers have not returned in time, as gone.
   std::vector<Registration> missing(TimePoint now);
-  /// When `missing` must be called next; nullopt: no server is expected back.
+  /// The time at which `missing` must be called next; nullopt if no server is expected to return.
   std::optional<TimePoint> next_check() const;
   /// Number of changes that the broker no longer kept when this view asked for them. The view has
   /// their result, not each of them.

@@ -72,7 +72,8 @@ class PendingCommand final : public CommandCore {
   /// session's CallSender, unless no session has the command.
   void detach() { home_.store(nullptr, std::memory_order_release); }
 
-  /// Whether the time at which the reply arrives is noted. Written before the command is shared.
+  /// True if the time at which the reply arrives must be recorded. Written before other threads
+  /// know the command.
   bool timed = false;
   TimePoint answered{};  ///< when the reply arrived, if `timed`; written before it is terminal
 

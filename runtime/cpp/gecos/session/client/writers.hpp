@@ -8,7 +8,7 @@
 
 namespace gecos::session {
 
-/// What the inward streams of one session have in common. Thread-safe.
+/// The state that all inward streams of one session share. Thread-safe.
 class Writers {
  public:
   /// `leases` must outlive this object.

@@ -26,8 +26,9 @@ class Closable {
   virtual void close(Duration patience) = 0;
 };
 
-/// What sessions and servers of one lab share: settings, the clock, the media and the maintenance
-/// thread. Lives until the last session and the last server are destroyed. Thread-safe.
+/// The resources that the sessions and servers of one lab share: settings, the clock, the media and
+/// the maintenance thread. Lives until the last session and the last server are destroyed.
+/// Thread-safe.
 class Runtime : public std::enable_shared_from_this<Runtime> {
  public:
   /// Creates a runtime whose sessions say goodbye when the program exits, even if their Lab is

@@ -11,9 +11,9 @@
 
 namespace gecos::session {
 
-/// Whose a sample of an inward stream is: stands before the value in every sample that a client
-/// sends. A sample corrects a motion, so one that was sent for another command, or under a status
-/// that has ended, must have no effect, however late it arrives.
+/// The origin of a sample of an inward stream. It precedes the value in every sample that a client
+/// sends. Samples correct motions. Therefore a sample that was sent for another command, or under a
+/// status that has ended, must have no effect even if it arrives late.
 struct InwardHeader {
   SessionId session{};
   Epoch epoch{};  ///< of the status under which the client feeds the command

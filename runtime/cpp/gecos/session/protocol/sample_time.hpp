@@ -19,7 +19,8 @@ namespace gecos::session {
 /// to this range.
 inline constexpr Duration longest_age{std::int64_t{1} << 60};
 
-/// When a sample was measured: as wall-clock time in ns, and by CLOCK_BOOTTIME.
+/// The time at which a sample was measured, by two clocks: wall-clock time in ns, and
+/// CLOCK_BOOTTIME.
 struct SampleTime {
   std::int64_t stamp_ns = 0;
   TimePoint measured{};
