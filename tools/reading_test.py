@@ -6,7 +6,7 @@ the folder that it belongs to, and for each comment and text whether one reading
 has the places. The same seed draws the same sheet from the same tree.
 
 The strict form, which is the default and the one whose figures count, lists the bare names of the
-folders. `--rooms` prints beside each folder its sentence in docs/architecture.md, as a newcomer
+folders. `--contents` prints beside each folder its sentence in docs/architecture.md, as a newcomer
 would have it; figures of the two forms cannot be compared.
 """
 
@@ -125,9 +125,9 @@ def drawn(seed: int) -> dict[str, list[Found]]:
     }
 
 
-def rooms(architecture: str) -> dict[str, str]:
-    """What docs/architecture.md says of each folder in its table of rooms."""
-    table = re.search(r"^\| room \|.*?\n\n", architecture, re.MULTILINE | re.DOTALL)
+def contents_of_folders(architecture: str) -> dict[str, str]:
+    """What docs/architecture.md says of each folder in its first table."""
+    table = re.search(r"^\| folder \|.*?\n\n", architecture, re.MULTILINE | re.DOTALL)
     said: dict[str, str] = {}
     row = re.compile(r"^\| `([^` ]+)` \| (.+) \|$", re.MULTILINE)
     for names, contents in row.findall(table[0] if table else ""):
@@ -141,7 +141,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="draws the sheets of a reading test")
     parser.add_argument("seed", type=int)
     parser.add_argument("--key", action="store_true", help="print the places, not the sheet")
-    parser.add_argument("--rooms", action="store_true", help="say what is in each folder")
+    parser.add_argument("--contents", action="store_true", help="say what is in each folder")
     options = parser.parse_args()
     sheet = drawn(options.seed)
     if options.key:
@@ -149,7 +149,11 @@ def main() -> None:
             for at, one in enumerate(each, 1):
                 print(f"{kind} {at}: {one.folder if kind == 'line' else one.place}")
         return
-    said = rooms((TREE / "docs/architecture.md").read_text("utf-8")) if options.rooms else {}
+    said = (
+        contents_of_folders((TREE / "docs/architecture.md").read_text("utf-8"))
+        if options.contents
+        else {}
+    )
     print("Folders:")
     for folder in folders():
         print(f"  {folder}: {said[folder]}" if said else f"  {folder}")

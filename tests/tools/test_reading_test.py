@@ -10,9 +10,11 @@ SHEET = {"line": [Found("devices/arm/a.hpp:1", "double speed;")], "comment": [],
 
 
 def test_architecture_has_one_sentence_for_every_folder_with_sources() -> None:
-    said = reading_test.rooms((reading_test.TREE / "docs/architecture.md").read_text("utf-8"))
+    said = reading_test.contents_of_folders(
+        (reading_test.TREE / "docs/architecture.md").read_text("utf-8")
+    )
     assert [folder for folder in reading_test.folders() if folder not in said] == []
-    assert [room for room in said if not (reading_test.TREE / room).exists()] == []
+    assert [folder for folder in said if not (reading_test.TREE / folder).exists()] == []
 
 
 def test_the_strict_form_lists_folders_without_a_word_about_them(
@@ -28,7 +30,7 @@ def test_the_strict_form_lists_folders_without_a_word_about_them(
     bare = [f"  {folder}" for folder in reading_test.folders()]
     line = ["", "line 1:", "    double speed;"]
     assert printed() == ["Folders:", *bare, *line]
-    told = printed("--rooms")
+    told = printed("--contents")
     assert told[0] == "Folders:"
     assert told[-3:] == line
     assert [each.partition(": ")[0] for each in told[1:-3]] == bare
