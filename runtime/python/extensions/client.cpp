@@ -286,8 +286,8 @@ nb::tuple as_tuple(const LineState& line) {
   return nb::make_tuple(line.medium, seconds(line.bound), took, line.degraded, line.changes);
 }
 
-/// Returns the state after the next change; True when there was none within `timeout`, and False
-/// when the session is lost or closed.
+/// Waits for the next change and returns the state after it. Returns True if there was no change
+/// within `timeout`, and False if the session is lost or closed.
 nb::object next_line_change(SessionHandle& self, std::uint64_t changes,
                             std::optional<double> timeout) {
   LineState line;
@@ -324,8 +324,8 @@ nb::object objects(LabHandle& self, const std::string& interface_name, double pa
   return encoded;
 }
 
-/// Returns the next change as an encoded Registration; True when there was none within `timeout`,
-/// and False when the watch or its Lab was closed.
+/// Waits for the next change and returns it as an encoded Registration. Returns True if there was
+/// no change within `timeout`, and False if the watch or its Lab was closed.
 nb::object next_change(WatchHandle& self, std::optional<double> timeout) {
   auto watch = self.get();
   if (watch == nullptr) return nb::bool_(false);

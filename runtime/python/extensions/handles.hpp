@@ -162,7 +162,8 @@ class StreamHandle {
   }
   /// Returns the buffer for samples. Each read uses the memory of this buffer again.
   session::RawSample& sample() { return sample_; }
-  /// Returns what became of the samples; after `close`, until then. Throws in a forked child.
+  /// Returns the counts of the samples so far; after `close`, the counts at the time of `close`.
+  /// Throws in a forked child.
   qos::StreamCounts counts() const {
     const auto open = get();
     return open ? open->counts() : last_counts_;

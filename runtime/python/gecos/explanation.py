@@ -1,4 +1,4 @@
-"""Over which media `lab.create` would reach an object, and what speaks against the others."""
+"""The media over which `lab.create` would reach an object, and the reasons against the others."""
 
 from __future__ import annotations
 

@@ -44,8 +44,8 @@ def events(
     broker: str | None,
     as_json: bool,
 ) -> None:
-    """Prints the events of an object as they occur, each on a line: those named, or all that need
-    no status."""
+    """Prints the events of an object as they occur, each on a line. Without names, prints all
+    events that need no status."""
     import gecos
     from gecos.cli import report
     from gecos.dynamic_client import by_name

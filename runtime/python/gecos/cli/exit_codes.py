@@ -39,8 +39,8 @@ class UsageFailure(ValueError):
 
 
 class NotEnded(TimeoutError):
-    """A command was given up after `--timeout`. `detail` says what became of it: it was canceled,
-    or it still runs."""
+    """A command was given up after `--timeout`. `detail` says whether it was canceled or still
+    runs."""
 
     def __init__(self, detail: Detail, text: str) -> None:
         super().__init__(text)
@@ -48,7 +48,8 @@ class NotEnded(TimeoutError):
 
 
 class InterruptedCommand(click.Abort):
-    """The user pressed Ctrl-C while a command ran. `detail` says what became of the command."""
+    """The user pressed Ctrl-C while a command ran. `detail` says whether the command was canceled
+    or still runs."""
 
     def __init__(self, detail: Detail, text: str) -> None:
         super().__init__(text)

@@ -12,8 +12,9 @@ from gecos.cli.options import broker_option, json_option, name_argument, print_j
 @broker_option
 @json_option
 def explain(name: str, broker: str | None, as_json: bool) -> None:
-    """Says over which medium a program on this host reaches an object, and what speaks against the
-    others: reach, and the quality that the interface and its members demand."""
+    """Says over which medium a program on this host reaches an object, and why it does not use the
+    other media: they do not reach the object, or lack the quality that the interface or a member
+    demands."""
     import gecos
     from gecos.dynamic_client.connect import find, interface_of
 

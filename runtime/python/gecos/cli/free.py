@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 @broker_option
 @json_option
 def free(name: str, broker: str | None, as_json: bool) -> None:
-    """Gives the name of a silent object free, before the broker does.
+    """Frees the name of a silent object before the broker does.
 
     Another server may then take the name. Make sure first that the silent server moves nothing: it
-    may be cut off, and still running.
+    may be disconnected but still running.
     """
     import gecos
 

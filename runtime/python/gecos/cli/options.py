@@ -22,8 +22,9 @@ Completion = Callable[[click.Context, click.Parameter, str], list[CompletionItem
 
 
 def _completion(words: Callable[[gecos.Lab, Mapping[str, Any]], Mapping[str, str]]) -> Completion:
-    """Returns a completion for a shell. `words` gets the words that the command line has before,
-    and returns each word that fits with a help. Without a broker there are no words."""
+    """Returns a completion for a shell. `words` gets the preceding words of the command line, and
+    returns each possible next word together with its help text. Without a broker there are no
+    words."""
 
     def complete(context: click.Context, _: click.Parameter, begun: str) -> list[CompletionItem]:
         import gecos
@@ -68,7 +69,7 @@ def interfaces(lab: gecos.Lab, _: Mapping[str, Any]) -> Mapping[str, str]:
 
 
 def members(wanted: Callable[[Any], bool]) -> Completion:
-    """Returns the completion for members of the object that the command line names before. Only
+    """Returns the completion for members of the object that precedes them on the command line. Only
     members for which `wanted` is true are offered."""
 
     def found(lab: gecos.Lab, before: Mapping[str, Any]) -> Mapping[str, str]:

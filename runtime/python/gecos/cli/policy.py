@@ -46,11 +46,11 @@ def test(
     broker: str | None,
     as_json: bool,
 ) -> int:
-    """Says whether USER on HOST may connect to OBJECT, and the rule by which.
+    """Says whether USER on HOST may connect to OBJECT, and which rule decides this.
 
     Decides by the lab file, for a server on this host. A list that a program gives to Server.allow
-    is not known here. With OPERATION, asks OBJECT which status that member needs: the lab file does
-    not change it. Ends with 0 if USER is allowed, and with 5 if not.
+    is not known here. With OPERATION, asks OBJECT which status this operation needs; the lab file
+    has no influence on the status. Ends with 0 if USER is allowed, and with 5 if not.
     """
     import socket
 

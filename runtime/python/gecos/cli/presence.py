@@ -65,8 +65,9 @@ def presences(lab: gecos.Lab, interface: str = "") -> list[Presence]:
 
 
 def changes(lab: gecos.Lab, interface: str = "") -> Iterator[dict[str, Any]]:
-    """Yields each change of the broker's list as data for JSON, at first each object that is online
-    or silent. `skipped` counts the changes that were read too late to see each of them."""
+    """Yields each change of the broker's list as data for JSON. Begins with each object that is
+    already online or silent. `skipped` counts the changes that were read too late to see each of
+    them."""
     with lab.watch(interface) as watch:
         skipped = 0
         for change in watch:

@@ -72,8 +72,9 @@ def _described(file: Path | None) -> LaboratoryDescription:
 
 class _Signals:
     """Raises KeyboardInterrupt at the first SIGINT, SIGTERM or SIGHUP. While the programs are being
-    ended, only SIGINT raises it again, and so kills them: a terminal that is closed may send SIGHUP
-    several times, and a service manager SIGTERM after it.
+    ended, only another SIGINT raises it again, which kills the programs. Other signals do not,
+    because a closed terminal may send SIGHUP several times, and a service manager may then send
+    SIGTERM.
 
     A signal that this process was started to ignore, as by nohup, stays ignored.
     """
@@ -103,7 +104,7 @@ def _show(event: Event) -> None:
 
 
 class _OneLine:
-    """Prints each event as one line of JSON, also if several threads report at the same time. The
+    """Prints each event as one line of JSON, even if several threads report at the same time. The
     programs continue when nobody reads the output any more."""
 
     def __init__(self) -> None:

@@ -79,7 +79,7 @@ def _mend(reason: str, place: str) -> str:
 
 
 def _tried(reason: str) -> str:
-    """Returns the places that were tried. The advice in `reason` is left out, because `mend` has
-    it."""
+    """Returns the addresses that were tried, from `reason`. The advice in `reason` is left out,
+    because `mend` contains it."""
     _, _, tried = reason.partition("(tried ")
     return tried.removesuffix(")") or reason

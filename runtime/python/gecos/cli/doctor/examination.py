@@ -21,8 +21,8 @@ _REFUSED_TTL = re.compile(r"GECOS_LCM_TTL is '.*")
 
 
 def examine() -> list[Finding]:
-    """Returns the findings about the environment in which programs of this user run. Asks the
-    brokers of this host, which takes some seconds at most."""
+    """Returns the findings about the environment in which programs of this user run. Waits some
+    seconds at most for the answers of the brokers of this host."""
     return list(_findings())
 
 

@@ -14,7 +14,7 @@ _ADVICE = re.compile(r"no multicast route\? run as root: +([^)]*)\)")
 
 def multicast_route(reason: str | None, needed: bool) -> Finding:
     """Checks the route of multicast packets. `reason` says why no broker answers over lcm; it is
-    None if one does. `needed` is True if the settings of this program ask for lcm."""
+    None if a broker answers. `needed` is True if the settings of this program ask for lcm."""
     advice = _ADVICE.search(reason or "")
     if advice is None:
         return fine("multicast route", "packets of lcm can be sent")

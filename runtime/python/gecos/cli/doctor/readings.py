@@ -34,8 +34,9 @@ def extension(needed: list[str]) -> tuple[str | None, list[str], str]:
 
 
 def lab_problem() -> RuntimeError | OSError | None:
-    """Returns the reason why this process cannot have a Lab, or None: a RuntimeError for a setting
-    that is not valid, an OSError if threads or descriptors are missing."""
+    """Returns the reason why this process cannot have a Lab. The reason is a RuntimeError if a
+    setting is invalid, and an OSError if threads or descriptors are missing. Returns None if the
+    process can have a Lab."""
     import gecos
 
     try:
@@ -46,7 +47,8 @@ def lab_problem() -> RuntimeError | OSError | None:
 
 
 def ask_broker(place: str | None) -> Answer:
-    """Asks the broker at `place`, or for None the broker that programs of this user find."""
+    """Asks the broker at `place`. None stands for the broker that programs of this user find by
+    default."""
     from gecos_idl.broker import Broker
 
     import gecos

@@ -30,8 +30,9 @@ _OTHERWISE = "end programs that are not needed now"
 
 
 def exhausted(error: int, reason: str, may_rise: bool) -> Finding:
-    """Returns the finding for a system that refuses what a Lab needs, with the number `error`.
-    `reason` says what it refuses. `may_rise` tells whether this user may raise the limit."""
+    """Returns the finding for a system that refuses a resource that a Lab needs. `error` is the
+    errno of the refusal. `reason` says what it refuses. `may_rise` tells whether this user may
+    raise the limit."""
     what = f"programs of this user get too few resources for a Lab: {reason}"
     limit = LIMITS.get(error)
     if limit is None:

@@ -76,8 +76,8 @@ def _joints_over_time(
     limits: ArmLimits | None,
     commanded: bool,
 ) -> None:
-    """With limits, speeds and accelerations are shares of the limit of each joint: so one sees
-    which joint is at its limit."""
+    """If the limits are known, speeds and accelerations are drawn as shares of the limit of each
+    joint. The picture then shows which joint is at its limit."""
     positions, speeds, accelerations = axes
     which = "commanded" if commanded else "measured"
     _lines(positions, _scaled(joints.position, 180 / np.pi), f"{which} joints, °", "joint")
@@ -110,7 +110,7 @@ def _shares(
 
 
 def _travel(axes: Axes, limits: ArmLimits) -> None:
-    """Draws the ends of the travel that are in view."""
+    """Draws the limits of the joint positions, as far as the axes of the picture contain them."""
     bottom, top = axes.get_ylim()
     for i, ends in enumerate(zip(limits.lower, limits.upper, strict=True)):
         for end in np.degrees(ends):
@@ -146,7 +146,8 @@ def _length(axes: Axes, course: Course, label: str, limit: float | None) -> None
 
 
 def _path(axes: Axes, position: Course, title: str, across: int, up: int) -> None:
-    """All views have the same scale, so that noise across a line is not magnified."""
+    """All views have the same scale. Otherwise the noise across a straight line would be
+    magnified."""
     axes.set_title(f"path of the tool, {title}", fontsize=8)
     axes.set_xlabel(f"{'xyz'[across]}, mm")
     axes.set_ylabel(f"{'xyz'[up]}, mm")

@@ -1,4 +1,5 @@
-"""The limits of an arm, from the files by which it is served (docs/adding-an-arm.md)."""
+"""Reads the limits of an arm from the URDF and TOML files with which its server was started
+(docs/adding-an-arm.md)."""
 
 from __future__ import annotations
 
@@ -21,7 +22,7 @@ _EXAMPLE = "docs/adding-an-arm.md shows such a file"
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArmLimits:
     """The limits of an arm in SI units, each with a value for each joint. A member is None if the
-    file does not tell it."""
+    file does not contain it."""
 
     joints: tuple[str, ...]
     lower: Numbers
@@ -33,7 +34,7 @@ class ArmLimits:
 
 
 def read_limits(path: Path) -> ArmLimits:
-    """Reads an ARM.toml with the URDF file that it names, or an ARM.urdf alone, which has no
+    """Reads an ARM.toml and the URDF file that it names, or only an ARM.urdf, which contains no
     accelerations. Raises UsageFailure and OSError."""
     if path.suffix == ".urdf":
         return _of_urdf(path, None, None)
@@ -43,7 +44,8 @@ def read_limits(path: Path) -> ArmLimits:
 
 
 def check_joints(limits: ArmLimits, name: str, joints: int) -> None:
-    """Raises UsageFailure if `limits` are not those of the arm `name`, which has so many joints."""
+    """Raises UsageFailure if `limits` do not belong to the arm `name`, because it has another
+    number of joints."""
     if joints != len(limits.joints):
         raise UsageFailure(
             f"{name} has {joints} joints, but --limits names the file of an arm with "
@@ -127,8 +129,8 @@ def _of_urdf(path: Path, base: str | None, flange: str | None) -> ArmLimits:
 def _chain(
     root: ElementTree.Element, path: Path, base: str | None, flange: str | None
 ) -> list[ElementTree.Element]:
-    """Returns the joints from base to flange in their order. Without a flange, returns those up to
-    the end of the only chain with moving joints."""
+    """Returns the joints from the base to the flange, in order. If no flange is given, returns the
+    joints of the only chain that has moving joints."""
     above = {_link(joint, "child"): joint for joint in root.iter("joint") if _link(joint, "child")}
     ends = [flange] if flange else _ends(above)
     chains = []

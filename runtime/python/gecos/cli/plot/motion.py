@@ -29,10 +29,11 @@ class Course:
 def times(recording: Recording) -> Numbers:
     """Returns the time of each row in s.
 
-    The time is that of the plan: a row is a cycle of the control loop later than the row before.
-    The loop wakes up some 0.1 ms too early or late, so differences over the time stamps would show
-    these errors, magnified, as accelerations. If the arm does not tell its cycle, or does not send
-    a sample in each, the time stamps count."""
+    Consecutive rows are one cycle of the control loop apart. The time stamps are not used for this,
+    because the loop wakes up some 0.1 ms too early or too late, and accelerations computed from the
+    time stamps would magnify this error. If the cycle of the arm is unknown, or the arm does not
+    send a sample in each cycle, returns the time stamps.
+    """
     cycle = recording.cycle
     if cycle is None or len(recording) < 2:
         return recording.stamp
@@ -42,8 +43,8 @@ def times(recording: Recording) -> Numbers:
 
 
 def slope(course: Course, over: float = 0.0) -> Course:
-    """Returns the mean slopes between rows that are `over` seconds apart, or between neighbours,
-    each at the middle of its interval."""
+    """Returns the mean slopes between rows that are `over` seconds apart, or between consecutive
+    rows. Each slope belongs to the middle of its interval."""
     time, value = course.time, course.value
     if len(time) < 2:
         return Course(time[:0], value[:0])
@@ -85,7 +86,7 @@ def of_tool(recording: Recording) -> Motion:
 
 
 def magnitude(course: Course) -> Course:
-    """Returns the length of each row as one column: the speed of a velocity."""
+    """Returns the length of each row as one column. The length of a velocity is the speed."""
     return Course(course.time, np.linalg.norm(course.value, axis=1, keepdims=True))
 
 
@@ -103,8 +104,8 @@ def trimmed(recording: Recording, seconds: float | None = None) -> Recording:
 
 
 def _first_and_last(recording: Recording) -> tuple[int, int] | None:
-    """Returns the first row in which the arm has left its first place, and the last one in which it
-    is not yet at its last place."""
+    """Returns the first row in which the arm has left its initial place, and the last row in which
+    it has not yet reached its final place."""
     values, least = recording.commanded, _COMMANDED
     if values is None:
         values, least = recording.tool, _MOVED

@@ -69,11 +69,12 @@ def record(
     robot: DynamicObject, patience: float, seconds: float | None, tell: Callable[[str], None]
 ) -> tuple[Recording, Exception | None]:
     """Waits for the next motion of an arm, and records it until the arm stands, for `seconds`, or
-    until Ctrl-C. Tells when it waits and when it records. If the server is lost while the arm
-    moves, returns what was recorded and the failure.
+    until Ctrl-C. Prints a line when the waiting begins and when the recording begins. If the server
+    is lost while the arm moves, returns what was recorded and the failure.
 
     Raises UsageFailure if the object is no arm, TimeoutError if it does not move within `patience`,
-    and KeyboardInterrupt for Ctrl-C before the arm moves."""
+    and KeyboardInterrupt for Ctrl-C before the arm moves.
+    """
     name, interface = robot._gecos_session.object_name, robot._gecos_model.interface
     if "robcl::Manipulator" not in robot._gecos_model.interfaces:
         raise UsageFailure(
@@ -160,8 +161,8 @@ def _joined(
     missed_cycles: int,
     samples: dict[str, list[Sample[Any]]],
 ) -> Recording:
-    """Puts the samples of a cycle, which have one stamp, into one row. The rows are those of the
-    commanded joints, or else of the tool."""
+    """Combines the samples of one cycle, which have the same stamp, into one row. There is a row
+    for each sample of the commanded joints, or else of the tool."""
     rows = samples.get("commanded_joints", samples["tool"])
     first = rows[0] if rows else None
     columns = {

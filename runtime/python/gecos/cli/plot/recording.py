@@ -56,7 +56,8 @@ class Recording:
         return 0 if values is None else values.shape[1]
 
     def rows(self, chosen: slice) -> Recording:
-        """Returns some of the rows, counted from the first of them."""
+        """Returns the part of the recording that consists of some rows. Times and numbers count
+        from the first of these rows."""
         number, stamp = self.number[chosen], self.stamp[chosen]
         return Recording(
             name=self.name,
@@ -74,7 +75,7 @@ class Recording:
 
 def write_csv(recording: Recording, path: Path) -> None:
     """Writes a recording as a table. Its first two lines are comments: the version of the format,
-    and what is not in the table, as JSON."""
+    and the data that are not in the table, as JSON."""
     facts = {
         "name": recording.name,
         "interface": recording.interface,
@@ -106,8 +107,8 @@ def _cell(value: float) -> str:
 
 
 def read_csv(path: Path) -> Recording:
-    """Reads what `write_csv` has written. Raises UsageFailure, which names the line, for any other
-    file, and OSError."""
+    """Reads a file that `write_csv` has written. For any other file, raises UsageFailure, which
+    names the wrong line. Raises OSError if the file cannot be read."""
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except UnicodeDecodeError:

@@ -135,7 +135,7 @@ def _record(
     seconds: float | None,
     broker: str | None,
 ) -> tuple[Recording, Exception | None]:
-    """Returns the recording, and why it ended if its server was lost."""
+    """Returns the recording. If the server was lost meanwhile, also returns this failure."""
     import gecos
     from gecos.cli.plot.limits import check_joints
     from gecos.cli.plot.motion import trimmed
@@ -176,7 +176,8 @@ def _check_matplotlib() -> None:
 
 
 def _check_writable(file: Path) -> None:
-    """Says before a recording what would go wrong after it."""
+    """Before a recording begins, reports what would prevent the picture from being written
+    afterwards."""
     target = file if file.exists() else file.absolute().parent
     if not target.exists():
         raise OSError(f"{file} cannot be written: there is no folder {target}; create it")
