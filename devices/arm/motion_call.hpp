@@ -27,7 +27,7 @@ class CallWatcher final : public MotionWatcher {
   std::optional<double> corner_;  // m, distance from the goal to the tool that passes it
 };
 
-/// Returns whether the arm need not stand at the goal.
+/// Returns whether the arm may go over into the next motion and need not stand at the goal.
 inline bool goes_over(const robcl::Trajectory& how) { return how.at_goal == robcl::Blend::NOBREAK; }
 robcl::motion::Pace pace_of(const robcl::Trajectory& how);
 /// Returns the configuration in which the move must end; nullopt: the present one.

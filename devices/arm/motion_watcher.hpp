@@ -16,8 +16,8 @@ class MotionWatcher {
   virtual void progress(double fraction, double remaining) = 0;
   /// The arm has taken the move, and may get the next one.
   virtual void taken() {}
-  /// The arm will not stand at the goal: it goes over into the next move, and passes the goal at
-  /// the distance `distance`, in m.
+  /// Tells that the arm will not stop at the goal, because it goes over into the next move. It
+  /// passes the goal at the distance `distance`, in m.
   virtual void passes_goal(double distance) { static_cast<void>(distance); }
 };
 

@@ -10,24 +10,25 @@
 
 namespace devices {
 
-/// The configurations in which the next joint moves of sessions are to end. Thread-safe.
+/// Keeps, for each session, the configuration in which its next joint move must end. Thread-safe.
 class NextConfiguration {
  public:
-  /// Replaces what the session asked for before.
+  /// Sets the configuration for the next joint move of the session.
   void set(std::uint64_t session, const robcl::arm::Configuration& wanted) {
     const gecos::MutexLock lock(mutex_);
     static_cast<void>(take_held(session));
     if (wanted_.size() == most_sessions) wanted_.pop_front();
     wanted_.emplace_back(session, wanted);
   }
-  /// Returns what the session asked for, and forgets it; nullopt if it asked for nothing.
+  /// Returns the configuration for this joint move of the session, and forgets it; nullopt if the
+  /// session has set none.
   std::optional<robcl::arm::Configuration> take(std::uint64_t session) {
     const gecos::MutexLock lock(mutex_);
     return take_held(session);
   }
 
  private:
-  // Sessions that ask and never move are forgotten in the order in which they asked.
+  // Sessions that set a configuration and never move are forgotten, the oldest first.
   static constexpr std::size_t most_sessions = 64;
 
   std::optional<robcl::arm::Configuration> take_held(std::uint64_t session) GECOS_REQUIRES(mutex_) {

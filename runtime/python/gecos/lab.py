@@ -96,8 +96,8 @@ class Lab:
         return connect(self, name, medium=medium, patience=patience, wait=wait)
 
     def explain(self, interface: type[Object], name: str, *, patience: float = 2.0) -> Explanation:
-        """Tells over which media `create(interface, name)` would reach an object, and what speaks
-        against each of the others. Asks the broker, and opens no session with the object.
+        """Tells over which media `create(interface, name)` would reach an object, and why it would
+        not use each of the other media. Asks the broker, and opens no session with the object.
 
         Raises CreateError as `create` does, if the object is not online or has another interface.
         """

@@ -68,8 +68,8 @@ class Lease:
         return f"<Lease {status} of {self._object_name}: {self._state()}, epoch {self.epoch:#x}>"
 
     def _state(self) -> str:
-        """Returns what this program knows of the status. That another client has stopped the object
-        shows only at the end of a command."""
+        """Returns what this program knows of the status. If another client has stopped the object,
+        this program learns it only when a command ends."""
         if self._released:
             return "released"
         return "lost" if self._core.lost() else "acquired, not released"

@@ -42,9 +42,9 @@ class LineWatch:
         self._changes = line_state(robot).changes
 
     def next(self, timeout: float | None = None) -> LineState:
-        """Returns the state after the next change; after the last of them if several came. Raises
-        TimeoutError after `timeout` seconds without one, and EOFError if the session is lost or
-        closed."""
+        """Waits for the next change and returns the state after it. If several changes came since
+        the last call, returns the state after the last of them. Raises TimeoutError after `timeout`
+        seconds without a change, and EOFError if the session is lost or closed."""
         found = self._session.next_line_change(self._changes, timeout)
         if isinstance(found, tuple):
             state = LineState(*found)

@@ -15,11 +15,11 @@ if TYPE_CHECKING:
 
 
 class ObjectWatch:
-    """Reports each change of the broker's list once, also when the broker is restarted meanwhile:
-    then only what has really changed. Make one with `lab.watch()`.
+    """Reports each change of the broker's list once. After a restart of the broker, reports only
+    real changes. `lab.watch()` makes an ObjectWatch.
 
     Iterating waits for each change, and ends after `close()` or when the Lab is closed. At first it
-    yields each object that is online or silent already. While no broker answers, there are no
+    yields each object that is already online or silent. While no broker answers, there are no
     changes: the objects continue to run. Only one thread reads at a time.
     """
 
@@ -40,8 +40,9 @@ class ObjectWatch:
 
     @property
     def skipped(self) -> int:
-        """The number of changes that this watch read too late to see each of them: the broker keeps
-        the last 1024. Their result was reported."""
+        """The number of changes that this watch read too late: the broker keeps only the last 1024.
+        The watch did not report each of these changes, but it reported the state that they led
+        to."""
         return self._core.skipped()
 
     def close(self) -> None:

@@ -60,8 +60,9 @@ std::string runtime_directory();
 /// functions below.
 std::string host_identity();
 
-/// Returns whether the host identity `identity` is that of a server of this host that this program
-/// can reach over shm although it runs as another user: its runtime directory is open to all users.
+/// Returns whether this program can reach a server with the host identity `identity` over shm
+/// although the server runs as another user. This is so for a server on this host whose runtime
+/// directory is open to all users.
 bool open_to_this_user(std::string_view identity);
 
 /// Returns whether programs with these host identities can reach each other over shm, because they

@@ -134,7 +134,7 @@ class _Process:
 
     def end(self) -> None:
         """Asks the program, and all processes that it has started, to end, and waits for the end.
-        Kills what does not end in time."""
+        Kills the processes that do not end in time."""
         self._signal(signal.SIGTERM)
         if self._over.wait(END_WITHIN):
             # A process that the program has started may still say goodbye.

@@ -26,10 +26,11 @@ class ActiveSessions {
   /// Adds `session` again, because the descriptor of its connection reported a packet. Returns
   /// false when its connection is polled already.
   bool wake(const Session& session);
-  /// Puts connections to sleep that were silent for a while.
+  /// Puts the connections to sleep that have been silent for a while.
   void retire_idle(TimePoint now);
-  /// Puts all connections to sleep, except those on which a packet has arrived or that are lost:
-  /// for the sessions of these it calls `part_if_lost`. Returns true when all connections sleep.
+  /// Puts all connections to sleep, except those on which a packet has arrived and those that are
+  /// lost. Calls `part_if_lost` for the sessions of these connections. Returns true when all
+  /// connections sleep.
   bool put_to_sleep(FunctionRef<void(const Session&)> part_if_lost);
   void clear() { sessions_.clear(); }
 

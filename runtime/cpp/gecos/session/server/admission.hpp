@@ -41,8 +41,8 @@ std::optional<Failure> refusal_to_queue(const CallRequest& call, const Admitting
 struct CallerState {
   bool gone = false;       ///< the connection of the session was lost
   bool withdrawn = false;  ///< the client withdrew all calls that have not started
-  /// No heartbeat of the client arrived since this process was suspended, or the client has been
-  /// silent for too long.
+  /// True if no heartbeat of the client has arrived since this process was suspended, or if the
+  /// client has been silent for too long.
   bool unheard = false;
 };
 

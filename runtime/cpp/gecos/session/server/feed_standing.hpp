@@ -10,13 +10,14 @@
 
 namespace gecos::session {
 
-/// Under which epoch a session may feed inward streams now, and whether its samples must wait. The
-/// object writes it with its mutex held, whenever a status begins or ends, the session ends, or a
-/// heartbeat is awaited; the ports of inward streams read it for each sample without that mutex.
+/// The right of one session to feed inward streams: the present epoch, and whether the samples of
+/// the session must wait. The object writes these values with its mutex held, whenever a status
+/// begins or ends, the session ends, or a heartbeat is awaited. The ports of inward streams read
+/// them for each sample, without that mutex.
 class FeedStanding {
  public:
-  /// The epoch under which samples of a stream that needs `needed` are admitted; nullopt when none
-  /// are.
+  /// Returns the epoch under which samples of a stream that needs the status `needed` are admitted;
+  /// nullopt when none are admitted.
   std::optional<Epoch> epoch(access::Status needed) const {
     const std::uint64_t epoch = epochs_[index(needed)].load(std::memory_order_acquire);
     if (epoch == 0) return std::nullopt;
@@ -29,7 +30,7 @@ class FeedStanding {
   void clear() {
     for (auto& epoch : epochs_) epoch.store(0, std::memory_order_release);
   }
-  /// True while samples of the session must wait, as its calls do, for a heartbeat of the client.
+  /// True while the samples and calls of the session must wait for a heartbeat of the client.
   bool unheard() const { return unheard_.load(std::memory_order_acquire); }
   void set_unheard(bool unheard) { unheard_.store(unheard, std::memory_order_release); }
 
@@ -37,7 +38,8 @@ class FeedStanding {
   static constexpr std::size_t index(access::Status status) {
     return static_cast<std::size_t>(status);
   }
-  // 0: no samples are admitted. No epoch is 0. Each publishes only itself.
+  // The value 0 means that no samples are admitted; it is never an epoch. Each atomic publishes
+  // only itself.
   std::array<std::atomic<std::uint64_t>, 3> epochs_{};
   std::atomic<bool> unheard_{false};
 };

@@ -35,7 +35,7 @@ Calls awaited_by(ServerCall& call) {
 }
 
 /// Returns whether the last call of `way` waits, directly or through other calls, for the first
-/// call of `way`. If so, extends `way` to the whole cycle.
+/// call of `way`. If it does, extends `way` to the whole cycle.
 bool leads_back(Calls& way) {
   for (auto& next : awaited_by(*way.back())) {
     if (next == way.front()) return true;

@@ -9,7 +9,7 @@
 
 namespace gecos::session {
 
-/// What a server decides about a sample of an inward stream.
+/// The verdict of a server about one sample of an inward stream.
 enum class InwardVerdict {
   Admitted,
   OtherSession,       ///< the header names another session than that of the connection
@@ -21,10 +21,10 @@ enum class InwardVerdict {
   NotNewer,           ///< an admitted sample of this stream is as new, or newer
 };
 
-/// The reason in words: "its command does not run".
+/// Returns the reason in words, for example "its command does not run".
 std::string_view describe(InwardVerdict verdict);
 
-/// What is true of the sender at the moment at which a sample is judged.
+/// The state of the sender at the moment at which a sample is judged.
 struct InwardSender {
   SessionId session{};
   bool alive = false;  ///< the session is open
@@ -37,15 +37,15 @@ struct InwardSender {
   bool name_unconfirmed = false;
 };
 
-/// How old a sample is, and the age from which on samples have no effect.
+/// The age of a sample, and the limit above which samples have no effect.
 struct InwardAge {
   Duration age{};
   Duration limit = Duration::max();
 };
 
 /// Judges the samples of one inward stream of one session. Only an admitted sample may have an
-/// effect. Pure: no clock, no input or output; does not allocate or lock. Give each stream that a
-/// session opens an instance of its own.
+/// effect. Pure: reads no clock, does no input or output, and does not allocate or lock. Each
+/// stream that a session opens needs its own instance.
 class InwardAdmission {
  public:
   /// `sequence`: number of the sample in its stream, from 1, as the medium gives it.

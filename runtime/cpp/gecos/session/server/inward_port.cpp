@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::size_t usual_depth = 16;
 
-/// A hostile client may write samples faster than they are refused, so one look reads at most so
-/// many.
+/// The most samples that one look reads. A hostile client may write samples faster than this server
+/// refuses them.
 std::size_t most_refused_at_once(const InwardDescription& stream) {
   return 2 * (stream.quality.depth != 0 ? stream.quality.depth : usual_depth);
 }
@@ -67,7 +67,7 @@ void InwardPort::add(Counts& to, const Counts& more) {
   to.unreadable = more.unreadable;
 }
 
-/// Makes the text. Must be called without the mutex, for which the reader would wait.
+/// Makes the text. The caller must not hold the mutex, because the reader would wait for it.
 FeedReport InwardPort::in_words(const Counts& counts) {
   FeedReport report = counts.numbers;
   if (counts.unreadable) {
@@ -181,15 +181,15 @@ InwardSender InwardPort::sender_of(const Source& source, const InwardHeader& hea
   sender.session = source.feeder.session;
   sender.alive = source.feeder.standing != nullptr;
   if (sender.alive) sender.epoch = source.feeder.standing->epoch(stream_.status);
-  // A stream that needs no status is not fenced by an epoch.
+  // A stream that needs no status has no epoch, so the epoch is not checked.
   if (sender.epoch && !moves_the_object()) sender.epoch = header.epoch;
   sender.name_unconfirmed = moves_the_object() && claim_.refuses();
   sender.feeding = fed_by(sender.session, unfed);
   return sender;
 }
 
-/// Returns the counter of the command that takes samples of `session`, 0 for samples without a
-/// command, and nullopt when none are taken.
+/// Returns the counter of the command that takes samples of `session`. Returns 0 if samples without
+/// a command are admitted, and nullopt if no samples are admitted.
 std::optional<std::uint64_t> InwardPort::fed_by(SessionId session, Unfed unfed) const {
   if (fed_.empty()) return unfed == Unfed::Taken ? std::optional(std::uint64_t{0}) : std::nullopt;
   const CallCore& call = *fed_.back().call;

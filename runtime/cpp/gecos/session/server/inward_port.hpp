@@ -29,9 +29,10 @@ struct Feeder {
 };
 
 /// Reads the samples of one inward stream of an object from all sessions that feed it, and judges
-/// each sample when the servant reads it. Samples wait when commands would: while a pause of this
-/// process is not judged, while a heartbeat of the client is awaited and, if the stream moves the
-/// object, while the broker has not confirmed its name. Uses no mutex of the object. Thread-safe.
+/// each sample when the servant reads it. Samples wait whenever commands would wait: while a pause
+/// of this process is not judged, and while a heartbeat of the client is awaited. If the stream
+/// moves the object, its samples also wait until the broker has confirmed the name of the object.
+/// Uses no mutex of the object. Thread-safe.
 class InwardPort final : public InwardCore {
  public:
   /// All arguments must outlive the port.
@@ -40,15 +41,16 @@ class InwardPort final : public InwardCore {
       : stream_(stream), clock_(clock), pauses_(pauses), claim_(claim) {}
 
   const InwardDescription& stream() const { return stream_; }
-  /// Takes the place of an earlier stream of the same session, whose unread samples are lost.
+  /// Adds the stream of a session. It replaces an earlier stream of the same session, whose unread
+  /// samples are lost.
   void add(Feeder feeder);
   bool has(SessionId session, std::uint32_t stream);
-  /// Must be called when the session sends no more samples on `stream`. Those that it has sent can
-  /// still be read.
+  /// Must be called when the session sends no more samples on `stream`. The samples that the
+  /// session has already sent can still be read.
   void end(SessionId session, std::uint32_t stream);
   /// Must be called when the session has ended. Its unread samples are refused and counted.
   void depart(SessionId session);
-  /// What became of the samples of `session`, which feeds this stream.
+  /// Returns the counts of the samples of `session`, which feeds this stream.
   FeedReport report_of(SessionId session);
 
   bool next(RawInward& into, Unfed unfed) override;
@@ -64,7 +66,7 @@ class InwardPort final : public InwardCore {
     std::uint64_t number = 0;
     std::shared_ptr<const CallCore> call;
   };
-  /// What became of samples. Copying it allocates nothing.
+  /// Counts of samples, by verdict. A copy allocates no memory.
   struct Counts {
     FeedReport numbers;  ///< without the text
     InwardVerdict last_refusal = InwardVerdict::Admitted;
@@ -106,8 +108,8 @@ class InwardPort final : public InwardCore {
   Counts gone_ GECOS_GUARDED_BY(mutex_);               ///< counts of sources that are gone
   std::vector<Feeding> fed_ GECOS_GUARDED_BY(mutex_);  ///< the last one takes the samples
   std::uint64_t feedings_ GECOS_GUARDED_BY(mutex_) = 0;
-  /// When the newest sample was measured that the servant took, or when a command began to take
-  /// samples.
+  /// The time at which the newest sample that the servant took was measured, or at which a command
+  /// began to take samples.
   std::optional<TimePoint> fresh_at_ GECOS_GUARDED_BY(mutex_);
   std::optional<TimePoint> fresh_before_ GECOS_GUARDED_BY(mutex_);  ///< without the last sample
 };

@@ -21,8 +21,9 @@ namespace gecos::session {
 /// thread-safe: the object's mutex guards it.
 class ObjectCalls {
  public:
-  /// Is notified when calls end. The object's mutex is then held. A notification may come while the
-  /// observer itself is calling a function of this class, for example end_commands().
+  /// The interface of an observer that is notified when calls end. The object's mutex is held
+  /// during a notification. A notification may come while the observer itself is calling a function
+  /// of this class, for example end_commands().
   class Observer {
    public:
     virtual ~Observer() = default;

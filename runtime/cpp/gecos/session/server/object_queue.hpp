@@ -38,7 +38,8 @@ enum class LaneThreads : std::uint8_t {
 /// Decides in which order the calls of one object start. The queue has three lanes: safety
 /// operations start first, then sensor operations, then actor commands. The lane of the actor
 /// commands is bounded and first in, first out. Actor commands run one at a time, unless the
-/// interface says otherwise; a @parallel one does not wait for those before it. Not thread-safe.
+/// interface says otherwise. A @parallel command does not wait for the commands before it. Not
+/// thread-safe.
 class ObjectQueue {
  public:
   static constexpr std::size_t most_of_object = 256;

@@ -20,8 +20,8 @@ namespace gecos::session {
 namespace {
 
 constexpr Duration patience = std::chrono::seconds(2);
-/// How long the registrar's thread waits for a broker. Actor commands wait for the same time; after
-/// that they are refused because no broker answers.
+/// The time for which the registrar's thread waits for a broker. Actor commands wait for the same
+/// time, and are then refused because no broker answers.
 constexpr Duration answer_patience = std::chrono::seconds(1);
 constexpr Duration between_tries = std::chrono::milliseconds(200);
 constexpr Duration look_again_after = std::chrono::milliseconds(20);
