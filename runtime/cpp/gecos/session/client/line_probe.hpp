@@ -26,8 +26,8 @@ class LineProbe {
   LineProbe& operator=(const LineProbe&) = delete;
 
   /// Takes the bound of `wanted`: the smallest latency that the interface or a member demands in
-  /// real time. `simulated`: whether the object is a simulated device, whose delays move nothing:
-  /// they are no warnings in the log. Must be called before other threads know the session.
+  /// real time. `simulated`: whether the object is a simulated device. Its delays do no harm and
+  /// cause no warnings in the log. Must be called before other threads know the session.
   void bound_by(const InterfaceDescription& wanted, bool simulated);
   /// Called by the maintenance thread.
   void on_tick(TimePoint now);
@@ -35,7 +35,7 @@ class LineProbe {
   /// Waits until the state has changed more than `changes` times, the session is lost or closed, or
   /// `deadline` has passed.
   LineState await_change(std::uint64_t changes, TimePoint deadline) const;
-  /// Returns the number of pings, which are no calls of the program.
+  /// Returns the number of pings. The program has not issued these calls itself.
   std::uint64_t pings() const { return pings_.load(std::memory_order_relaxed); }
 
  private:

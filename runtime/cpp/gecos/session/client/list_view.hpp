@@ -10,30 +10,32 @@
 
 namespace gecos::session {
 
-/// A watcher's copy of the broker's list. Turns the answers of the broker into changes, each of
-/// which it returns once, also when a broker was restarted and its servers register again. Does no
-/// I/O and reads no clock.
+/// A watcher's copy of the broker's list. Turns the answers of the broker into changes. Returns
+/// each change once, even if the broker was restarted and its servers register again. Does no I/O
+/// and reads no clock.
 class ListView {
  public:
   /// A live server registers with a new broker within this time after the broker's start: it learns
   /// within 1.3 s that its broker is gone, and then searches every 200 ms.
   static constexpr Duration servers_return_within = std::chrono::milliseconds(2500);
 
-  /// `interface_name`: only objects that have this interface or a derived one; empty: all.
+  /// The view contains only the objects that have the interface `interface_name`, or an interface
+  /// derived from it; all objects if it is empty.
   explicit ListView(std::string interface_name = {}) : interface_name_(std::move(interface_name)) {}
 
   /// The revision up to which this view is complete.
   const ListRevision& revision() const { return revision_; }
-  /// Takes over an answer to a question for the changes since `revision()`. Returns what is new. An
-  /// object that the whole list of another broker lacks is reported as gone only when its server
-  /// has had the time to return.
+  /// Takes over an answer to a question for the changes since `revision()`. Returns what is new. If
+  /// the whole list of another broker does not contain an object, the object is reported as gone
+  /// only after its server has had enough time to register again.
   std::vector<Registration> take(const ListChanges& answer, TimePoint now);
-  /// Returns the objects whose servers have not returned in time, as gone.
+  /// Reports the objects whose servers have not returned in time as gone, and returns these
+  /// changes.
   std::vector<Registration> missing(TimePoint now);
   /// The time at which `missing` must be called next; nullopt if no server is expected to return.
   std::optional<TimePoint> next_check() const;
-  /// Number of changes that the broker no longer kept when this view asked for them. The view has
-  /// their result, not each of them.
+  /// Number of changes that the broker no longer kept when this view asked for them. The view
+  /// contains the result of these changes, but has not reported each of them.
   std::uint64_t skipped() const { return skipped_; }
 
  private:

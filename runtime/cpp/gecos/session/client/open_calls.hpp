@@ -40,7 +40,7 @@ class OpenCalls {
   /// Removes and returns the call; null when no open call has this counter.
   std::shared_ptr<PendingCommand> take(std::uint64_t counter) { return table_.take(counter); }
 
-  // These functions return the calls in the order of their counters.
+  // The following functions return the calls in the order of their counters.
   List all() const { return table_.all(); }
   List take_all() { return table_.take_all(); }
   /// Removes and returns the calls that may be sent again in another session, except canceled ones.

@@ -20,7 +20,7 @@ class ServerWatch {
 
   /// Returns true while the server has been silent for so long that it may be dead.
   bool unreachable() const { return unreachable_.load(std::memory_order_relaxed); }
-  /// Returns when the server was found unreachable, by the clock of the runtime. @pre
+  /// Returns the time at which the server became unreachable, by the clock of the runtime. @pre
   /// `unreachable()`
   TimePoint silent_since() const { return silent_since_.load(std::memory_order_relaxed); }
 
