@@ -1,8 +1,8 @@
 """Scopes: where names are declared, and how the declaration of a name is found.
 
 Identifiers in one scope must not differ only in case. They must not have the name of a type that is
-used in the scope, as in `attribute Frame frame`. The IDL standard says so, and every CORBA compiler
-enforces it.
+used in the scope, as in `attribute Frame frame`. The IDL standard has these rules, and every CORBA
+compiler enforces them.
 """
 
 from __future__ import annotations

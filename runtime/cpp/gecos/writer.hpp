@@ -28,8 +28,8 @@ namespace session {
 class WriterCore {
  public:
   virtual ~WriterCore() = default;  ///< ends the stream
-  /// Sends a sample of `size` bytes that `encode` writes. Never waits. `stamp_ns`: when it was
-  /// measured, Unix time in ns, or `measured_now`.
+  /// Sends a sample of `size` bytes that `encode` writes. Never waits. `stamp_ns`: the Unix time in
+  /// ns at which the sample was measured, or `measured_now`.
   virtual tl::expected<void, Failure> send(std::size_t size,
                                            FunctionRef<void(wire::Encoder&)> encode,
                                            std::int64_t stamp_ns) = 0;

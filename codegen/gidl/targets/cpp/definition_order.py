@@ -39,8 +39,8 @@ def in_order(model: Model, declarations: list[AnyDeclaration]) -> list[Placed]:
 
 
 def held(model: Model, used: Type, sequences: bool = True) -> set[str]:
-    """Names of the declarations that a type contains, also through typedefs. Without `sequences`,
-    the elements of sequences are left out: their C++ types may be incomplete."""
+    """Names of the declarations that a type contains, directly or through typedefs. If `sequences`
+    is False, leaves out the elements of sequences, because their C++ types may be incomplete."""
     match used:
         case SequenceType() if not sequences:
             return set()

@@ -24,8 +24,9 @@ KeptList read(const std::string& path) {
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   auto list = wire::from_bytes<KeptList>(std::as_bytes(std::span(text)));
   if (list) return *std::move(list);
-  log_warning("broker", path + " is not readable (" + list.error().message() +
-                            "): this broker does not know which servers of this host stand still");
+  log_warning("broker",
+              path + " is not readable (" + list.error().message() +
+                  "): this broker does not know which suspended servers of this host have names");
   return {};
 }
 
@@ -68,8 +69,8 @@ void KeptNames::keep(const std::vector<Entry>& entries, const Processes& process
   std::string why = failed == 0 ? std::string() : system_text(failed);
   if (!why.empty() && why != reported_) {
     log_warning("broker", "cannot write " + path_ + ": " + why +
-                              "; a broker that is started later gives the names of servers away "
-                              "that stand still then");
+                              "; a later broker gives the name of a server away if the server is "
+                              "suspended when that broker starts");
   }
   reported_ = std::move(why);
 }

@@ -9,8 +9,8 @@ namespace robcl::arm {
 /// The largest number of joints of an arm. Loading the model of an arm with more joints fails.
 inline constexpr int max_axes = 8;
 
-/// One value for each joint, in rad, rad/s or rad/s². The values are stored inside the object, so
-/// that it never allocates memory.
+/// One value for each joint, in rad, rad/s or rad/s². The values are stored inside the object. No
+/// function allocates memory.
 using JointValues = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, max_axes, 1>;
 
 /// A Jacobian matrix. Column i is the twist of the flange, seen from the base, for a speed of 1

@@ -37,7 +37,7 @@ class Maintenance {
   static constexpr Duration calm_tick = std::chrono::milliseconds(25);
 
   explicit Maintenance(const Clock& clock);
-  /// Ends the thread and waits for it, unless called on that thread.
+  /// Ends the thread. Waits until the thread has ended, unless the caller is that thread.
   ~Maintenance();
   Maintenance(const Maintenance&) = delete;
   Maintenance& operator=(const Maintenance&) = delete;
