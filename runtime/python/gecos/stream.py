@@ -192,7 +192,8 @@ class Stream(Generic[T]):
                     raise self._lost()
                 if raw == "late":
                     raise DeadlineMissed(
-                        f"stream {self._name}: no sample came within the deadline; the stream continues"
+                        f"stream {self._name}: no sample came within its deadline; "
+                        "the stream continues"
                     )
                 if raw == "nothing":
                     break
