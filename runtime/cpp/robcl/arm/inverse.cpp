@@ -14,7 +14,7 @@ namespace {
 constexpr double whole_turn = 2 * std::numbers::pi;
 constexpr double rounding = 1e-9;  // rad by which rounding may put an angle outside a limit
 
-/// Returns by how much `angle` is outside `limits`; infinity for NaN.
+/// Returns the angle by which `angle` is outside `limits`; infinity for NaN.
 double outside(double angle, const JointLimits& limits) {
   if (std::isnan(angle)) return std::numeric_limits<double>::infinity();
   return std::max({0.0, limits.lower - angle - rounding, angle - limits.upper - rounding});

@@ -11,8 +11,8 @@
 
 namespace robcl::arm {
 
-/// Computes forward kinematics without allocating memory. The constructor multiplies the
-/// constant transforms between two joints of the KDL chain, and turns each joint's axis to z: a
+/// Computes forward kinematics without allocating memory. The constructor multiplies the constant
+/// transforms between two joints of the KDL chain, and turns each joint's axis to z. Therefore a
 /// control cycle has time for several poses with their Jacobian matrices.
 class Kinematics {
  public:

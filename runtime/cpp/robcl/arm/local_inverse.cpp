@@ -6,8 +6,8 @@
 namespace robcl::arm {
 namespace {
 
-// The square of the damping factor. It is small, because it slows the convergence; beside a
-// singularity the search then leaves `furthest`.
+// The square of the damping factor. It is small, because damping slows the convergence. Near a
+// singularity the search then leaves the range `furthest`.
 constexpr double damping = 1e-10;
 
 }  // namespace

@@ -24,8 +24,8 @@ class DampedInverse {
   explicit DampedInverse(const Jacobian& jacobian);
 
   /// Returns the joint speeds with which the point of the Jacobian matrix moves by the twist
-  /// `twist`, in m/s and rad/s; of an arm with more than six joints, the least ones. At a
-  /// singularity they are finite, and large.
+  /// `twist`, in m/s and rad/s. For an arm with more than six joints, these are the least such
+  /// speeds. At a singularity the speeds are large but finite.
   JointValues joint_speeds(const PoseStep& twist) const {
     return jacobian_.transpose() * PoseStep(root_.solve(twist));
   }
@@ -50,9 +50,9 @@ class DampedInverse {
 /// Control", 1986). Never allocates memory.
 class LocalInverse {
  public:
-  /// A solution is this accurate, in m and rad, unless the caller is content with less.
+  /// The accuracy of a solution, in m and rad, unless the caller accepts a lower one.
   static constexpr double accuracy = 1e-10;
-  /// No joint of a solution is further than this, in rad, from the known position.
+  /// The greatest distance, in rad, of a joint of a solution from its known position.
   static constexpr double furthest = 0.5;
 
   explicit LocalInverse(const ArmModel& model, const Frame& flange_from_tool = {})
@@ -65,9 +65,9 @@ class LocalInverse {
   };
   /// Returns the solution whose joint positions are `joints`.
   Solution at(const JointValues& joints) const;
-  /// Returns joint positions that put the tool at `base_from_tool`; nullopt if there are none
-  /// within `furthest` of those of `known`, as beyond the reach of the arm and beside a
-  /// singularity. Does not check the limits of the joints.
+  /// Returns joint positions that put the tool at `base_from_tool`. Returns nullopt if there are
+  /// none within `furthest` of the joint positions of `known`, for example beyond the reach of the
+  /// arm or near a singularity. Does not check the limits of the joints.
   std::optional<Solution> solve(const Frame& base_from_tool, const Solution& known,
                                 double tolerance = accuracy) const;
 

@@ -26,8 +26,8 @@ constexpr double stretched = 1e-9;
 constexpr double singular = 1e-9;
 // An arm that is closer than this angle, in rad, to a singularity has no configuration. The limit
 // is not smaller, because a rounding error of 1e-16 changes the angles of a stretched arm by 1e-8.
-// An elbow that is closer than this angle to stretched is taken as stretched: that moves the wrist
-// centre by 1e-15 m.
+// If the elbow is closer than this angle to the stretched position, it counts as stretched, which
+// moves the wrist centre by 1e-15 m.
 constexpr double aligned = 1e-7;
 // If joint 5 is closer than this angle, in rad, to the position where axes 4 and 6 are in one line,
 // joint 4 keeps the position of the reference.

@@ -43,8 +43,9 @@ class InvalidFrame : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// The velocity of a rigid body: of the point of it that is at the origin, in m/s, and of its
-/// rotation, in rad/s. Both vectors are along the axes of one coordinate system.
+/// The velocity of a rigid body: the velocity of the point of the body that is at the origin, in
+/// m/s, and the velocity of its rotation, in rad/s. Both vectors are along the axes of one
+/// coordinate system.
 struct Twist {
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();
