@@ -55,6 +55,10 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
     python = sys.executable
     compiling = ("tests/gidl", "tests/generated", "tests/fuzz", "tests/docs", "tests/tools")
     sdk, peers = "tests/system/test_sdk.py", "tests/system/test_bench_peers.py"
+    robots = tuple(
+        f"tests/system/test_{name}.py"
+        for name in ("arm_file", "demo", "examples", "follow", "hand_over", "plot")
+    )
     of_compiler = (*compiling, sdk)
     of_python = (*compiling, "tests/system", "tests/stress")
     pytest_sum = r"^=+ .*(passed|failed|error|no tests).* =+$"
@@ -96,10 +100,14 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
         ),
         Lane(
             "systems",
-            (python, "-m", "pytest", "tests/system", *(f"--ignore={f}" for f in (sdk, peers))),
+            (
+                *(python, "-m", "pytest", "tests/system"),
+                *(f"--ignore={file}" for file in (sdk, peers, *robots)),
+            ),
             pytest_sum,
             shares_network=True,
         ),
+        Lane("robots", (python, "-m", "pytest", *robots), pytest_sum, shares_network=True),
         Lane(
             "pytest",
             (python, "-m", "pytest", *(f"--ignore={f}" for f in of_python)),
@@ -161,17 +169,17 @@ def run(lane: Lane, limit: float = LONGEST_LANE, show: Callable[[str], object] =
 
 
 def run_together(lanes: Sequence[Lane]) -> list[Verdict]:
-    """Runs the first lane in parallel with the others, which run in turn. Its output is shown as it
-    comes, that of the others after its end."""
-    held: list[list[str]] = [[] for _ in lanes[1:]]
-    with ThreadPoolExecutor(1) as beside:
-        others = [
-            beside.submit(run, lane, show=lines.append)
-            for lane, lines in zip(lanes[1:], held, strict=True)
+    """Runs the lanes, two at a time. The output of the first one is shown as it comes, that of each
+    other one when it and all before it have ended."""
+    held: list[list[str]] = [[] for _ in lanes]
+    with ThreadPoolExecutor(2) as pool:
+        running = [
+            pool.submit(run, lane, show=lines.append if number else shown)
+            for number, (lane, lines) in enumerate(zip(lanes, held, strict=True))
         ]
-        verdicts = [run(lanes[0])]
-        for other, lines in zip(others, held, strict=True):
-            verdicts.append(other.result())
+        verdicts = []
+        for lane, lines in zip(running, held, strict=True):
+            verdicts.append(lane.result())
             shown("".join(lines))
     return verdicts
 

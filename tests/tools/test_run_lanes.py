@@ -63,15 +63,17 @@ def test_the_summary_names_what_failed() -> None:
     assert summary([good]).endswith("all 1 lanes passed")
 
 
-def test_the_first_lane_of_a_step_runs_beside_the_others_and_all_are_shown_in_turn(
+def test_two_lanes_of_a_step_run_at_a_time_and_all_are_shown_in_turn(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     os.mkfifo(tmp_path / "pipe")  # opens for neither of them until both are there
     first = lane(f"print('A'); open({str(tmp_path / 'pipe')!r}).read(); print('1 passed')")
     second = lane(f"print('B'); open({str(tmp_path / 'pipe')!r}, 'w').close(); print('2 passed')")
-    assert [v.closing_line for v in run_together([first, second])] == ["1 passed", "2 passed"]
+    third = lane("print('C'); print('3 passed')")
+    verdicts = run_together([first, second, third])
+    assert [v.closing_line for v in verdicts] == ["1 passed", "2 passed", "3 passed"]
     said = [line for line in capfd.readouterr().out.splitlines() if len(line) == 1]
-    assert said == ["A", "B"]
+    assert said == ["A", "B", "C"]
 
 
 @pytest.mark.parametrize("may", [True, False])
@@ -81,22 +83,22 @@ def test_lanes_that_share_the_network_run_together_where_each_may_have_its_own(
     monkeypatch.setattr("run_lanes.has_own_networks", lambda: may)
     steps = in_steps(all_lanes("build", 2))
     together = [lane.name for step in steps if len(step) > 1 for lane in step]
-    assert together == (["systems", "pytest", "stress"] if may else [])
+    assert together == (["systems", "robots", "pytest", "stress"] if may else [])
     assert all(one.command[: len(OWN_NETWORK)] == OWN_NETWORK for one in steps[-1]) == may
     assert len([lane for step in steps for lane in step]) == len(all_lanes("build", 2))
 
 
 def test_every_test_of_python_belongs_to_one_lane() -> None:
     commands = [lane.command for lane in all_lanes("build", 2) if "pytest" in lane.command]
-    folders = {path.parent for path in TESTS.rglob("test_*.py")}
-    for folder in folders:
-        name = folder.relative_to(TESTS.parent).as_posix()
-        taken = [c for c in commands if takes(c, name)]
-        assert len(taken) == 1, (name, taken)
+    for file in TESTS.rglob("test_*.py"):
+        taken = [c for c in commands if takes(c, file.relative_to(TESTS.parent))]
+        assert len(taken) == 1, (file, taken)
 
 
-def takes(command: Sequence[str], folder: str) -> bool:
+def takes(command: Sequence[str], file: Path) -> bool:
     words = command[command.index("pytest") + 1 :]
-    left_out = {word.removeprefix("--ignore=") for word in words if word.startswith("--ignore=")}
-    named = [word for word in words if not word.startswith("-")]
-    return folder in named or (not named and folder not in left_out)
+    left_out = [word.removeprefix("--ignore=") for word in words if word.startswith("--ignore=")]
+    named = [word for word in words if not word.startswith("-")] or ["."]
+    return any(file.is_relative_to(n) for n in named) and not any(
+        file.is_relative_to(name) for name in left_out
+    )
