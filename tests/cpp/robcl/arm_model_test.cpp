@@ -164,5 +164,26 @@ TEST(ArmModel, RefusesWhatIsNoArmAndSaysWhy) {
   EXPECT_EQ(missing.error().text, "/nowhere/x.urdf: cannot be read");
 }
 
+TEST(ArmModel, DoesNotDependOnShapesAndMassesNorOnMalformedOnes) {
+  const auto with = [](const std::string& element) {
+    return refusal("<robot name='r'><link name='a'/><link name='b'>" + element +
+                       "</link><joint name='j' type='revolute'><parent link='a'/><child link='b'/>"
+                       "<limit lower='0' upper='1' velocity='1' effort='1'/></joint></robot>",
+                   "a", "b");
+  };
+  const std::string inertia =
+      "<inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>";
+  EXPECT_EQ(with("<inertial><mass value='3'/>" + inertia), "accepted");
+  EXPECT_EQ(with("<inertial><mass value='-3'/>" + inertia), "accepted");
+  EXPECT_EQ(with("<inertial><mass/>" + inertia), "accepted");
+  for (const std::string kind : {"visual", "collision"}) {
+    for (const std::string solid :
+         {"<box size='1 2 3'/>", "<mesh filename='/nowhere/arm.stl'/>", "<box/>"}) {
+      EXPECT_EQ(with("<" + kind + "><geometry>" + solid + "</geometry></" + kind + ">"),
+                "accepted");
+    }
+  }
+}
+
 }  // namespace
 }  // namespace robcl::arm
