@@ -136,10 +136,8 @@ int serve_arm(const ArmProgram& program, const MakeServant& make_servant, int co
 int serve_arm(const ArmProgram& program, int count, char** words) {
   const MakeServant make = [](ArmDevice& arm,
                               std::string place) -> std::unique_ptr<ManipulatorServant> {
-    if (arm.model().axes() != 6) {
-      return std::make_unique<ManipulatorServant>(arm, std::move(place));
-    }
-    return std::make_unique<SixAxisServant>(arm, std::move(place));
+    if (arm.model().axes() == 6) return std::make_unique<SixAxisServant>(arm, std::move(place));
+    return std::make_unique<ArticulatedArmServant>(arm, std::move(place));
   };
   return serve_arm(program, make, count, words);
 }

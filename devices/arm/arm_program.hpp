@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "devices/arm/arm_file.hpp"
-#include "devices/arm/six_axis_servant.hpp"
+#include "devices/arm/joints_servant.hpp"
 
 namespace devices {
 
@@ -32,7 +32,7 @@ using MakeServant =
 int serve_arm(const ArmProgram& program, const MakeServant& make_servant, int count, char** words);
 
 /// Serves an arm without an interface of its own: as SixAxis if it has six joints, otherwise as
-/// Manipulator.
+/// ArticulatedArm.
 int serve_arm(const ArmProgram& program, int count, char** words);
 
 /// Serves an arm with an interface of its own, which `Servant` implements.

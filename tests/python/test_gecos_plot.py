@@ -374,12 +374,13 @@ def test_samples_of_one_cycle_stand_in_one_row() -> None:
     joints = [sample({"position": [number] * 6}, number) for number in range(3)]
     tool = [sample(at, 0), sample(at, 2, lost=1)]
     streams = {"tool": tool, "joints": joints, "commanded_joints": joints[:1] + joints[2:]}
-    joined = _joined("ARM", "robcl::SixAxis", CYCLE, 0, streams)
+    joined = _joined("ARM", "robcl::SixAxis", CYCLE, 0, streams, 6)
     assert joined.number.tolist() == [0, 2]
     assert joined.tool.tolist() == [[0.1, 0.2, 0.3]] * 2
     assert joined.joints is not None and joined.joints[:, 0].tolist() == [0, 2]
     assert joined.lost == {"tool": 1, "joints": 0, "commanded_joints": 0}
-    without = _joined("ARM", "robcl::SixAxis", CYCLE, 0, streams | {"commanded_joints": joints})
+    streams |= {"commanded_joints": joints}
+    without = _joined("ARM", "robcl::SixAxis", CYCLE, 0, streams, 6)
     assert np.isnan(without.tool[1]).all(), "its sample was lost"
-    nothing = _joined("ARM", "robcl::Manipulator", CYCLE, 0, {"tool": []})
+    nothing = _joined("ARM", "robcl::Manipulator", CYCLE, 0, {"tool": []}, 0)
     assert len(nothing) == 0

@@ -10,9 +10,10 @@ from pathlib import Path
 
 import gecos
 import pytest
-from processes import Laboratory
+from processes import Laboratory, until
+from robcl.articulated_arm import ArticulatedArm, JointPositions
 from robcl.frames import Frame, distance
-from robcl.manipulator import Manipulator
+from robcl.manipulator import JointLimit, Manipulator, Trajectory
 
 TREE = Path(__file__).resolve().parents[2]
 ARMS = TREE / "devices" / "arms"
@@ -84,7 +85,7 @@ def test_one_program_moves_arms_of_six_and_of_seven_joints(lab_with_broker: Labo
     lab.start(lab.build / "devices/puma560/robcl-puma560", ready="PUMA is ready")
     found = gecos.Lab().objects(Manipulator)
     assert {entry.name: entry.interface_name for entry in found} == {
-        "IIWA14": "robcl::Manipulator",
+        "IIWA14": "robcl::ArticulatedArm",
         "PUMA": "robcl::Puma560",
         "RX90": "robcl::Rx90",
         "RX90L": "robcl::SixAxis",
@@ -106,6 +107,39 @@ def test_two_files_outside_the_tree_are_an_arm(lab_with_broker: Laboratory, own_
         assert distance(robot.tool().result(), goal) < 1e-3
         with pytest.raises(gecos.CommandFailed, match="the arm of five joints stands in a test"):
             robot.mount("RX90", Frame()).result()
+
+
+@pytest.mark.usefixtures("here")
+def test_the_joints_of_an_arm_of_five_and_of_seven_are_moved_and_read(
+    lab_with_broker: Laboratory, own_arm: Path
+) -> None:
+    lab = lab_with_broker
+    lab.start(robcl_arm(lab), own_arm, ready="FIVE is ready")
+    joints_move("FIVE", [0, 20, 60, 60, 0])
+    lab.start(robcl_arm(lab), ARMS / "iiwa14.toml", ready="IIWA14 is ready")
+    joints_move("IIWA14", [0, 20, 0, -90, 0, 70, 0])
+
+
+def joints_move(name: str, start_deg: list[float]) -> None:
+    robot = gecos.Lab().create(ArticulatedArm, name)
+    start = [radians(angle) for angle in start_deg]
+    assert list(robot.joints().result().position) == pytest.approx(start, abs=1e-3)
+    target = [position - 0.1 for position in start]
+    with gecos.actor(robot), robot.commanded_joints.stream() as commanded:
+        robot.move_joints(JointPositions(target), Trajectory(speed=0.5)).result()
+        assert list(robot.joints().result().position) == pytest.approx(target, abs=1e-3)
+        last = pytest.approx(target, abs=1e-9)
+        until(lambda: list(commanded.next(1).value.position) == last, "the last set point comes")
+        with pytest.raises(gecos.CommandFailed) as refused:
+            robot.move_joints(JointPositions([*target, 0.0])).result()
+        assert refused.value.detail is gecos.Detail.BAD_PARAMETER
+        count = len(start)
+        words = f"it has {count + 1} joint positions, but the arm has {count} joints"
+        assert words in str(refused.value)
+        with pytest.raises(JointLimit, match="is the value in degrees") as beyond:
+            robot.move_joints(JointPositions([*target[:-1], 90.0])).result()
+        assert beyond.value.axis == count
+        assert list(robot.joints().result().position) == pytest.approx(target, abs=1e-3)
 
 
 @pytest.mark.usefixtures("here")

@@ -82,15 +82,20 @@ def test_a_motion_with_rounded_corners_is_drawn_with_its_limits(
     assert "joint acceleration, % of its limit" in again.read_text()
 
 
-def test_an_arm_of_seven_joints_is_drawn_by_its_tool(
+def test_an_arm_of_seven_joints_is_drawn_with_its_joints(
     lab_with_broker: Laboratory, tmp_path: Path
 ) -> None:
     lab = lab_with_broker
     lab.start(lab.build / "devices" / "arm" / "robcl-arm", ARMS / "iiwa14.toml", ready="ready")
-    plot = plotting(lab, "IIWA14", "-o", tmp_path / "arm.svg", "--limits", ARMS / "iiwa14.toml")
+    table, limits = tmp_path / "arm.csv", ("--limits", ARMS / "iiwa14.toml")
+    plot = plotting(lab, "IIWA14", "-o", tmp_path / "arm.svg", "--csv", table, *limits)
     assert lab.run(sys.executable, MOVE_TOOL, "IIWA14").finish() == 0
     assert plot.finish() == 0, str(plot)
-    assert "tool in the world, mm" in (tmp_path / "arm.svg").read_text()
+    assert "commanded joints, °" in (tmp_path / "arm.svg").read_text()
+    joints = of_joints(read_csv(table))
+    assert joints is not None
+    assert joints.speed.value.shape[1] == 7
+    assert (np.abs(joints.speed.value) <= 1.001 * read_limits(ARMS / "iiwa14.toml").speed).all()
 
 
 def test_ctrl_c_draws_what_was_recorded(lab_with_arm: Laboratory, tmp_path: Path) -> None:

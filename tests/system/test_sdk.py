@@ -141,7 +141,7 @@ def test_gecos_up_starts_the_simulated_laboratory(lab: Laboratory, user: User) -
 def test_an_installed_arm_of_two_files_is_served(user: User, meeting: Laboratory) -> None:
     words = (user.sdk / "bin/robcl-arm", user.sdk / "share/robcl/arms/iiwa14.toml")
     meeting.start(*user.unseen(*words), ready="IIWA14 is ready")
-    assert "robcl::Manipulator" in user_lists(meeting, user)
+    assert "robcl::ArticulatedArm" in user_lists(meeting, user)
 
 
 @pytest.mark.timeout(600)

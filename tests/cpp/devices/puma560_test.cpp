@@ -1,5 +1,5 @@
 // The servants of all arms, over an arm of another make.
-#include "devices/arm/six_axis_servant.hpp"
+#include "devices/arm/joints_servant.hpp"
 #include "devices/drivers/simulated_driver.hpp"
 #include "devices/puma560/puma560_files.hpp"
 #include "laboratory.hpp"

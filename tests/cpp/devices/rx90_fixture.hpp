@@ -1,7 +1,7 @@
 // An RX90 that is served, and whose control loop is the test's.
 #pragma once
 
-#include "devices/arm/six_axis_servant.hpp"
+#include "devices/arm/joints_servant.hpp"
 #include "devices/drivers/simulated_driver.hpp"
 #include "devices/rx90/rx90_files.hpp"
 #include "laboratory.hpp"

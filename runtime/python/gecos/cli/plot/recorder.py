@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from gecos.stream import Sample, Stream
 
 _JOINTS = ("joints", "commanded_joints")
-_SIX = 6
+_JOINTED = {"robcl::SixAxis", "robcl::ArticulatedArm"}
 _BEFORE = 1.0  # s of samples that are kept while the arm stands
 _LOOK = 0.02  # s between two questions whether the arm moves
 _STANDS_FOR = 0.3
@@ -62,7 +62,9 @@ class _Reader(threading.Thread):
 
 def joint_count(robot: DynamicObject) -> int:
     """Returns the number of joints whose streams an arm has."""
-    return _SIX if "robcl::SixAxis" in robot._gecos_model.interfaces else 0
+    if _JOINTED.isdisjoint(robot._gecos_model.interfaces):
+        return 0
+    return len(by_name.read(robot, "joints").result()["position"])
 
 
 def record(
@@ -86,7 +88,8 @@ def record(
     except by_name.UnknownMemberError as error:
         raise UsageFailure(f"{error}; start its server again, with this version") from None
     missed = int(by_name.read(robot, "missed_cycles").result())
-    streams = ("tool", *(_JOINTS if joint_count(robot) else ()))
+    joints = joint_count(robot)
+    streams = ("tool", *(_JOINTS if joints else ()))
     failure: Exception | None = None
     with contextlib.ExitStack() as opened:
         stood = opened.enter_context(by_name.subscribe(robot, "stood"))
@@ -106,7 +109,7 @@ def record(
         except (StreamLost, ConnectionFailed, CommandFailed) as error:
             failure, missed = error, 0
     samples = {each: list(reader.samples) for each, reader in readers.items()}
-    return _joined(name, interface, cycle, missed, samples), failure
+    return _joined(name, interface, cycle, missed, samples, joints), failure
 
 
 def _stands(robot: DynamicObject) -> bool:
@@ -160,6 +163,7 @@ def _joined(
     cycle: float,
     missed_cycles: int,
     samples: dict[str, list[Sample[Any]]],
+    joint_count: int,
 ) -> Recording:
     """Combines the samples of one cycle, which have the same stamp, into one row. There is a row
     for each sample of the commanded joints, or else of the tool."""
@@ -168,7 +172,7 @@ def _joined(
     columns = {
         "tool": ({s.stamp: _position(s.value) for s in samples["tool"]}, 3),
         **{
-            each: ({s.stamp: s.value["position"] for s in samples[each]}, _SIX)
+            each: ({s.stamp: s.value["position"] for s in samples[each]}, joint_count)
             for each in _JOINTS
             if each in samples
         },

@@ -144,8 +144,8 @@ def _record(
 
     with gecos.Lab(broker) as lab:
         robot = connect(lab, name)
-        if limits is not None and joint_count(robot):
-            check_joints(limits, name, joint_count(robot))
+        if limits is not None and (joints := joint_count(robot)):
+            check_joints(limits, name, joints)
         recording, ended_by = record(robot, patience, seconds, _tell)
     if len(recording) < _FEWEST:
         raise ended_by or RuntimeError(
