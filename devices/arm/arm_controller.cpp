@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -80,6 +81,13 @@ std::uint64_t ArmController::start(std::shared_ptr<robcl::motion::TrajectoryGene
   return motion;
 }
 
+void ArmController::reset_drives() {
+  generator_.reset();
+  outcome_ = {};
+  stop_.store(false);
+  started_.store(true);
+}
+
 std::optional<ArmController::Outcome> ArmController::wait(gecos::Duration patience) {
   if (!ended_.try_acquire_for(patience)) return std::nullopt;
   return outcome_;
@@ -90,15 +98,16 @@ void ArmController::step(double seconds) {
   const auto cycles = std::max(std::lround(seconds / drives_.period), 1L);
   const auto missed = static_cast<std::uint64_t>(cycles - 1);
   loop_.last.missed += missed;
-  look_after_drives();
-  if (loop_.phase == Phase::Standing && started_.load()) begin_motion();
+  if (loop_.phase == Phase::Standing && started_.load()) begin();
   const JointValues before = loop_.command;
   if (loop_.phase == Phase::Moving) move(missed);
   const bool undefined = !loop_.command.allFinite();
   if (undefined) loop_.command = before;
   auto answer = driver_.exchange(command_for(before), seconds);
   std::optional<Outcome> end;
-  if (loop_.phase != Phase::Standing) {
+  if (loop_.phase == Phase::TurningOn) {
+    end = turn_on(answer, seconds);
+  } else if (loop_.phase != Phase::Standing) {
     if (undefined) {
       end = Outcome{End::Fault, 0, 0, {"a set point of the motion is not finite; the arm stands"}};
     } else if (auto fault = fault_of(answer, seconds)) {
@@ -139,13 +148,35 @@ void ArmController::enable() {
   loop_.command = loop_.state.position;
 }
 
-void ArmController::look_after_drives() {
-  if (loop_.phase != Phase::Standing || !reset_.load() || !reset_.exchange(false)) return;
-  if (const auto reset = driver_.reset(); !reset) {
+void ArmController::begin() {
+  if (generator_) return begin_motion();
+  begin_reset();
+}
+
+void ArmController::begin_reset() {
+  if (const auto reset = driver_.reset(); reset) {
+    enable();
+  } else {
     loop_.refusal = reset.error().text;
-    return;
   }
-  enable();
+  if (!loop_.refusal.empty()) return end_motion(Outcome{End::Fault, 0, 0, {loop_.refusal}});
+  loop_.phase = Phase::TurningOn;
+  loop_.settling = 0;
+}
+
+/// Returns the outcome of a reset; nullopt while the drives may still turn on.
+std::optional<ArmController::Outcome> ArmController::turn_on(
+    const tl::expected<JointState, DriverFault>& answer, double seconds) {
+  if (stop_.load()) return Outcome{End::Stopped, 0, 0, {}};
+  if (!answer) return Outcome{End::Fault, 0, 0, answer.error()};
+  auto why = not_ready(*answer, loop_.refusal);
+  if (!why) return Outcome{End::Arrived, 0, 0, {}};
+  if (answer->power == DrivePower::Fault) return Outcome{End::Fault, 0, 0, *std::move(why)};
+  loop_.settling += seconds;
+  if (loop_.settling < settings_.turn_on_time) return std::nullopt;
+  std::ostringstream text;
+  text << why->text << ", " << settings_.turn_on_time << " s after they were reset";
+  return Outcome{End::Fault, 0, 0, {text.str()}};
 }
 
 void ArmController::begin_motion() {
@@ -224,7 +255,7 @@ void ArmController::publish() {
   const robcl::Frame flange = forward_.base_from_flange(loop_.state.position);
   const auto [w, x, y, z] = flange.quaternion();
   loop_.last.base_from_flange = {flange.x(), flange.y(), flange.z(), w, x, y, z};
-  loop_.last.moving = loop_.phase != Phase::Standing;
+  loop_.last.moving = loop_.phase == Phase::Moving || loop_.phase == Phase::Settling;
   loop_.last.power = loop_.state.power;
   ++loop_.last.cycle;
   reading_.write(loop_.last);

@@ -33,6 +33,7 @@ class ArmController {
     double settle_time =
         1;  ///< time in s, after the end of a plan, in which all joints must arrive
     double position_gain = 20;  ///< rad/s per rad of position error, in velocity mode
+    double turn_on_time = 10;   ///< time in s in which the drives must be on after a reset
   };
 
   /// The measurements of one cycle.
@@ -50,7 +51,7 @@ class ArmController {
     DrivePower power = DrivePower::Off;
   };
 
-  /// How a motion ended.
+  /// How a motion, or a reset of the drives, ended.
   enum class End { Arrived, Stopped, NotSettled, Fault };
   struct Outcome {
     End end = End::Arrived;
@@ -77,9 +78,6 @@ class ArmController {
   void step(double seconds);
   static constexpr std::uint64_t most_delayed = 5;
 
-  /// Makes the next control cycle in which no motion runs clear a fault of the drives and enable
-  /// the drives again.
-  void reset_drives() { reset_.store(true); }
   /// Returns the number of control cycles that have started. The number does not rise while a call
   /// of the driver blocks.
   std::uint64_t beats() const { return beats_.load(); }
@@ -89,8 +87,12 @@ class ArmController {
   /// this motion, other threads use only what the generator permits them. Returns the number of the
   /// motion.
   std::uint64_t start(std::shared_ptr<robcl::motion::TrajectoryGenerator> generator);
-  /// Decelerates the running motion until the arm stands. May be called at any time, even when no
-  /// motion runs.
+  /// Makes the control loop clear a fault of the drives, enable them, and wait until they are on
+  /// and their brakes are released. `wait` returns the outcome: Arrived, or a Fault if the drives
+  /// have a fault or are not on in time. @pre As for `start`.
+  void reset_drives();
+  /// Decelerates the running motion until the arm stands, or ends the wait for the drives. May be
+  /// called at any time, even when no motion runs.
   void stop() { stop_.store(true); }
   /// Scales the speed of this and all later motions from the next cycle on. `factor`: 0, which
   /// pauses a motion on its path, to 1. May be called at any time.
@@ -107,15 +109,18 @@ class ArmController {
   Reading now() const { return reading_.read(); }
 
  private:
-  enum class Phase { Standing, Moving, Settling };
+  enum class Phase { Standing, Moving, Settling, TurningOn };
 
   void enable();
-  void look_after_drives();
+  void begin();
+  void begin_reset();
   void begin_motion();
   void move(std::uint64_t missed);
   JointCommand command_for(const JointValues& before) const;
   std::optional<DriverFault> fault_of(const tl::expected<JointState, DriverFault>& answer,
                                       double seconds) const;
+  std::optional<Outcome> turn_on(const tl::expected<JointState, DriverFault>& answer,
+                                 double seconds);
   void take(tl::expected<JointState, DriverFault> answer, bool motion_failed);
   void end_motion(Outcome outcome);
   std::optional<Outcome> settle(const JointValues& measured, double seconds);
@@ -127,16 +132,15 @@ class ArmController {
   SupervisedDriver driver_;
   robcl::arm::Kinematics forward_;
 
-  // From the call of start() to the end of the motion, only the control loop uses generator_,
-  // motion_ and outcome_. At other times, only the thread that moves the arm uses them.
-  std::shared_ptr<robcl::motion::TrajectoryGenerator> generator_;
+  // From the call of start() or reset_drives() to the outcome, only the control loop uses
+  // generator_, motion_ and outcome_. At other times, only the thread that moves the arm uses them.
+  std::shared_ptr<robcl::motion::TrajectoryGenerator> generator_;  // nothing: a reset of the drives
   std::uint64_t motion_ = 0;  // number of the motion in generator_
   Outcome outcome_;
 
   std::atomic<bool> started_{false};  // publishes generator_ to the loop
   std::atomic<bool> stop_{false};
   std::atomic<double> override_{1};      // orders no other memory
-  std::atomic<bool> reset_{false};       // orders no other memory
   std::atomic<std::uint64_t> beats_{0};  // orders no other memory
   std::counting_semaphore<> ended_{0};   // publishes outcome_ to the waiting thread
 
@@ -147,7 +151,7 @@ class ArmController {
     JointValues command{};
     bool silent = false;    ///< the driver returned no plausible answer in the last cycle
     std::string refusal{};  ///< why the drives could not be enabled; empty if they could
-    double settling = 0;    ///< time in s since the end of the plan
+    double settling = 0;    ///< time in s since the end of the plan, or since the reset
     int arrived = 0;        ///< consecutive cycles in which all joints were at their goal
     Reading last{};
   };

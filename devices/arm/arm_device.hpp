@@ -66,10 +66,13 @@ class ArmDevice {
   bool has_configurations() const { return has_configurations_; }
   const robcl::arm::ArmModel& model() const { return model_; }
 
-  /// Requests that the control loop clears a fault of the drives and enables the drives again.
-  /// Returns at once. A motion that is requested afterwards begins after the reset. It fails if the
-  /// drives are not On by then: with the text of the fault, or because they still turn on.
-  void reset_drives() { controller_.reset_drives(); }
+  /// Clears a fault of the drives and turns them on again. Returns when they are on and their
+  /// brakes are released. Fails with the text of the driver if they have a fault, or if they are
+  /// not on within `ArmController::Settings::turn_on_time`. Refused while the arm moves. When
+  /// `watcher` interrupts the wait, the drives may still turn on.
+  tl::expected<void, MoveFailure> reset_drives(MotionWatcher& watcher) {
+    return motion_.reset_drives(watcher);
+  }
 
   /// Sets the frame of the arm's base in the world. Fails while the arm moves.
   tl::expected<void, Refused> mount(const Frame& world_from_base);

@@ -71,6 +71,16 @@ bool ArmMotion::while_standing(const std::function<void()>& change) {
 
 ArmMotion::Result ArmMotion::alone(const std::function<Generator(const JointValues& from)>& make,
                                    MotionWatcher& watcher) {
+  return while_claimed([&] { controller_.start(make(controller_.standing_at())); }, watcher);
+}
+
+ArmMotion::Result ArmMotion::reset_drives(MotionWatcher& watcher) {
+  return while_claimed([this] { controller_.reset_drives(); }, watcher);
+}
+
+/// Reserves the arm for what `start` gives to the control loop, and waits for its outcome.
+ArmMotion::Result ArmMotion::while_claimed(const std::function<void()>& start,
+                                           MotionWatcher& watcher) {
   {
     const Lock lock(mutex_);
     if (auto failure = claim()) return tl::unexpected(*std::move(failure));
@@ -78,7 +88,7 @@ ArmMotion::Result ArmMotion::alone(const std::function<Generator(const JointValu
   Result result = tl::unexpected(Interrupted{});
   bool stalled = false;
   if (!watcher.interrupted()) {
-    controller_.start(make(controller_.standing_at()));
+    start();
     OutcomeWatch outcome(controller_);
     std::optional<ArmController::Outcome> ended;
     while (!ended && !outcome.stalled()) {

@@ -69,6 +69,11 @@ class ArmMotion {
   Result alone(const std::function<Generator(const JointValues& from)>& make,
                MotionWatcher& watcher);
 
+  /// Clears a fault of the drives and turns them on again, while the arm stands. Returns when they
+  /// are on; fails with the text of their fault, or if they are not on in time. When `watcher`
+  /// interrupts the wait, the drives may still turn on.
+  Result reset_drives(MotionWatcher& watcher);
+
   /// Calls `change` if the arm makes no motion, and while it makes none; else returns false.
   bool while_standing(const std::function<void()>& change);
 
@@ -90,6 +95,7 @@ class ArmMotion {
   using Lock = gecos::MutexLock<gecos::Mutex>;
 
   std::optional<MoveFailure> claim() GECOS_REQUIRES(mutex_);
+  Result while_claimed(const std::function<void()>& start, MotionWatcher& watcher);
   Result await(Lock& lock, Link& link) GECOS_REQUIRES(mutex_);
   void watch(Lock& lock) GECOS_REQUIRES(mutex_);
   /// Returns why `link` cannot be planned; it is not planned either if the arm must stand before.

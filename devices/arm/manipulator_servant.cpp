@@ -5,6 +5,25 @@
 #include "devices/arm/motion_call.hpp"
 
 namespace devices {
+namespace {
+
+/// Watches a call that reports no progress.
+class InterruptionWatcher final : public MotionWatcher {
+ public:
+  explicit InterruptionWatcher(gecos::Execution<>& run) : run_(run) {}
+  bool interrupted() override { return run_.interrupted(); }
+  void progress(double, double) override {}
+
+ private:
+  gecos::Execution<>& run_;
+};
+
+}  // namespace
+
+gecos::Result<void> ManipulatorServant::restart_drives(gecos::Execution<>& run) {
+  InterruptionWatcher watcher(run);
+  return answer(arm_.reset_drives(watcher));
+}
 
 void ManipulatorServant::publish() {
   if (following_.try_lock()) {

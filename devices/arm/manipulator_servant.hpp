@@ -34,6 +34,10 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
 
   ArmDevice& arm() { return arm_; }
 
+  /// Clears a fault of the drives and turns them on again, for an operation that an interface adds.
+  /// Returns when they are on, when they have a fault, after 10 s, or when `run` is interrupted.
+  gecos::Result<void> restart_drives(gecos::Execution<>& run);
+
   /// Sends the measurements of `sample` on the streams of the interface Manipulator. The servant of
   /// an interface that has more streams must override this method; the new method must also call
   /// this one.

@@ -56,10 +56,7 @@ class BenchArm final : public workshop::BenchArmServant, public devices::SixAxis
   using devices::SixAxisServant::SixAxisServant;
 
  private:
-  gecos::Result<void> reset_drives() override {
-    arm().reset_drives();
-    return {};
-  }
+  gecos::Result<void> reset_drives(gecos::Execution<>& run) override { return restart_drives(run); }
 };
 
 }  // namespace

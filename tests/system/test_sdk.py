@@ -225,12 +225,16 @@ def test_an_arm_with_drives_of_its_own(user: User, meeting: Laboratory, bench: D
         with pytest.raises(gecos.CommandFailed, match=fault):
             moving.result()
         received = bench.set_points()
-        bench.emergency_stop.unlink()
-        with pytest.raises(gecos.CommandFailed, match=fault):
-            arm.move(goal).result()
-        assert bench.set_points() == received
+    reset_and_turn = user.folder / "own_arm_built/reset_and_turn"
+    pressed = meeting.run(*user.unseen(reset_and_turn))
+    assert pressed.finish() == 1, str(pressed)
+    assert "the emergency stop is pressed" in pressed.output()
+    bench.emergency_stop.unlink()
+    with gecos.actor(arm), pytest.raises(gecos.CommandFailed, match=fault):
+        arm.move(goal).result()
+    assert bench.set_points() == received
 
-    turned = says(meeting, user, user.folder / "own_arm_built/reset_and_turn")
+    turned = says(meeting, user, reset_and_turn)
     assert turned == ["joint 1 is at 10 degrees"]
     assert bench.set_points()[-1][0] == pytest.approx(radians(10), abs=1e-8)
     assert "workshop::BenchArm" in user_lists(meeting, user)

@@ -1,8 +1,10 @@
 // Drives that the tests let stand, break and lie.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "devices/drivers/joint_driver.hpp"
@@ -49,6 +51,36 @@ class StandingDriver : public JointDriver {
   Brakes brakes = Brakes::Released;
   bool broken = false;
   bool tells_time = true;
+};
+
+/// Drives that need time to turn on.
+class SlowDrives : public StandingDriver {
+ public:
+  explicit SlowDrives(JointValues where) : StandingDriver(std::move(where)) {
+    power = DrivePower::Off;
+  }
+  tl::expected<JointState, DriverFault> read() override {
+    if (power == DrivePower::TurningOn && --cycles_left <= 0) power = DrivePower::On;
+    JointState now = state();
+    now.fault = fault;
+    return now;
+  }
+  tl::expected<void, DriverFault> enable() override {
+    if (!locked.empty()) return tl::unexpected(DriverFault{locked});
+    power = DrivePower::TurningOn;
+    return {};
+  }
+  tl::expected<void, DriverFault> reset() override {
+    if (!kept.empty()) return tl::unexpected(DriverFault{kept});
+    power = DrivePower::Off;
+    ++resets;
+    return {};
+  }
+  std::atomic<int> resets{0};
+  std::atomic<int> cycles_left{1'000'000};
+  std::string locked;  // why they cannot be enabled
+  std::string kept;    // why the fault cannot be cleared
+  std::string fault;   // text of a fault
 };
 
 }  // namespace devices
