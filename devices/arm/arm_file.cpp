@@ -88,6 +88,10 @@ class Table {
     if (!value.is_string()) refuse_type(key, value);
     std::string text = value.ref<std::string>();
     if (text.empty()) refuse(key, std::string("the text is empty; give ") + key.wanted);
+    const bool control = std::any_of(text.begin(), text.end(), [](unsigned char character) {
+      return character < 0x20 || character == 0x7f;
+    });
+    if (control) refuse(key, std::string("the text has a control character; give ") + key.wanted);
     return text;
   }
 

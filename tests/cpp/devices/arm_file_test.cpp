@@ -107,6 +107,12 @@ const std::vector<Bad> bad{
     {"name", "name = \"\"",
      "arm.toml:1: name: the text is empty; give the name under which clients find the arm, for "
      "example \"RX90\""},
+    {"name", "name = \"A\\nB\"",
+     "arm.toml:1: name: the text has a control character; give the name under which clients find "
+     "the arm, for example \"RX90\""},
+    {"place", "place = \"\\u007F\"",
+     "arm.toml:9: place: the text has a control character; give a text that says where the arm "
+     "stands, for example \"an RX90 stands on the floor\""},
     {"description", "description = [\"arm\"]",
      "arm.toml:2: description: a list does not fit here; give the name of the arm for people, for "
      "example \"Staeubli RX90\""},

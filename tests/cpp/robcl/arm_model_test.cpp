@@ -164,6 +164,45 @@ TEST(ArmModel, RefusesWhatIsNoArmAndSaysWhy) {
   EXPECT_EQ(missing.error().text, "/nowhere/x.urdf: cannot be read");
 }
 
+TEST(ArmModel, RefusesALinkWithTwoParentsAndAJointWithoutAName) {
+  const auto joined = [](const std::string& first, const std::string& second) {
+    const auto joint = [](const std::string& name, const char* parent) {
+      return "<joint name='" + name + "' type='revolute'><parent link='" + parent +
+             "'/><child link='c'/><limit lower='0' upper='1' velocity='1' effort='1'/></joint>";
+    };
+    return refusal(
+        "<robot name='r'><link name='a'/><link name='b'/><link name='c'/>"
+        "<joint name='to_b' type='fixed'><parent link='a'/><child link='b'/></joint>" +
+            joint(first, "a") + (second.empty() ? "" : joint(second, "b")) + "</robot>",
+        "a", "c");
+  };
+  EXPECT_EQ(joined("from_a", "from_b"),
+            "link 'c' is the child of two joints, one of them 'from_b'");
+  for (const std::string name : {"", "from\na", "from&#7;a", "from&#127;a"}) {
+    EXPECT_EQ(joined(name, ""), "the joint above link 'c' needs a name without control characters");
+  }
+}
+
+TEST(ArmModel, RefusesElementsThatAreNestedSoDeepThatTheParserWouldCrash) {
+  const auto nested = [](int levels) {
+    std::string open, close;
+    for (int i = 0; i < levels; ++i) {
+      open += "<extra at=\"1>2/\">";
+      close += "</extra>";
+    }
+    return "<?xml version='1.0'?><!-- <a><a> --><robot name='r'><link name='a'/>" + open + close +
+           "</robot>";
+  };
+  const std::string deep = "the elements of the URDF are nested more than 100 deep";
+  EXPECT_EQ(refusal(nested(99), "a", "b"), "the URDF has no link 'b'");
+  EXPECT_EQ(refusal(nested(100), "a", "b"), deep);
+  EXPECT_EQ(refusal(nested(200'000), "a", "b"), deep);
+  std::string side_by_side = "<robot name='r'><link name='a'/>";
+  for (int i = 0; i < 1000; ++i)
+    side_by_side += "<extra/><extra></extra><!-- <a> --><![CDATA[<a>]]>";
+  EXPECT_EQ(refusal(side_by_side + "</robot>", "a", "b"), "the URDF has no link 'b'");
+}
+
 TEST(ArmModel, DoesNotDependOnShapesAndMassesNorOnMalformedOnes) {
   const auto with = [](const std::string& element) {
     return refusal("<robot name='r'><link name='a'/><link name='b'>" + element +

@@ -6,13 +6,18 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
+#include <set>
 #include <sstream>
 #include <utility>
+
+#include "robcl/arm/xml_nesting.hpp"
 
 namespace robcl::arm {
 namespace {
 
 constexpr double furthest = 1000;  // m, between two joints
+// A URDF has fewer than ten levels. The parser crashes at some ten thousand.
+constexpr std::size_t most_levels = 100;
 
 KDL::Vector to_kdl(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 
@@ -23,6 +28,25 @@ KDL::Frame to_kdl(const urdf::Pose& pose) {
 
 tl::unexpected<ModelError> refuse(const std::string& what) {
   return tl::unexpected(ModelError{what});
+}
+
+/// Returns what is wrong with the joints of `robot` that its parser accepts; nullopt if nothing.
+std::optional<std::string> problem_of_joints(const urdf::ModelInterface& robot) {
+  std::set<std::string> children;
+  for (const auto& [name, joint] : robot.joints_) {
+    const bool control = std::any_of(name.begin(), name.end(), [](unsigned char character) {
+      return character < 0x20 || character == 0x7f;
+    });
+    if (name.empty() || control) {
+      return "the joint above link '" + joint->child_link_name +
+             "' needs a name without control characters";
+    }
+    if (!children.insert(joint->child_link_name).second) {
+      return "link '" + joint->child_link_name + "' is the child of two joints, one of them '" +
+             name + "'";
+    }
+  }
+  return std::nullopt;
 }
 
 /// Returns the joints of the chain from the link `base` to the link `flange`, in this order. The
@@ -65,8 +89,13 @@ tl::expected<ArmModel, ModelError> ArmModel::from_urdf(const std::string& xml,
                                                        const std::string& base_link,
                                                        const std::string& flange_link,
                                                        double seconds_to_full_speed) {
+  if (nested_deeper_than(most_levels, xml)) {
+    return refuse("the elements of the URDF are nested more than " + std::to_string(most_levels) +
+                  " deep");
+  }
   const urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(xml);
   if (!robot) return refuse("the text is not a URDF robot; the parser printed the reason above");
+  if (const auto problem = problem_of_joints(*robot)) return refuse(*problem);
   for (const std::string& link : {base_link, flange_link}) {
     if (!robot->getLink(link)) return refuse("the URDF has no link '" + link + "'");
   }

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+namespace robcl::arm {
+
+/// Returns whether elements of the text `xml` are nested more than `most` deep. A parser that calls
+/// itself for each level would exhaust its stack. What is no well-formed XML is left to the parser.
+bool nested_deeper_than(std::size_t most, std::string_view xml);
+
+}  // namespace robcl::arm
