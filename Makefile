@@ -25,7 +25,7 @@ demo:  ## broker, devices and the block: the whole system at work, in C++ and in
 	@tools/setup.sh build
 	@$(CONFIGURE) $(GROUPED)
 	@cmake --build $(BUILD) -j$(JOBS) --target $(DEMO)
-	@$(PYTHON) examples/demo.py --build $(BUILD)
+	@$(PYTHON) examples/demo.py --build $(BUILD) $(if $(CLOCK),--clock $(CLOCK))
 
 .PHONY: test
 test: build-tests  ## everything that must hold, in lanes; says at the end what each of them said last

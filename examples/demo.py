@@ -60,14 +60,15 @@ def end(process: subprocess.Popen[bytes]) -> None:
 
 
 @contextmanager
-def laboratory(build: Path) -> Iterator[None]:
+def laboratory(build: Path, clock_speed: float | None) -> Iterator[None]:
     """Broker, world and devices as processes of their own; all gone when the block ends."""
     servers = [build / server for server in SERVERS]
     programs = tuple(Program(server.name, (str(server.resolve()),)) for server in servers)
     with tempfile.TemporaryDirectory(prefix="gecos-") as folder:
         os.environ["GECOS_RUNTIME_DIR"] = folder
         os.environ.pop("GECOS_BROKER", None)
-        with running(LaboratoryDescription(programs, starts_broker=False)):
+        described = LaboratoryDescription(programs, starts_broker=False, clock_speed=clock_speed)
+        with running(described):
             yield
 
 
@@ -76,10 +77,10 @@ def block_height(world: World) -> float:
     return world.find("BLOCK").result().pose.z
 
 
-def lift(title: str, program: Sequence[str | Path], build: Path) -> None:
+def lift(title: str, program: Sequence[str | Path], build: Path, clock_speed: float | None) -> None:
     """Runs one program in a laboratory of its own. Raises DemoError unless the block was lifted."""
     print(f"\n== {title}", flush=True)
-    with laboratory(build), gecos.Lab() as lab:
+    with laboratory(build, clock_speed), gecos.Lab() as lab:
         world = lab.create(World, "WORLD")
         before = block_height(world)
         process = subprocess.Popen(with_us(program), stdin=subprocess.DEVNULL)
@@ -113,6 +114,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Shows a block being gripped and lifted.")
     parser.add_argument("--build", type=Path, default=HERE.parent / "build", help="build folder")
     parser.add_argument("--medium", choices=["shm", "lcm"], help="medium (default: the best)")
+    parser.add_argument(
+        "--clock", type=float, help="simulated seconds that pass in a second (default: 1)"
+    )
     words = parser.parse_args()
     for number in (signal.SIGTERM, signal.SIGHUP):  # the latter when a terminal is closed
         signal.signal(number, interrupt)
@@ -121,8 +125,9 @@ def main() -> int:
     cpp = words.build / PROGRAM
     python = HERE / "02_grip_block" / "grip_block.py"
     try:
-        lift("02_grip_block in C++", [cpp, *medium], words.build)
-        lift("02_grip_block in Python", [sys.executable, python, *medium], words.build)
+        lift("02_grip_block in C++", [cpp, *medium], words.build, words.clock)
+        command = [sys.executable, python, *medium]
+        lift("02_grip_block in Python", command, words.build, words.clock)
     except (DemoError, LaboratoryError, gecos.CommandFailed, ConnectionError) as error:
         print(f"\ndemo: failed: {error}", file=sys.stderr)
         return 1

@@ -60,10 +60,11 @@ ArmDevice::ArmDevice(const robcl::arm::ArmModel& model, const Settings& settings
                      JointDriver& driver)
     : model_(model),
       tool_limits_(settings.tool_limits),
+      clock_(settings.clock_speed),
       controller_(model, settings.control, driver),
       smoothing_(robcl::motion::Smoothing::over(settings.seconds_to_full_acceleration,
                                                 controller_.cycle())),
-      motion_(controller_, Planner(model, settings.tool_limits, smoothing_)),
+      motion_(controller_, Planner(model, settings.tool_limits, smoothing_), clock_.speed()),
       pose_epoch_(unix_ms()),
       flange_from_tool_(settings.tool_offset),
       postures_(robcl::arm::make_inverse(model)),

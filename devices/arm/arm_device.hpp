@@ -6,6 +6,7 @@
 
 #include "devices/arm/arm_controller.hpp"
 #include "devices/arm/arm_motion.hpp"
+#include "devices/support/lab_clock.hpp"
 #include "gecos/base/mutex.hpp"
 #include "robcl/frames/frame.hpp"
 #include "robcl/motion/following.hpp"
@@ -25,10 +26,13 @@ class ArmDevice {
     double seconds_to_full_acceleration = 0;  ///< limit of jerk; 0 if there is none
     Frame tool_offset{};                      ///< tool frame seen from the flange
     ArmController::Settings control{};
+    double clock_speed = 1;  ///< of `clock()`; @pre 1 unless the joints are simulated
   };
 
   ArmDevice(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
 
+  /// The clock by which `step` must be called: all times and limits of a motion are simulated time.
+  LabClock& clock() { return clock_; }
   /// Runs one cycle of the control loop, which lasts `seconds`.
   void step(double seconds) { controller_.step(seconds); }
 
@@ -105,6 +109,7 @@ class ArmDevice {
  private:
   const robcl::arm::ArmModel model_;
   const robcl::motion::ToolLimits tool_limits_;
+  LabClock clock_;
   ArmController controller_;
   const robcl::motion::Smoothing smoothing_;
   ArmMotion motion_;

@@ -12,8 +12,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto beat = 5ms;  // period at which a running motion is looked at
-// A motion stays as it is for so many cycles of the control loop, and for this time in s, in which
-// the next move is planned: so the control loop learns of that move before it begins.
+// A motion stays as it is for so many cycles of the control loop, and for this real time in s, in
+// which the next move is planned: so the control loop learns of that move before it begins.
 constexpr double cycles_ahead = 2, time_to_plan = 0.008;
 // The arm can go over into so many moves, because each keeps a thread of the server.
 constexpr std::size_t most_links = 64;
@@ -198,7 +198,7 @@ void ArmMotion::go_over_into(Link& link, const robcl::motion::Move& move) {
     link.joined = true;
     return set_times();
   }
-  const double notice = cycles_ahead * controller_.cycle() + time_to_plan;
+  const double notice = cycles_ahead * controller_.cycle() + time_to_plan * clock_speed_;
   const auto corner = chain_->extend(move, playback_->elapsed() + notice);
   if (!corner) return;
   playback_->append(chain_->plan(), chain_->begins());

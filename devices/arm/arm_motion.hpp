@@ -54,9 +54,10 @@ class ArmMotion {
     bool goes_over = false;
   };
 
-  /// `controller` must exist as long as the new object.
-  ArmMotion(ArmController& controller, robcl::motion::Planner planner)
-      : controller_(controller), planner_(std::move(planner)) {}
+  /// `controller` must exist as long as the new object. `clock_speed`: see LabClock; planning takes
+  /// real time.
+  ArmMotion(ArmController& controller, robcl::motion::Planner planner, double clock_speed = 1)
+      : controller_(controller), clock_speed_(clock_speed), planner_(std::move(planner)) {}
 
   /// Returns when the arm has arrived at the goal by its measured joint positions or, if it goes
   /// over into the next move, when it is on the path of that one. Refused while the arm makes
@@ -111,6 +112,7 @@ class ArmMotion {
   void end_first(Result result) GECOS_REQUIRES(mutex_);
 
   ArmController& controller_;
+  const double clock_speed_;
 
   gecos::Mutex mutex_;
   gecos::ConditionVariable changed_;  // links_ or a result

@@ -75,6 +75,7 @@ class Serving {
     ArmDevice device(arm_.model, settings(), *driver_);
     const auto servant = make_servant(device, arm_.place);
     const Periodic control(
+        device.clock(),
         std::chrono::round<gecos::Duration>(std::chrono::duration<double>(device.cycle())),
         [&](double seconds) {
           device.step(seconds);
@@ -84,6 +85,7 @@ class Serving {
     gecos::Lab lab;
     Served how{program_.program, line_.text("name")};
     how.simulated = simulated();
+    how.clock = line_.clock();
     return serve_device(lab, *servant, how);
   }
 
@@ -103,11 +105,14 @@ class Serving {
     settings.tool_limits = arm_.tool_limits;
     settings.seconds_to_full_acceleration = arm_.seconds_to_full_acceleration;
     settings.tool_offset = robcl::translate(0, 0, longer) * arm_.tool_offset;
+    settings.clock_speed = line_.clock();
     return settings;
   }
 
   /// Simulated joints need no punctual control loop, so that for them a warning would be too much.
+  /// Not in real time, the loop may need a whole core, which it must not take from other programs.
   void begin_control() const {
+    if (line_.clock() != 1) return;
     if (const auto missing = make_real_time()) {
       gecos::log(simulated() ? gecos::LogLevel::Info : gecos::LogLevel::Warning, program_.program,
                  "the control loop has " + *missing);
@@ -127,7 +132,10 @@ int serve_arm(const ArmProgram& program, const MakeServant& make_servant, int co
   if (operands > 0 && (count < 2 || words[1][0] == '-')) return ask_for_file(program, count, words);
   const auto arm = program.files ? parse_arm(*program.files) : read_arm(words[1]);
   if (!arm) return refuse(program.program, arm.error());
-  const CommandLine line = read_line(program, *arm, count - operands, words + operands);
+  CommandLine line = read_line(program, *arm, count - operands, words + operands);
+  if (!line.exit_status() && program.connect) {
+    line.need_real_time("the joints of " + line.text("name") + " are real");
+  }
   if (line.exit_status()) return *line.exit_status();
   return device_main(program.program.c_str(),
                      [&] { return Serving(program, *arm, line).run(make_servant); });

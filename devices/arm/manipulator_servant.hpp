@@ -68,6 +68,8 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
   gecos::Result<std::uint64_t> missed_cycles() override { return arm_.missed_cycles(); }
   gecos::Result<double> cycle() override { return arm_.cycle(); }
   gecos::Result<double> braking_time() override { return arm_.braking_time(); }
+  gecos::Result<double> clock_speed() override { return arm_.clock().speed(); }
+  gecos::Result<double> reached_clock_speed() override { return arm_.clock().reached(); }
 
  private:
   ArmDevice& arm_;

@@ -37,12 +37,14 @@ int run(int count, char** words) {
   devices::GripperServant servant(lab, line.text("name"), line.text("world"), line.text("carrier"),
                                   robcl::translate(0, 0, robcl::mm(line.number("length"))),
                                   settings);
-  const devices::Periodic jaws(5ms, [&servant](double seconds) { servant.step(seconds); });
+  devices::LabClock clock(line.clock());
+  const devices::Periodic jaws(clock, 5ms, [&servant](double seconds) { servant.step(seconds); });
   return devices::serve_device(lab, servant,
                                {.program = "robcl-gripper",
                                 .name = line.text("name"),
+                                .clock = clock.speed(),
                                 .blocking = true,  // handlers wait for the world
-                                .beats = {{20ms, [&servant](double) { servant.publish(); }}}});
+                                .beats = {{20ms, [&servant] { servant.publish(); }}}});
 }
 
 }  // namespace

@@ -50,8 +50,9 @@ int run(int count, char** words) {
   return devices::serve_device(lab, servant,
                                {.program = "robcl-lds",
                                 .name = line.text("name"),
+                                .clock = line.clock(),
                                 .blocking = true,  // handlers wait for answers of the world server
-                                .beats = {{20ms, [&servant](double) { servant.publish(); }}}});
+                                .beats = {{20ms, [&servant] { servant.publish(); }}}});
 }
 
 }  // namespace

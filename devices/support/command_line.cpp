@@ -6,8 +6,12 @@
 #include <cstdlib>
 #include <utility>
 
+#include "devices/support/lab_clock.hpp"
+
 namespace devices {
 namespace {
+
+constexpr const char* clock_variable = "ROBCL_CLOCK";
 
 std::optional<double> as_number(const std::string& text) {
   char* end = nullptr;
@@ -15,6 +19,12 @@ std::optional<double> as_number(const std::string& text) {
   constexpr double most = 1e9;  // more is a slip, and not every integer type holds it
   if (text.empty() || *end != '\0' || !(std::abs(value) <= most)) return std::nullopt;
   return value;
+}
+
+Option clock_option() {
+  const char* const of_laboratory = std::getenv(clock_variable);
+  return {"clock", of_laboratory == nullptr ? "1" : of_laboratory,
+          "simulated seconds in a second; the default is ROBCL_CLOCK, if set"};
 }
 
 }  // namespace
@@ -25,8 +35,29 @@ CommandLine::CommandLine(std::string program, std::string purpose, std::vector<O
       purpose_(std::move(purpose)),
       operand_(std::move(operand)),
       options_(std::move(options)) {
+  options_.push_back(clock_option());
   for (const Option& option : options_) values_[option.word] = option.standard;
   read(count, words);
+  if (!exit_status_) check_clock();
+}
+
+void CommandLine::check_clock() {
+  const auto speed = as_number(text("clock"));
+  if (speed && *speed >= LabClock::slowest && *speed <= LabClock::fastest) return;
+  char wanted[80];
+  std::snprintf(wanted, sizeof wanted, " needs a number from %g to %g", LabClock::slowest,
+                LabClock::fastest);
+  refuse(name_of_clock() + wanted + ", not '" + text("clock") + "'");
+}
+
+std::string CommandLine::name_of_clock() const {
+  return text("clock") == options_.back().standard ? clock_variable : "'--clock'";
+}
+
+void CommandLine::need_real_time(const std::string& why) {
+  if (clock() == 1) return;
+  refuse(name_of_clock() + " is " + text("clock") + ", but " + why +
+         "; only simulated devices have another clock than 1");
 }
 
 void CommandLine::read(int count, char** words) {

@@ -17,7 +17,9 @@ struct Option {
   std::string says;      ///< text for --help, with the unit
 };
 
-/// Reads the arguments of a program. If `exit_status` has a value, `main` must return this value.
+/// Reads the arguments of a device program. If `exit_status` has a value, `main` must return this
+/// value. Every device program has the option --clock, for the speed of its LabClock. Its default
+/// is the environment variable ROBCL_CLOCK, which all programs of a laboratory share, or 1.
 class CommandLine {
  public:
   /// Reads the arguments. Prints the usage if one of them is --help. Prints an error and the usage
@@ -35,11 +37,19 @@ class CommandLine {
   /// values that are not numbers from -1e9 to 1e9.
   double number(std::string_view word) const;
 
+  /// Returns the value of --clock: simulated seconds that are to pass in a second.
+  double clock() const { return number("clock"); }
+
+  /// Refuses a clock other than 1. `why` says what there is that is not simulated.
+  void need_real_time(const std::string& why);
+
   /// Prints the error `what` and the usage. `exit_status` is 2 from then on.
   void refuse(const std::string& what);
 
  private:
   void read(int count, char** words);
+  void check_clock();
+  std::string name_of_clock() const;
   std::string usage() const;
 
   std::string program_, purpose_, operand_;

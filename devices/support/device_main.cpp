@@ -1,5 +1,6 @@
 #include "devices/support/device_main.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <memory>
@@ -8,6 +9,25 @@
 #include "gecos/serve.hpp"
 
 namespace devices {
+namespace {
+
+gecos::Duration real_period(const Beat& beat, double clock) {
+  const auto simulated = std::chrono::duration<double>(beat.period) / clock;
+  const auto real = std::chrono::round<gecos::Duration>(simulated);
+  return std::clamp(real, std::min(Beat::shortest, beat.period), beat.period);
+}
+
+/// Returns the line that says that the device is ready, and that it is not in real time.
+std::string ready_line(const Served& how) {
+  char clock[80] = "";
+  if (how.clock != 1) {
+    std::snprintf(clock, sizeof clock, "simulated time is %g times as fast as real time; ",
+                  how.clock);
+  }
+  return how.program + ": " + clock + how.name + " is ready";
+}
+
+}  // namespace
 
 int serve_device(gecos::Lab& lab, gecos::Servant& servant, const Served& how) {
   gecos::ObjectOptions object;
@@ -16,11 +36,12 @@ int serve_device(gecos::Lab& lab, gecos::Servant& servant, const Served& how) {
   object.blocking = how.blocking;
   gecos::ServeOptions options;
   options.program = how.program;
-  options.ready = how.program + ": " + how.name + " is ready";
+  options.ready = ready_line(how);
   options.started = [&how] {
     auto beating = std::make_shared<std::vector<std::unique_ptr<Periodic>>>();
     for (const Beat& beat : how.beats) {
-      beating->push_back(std::make_unique<Periodic>(beat.period, beat.work));
+      beating->push_back(std::make_unique<Periodic>(real_period(beat, how.clock),
+                                                    [work = beat.work](double) { work(); }));
     }
     return beating;
   };

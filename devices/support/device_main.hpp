@@ -1,6 +1,7 @@
 // The code that all device programs share: it serves a servant, and reports errors in `main`.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <string>
 #include <vector>
@@ -9,16 +10,21 @@
 
 namespace devices {
 
-/// Periodic work of a device. While the device is served, the work runs on a separate thread.
+/// Periodic work of a device: it publishes, and connects to other objects. While the device is
+/// served, the work runs on a separate thread.
 struct Beat {
+  /// Simulated time. In real time, the period is from `shortest`, which is enough for any reader,
+  /// to the same number of seconds.
   gecos::Duration period;
-  std::function<void(double seconds)> work;  ///< argument: time since the last call, s
+  std::function<void()> work;
+  static constexpr gecos::Duration shortest = std::chrono::milliseconds(1);
 };
 
 struct Served {
   std::string program;  ///< begins each line that is printed, for example "robcl-rx90"
   std::string name;     ///< name under which clients find the object
   bool simulated = true;
+  double clock = 1;  ///< speed of the device's LabClock
   /// Whether handlers wait for other objects. If so, the handlers run on the object's executor and
   /// not on the I/O loop.
   bool blocking = false;

@@ -3,23 +3,38 @@
 #include <chrono>
 #include <utility>
 
-namespace devices {
+#include "devices/support/pace.hpp"
 
-Periodic::Periodic(gecos::Duration period, std::function<void(double)> work,
-                   std::function<void()> begin) {
-  thread_ = std::jthread(
-      [period, work = std::move(work), begin = std::move(begin)](const std::stop_token& stop) {
-        begin();
-        gecos::TimePoint last = std::chrono::steady_clock::now();
-        while (!stop.stop_requested()) {
-          gecos::TimePoint next = last + period;
-          const gecos::TimePoint now = std::chrono::steady_clock::now();
-          if (now > next + period) next += (now - next) / period * period;
-          std::this_thread::sleep_until(next);
-          work(std::chrono::duration<double>(next - last).count());
-          last = next;
-        }
-      });
+namespace devices {
+namespace {
+
+using std::chrono::steady_clock;
+
+/// `clock` is null in real time.
+void run(const std::stop_token& stop, LabClock* clock, gecos::Duration period,
+         const std::function<void(double)>& work) {
+  Pace pace(period, clock == nullptr ? 1 : clock->speed(), steady_clock::now());
+  while (!stop.stop_requested()) {
+    const Pace::Cycle cycle = pace.next(steady_clock::now());
+    if (clock != nullptr) clock->set_reached(pace.reached());
+    std::this_thread::sleep_until(cycle.begins);
+    work(cycle.seconds);
+  }
 }
+
+}  // namespace
+
+Periodic::Periodic(gecos::Duration period, std::function<void(double)> work)
+    : thread_([period, work = std::move(work)](const std::stop_token& stop) {
+        run(stop, nullptr, period, work);
+      }) {}
+
+Periodic::Periodic(LabClock& clock, gecos::Duration period, std::function<void(double)> work,
+                   std::function<void()> begin)
+    : thread_([&clock, period, work = std::move(work),
+               begin = std::move(begin)](const std::stop_token& stop) {
+        begin();
+        run(stop, &clock, period, work);
+      }) {}
 
 }  // namespace devices

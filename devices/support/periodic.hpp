@@ -4,20 +4,23 @@
 #include <stop_token>
 #include <thread>
 
+#include "devices/support/lab_clock.hpp"
 #include "gecos/base/clock.hpp"
 
 namespace devices {
 
 /// Calls `work` once every `period` on a separate thread, from the constructor to the destructor.
 ///
-/// The cycles have absolute start times. A late cycle does not delay the following cycles, and
-/// missed cycles are skipped.
+/// The cycles have absolute start times. What becomes of late cycles: see Pace.
 class Periodic {
  public:
   /// `work` receives the time since the last cycle in s: `period`, or a multiple of `period` after
-  /// missed cycles. `begin` is called once on the thread, before the first cycle.
+  /// missed cycles.
+  Periodic(gecos::Duration period, std::function<void(double seconds)> work);
+  /// `period` and the time that `work` receives are simulated time, by `clock`. Sets the speed that
+  /// `clock` has reached. `begin` is called once on the thread, before the first cycle.
   Periodic(
-      gecos::Duration period, std::function<void(double seconds)> work,
+      LabClock& clock, gecos::Duration period, std::function<void(double seconds)> work,
       std::function<void()> begin = [] {});
 
  private:

@@ -38,12 +38,13 @@ int run(int count, char** words) {
   for (const std::string& name : split(line.text("grippers"))) {
     grippers.push_back(std::make_unique<devices::GripperWatch>(lab, world, name));
   }
-  devices::WorldServant servant(world, [&grippers] {
+  const auto carry = [&grippers] {
     for (const auto& gripper : grippers) gripper->carry();
-  });
-  devices::Served how{.program = "robcl-world", .name = line.text("name")};
+  };
+  devices::WorldServant servant(world, carry, line.clock());
+  devices::Served how{.program = "robcl-world", .name = line.text("name"), .clock = line.clock()};
   for (const auto& gripper : grippers) {
-    how.beats.push_back({4ms, [watch = gripper.get()](double) { watch->tick(); }});
+    how.beats.push_back({4ms, [watch = gripper.get()] { watch->tick(); }});
   }
   return devices::serve_device(lab, servant, how);
 }

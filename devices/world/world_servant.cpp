@@ -15,8 +15,9 @@ robcl::Body on_wire(const SimulatedBody& body) {
 
 }  // namespace
 
-WorldServant::WorldServant(SimulatedWorld& world, std::function<void()> catch_up)
-    : world_(world), catch_up_(std::move(catch_up)) {}
+WorldServant::WorldServant(SimulatedWorld& world, std::function<void()> catch_up,
+                           double clock_speed)
+    : world_(world), catch_up_(std::move(catch_up)), clock_speed_(clock_speed) {}
 
 robcl::UnknownBody WorldServant::unknown(const std::string& name) const {
   robcl::UnknownBody exception{name, {}};

@@ -68,6 +68,12 @@ def lab(build: Path, place: Path) -> Iterator[Laboratory]:
 
 
 @pytest.fixture
+def fast_clock(lab: Laboratory) -> None:
+    """For tests that wait for motions and promise nothing about real time."""
+    lab.env["ROBCL_CLOCK"] = "10"
+
+
+@pytest.fixture
 def lab_with_broker(lab: Laboratory) -> Laboratory:
     lab.start(lab.build / "runtime" / "cpp" / "gecos" / "broker" / "gecos-broker", ready="ready")
     return lab

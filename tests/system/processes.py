@@ -151,6 +151,7 @@ class Laboratory:
             "PYTHONUNBUFFERED": "1",
         }
         self.env.pop("GECOS_BROKER", None)
+        self.env.pop("ROBCL_CLOCK", None)
         self.programs: list[Program] = []
 
     def start(

@@ -76,11 +76,11 @@ def own_arm(tmp_path: Path) -> Path:
     return file
 
 
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("here", "fast_clock")
 def test_one_program_moves_arms_of_six_and_of_seven_joints(lab_with_broker: Laboratory) -> None:
     lab = lab_with_broker
-    lab.start(robcl_arm(lab), ARMS / "iiwa14.toml", ready="robcl-arm: IIWA14 is ready")
-    lab.start(robcl_arm(lab), ARMS / "rx90l.toml", ready="robcl-arm: RX90L is ready")
+    lab.start(robcl_arm(lab), ARMS / "iiwa14.toml", ready="IIWA14 is ready")
+    lab.start(robcl_arm(lab), ARMS / "rx90l.toml", ready="RX90L is ready")
     lab.start(lab.build / "devices/rx90/robcl-rx90", ready="RX90 is ready")
     lab.start(lab.build / "devices/puma560/robcl-puma560", ready="PUMA is ready")
     found = gecos.Lab().objects(Manipulator)
@@ -96,7 +96,7 @@ def test_one_program_moves_arms_of_six_and_of_seven_joints(lab_with_broker: Labo
         assert moved.lines == ["0 mm from the goal"] * 4, str(moved)
 
 
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("here", "fast_clock")
 def test_two_files_outside_the_tree_are_an_arm(lab_with_broker: Laboratory, own_arm: Path) -> None:
     lab = lab_with_broker
     lab.start(robcl_arm(lab), own_arm, ready="FIVE is ready")
@@ -162,6 +162,7 @@ def arm_of_the_page(tmp_path: Path) -> Path:
     return tmp_path / "bench.toml"
 
 
+@pytest.mark.usefixtures("fast_clock")
 def test_the_arm_of_the_page_is_moved(lab_with_broker: Laboratory, arm_of_the_page: Path) -> None:
     lab = lab_with_broker
     lab.start(robcl_arm(lab), arm_of_the_page, ready="BENCH is ready")

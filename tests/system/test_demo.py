@@ -31,7 +31,7 @@ def alive_with(marker: str) -> dict[int, str]:
 
 @pytest.mark.timeout(240)
 def test_the_block_is_lifted_from_cpp_and_from_python(lab: Laboratory) -> None:
-    demo = lab.start(sys.executable, DEMO, "--build", lab.build)
+    demo = lab.start(sys.executable, DEMO, "--build", lab.build, "--clock", "10")
     assert demo.finish(200) == 0, str(demo)
     lifts = [line for line in demo.lines if "lifted by" in line and line.startswith("block:")]
     assert len(lifts) == 2, str(demo)
@@ -59,7 +59,7 @@ def test_however_it_is_ended_it_leaves_nothing_running(
     assert alive_with(marker) == {}
 
 
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("here", "fast_clock")
 @pytest.mark.parametrize("language", ["C++", "Python"])
 def test_a_program_that_ends_without_waiting_still_lifts_the_block(
     language: str, lab_with_devices: Laboratory

@@ -65,6 +65,7 @@ def test_grip_block_says_what_it_takes(language: str, lab: Laboratory) -> None:
     assert "--lift" in refused.output() and "usage: grip_block" in refused.output()
 
 
+@pytest.mark.usefixtures("fast_clock")
 @pytest.mark.parametrize("medium", ["shm", "lcm"])
 @pytest.mark.parametrize("language", ["C++", "Python"])
 def test_grip_block_over_each_medium(
@@ -76,7 +77,7 @@ def test_grip_block_over_each_medium(
     assert gripped.lines[-1] == "lift: FINISHED", str(gripped)
 
 
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("here", "fast_clock")
 @pytest.mark.parametrize("language", ["C++", "Python"])
 def test_grip_block_moves_a_puma_that_is_served_under_another_name(
     language: str, lab_with_broker: Laboratory

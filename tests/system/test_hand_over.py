@@ -33,7 +33,7 @@ STRAIGHT = Trajectory(path=PathType.STRAIGHT)
 
 
 @pytest.fixture
-def two_arms(lab: Laboratory) -> Laboratory:
+def two_arms(fast_clock: None, lab: Laboratory) -> Laboratory:
     """Two arms with a gripper each, from the lab.toml of the example."""
     up = [sys.executable, "-m", "gecos.cli", "up", "--programs", lab.build]
     lab.start(*up, EXAMPLES / "16_hand_over" / "lab.toml", ready="are ready; Ctrl-C ends them")

@@ -98,6 +98,22 @@ def test_an_arm_of_seven_joints_is_drawn_with_its_joints(
     assert (np.abs(joints.speed.value) <= 1.001 * read_limits(ARMS / "iiwa14.toml").speed).all()
 
 
+def test_a_motion_that_is_faster_than_real_time_is_drawn_in_simulated_time(
+    lab_with_broker: Laboratory, tmp_path: Path
+) -> None:
+    lab, table = lab_with_broker, tmp_path / "motion.csv"
+    lab.start(lab.build / "devices/rx90/robcl-rx90", "--clock", "5", ready="ready")
+    plot = plotting(lab, "RX90", "--csv", table)
+    assert lab.run(sys.executable, MOVE_TOOL, "RX90").finish() == 0
+    assert plot.finish() == 0, str(plot)
+    recorded, arm = read_csv(table), read_limits(ARMS / "rx90.toml")
+    joints = of_joints(recorded)
+    assert joints is not None and arm.acceleration is not None
+    for course, limit in ((joints.speed, arm.speed), (joints.acceleration, arm.acceleration)):
+        share = np.abs(course.value) / limit
+        assert 0.3 < share.max() <= 1.001
+
+
 def test_ctrl_c_draws_what_was_recorded(lab_with_arm: Laboratory, tmp_path: Path) -> None:
     table = tmp_path / "motion.csv"
     plot = plotting(lab_with_arm, "RX90", "--csv", table)

@@ -204,6 +204,18 @@ def bench(user: User, meeting: Laboratory) -> Drives:
 
 
 @pytest.mark.timeout(600)
+def test_an_arm_with_drives_of_its_own_has_no_fast_clock(user: User, meeting: Laboratory) -> None:
+    user.build("own_arm_built", project="own_arm")
+    program, arm = user.folder / "own_arm_built/bench-arm", user.folder / "own_arm/bench.toml"
+    refused = meeting.run(*user.unseen(program, arm, "--clock", "10"))
+    assert refused.finish() == 2, str(refused)
+    assert refused.lines[0] == (
+        "bench-arm: '--clock' is 10, but the joints of BENCH are real; only simulated devices have "
+        "another clock than 1"
+    )
+
+
+@pytest.mark.timeout(600)
 @pytest.mark.usefixtures("here")
 def test_an_arm_with_drives_of_its_own(user: User, meeting: Laboratory, bench: Drives) -> None:
     moved = says(meeting, user, "python", user.folder / "own_arm/move_aside.py")

@@ -428,6 +428,13 @@ def test_a_file_is_read(tmp_path: Path) -> None:
         ),
         ('[programs.A]\nrun = ["x"]\nenvironment = { B = 1 }', "3: programs.A.environment: the"),
         ("[programs.A\n", "Expected ']'"),
+        ("clock = 10", "1: clock: a table is expected"),
+        ("[clock]\nsped = 10", "2: clock.sped: this key is unknown; did you mean speed?"),
+        ("[clock]\n", "1: clock.speed: a number from 0.1 to 100000 is expected"),
+        ("[clock]\nspeed = 0", "2: clock.speed: a number from 0.1 to 100000 is expected"),
+        ('[clock]\nspeed = "10"', "2: clock.speed: a number from 0.1 to 100000 is expected"),
+        ("[clock]\nspeed = nan", "2: clock.speed: a number from 0.1 to 100000 is expected"),
+        ("[clock]\nspeed = true", "2: clock.speed: a number from 0.1 to 100000 is expected"),
     ],
 )
 def test_a_file_that_says_what_cannot_be_is_refused_with_its_line(

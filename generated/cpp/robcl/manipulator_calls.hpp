@@ -75,5 +75,7 @@ using Manipulator_standing_result = gecos::layout::Result<bool>;
 using Manipulator_missed_cycles_result = gecos::layout::Result<std::uint64_t>;
 using Manipulator_cycle_result = gecos::layout::Result<double>;
 using Manipulator_braking_time_result = gecos::layout::Result<double>;
+using Manipulator_clock_speed_result = gecos::layout::Result<double>;
+using Manipulator_reached_clock_speed_result = gecos::layout::Result<double>;
 
 }  // namespace robcl

@@ -161,6 +161,18 @@ gecos::Command<double> Manipulator::braking_time() const {
       [](auto& from, auto& value) { return from.get(value, "braking_time"); });
 }
 
+gecos::Command<double> Manipulator::clock_speed() const {
+  return gecos_call<double>(
+      ManipulatorInterface::clock_speed,
+      [](auto& from, auto& value) { return from.get(value, "clock_speed"); });
+}
+
+gecos::Command<double> Manipulator::reached_clock_speed() const {
+  return gecos_call<double>(
+      ManipulatorInterface::reached_clock_speed,
+      [](auto& from, auto& value) { return from.get(value, "reached_clock_speed"); });
+}
+
 tl::expected<gecos::Stream<::robcl::Manipulator_stood>, gecos::Failure> Manipulator::stood(
     gecos::StreamAnnotation) const {
   return gecos_subscribe<::robcl::Manipulator_stood>(

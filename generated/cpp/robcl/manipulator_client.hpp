@@ -97,6 +97,15 @@ class Manipulator : public virtual ::robcl::Device {
   /// to change their speeds much, a stop takes longer. [s]
   gecos::Command<double> braking_time() const;
 
+  /// Simulated seconds that are to pass in a second: 1 is real time, as of every arm with
+  /// real joints. All times of the arm are simulated time: durations, speeds, `cycle`,
+  /// `braking_time` and MotionProgress. The time stamps of samples are real time. [s/s]
+  gecos::Command<double> clock_speed() const;
+
+  /// Simulated seconds that passed in a second, lately: less than `clock_speed` if the
+  /// machine is too slow for it. [s/s]
+  gecos::Command<double> reached_clock_speed() const;
+
   /// The arm has come to rest, with its tool there.
   tl::expected<gecos::Stream<::robcl::Manipulator_stood>, gecos::Failure> stood(
       gecos::StreamAnnotation) const;

@@ -15,6 +15,7 @@ constinit const gecos::OperationDescription ManipulatorInterface::operations[] =
     gecos::getter(0x2f29218e, "missed_cycles", 0xd882759adbc634bdU),
     gecos::operation(0x3507e304, "move", 0xc58c2180678c1d75U,
         {.cancelable = true, .on_new = gecos::OnNew::Blend}),
+    gecos::getter(0x471c61c4, "reached_clock_speed", 0xcbacc0ff09178840U),
     gecos::getter(0x5df86bcb, "tool_offset", 0xd5db88cc5c4a48eeU),
     gecos::getter(0x5e3bb91a, "pose_epoch", 0x647f63cefbd156f4U),
     gecos::getter(0x6bd0f685, "standing", 0x1031d81d03f43ec5U),
@@ -32,6 +33,7 @@ constinit const gecos::OperationDescription ManipulatorInterface::operations[] =
     gecos::operation(0xe411f442, "tool_offset=", 0xd5db88cc5c4a48eeU,
         {.kind = gecos::OperationKind::Setter}),
     gecos::operation(0xe4bf65c9, "override_speed", 0xf909515cb9f6d463U, {.parallel = true}),
+    gecos::getter(0xffc3bfa9, "clock_speed", 0xc0df1ec7b95b1cfbU),
 };
 
 constinit const gecos::StreamDescription ManipulatorInterface::streams[] = {
@@ -61,13 +63,13 @@ constinit const gecos::InterfaceDescription* const ManipulatorInterface::inherit
 constinit const gecos::InterfaceDescription ManipulatorInterface::description{
     .name = "robcl::Manipulator",
     .version = "1.0",
-    .hash = 0xd9ee320bb78711e3U,
+    .hash = 0x7188eba42f36c2b3U,
     .bases = bases,
     .inherits = inherits,
     .operations = operations,
     .streams = streams,
     .inward_streams = inward_streams,
-    .model = R"json({"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"nested":["robcl::Manipulator::stood"],"hash":"0xd9ee320bb78711e3","members":[
+    .model = R"json({"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"nested":["robcl::Manipulator::stood"],"hash":"0x7188eba42f36c2b3","members":[
 {"kind":"attribute","name":"tool","doc":"Tool frame in the world, as measured.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":1000000000},"codes":{"get":656093559,"stream":656093559},"hash":"0xe4a63fbb9f4aa676"},
 {"kind":"attribute","name":"flange","doc":"Flange in the world, as measured: where grippers and sensors are mounted.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":1000000000},"codes":{"get":3590499756,"stream":3590499756},"hash":"0x294c864a0a1bb0d9"},
 {"kind":"attribute","name":"posture","doc":"Configuration that the arm is in.","type":"robcl::Configuration","readonly":true,"read_access":"sensor","codes":{"get":2355008027},"hash":"0x3d861e0f224574c5"},
@@ -83,7 +85,9 @@ constinit const gecos::InterfaceDescription ManipulatorInterface::description{
 {"kind":"operation","name":"follow","doc":"Moves the tool by the samples of `alter`, from where it stands, until it is cancelled. What the limits of the arm do not allow in one cycle follows in the next ones.","parameters":[{"name":"axes","direction":"in","type":"robcl::FollowMode"},{"name":"limits","direction":"in","type":"robcl::FollowLimits","optional":true}],"raises":["robcl::CorrectionsStopped"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::FollowState","on_new":"queue","on_loss":"stop","qos":{"quality_class":"HARD_REALTIME","media":["shm","can"]},"code":3270902176,"hash":"0x83451582d3f132ad"},
 {"kind":"attribute","name":"alter","doc":"Corrections for `follow`: each is multiplied to the pose that the tool is moving to, in order and at the beginning of a cycle.","type":"robcl::Frame","stream":{"direction":"in","rate_hz":1000.0,"watchdog_ns":48000000,"largest":56},"write_access":"actor","write_needs_presence":true,"qos":{"quality_class":"HARD_REALTIME","depth":64,"media":["shm","can"]},"codes":{"stream":2258633307},"hash":"0x58d3c93f202ac8d1"},
 {"kind":"attribute","name":"cycle","doc":"Period of the arm\u0027s control loop.","type":"double","readonly":true,"unit":"s","read_access":"sensor","codes":{"get":89107713},"hash":"0x38a6c7959e7f00ad"},
-{"kind":"attribute","name":"braking_time","doc":"Time in which a stop brings the arm from full speed to rest: of the slowest joint or, if that is longer, of the tool on a straight line. On a line on which the joints have to change their speeds much, a stop takes longer.","type":"double","readonly":true,"unit":"s","read_access":"sensor","codes":{"get":1978743981},"hash":"0xf31438fa79812471"}]},
+{"kind":"attribute","name":"braking_time","doc":"Time in which a stop brings the arm from full speed to rest: of the slowest joint or, if that is longer, of the tool on a straight line. On a line on which the joints have to change their speeds much, a stop takes longer.","type":"double","readonly":true,"unit":"s","read_access":"sensor","codes":{"get":1978743981},"hash":"0xf31438fa79812471"},
+{"kind":"attribute","name":"clock_speed","doc":"Simulated seconds that are to pass in a second: 1 is real time, as of every arm with real joints. All times of the arm are simulated time: durations, speeds, `cycle`, `braking_time` and MotionProgress. The time stamps of samples are real time.","type":"double","readonly":true,"unit":"s/s","read_access":"sensor","codes":{"get":4291018665},"hash":"0xc0df1ec7b95b1cfb"},
+{"kind":"attribute","name":"reached_clock_speed","doc":"Simulated seconds that passed in a second, lately: less than `clock_speed` if the machine is too slow for it.","type":"double","readonly":true,"unit":"s/s","read_access":"sensor","codes":{"get":1193042372},"hash":"0xcbacc0ff09178840"}]},
 "types":[
 {"kind":"struct","name":"robcl::Vector","extensibility":"final","members":[{"name":"x","type":"double","unit":"m"},{"name":"y","type":"double","unit":"m"},{"name":"z","type":"double","unit":"m"}],"wire":{"fingerprint":"0xae7e5fba5eeca11e","min_size":24,"fixed_size":24}},
 {"kind":"struct","name":"robcl::Quaternion","doc":"Unit quaternion, w + xi + yj + zk.","extensibility":"final","members":[{"name":"w","type":"double"},{"name":"x","type":"double"},{"name":"y","type":"double"},{"name":"z","type":"double"}],"wire":{"fingerprint":"0x365bdd4bf9100a1f","min_size":32,"fixed_size":32}},

@@ -11,22 +11,24 @@ namespace robcl {
 struct ManipulatorInterface {
   static const gecos::InterfaceDescription description;
 
-  static const gecos::OperationDescription operations[15];
+  static const gecos::OperationDescription operations[17];
   static constexpr const gecos::OperationDescription& speed_override = operations[0];
   static constexpr const gecos::OperationDescription& cycle = operations[1];
   static constexpr const gecos::OperationDescription& tool = operations[2];
   static constexpr const gecos::OperationDescription& missed_cycles = operations[3];
   static constexpr const gecos::OperationDescription& move = operations[4];
-  static constexpr const gecos::OperationDescription& tool_offset = operations[5];
-  static constexpr const gecos::OperationDescription& pose_epoch = operations[6];
-  static constexpr const gecos::OperationDescription& standing = operations[7];
-  static constexpr const gecos::OperationDescription& braking_time = operations[8];
-  static constexpr const gecos::OperationDescription& posture = operations[9];
-  static constexpr const gecos::OperationDescription& set_configuration = operations[10];
-  static constexpr const gecos::OperationDescription& follow = operations[11];
-  static constexpr const gecos::OperationDescription& flange = operations[12];
-  static constexpr const gecos::OperationDescription& set_tool_offset = operations[13];
-  static constexpr const gecos::OperationDescription& override_speed = operations[14];
+  static constexpr const gecos::OperationDescription& reached_clock_speed = operations[5];
+  static constexpr const gecos::OperationDescription& tool_offset = operations[6];
+  static constexpr const gecos::OperationDescription& pose_epoch = operations[7];
+  static constexpr const gecos::OperationDescription& standing = operations[8];
+  static constexpr const gecos::OperationDescription& braking_time = operations[9];
+  static constexpr const gecos::OperationDescription& posture = operations[10];
+  static constexpr const gecos::OperationDescription& set_configuration = operations[11];
+  static constexpr const gecos::OperationDescription& follow = operations[12];
+  static constexpr const gecos::OperationDescription& flange = operations[13];
+  static constexpr const gecos::OperationDescription& set_tool_offset = operations[14];
+  static constexpr const gecos::OperationDescription& override_speed = operations[15];
+  static constexpr const gecos::OperationDescription& clock_speed = operations[16];
 
   static const gecos::StreamDescription streams[3];
   static constexpr const gecos::StreamDescription& tool_stream = streams[0];

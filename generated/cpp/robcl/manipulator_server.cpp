@@ -94,6 +94,13 @@ bool ManipulatorServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call
       return call.answer("robcl::Manipulator::cycle", this->cycle(), {});
     case 0x75f13cad:  // braking_time
       return call.answer("robcl::Manipulator::braking_time", this->braking_time(), {});
+    case 0xffc3bfa9:  // clock_speed
+      return call.answer("robcl::Manipulator::clock_speed", this->clock_speed(), {});
+    case 0x471c61c4:  // reached_clock_speed
+      return call.answer(
+          "robcl::Manipulator::reached_clock_speed",
+          this->reached_clock_speed(),
+          {});
   }
   return ::robcl::DeviceServant::gecos_answer(call);
 }

@@ -102,6 +102,15 @@ class ManipulatorServant : public virtual ::robcl::DeviceServant {
   /// to change their speeds much, a stop takes longer. [s]
   virtual gecos::Result<double> braking_time() = 0;
 
+  /// Simulated seconds that are to pass in a second: 1 is real time, as of every arm with
+  /// real joints. All times of the arm are simulated time: durations, speeds, `cycle`,
+  /// `braking_time` and MotionProgress. The time stamps of samples are real time. [s/s]
+  virtual gecos::Result<double> clock_speed() = 0;
+
+  /// Simulated seconds that passed in a second, lately: less than `clock_speed` if the
+  /// machine is too slow for it. [s/s]
+  virtual gecos::Result<double> reached_clock_speed() = 0;
+
   bool gecos_answer(gecos::IncomingCall& call) override;
 
  private:

@@ -52,5 +52,6 @@ using World_bodies_result = gecos::layout::Result<
 using World_find_result = gecos::layout::Result<::robcl::Body, gecos::layout::Block>;
 using World_cast_result = gecos::layout::Result<::robcl::RayHit, gecos::layout::Block>;
 using World_between_result = gecos::layout::Result<::robcl::Contact, gecos::layout::Block>;
+using World_clock_speed_result = gecos::layout::Result<double>;
 
 }  // namespace robcl

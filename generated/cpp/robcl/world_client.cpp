@@ -62,4 +62,10 @@ gecos::Command<void> World::place(const std::string& name, const ::robcl::Frame&
       });
 }
 
+gecos::Command<double> World::clock_speed() const {
+  return gecos_call<double>(
+      WorldInterface::clock_speed,
+      [](auto& from, auto& value) { return from.get(value, "clock_speed"); });
+}
+
 }  // namespace robcl

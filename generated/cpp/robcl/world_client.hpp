@@ -44,6 +44,10 @@ class World : public virtual gecos::Object {
   /// Puts a body somewhere, for preparing an experiment. Refused while it is held.
   /// May fail with robcl::UnknownBody.
   gecos::Command<void> place(const std::string& name, const ::robcl::Frame& pose) const;
+
+  /// Simulated seconds that are to pass in a second, in all of this laboratory: 1 is real
+  /// time. [s/s]
+  gecos::Command<double> clock_speed() const;
 };
 
 }  // namespace robcl

@@ -11,6 +11,7 @@ constinit const gecos::OperationDescription WorldInterface::operations[] = {
     gecos::operation(0x72eb48a0, "place", 0xb8cdd7e92e8f35c2U),
     gecos::operation(0xbfa68292, "cast", 0xecbe62dce8ab00dbU,
         {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
+    gecos::getter(0xcda72edd, "clock_speed", 0xcb9cd14585a7d7f4U),
     gecos::operation(0xe92da823, "between", 0x8905b0f412a0d8b8U,
         {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
 };
@@ -18,14 +19,15 @@ constinit const gecos::OperationDescription WorldInterface::operations[] = {
 constinit const gecos::InterfaceDescription WorldInterface::description{
     .name = "robcl::World",
     .version = "1.0",
-    .hash = 0x1e257b51e7f09fdcU,
+    .hash = 0x6d3657a6e4af94ecU,
     .operations = operations,
-    .model = R"json({"interface":{"kind":"interface","name":"robcl::World","doc":"The simulated laboratory: what is in it and where. It watches grippers and arms and moves what they carry.","version":"1.0","hash":"0x1e257b51e7f09fdc","members":[
+    .model = R"json({"interface":{"kind":"interface","name":"robcl::World","doc":"The simulated laboratory: what is in it and where. It watches grippers and arms and moves what they carry.","version":"1.0","hash":"0x6d3657a6e4af94ec","members":[
 {"kind":"operation","name":"bodies","doc":"All bodies, where they are now.","result":"sequence<robcl::Body>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":635381565,"hash":"0x0cdf7406ce04e1a6"},
 {"kind":"operation","name":"find","doc":"One body, where it is now.","result":"robcl::Body","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["robcl::UnknownBody"],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":680451486,"hash":"0xb7d10dc92ba93aa4"},
 {"kind":"operation","name":"cast","doc":"First body on the ray from `origin` along its z axis.","result":"robcl::RayHit","parameters":[{"name":"origin","direction":"in","type":"robcl::Frame"},{"name":"reach","direction":"in","type":"double","unit":"m"}],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":3215360658,"hash":"0xecbe62dce8ab00db"},
 {"kind":"operation","name":"between","doc":"Width at which jaws meet a body when they close along y of `jaws` around it, from `opening`.","result":"robcl::Contact","parameters":[{"name":"jaws","direction":"in","type":"robcl::Frame"},{"name":"opening","direction":"in","type":"double","unit":"m"}],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":3912083491,"hash":"0x8905b0f412a0d8b8"},
-{"kind":"operation","name":"place","doc":"Puts a body somewhere, for preparing an experiment. Refused while it is held.","parameters":[{"name":"name","direction":"in","type":"string"},{"name":"pose","direction":"in","type":"robcl::Frame"}],"raises":["robcl::UnknownBody"],"access":"actor","needs_presence":true,"on_new":"queue","on_loss":"stop","code":1928022176,"hash":"0xb8cdd7e92e8f35c2"}]},
+{"kind":"operation","name":"place","doc":"Puts a body somewhere, for preparing an experiment. Refused while it is held.","parameters":[{"name":"name","direction":"in","type":"string"},{"name":"pose","direction":"in","type":"robcl::Frame"}],"raises":["robcl::UnknownBody"],"access":"actor","needs_presence":true,"on_new":"queue","on_loss":"stop","code":1928022176,"hash":"0xb8cdd7e92e8f35c2"},
+{"kind":"attribute","name":"clock_speed","doc":"Simulated seconds that are to pass in a second, in all of this laboratory: 1 is real time.","type":"double","readonly":true,"unit":"s/s","read_access":"sensor","codes":{"get":3450285789},"hash":"0xcb9cd14585a7d7f4"}]},
 "types":[
 {"kind":"struct","name":"robcl::Vector","extensibility":"final","members":[{"name":"x","type":"double","unit":"m"},{"name":"y","type":"double","unit":"m"},{"name":"z","type":"double","unit":"m"}],"wire":{"fingerprint":"0xae7e5fba5eeca11e","min_size":24,"fixed_size":24}},
 {"kind":"struct","name":"robcl::Quaternion","doc":"Unit quaternion, w + xi + yj + zk.","extensibility":"final","members":[{"name":"w","type":"double"},{"name":"x","type":"double"},{"name":"y","type":"double"},{"name":"z","type":"double"}],"wire":{"fingerprint":"0x365bdd4bf9100a1f","min_size":32,"fixed_size":32}},

@@ -9,12 +9,13 @@ namespace robcl {
 struct WorldInterface {
   static const gecos::InterfaceDescription description;
 
-  static const gecos::OperationDescription operations[5];
+  static const gecos::OperationDescription operations[6];
   static constexpr const gecos::OperationDescription& bodies = operations[0];
   static constexpr const gecos::OperationDescription& find = operations[1];
   static constexpr const gecos::OperationDescription& place = operations[2];
   static constexpr const gecos::OperationDescription& cast = operations[3];
-  static constexpr const gecos::OperationDescription& between = operations[4];
+  static constexpr const gecos::OperationDescription& clock_speed = operations[4];
+  static constexpr const gecos::OperationDescription& between = operations[5];
 };
 
 }  // namespace robcl

@@ -65,6 +65,8 @@ bool WorldServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
       if (!read) return call.refuse(from.error());
       return call.answer(this->place(name, pose), {"robcl::UnknownBody"});
     }
+    case 0xcda72edd:  // clock_speed
+      return call.answer("robcl::World::clock_speed", this->clock_speed(), {});
   }
   return false;
 }

@@ -37,6 +37,10 @@ class WorldServant : public virtual gecos::Servant {
   /// May fail with robcl::UnknownBody.
   virtual gecos::Result<void> place(const std::string& name, const ::robcl::Frame& pose) = 0;
 
+  /// Simulated seconds that are to pass in a second, in all of this laboratory: 1 is real
+  /// time. [s/s]
+  virtual gecos::Result<double> clock_speed() = 0;
+
   bool gecos_answer(gecos::IncomingCall& call) override;
 };
 

@@ -191,6 +191,14 @@ _MANIPULATOR_BRAKING_TIME: _Method[float, None] = _method(
     _getter(0x75F13CAD, "braking_time", _Access.SENSOR, hash=0xF31438FA79812471),
     gives="d",
 )
+_MANIPULATOR_CLOCK_SPEED: _Method[float, None] = _method(
+    _getter(0xFFC3BFA9, "clock_speed", _Access.SENSOR, hash=0xC0DF1EC7B95B1CFB),
+    gives="d",
+)
+_MANIPULATOR_REACHED_CLOCK_SPEED: _Method[float, None] = _method(
+    _getter(0x471C61C4, "reached_clock_speed", _Access.SENSOR, hash=0xCBACC0FF09178840),
+    gives="d",
+)
 _MANIPULATOR_ALTER: _InwardTable[Frame] = _inward(
     0x86A0025B,
     "alter",
@@ -210,7 +218,7 @@ _MANIPULATOR_STOOD: _EventTable[Manipulator_stood] = _event(
     largest=60,
     hash=0xCD7E2A4C2A3ACB27,
 )
-_MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"nested":["robcl::Manipulator::stood"],"hash":"0xd9ee320bb78711e3","members":[
+_MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"nested":["robcl::Manipulator::stood"],"hash":"0x7188eba42f36c2b3","members":[
 {"kind":"attribute","name":"tool","doc":"Tool frame in the world, as measured.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":1000000000},"codes":{"get":656093559,"stream":656093559},"hash":"0xe4a63fbb9f4aa676"},
 {"kind":"attribute","name":"flange","doc":"Flange in the world, as measured: where grippers and sensors are mounted.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":1000000000},"codes":{"get":3590499756,"stream":3590499756},"hash":"0x294c864a0a1bb0d9"},
 {"kind":"attribute","name":"posture","doc":"Configuration that the arm is in.","type":"robcl::Configuration","readonly":true,"read_access":"sensor","codes":{"get":2355008027},"hash":"0x3d861e0f224574c5"},
@@ -226,7 +234,9 @@ _MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::
 {"kind":"operation","name":"follow","doc":"Moves the tool by the samples of `alter`, from where it stands, until it is cancelled. What the limits of the arm do not allow in one cycle follows in the next ones.","parameters":[{"name":"axes","direction":"in","type":"robcl::FollowMode"},{"name":"limits","direction":"in","type":"robcl::FollowLimits","optional":true}],"raises":["robcl::CorrectionsStopped"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::FollowState","on_new":"queue","on_loss":"stop","qos":{"quality_class":"HARD_REALTIME","media":["shm","can"]},"code":3270902176,"hash":"0x83451582d3f132ad"},
 {"kind":"attribute","name":"alter","doc":"Corrections for `follow`: each is multiplied to the pose that the tool is moving to, in order and at the beginning of a cycle.","type":"robcl::Frame","stream":{"direction":"in","rate_hz":1000.0,"watchdog_ns":48000000,"largest":56},"write_access":"actor","write_needs_presence":true,"qos":{"quality_class":"HARD_REALTIME","depth":64,"media":["shm","can"]},"codes":{"stream":2258633307},"hash":"0x58d3c93f202ac8d1"},
 {"kind":"attribute","name":"cycle","doc":"Period of the arm\u0027s control loop.","type":"double","readonly":true,"unit":"s","read_access":"sensor","codes":{"get":89107713},"hash":"0x38a6c7959e7f00ad"},
-{"kind":"attribute","name":"braking_time","doc":"Time in which a stop brings the arm from full speed to rest: of the slowest joint or, if that is longer, of the tool on a straight line. On a line on which the joints have to change their speeds much, a stop takes longer.","type":"double","readonly":true,"unit":"s","read_access":"sensor","codes":{"get":1978743981},"hash":"0xf31438fa79812471"}]},
+{"kind":"attribute","name":"braking_time","doc":"Time in which a stop brings the arm from full speed to rest: of the slowest joint or, if that is longer, of the tool on a straight line. On a line on which the joints have to change their speeds much, a stop takes longer.","type":"double","readonly":true,"unit":"s","read_access":"sensor","codes":{"get":1978743981},"hash":"0xf31438fa79812471"},
+{"kind":"attribute","name":"clock_speed","doc":"Simulated seconds that are to pass in a second: 1 is real time, as of every arm with real joints. All times of the arm are simulated time: durations, speeds, `cycle`, `braking_time` and MotionProgress. The time stamps of samples are real time.","type":"double","readonly":true,"unit":"s/s","read_access":"sensor","codes":{"get":4291018665},"hash":"0xc0df1ec7b95b1cfb"},
+{"kind":"attribute","name":"reached_clock_speed","doc":"Simulated seconds that passed in a second, lately: less than `clock_speed` if the machine is too slow for it.","type":"double","readonly":true,"unit":"s/s","read_access":"sensor","codes":{"get":1193042372},"hash":"0xcbacc0ff09178840"}]},
 "types":[
 {"kind":"struct","name":"robcl::Vector","extensibility":"final","members":[{"name":"x","type":"double","unit":"m"},{"name":"y","type":"double","unit":"m"},{"name":"z","type":"double","unit":"m"}],"wire":{"fingerprint":"0xae7e5fba5eeca11e","min_size":24,"fixed_size":24}},
 {"kind":"struct","name":"robcl::Quaternion","doc":"Unit quaternion, w + xi + yj + zk.","extensibility":"final","members":[{"name":"w","type":"double"},{"name":"x","type":"double"},{"name":"y","type":"double"},{"name":"z","type":"double"}],"wire":{"fingerprint":"0x365bdd4bf9100a1f","min_size":32,"fixed_size":32}},
@@ -251,7 +261,7 @@ _MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::
 _MANIPULATOR = _interface(
     "robcl::Manipulator",
     "1.0",
-    0xD9EE320BB78711E3,
+    0x7188EBA42F36C2B3,
     (Device,),
     (
         _MANIPULATOR_TOOL,
@@ -269,6 +279,8 @@ _MANIPULATOR = _interface(
         _MANIPULATOR_FOLLOW,
         _MANIPULATOR_CYCLE,
         _MANIPULATOR_BRAKING_TIME,
+        _MANIPULATOR_CLOCK_SPEED,
+        _MANIPULATOR_REACHED_CLOCK_SPEED,
     ),
     model=_MANIPULATOR_SERVED_MODEL,
     inward=(_MANIPULATOR_ALTER,),
@@ -395,6 +407,19 @@ class Manipulator(Device):
         to change their speeds much, a stop takes longer. [s]
         """
         return self._gecos_call(_MANIPULATOR_BRAKING_TIME, [])
+
+    def clock_speed(self) -> _Command[float]:
+        """Simulated seconds that are to pass in a second: 1 is real time, as of every arm with
+        real joints. All times of the arm are simulated time: durations, speeds, `cycle`,
+        `braking_time` and MotionProgress. The time stamps of samples are real time. [s/s]
+        """
+        return self._gecos_call(_MANIPULATOR_CLOCK_SPEED, [])
+
+    def reached_clock_speed(self) -> _Command[float]:
+        """Simulated seconds that passed in a second, lately: less than `clock_speed` if the
+        machine is too slow for it. [s/s]
+        """
+        return self._gecos_call(_MANIPULATOR_REACHED_CLOCK_SPEED, [])
 
     @property
     def alter(self) -> _InwardAttribute[Frame]:
@@ -524,6 +549,19 @@ class ManipulatorServant(DeviceServant):
         """Time in which a stop brings the arm from full speed to rest: of the slowest joint or,
         if that is longer, of the tool on a straight line. On a line on which the joints have
         to change their speeds much, a stop takes longer. [s]
+        """
+
+    @_abstractmethod
+    def clock_speed(self) -> float:
+        """Simulated seconds that are to pass in a second: 1 is real time, as of every arm with
+        real joints. All times of the arm are simulated time: durations, speeds, `cycle`,
+        `braking_time` and MotionProgress. The time stamps of samples are real time. [s/s]
+        """
+
+    @_abstractmethod
+    def reached_clock_speed(self) -> float:
+        """Simulated seconds that passed in a second, lately: less than `clock_speed` if the
+        machine is too slow for it. [s/s]
         """
 
     def publish_tool(self, value: Frame, stamp: float | None = None) -> None:

@@ -11,13 +11,13 @@ __all__ = [
     "Puma560Servant",
 ]
 
-_PUMA560_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Puma560","doc":"Unimation Puma 560.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0xf0077ff9cde326c8","members":[]},
+_PUMA560_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Puma560","doc":"Unimation Puma 560.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x14a69bb924c67be4","members":[]},
 "types":[],
 "references":[]}'''
 _PUMA560 = _interface(
     "robcl::Puma560",
     "1.0",
-    0xF0077FF9CDE326C8,
+    0x14A69BB924C67BE4,
     (SixAxis,),
     (),
     model=_PUMA560_SERVED_MODEL,

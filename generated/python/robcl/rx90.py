@@ -11,13 +11,13 @@ __all__ = [
     "Rx90Servant",
 ]
 
-_RX90_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Rx90","doc":"Staeubli RX90.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x37a2e0a921c28647","members":[]},
+_RX90_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Rx90","doc":"Staeubli RX90.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x64029302b7d03db0","members":[]},
 "types":[],
 "references":[]}'''
 _RX90 = _interface(
     "robcl::Rx90",
     "1.0",
-    0x37A2E0A921C28647,
+    0x64029302B7D03DB0,
     (SixAxis,),
     (),
     model=_RX90_SERVED_MODEL,

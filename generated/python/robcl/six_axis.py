@@ -51,7 +51,7 @@ _SIX_AXIS_MOVE_JOINTS: _Method[None, MotionProgress] = _method(
     feedback=MotionProgress,
     raises=(JointLimit,),
 )
-_SIX_AXIS_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::SixAxis","doc":"An arm with six revolute joints.","version":"1.0","bases":["robcl::Manipulator"],"all_bases":["robcl::Device","robcl::Manipulator"],"hash":"0x55f7a2b0c5077fe8","members":[
+_SIX_AXIS_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::SixAxis","doc":"An arm with six revolute joints.","version":"1.0","bases":["robcl::Manipulator"],"all_bases":["robcl::Device","robcl::Manipulator"],"hash":"0xb3eb08caaf7b7499","members":[
 {"kind":"attribute","name":"joints","doc":"Joint positions as measured.","type":"robcl::Joints","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":48},"read_access":"sensor","codes":{"get":3220492753,"stream":3220492753},"hash":"0x23e3fbceb31c903f"},
 {"kind":"attribute","name":"commanded_joints","doc":"Joint positions that the control loop has sent to the drives: the set points of the cycle in which `joints` were measured.","type":"robcl::Joints","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":48},"read_access":"sensor","codes":{"get":168957352,"stream":168957352},"hash":"0x3f9120ab68c95c24"},
 {"kind":"operation","name":"move_joints","doc":"Moves all joints to `target`, arriving together.","parameters":[{"name":"target","direction":"in","type":"robcl::Joints"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true}],"raises":["robcl::JointLimit"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"blend","on_loss":"stop","code":3295392167,"hash":"0xde6f2f910e3f67dc"}]},
@@ -71,7 +71,7 @@ _SIX_AXIS_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Six
 _SIX_AXIS = _interface(
     "robcl::SixAxis",
     "1.0",
-    0x55F7A2B0C5077FE8,
+    0xB3EB08CAAF7B7499,
     (Manipulator,),
     (_SIX_AXIS_JOINTS, _SIX_AXIS_COMMANDED_JOINTS, _SIX_AXIS_MOVE_JOINTS),
     model=_SIX_AXIS_SERVED_MODEL,

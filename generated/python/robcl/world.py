@@ -11,6 +11,7 @@ from gecos.command import Command as _Command
 from gecos.interface import Access as _Access
 from gecos.interface import Method as _Method
 from gecos.interface import Operation as _Operation
+from gecos.interface import getter as _getter
 from gecos.interface import interface as _interface
 from gecos.interface import method as _method
 from gecos.interface import values as _values
@@ -82,12 +83,17 @@ _WORLD_PLACE: _Method[None, None] = _method(
     takes=_values("name pose", _layout.text(), Frame),
     raises=(UnknownBody,),
 )
-_WORLD_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::World","doc":"The simulated laboratory: what is in it and where. It watches grippers and arms and moves what they carry.","version":"1.0","hash":"0x1e257b51e7f09fdc","members":[
+_WORLD_CLOCK_SPEED: _Method[float, None] = _method(
+    _getter(0xCDA72EDD, "clock_speed", _Access.SENSOR, hash=0xCB9CD14585A7D7F4),
+    gives="d",
+)
+_WORLD_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::World","doc":"The simulated laboratory: what is in it and where. It watches grippers and arms and moves what they carry.","version":"1.0","hash":"0x6d3657a6e4af94ec","members":[
 {"kind":"operation","name":"bodies","doc":"All bodies, where they are now.","result":"sequence<robcl::Body>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":635381565,"hash":"0x0cdf7406ce04e1a6"},
 {"kind":"operation","name":"find","doc":"One body, where it is now.","result":"robcl::Body","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["robcl::UnknownBody"],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":680451486,"hash":"0xb7d10dc92ba93aa4"},
 {"kind":"operation","name":"cast","doc":"First body on the ray from `origin` along its z axis.","result":"robcl::RayHit","parameters":[{"name":"origin","direction":"in","type":"robcl::Frame"},{"name":"reach","direction":"in","type":"double","unit":"m"}],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":3215360658,"hash":"0xecbe62dce8ab00db"},
 {"kind":"operation","name":"between","doc":"Width at which jaws meet a body when they close along y of `jaws` around it, from `opening`.","result":"robcl::Contact","parameters":[{"name":"jaws","direction":"in","type":"robcl::Frame"},{"name":"opening","direction":"in","type":"double","unit":"m"}],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":3912083491,"hash":"0x8905b0f412a0d8b8"},
-{"kind":"operation","name":"place","doc":"Puts a body somewhere, for preparing an experiment. Refused while it is held.","parameters":[{"name":"name","direction":"in","type":"string"},{"name":"pose","direction":"in","type":"robcl::Frame"}],"raises":["robcl::UnknownBody"],"access":"actor","needs_presence":true,"on_new":"queue","on_loss":"stop","code":1928022176,"hash":"0xb8cdd7e92e8f35c2"}]},
+{"kind":"operation","name":"place","doc":"Puts a body somewhere, for preparing an experiment. Refused while it is held.","parameters":[{"name":"name","direction":"in","type":"string"},{"name":"pose","direction":"in","type":"robcl::Frame"}],"raises":["robcl::UnknownBody"],"access":"actor","needs_presence":true,"on_new":"queue","on_loss":"stop","code":1928022176,"hash":"0xb8cdd7e92e8f35c2"},
+{"kind":"attribute","name":"clock_speed","doc":"Simulated seconds that are to pass in a second, in all of this laboratory: 1 is real time.","type":"double","readonly":true,"unit":"s/s","read_access":"sensor","codes":{"get":3450285789},"hash":"0xcb9cd14585a7d7f4"}]},
 "types":[
 {"kind":"struct","name":"robcl::Vector","extensibility":"final","members":[{"name":"x","type":"double","unit":"m"},{"name":"y","type":"double","unit":"m"},{"name":"z","type":"double","unit":"m"}],"wire":{"fingerprint":"0xae7e5fba5eeca11e","min_size":24,"fixed_size":24}},
 {"kind":"struct","name":"robcl::Quaternion","doc":"Unit quaternion, w + xi + yj + zk.","extensibility":"final","members":[{"name":"w","type":"double"},{"name":"x","type":"double"},{"name":"y","type":"double"},{"name":"z","type":"double"}],"wire":{"fingerprint":"0x365bdd4bf9100a1f","min_size":32,"fixed_size":32}},
@@ -100,9 +106,9 @@ _WORLD_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::World"
 _WORLD = _interface(
     "robcl::World",
     "1.0",
-    0x1E257B51E7F09FDC,
+    0x6D3657A6E4AF94EC,
     (),
-    (_WORLD_BODIES, _WORLD_FIND, _WORLD_CAST, _WORLD_BETWEEN, _WORLD_PLACE),
+    (_WORLD_BODIES, _WORLD_FIND, _WORLD_CAST, _WORLD_BETWEEN, _WORLD_PLACE, _WORLD_CLOCK_SPEED),
     model=_WORLD_SERVED_MODEL,
 )
 
@@ -147,6 +153,12 @@ class World(_Object):
         """
         return self._gecos_call(_WORLD_PLACE, _WORLD_PLACE.request(name, pose))
 
+    def clock_speed(self) -> _Command[float]:
+        """Simulated seconds that are to pass in a second, in all of this laboratory: 1 is real
+        time. [s/s]
+        """
+        return self._gecos_call(_WORLD_CLOCK_SPEED, [])
+
 
 class WorldServant(_Servant):
     """The simulated laboratory: what is in it and where. It watches grippers and arms and
@@ -187,4 +199,10 @@ class WorldServant(_Servant):
         """Puts a body somewhere, for preparing an experiment. Refused while it is held.
 
         May raise UnknownBody.
+        """
+
+    @_abstractmethod
+    def clock_speed(self) -> float:
+        """Simulated seconds that are to pass in a second, in all of this laboratory: 1 is real
+        time. [s/s]
         """

@@ -64,6 +64,8 @@ TEST(LabFile, SaysTheLineOfEachErrorAndWhatToWrite) {
        "lab.toml:2: objects.RX90.allow.user: this key is unknown; did you mean users?"},
       {"[objects.RX90]\nalow = []",
        "lab.toml:2: objects.RX90.alow: this key is unknown; did you mean allow?"},
+      {"[clock]\nsped = 10", "lab.toml:2: clock.sped: this key is unknown; did you mean speed?"},
+      {"clock = 10", "lab.toml:1: clock: a table is expected"},
       {"[broker]\nadress = \"shm\"",
        "lab.toml:2: broker.adress: this key is unknown; did you mean address?"},
       {"[programs.GRIPPER]\nrun = [\"g\"]\nrestrat = true",

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <initializer_list>
 #include <string>
 #include <vector>
@@ -33,6 +34,8 @@ TEST(CommandLine, HelpNamesEveryOptionWithItsStandardValueAndEndsWell) {
             "Serves a belt.\n"
             "  --name              name to register (BELT)\n"
             "  --speed             m/s (0.5)\n"
+            "  --clock             simulated seconds in a second; the default is ROBCL_CLOCK, if "
+            "set (1)\n"
             "Prints one line when it is ready and ends on SIGINT or SIGTERM.\n");
 }
 
@@ -46,6 +49,8 @@ TEST(CommandLine, TheUsageHasTheArgumentThatTheProgramReadsItself) {
             "robcl-belt: the file is missing\n"
             "usage: robcl-belt BELT.toml [--WORD VALUE]...\n"
             "Serves a belt.\n"
+            "  --clock             simulated seconds in a second; the default is ROBCL_CLOCK, if "
+            "set (1)\n"
             "Prints one line when it is ready and ends on SIGINT or SIGTERM.\n");
 }
 
@@ -60,6 +65,31 @@ TEST(CommandLine, SaysWhatIsWrongWithAWordBeforeTheUsage) {
   EXPECT_EQ(says({"--speed"}), "robcl-belt: '--speed' needs a value");
   EXPECT_EQ(says({"--speed", "fast"}), "robcl-belt: '--speed' needs a number, not 'fast'");
   EXPECT_EQ(says({"--speed", "nan"}), "robcl-belt: '--speed' needs a number, not 'nan'");
+}
+
+TEST(CommandLine, EveryProgramHasAClockWhoseDefaultIsThatOfTheLaboratory) {
+  EXPECT_EQ(started_with({}).clock(), 1);
+  EXPECT_EQ(started_with({"--clock", "10"}).clock(), 10);
+  ::setenv("ROBCL_CLOCK", "20", 1);
+  EXPECT_EQ(started_with({}).clock(), 20);
+  EXPECT_EQ(started_with({"--clock", "0.5"}).clock(), 0.5);
+  ::unsetenv("ROBCL_CLOCK");
+}
+
+TEST(CommandLine, AnImpossibleClockIsRefusedAndSoIsThatOfTheLaboratory) {
+  const auto says = [](std::vector<std::string> words) {
+    ::testing::internal::CaptureStderr();
+    EXPECT_EQ(started_with(std::move(words)).exit_status(), 2);
+    const std::string said = ::testing::internal::GetCapturedStderr();
+    return said.substr(0, said.find('\n'));
+  };
+  EXPECT_EQ(says({"--clock", "0"}),
+            "robcl-belt: '--clock' needs a number from 0.1 to 100000, not '0'");
+  EXPECT_EQ(says({"--clock", "100001"}),
+            "robcl-belt: '--clock' needs a number from 0.1 to 100000, not '100001'");
+  ::setenv("ROBCL_CLOCK", "fast", 1);
+  EXPECT_EQ(says({}), "robcl-belt: ROBCL_CLOCK needs a number from 0.1 to 100000, not 'fast'");
+  ::unsetenv("ROBCL_CLOCK");
 }
 
 }  // namespace

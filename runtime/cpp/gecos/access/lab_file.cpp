@@ -16,8 +16,10 @@ namespace {
 
 using Keys = std::span<const std::string_view>;
 
-constexpr std::array<std::string_view, 4> known_tables = {"allow", "broker", "objects", "programs"};
+constexpr std::array<std::string_view, 5> known_tables = {"allow", "broker", "clock", "objects",
+                                                          "programs"};
 constexpr std::array<std::string_view, 2> broker_keys = {"address", "start"};
+constexpr std::array<std::string_view, 1> clock_keys = {"speed"};
 constexpr std::array<std::string_view, 4> program_keys = {"environment", "ready", "restart", "run"};
 constexpr std::array<std::string_view, 1> object_keys = {"allow"};
 constexpr std::array<std::string_view, 2> allow_keys = {"hosts", "users"};
@@ -61,6 +63,9 @@ class LabFileReader {
     LabAccess lab{.file = file_};
     if (const auto* broker = find(root, "broker", "broker")) {
       admit_only(*broker, "broker.", broker_keys);
+    }
+    if (const auto* clock = find(root, "clock", "clock")) {
+      admit_only(*clock, "clock.", clock_keys);
     }
     for_each_table(root, "programs", [&](const auto&, const auto& table, const auto& place) {
       admit_only(table, place + ".", program_keys);

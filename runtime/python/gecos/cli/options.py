@@ -124,12 +124,13 @@ def value_of(text: str) -> Any:
 
 
 class Number(click.ParamType):
-    """A finite number that is at least `least`."""
+    """A finite number from `least` to `most`."""
 
     name = "number"
 
-    def __init__(self, least: float = 0.0) -> None:
+    def __init__(self, least: float = 0.0, most: float = _MOST) -> None:
         self.least = least
+        self.most = most
 
     def convert(
         self, value: Any, param: click.Parameter | None, context: click.Context | None
@@ -138,6 +139,6 @@ class Number(click.ParamType):
             number = float(value)
         except ValueError:
             self.fail(f"{value!r} is not a number", param, context)
-        if not (math.isfinite(number) and self.least <= number <= _MOST):
-            self.fail(f"{value} is not from {self.least:g} to {_MOST:g}", param, context)
+        if not (math.isfinite(number) and self.least <= number <= self.most):
+            self.fail(f"{value} is not from {self.least:g} to {self.most:g}", param, context)
         return number

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from threading import Lock
 from types import FrameType
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gecos.cli.options import json_option, print_json
+from gecos.cli.options import Number, json_option, print_json
 
 if TYPE_CHECKING:
     from gecos.laboratory import Event, LaboratoryDescription
@@ -28,9 +29,22 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # SIGHUP: a terminal 
     type=click.Path(path_type=Path, file_okay=False, exists=True),
     help="Folder with programs, for example the build folder of robcl; may be given several times.",
 )
+@click.option(
+    "--clock",
+    "clock_speed",
+    type=Number(0.1, 100_000),
+    help="Simulated seconds that pass in a second, for simulated devices; default: what FILE says "
+    "below [clock], else real time.",
+)
 @click.option("--restart", is_flag=True, help="Start each program again when it ends by itself.")
 @json_option
-def up(file: Path | None, folders: tuple[Path, ...], restart: bool, as_json: bool) -> None:
+def up(
+    file: Path | None,
+    folders: tuple[Path, ...],
+    clock_speed: float | None,
+    restart: bool,
+    as_json: bool,
+) -> None:
     """Starts a laboratory: the broker and the programs of FILE, or the simulated devices of robcl.
 
     Without FILE, lab.toml in the current folder is used if there is one. Ctrl-C ends all programs,
@@ -39,6 +53,8 @@ def up(file: Path | None, folders: tuple[Path, ...], restart: bool, as_json: boo
     from gecos.laboratory import Event, What, running
 
     laboratory = _described(file)
+    if clock_speed is not None:
+        laboratory = replace(laboratory, clock_speed=clock_speed)
     tell = _OneLine().tell if as_json else _show
     signals = _Signals()
 
@@ -51,11 +67,19 @@ def up(file: Path | None, folders: tuple[Path, ...], restart: bool, as_json: boo
         with running(laboratory, None, folders, restart, report) as started:
             names = ", ".join(program.name for program in laboratory.programs)
             verb = "is" if len(laboratory.programs) == 1 else "are"
-            report(Event(What.ALL_READY, f"{names} {verb} ready; Ctrl-C ends them"))
+            clock = _about_clock(laboratory.clock_speed)
+            report(Event(What.ALL_READY, f"{names} {verb} ready; {clock}Ctrl-C ends them"))
             started.watch()
     except KeyboardInterrupt:
         if signals.insisted:
             raise
+
+
+def _about_clock(speed: float | None) -> str:
+    """Nobody is to take the laboratory for one in real time."""
+    if speed is None or speed == 1:
+        return ""
+    return f"simulated time is {speed:g} times as fast as real time; "
 
 
 def _described(file: Path | None) -> LaboratoryDescription:

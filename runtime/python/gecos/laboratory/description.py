@@ -11,6 +11,10 @@ from typing import Any
 
 from gecos import _core
 
+CLOCK_VARIABLE = "ROBCL_CLOCK"
+"""The simulated devices of a laboratory read the speed of its clock from this variable."""
+_SLOWEST_CLOCK, _FASTEST_CLOCK = 0.1, 100_000.0
+
 
 class LaboratoryFileError(ValueError):
     """`lab.toml` cannot be read, or has a wrong entry. The text begins with file and line."""
@@ -38,6 +42,8 @@ class LaboratoryDescription:
     folder: Path = Path()  # relative paths of programs are relative to this folder
     file: str = ""  # for example "lab.toml"; "" if there is no file
     names_users: bool = False  # True: the file says who may connect, and servers must read it
+    # Simulated seconds that pass in a second; None: as ROBCL_CLOCK says, else real time
+    clock_speed: float | None = None
 
 
 def simulated_laboratory() -> LaboratoryDescription:
@@ -82,6 +88,7 @@ class _Reader:
                 "broker.address", "says where a broker already runs, which contradicts "
                 "`start = true`; leave out one of the two",
             )  # fmt: skip
+        clock_speed = self._clock_speed(data["clock"]) if "clock" in data else None
         programs = data.get("programs", {})
         if not programs:
             self._refuse("programs", "no program is named; add [programs.NAME] with run = […]")
@@ -92,7 +99,19 @@ class _Reader:
             self._path.resolve().parent,
             str(self._path),
             "allow" in data or "objects" in data,
+            clock_speed,
         )
+
+    def _clock_speed(self, table: dict[str, Any]) -> float:
+        speed = table.get("speed")
+        number = isinstance(speed, int | float) and not isinstance(speed, bool)
+        if not number or not _SLOWEST_CLOCK <= speed <= _FASTEST_CLOCK:
+            self._refuse(
+                "clock.speed",
+                f"a number from {_SLOWEST_CLOCK:g} to {_FASTEST_CLOCK:g} is expected: the "
+                "simulated seconds that pass in a second",
+            )
+        return float(speed)
 
     def _program(self, programs: dict[str, Any], name: str) -> Program:
         place = f"programs.{name}"

@@ -17,7 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 from queue import Empty, SimpleQueue
 
-from gecos.laboratory.description import LaboratoryDescription, Program
+from gecos.laboratory.description import CLOCK_VARIABLE, LaboratoryDescription, Program
 from gecos.laboratory.events import Event, Report, What, show
 
 READY_WITHIN = 60.0  # s
@@ -264,6 +264,8 @@ def running(
         _refuse_another_broker(variables.get("GECOS_BROKER", ""), laboratory.file)
     if laboratory.names_users:
         variables["GECOS_LAB_FILE"] = str(Path(laboratory.file).resolve())
+    if laboratory.clock_speed is not None:
+        variables[CLOCK_VARIABLE] = f"{laboratory.clock_speed:.10g}"
     started = RunningLaboratory(variables, laboratory.folder, report)
     try:
         if laboratory.starts_broker:

@@ -7,6 +7,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -71,8 +72,9 @@ def record(
     robot: DynamicObject, patience: float, seconds: float | None, tell: Callable[[str], None]
 ) -> tuple[Recording, Exception | None]:
     """Waits for the next motion of an arm, and records it until the arm stands, for `seconds`, or
-    until Ctrl-C. Prints a line when the waiting begins and when the recording begins. If the server
-    is lost while the arm moves, returns what was recorded and the failure.
+    until Ctrl-C. All times but `patience` are those of the arm, by its lab clock. Prints a line
+    when the waiting begins and when the recording begins. If the server is lost while the arm
+    moves, returns what was recorded and the failure.
 
     Raises UsageFailure if the object is no arm, TimeoutError if it does not move within `patience`,
     and KeyboardInterrupt for Ctrl-C before the arm moves.
@@ -85,6 +87,7 @@ def record(
         )
     try:
         cycle = float(by_name.read(robot, "cycle").result())
+        clock = float(by_name.read(robot, "clock_speed").result())
     except by_name.UnknownMemberError as error:
         raise UsageFailure(f"{error}; start its server again, with this version") from None
     missed = int(by_name.read(robot, "missed_cycles").result())
@@ -104,12 +107,15 @@ def record(
         try:
             with contextlib.suppress(KeyboardInterrupt):
                 tell(f"records {name} until it stands" if seconds is None else f"records {name}")
-                _await_end(robot, stood, readers, seconds)
+                _await_end(robot, stood, readers, seconds and seconds / clock)
             missed = int(by_name.read(robot, "missed_cycles").result()) - missed
         except (StreamLost, ConnectionFailed, CommandFailed) as error:
             failure, missed = error, 0
     samples = {each: list(reader.samples) for each, reader in readers.items()}
-    return _joined(name, interface, cycle, missed, samples, joints), failure
+    recording = _joined(name, interface, cycle, missed, samples, joints)
+    if clock != 1:  # the stamps are real time, but no cycle of a simulated arm is skipped
+        recording = replace(recording, stamp=recording.number * cycle)
+    return recording, failure
 
 
 def _stands(robot: DynamicObject) -> bool:

@@ -33,7 +33,8 @@ class Recording:
     number: Numbers
     """Sequence number of each row from the first row on. It has a gap where a row was lost."""
     stamp: Numbers
-    """Time of measurement in s from the first row on, by the server's clock."""
+    """Time of measurement in s from the first row on, by the server's clock; simulated time if the
+    laboratory is not in real time."""
     tool: Numbers
     """Measured origin of the tool in the world in m: x, y and z of each row."""
     joints: Numbers | None

@@ -1,0 +1,32 @@
+// The clock of a simulated laboratory: how much simulated time passes in a second.
+#pragma once
+
+#include <atomic>
+
+namespace devices {
+
+/// The clock of one device. Only simulated devices may have a speed other than 1, which is real
+/// time. Time-outs of the communication, such as leases and watchdogs, are real time at any speed.
+/// Thread-safe.
+class LabClock {
+ public:
+  /// In slower time, the samples of a control loop would seem lost. Faster than most, the next
+  /// cycle begins whenever the last one ends.
+  static constexpr double slowest = 0.1, fastest = 100'000;
+
+  /// `speed`: simulated seconds that are to pass in a second. @pre `slowest` to `fastest`.
+  explicit LabClock(double speed = 1) : speed_(speed), reached_(speed) {}
+
+  double speed() const { return speed_; }
+  bool real_time() const { return speed_ == 1; }
+  /// Returns the speed that the device reached lately. It is below `speed()` if the machine is too
+  /// slow.
+  double reached() const { return reached_.load(); }
+  void set_reached(double speed) { reached_.store(speed); }
+
+ private:
+  const double speed_;
+  std::atomic<double> reached_;  // orders no other memory
+};
+
+}  // namespace devices

@@ -1,0 +1,44 @@
+#include "devices/support/pace.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace devices {
+namespace {
+
+using Seconds = std::chrono::duration<double>;
+
+}  // namespace
+
+Pace::Pace(gecos::Duration period, double speed, gecos::TimePoint start)
+    : period_(period), speed_(speed), last_(start), measured_since_(start), reached_(speed) {}
+
+Pace::Cycle Pace::next(gecos::TimePoint now) {
+  measure(now);
+  Cycle cycle{last_ + period_, Seconds(period_).count()};
+  if (speed_ != 1) {
+    const auto step = std::chrono::round<gecos::Duration>(Seconds(period_) / speed_);
+    cycle.begins = std::max(last_ + step, now - most_behind);
+  } else if (now > cycle.begins + period_) {
+    cycle.begins += (now - cycle.begins) / period_ * period_;
+    cycle.seconds = Seconds(cycle.begins - last_).count();
+  }
+  last_ = cycle.begins;
+  simulated_ += cycle.seconds;
+  return cycle;
+}
+
+/// The first window tells what is known so far, because the asked speed may be far from the truth.
+void Pace::measure(gecos::TimePoint now) {
+  const gecos::Duration passed = now - measured_since_;
+  const bool full = passed >= window;
+  if (passed > gecos::Duration::zero() && (full || first_window_)) {
+    reached_ = simulated_ / Seconds(passed).count();
+  }
+  if (!full) return;
+  first_window_ = false;
+  measured_since_ = now;
+  simulated_ = 0;
+}
+
+}  // namespace devices

@@ -1,0 +1,46 @@
+#pragma once
+
+#include "gecos/base/clock.hpp"
+
+namespace devices {
+
+/// Tells when the cycles of a device begin. Time is passed in. It has two rules for cycles that are
+/// late:
+///
+/// In real time, at speed 1, a late cycle does not delay the following cycles: missed cycles are
+/// skipped, and the next one is told of them. At any other speed no cycle is skipped. A device that
+/// is late makes its next cycles without a pause, until it has caught up or is late by
+/// `most_behind`: then simulated time passes more slowly than asked.
+class Pace {
+ public:
+  static constexpr gecos::Duration most_behind = std::chrono::milliseconds(20);
+  /// Time over which the reached speed is the mean.
+  static constexpr gecos::Duration window = std::chrono::milliseconds(200);
+
+  /// `period` is the simulated time from one cycle to the next, `speed` the simulated seconds that
+  /// are to pass in a second.
+  Pace(gecos::Duration period, double speed, gecos::TimePoint start);
+
+  struct Cycle {
+    gecos::TimePoint begins;
+    double seconds = 0;  ///< simulated time since the last cycle
+  };
+  /// Returns the cycle that follows the last one. Must be called once for each cycle.
+  Cycle next(gecos::TimePoint now);
+
+  /// Returns the simulated seconds that passed in a second, lately.
+  double reached() const { return reached_; }
+
+ private:
+  void measure(gecos::TimePoint now);
+
+  const gecos::Duration period_;
+  const double speed_;
+  gecos::TimePoint last_;
+  gecos::TimePoint measured_since_;
+  double simulated_ = 0;  // s, since measured_since_
+  double reached_;
+  bool first_window_ = true;
+};
+
+}  // namespace devices
