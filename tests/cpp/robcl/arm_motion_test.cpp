@@ -275,5 +275,48 @@ TEST_F(Chain, HundredsOfMovesFollowWithoutAStop) {
   expect_stands_at(beside(0.1, -0.2));
 }
 
+/// Turns joint 1 by .3 rad, and asks for a turn by another .3 rad when .1 s is left, at a lab clock
+/// of `clock_speed`. Returns whether the arm goes over into the second turn.
+bool goes_over_late(double clock_speed) {
+  const auto model = rx90();
+  Recorder driver(ready);
+  ArmController controller(model, {}, driver);
+  ArmMotion motion(controller, robcl::motion::Planner(model, {}), clock_speed);
+  std::atomic<int> made{0};
+  const auto turn = [&](double angle) -> ArmMotion::Request {
+    const auto make =
+        [&made, angle](robcl::motion::Planner& planner,
+                       const JointValues& from) -> tl::expected<robcl::motion::Move, MoveFailure> {
+      JointValues there = ready;
+      there[0] += angle;
+      auto move = *planner.joint_move(from, there, {.speed = 0.1});
+      ++made;
+      made.notify_all();
+      return move;
+    };
+    return {make, true};
+  };
+  Caller one, other;
+  const auto begin = turn(0.3), go_on = turn(0.6);
+  auto first = std::async(std::launch::async, [&] { return motion.move(begin, one); });
+  one.is_taken.wait(false);
+  do {
+    controller.step(cycle);
+  } while (controller.now().remaining > 0.1);
+  auto second = std::async(std::launch::async, [&] { return motion.move(go_on, other); });
+  made.wait(1);
+  if (clock_speed == 1) other.is_taken.wait(false);
+  const ControlLoop loop(controller);
+  EXPECT_TRUE(first.get());
+  EXPECT_TRUE(second.get());
+  EXPECT_NEAR(driver.all().back()[0], ready[0] + 0.6, 1e-6);
+  return one.corner >= 0;
+}
+
+TEST(ArmMotions, AtAFastLabClockTheNextMoveMustComeSoonerBecausePlanningTakesRealTime) {
+  EXPECT_TRUE(goes_over_late(1));
+  EXPECT_FALSE(goes_over_late(20));
+}
+
 }  // namespace
 }  // namespace devices
