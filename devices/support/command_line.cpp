@@ -11,8 +11,6 @@
 namespace devices {
 namespace {
 
-constexpr const char* clock_variable = "ROBCL_CLOCK";
-
 std::optional<double> as_number(const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
@@ -22,7 +20,7 @@ std::optional<double> as_number(const std::string& text) {
 }
 
 Option clock_option() {
-  const char* const of_laboratory = std::getenv(clock_variable);
+  const char* const of_laboratory = std::getenv("ROBCL_CLOCK");
   return {"clock", of_laboratory == nullptr ? "1" : of_laboratory,
           "simulated seconds in a second; the default is ROBCL_CLOCK, if set"};
 }
@@ -51,7 +49,7 @@ void CommandLine::check_clock() {
 }
 
 std::string CommandLine::name_of_clock() const {
-  return text("clock") == options_.back().standard ? clock_variable : "'--clock'";
+  return text("clock") == options_.back().standard ? "ROBCL_CLOCK" : "'--clock'";
 }
 
 void CommandLine::need_real_time(const std::string& why) {

@@ -59,7 +59,7 @@ def test_every_annotation_is_documented() -> None:
 
 def settings_that_are_read() -> set[str]:
     read = re.compile(
-        r"""(?:getenv\(|\bset\(|environ\.get\(|environment\(|\$\{)"?((?:GECOS|GIDL|FUZZ|STRESS)_[A-Z_]+)(?:"|:-)"""
+        r"""(?:getenv\(|\bset\(|environ\.get\(|environment\(|\$\{)"?((?:GECOS|ROBCL|GIDL|FUZZ|STRESS)_[A-Z_]+)(?:"|:-)"""
     )
     return {
         match[1]

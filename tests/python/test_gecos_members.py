@@ -81,6 +81,12 @@ class Arm(ManipulatorServant):
     def braking_time(self) -> float:
         return 0.25
 
+    def clock_speed(self) -> float:
+        return 1.0
+
+    def reached_clock_speed(self) -> float:
+        return 1.0
+
     def set_configuration(self, wanted: Configuration, run: gecos.Execution) -> None:
         pass
 

@@ -103,7 +103,7 @@ class _Reader:
         )
 
     def _clock_speed(self, table: dict[str, Any]) -> float:
-        speed = table.get("speed")
+        speed: Any = table.get("speed", 0)
         number = isinstance(speed, int | float) and not isinstance(speed, bool)
         if not number or not _SLOWEST_CLOCK <= speed <= _FASTEST_CLOCK:
             self._refuse(
