@@ -21,12 +21,13 @@ class RecordingDriver final : public JointDriver {
  public:
   explicit RecordingDriver(const JointValues& start) : joints_(start, {}) {}
 
+  /// From now on, set points other than `standing` are kept.
+  void record(const JointValues& standing) { set_points_ = {standing}; }
+
   Properties properties() const override { return joints_.properties(); }
   tl::expected<JointState, DriverFault> read() override { return joints_.read(); }
   tl::expected<void, DriverFault> write(const JointCommand& command, double seconds) override {
-    if (set_points_.empty() || set_points_.back() != command.position) {
-      set_points_.push_back(command.position);
-    }
+    if (set_points_.back() != command.position) set_points_.push_back(command.position);
     return joints_.write(command, seconds);
   }
   tl::expected<void, DriverFault> enable() override { return joints_.enable(); }
@@ -38,7 +39,7 @@ class RecordingDriver final : public JointDriver {
 
  private:
   SimulatedDriver joints_;
-  std::vector<JointValues> set_points_;  // without cycles in which the arm stands
+  std::vector<JointValues> set_points_;  // one for all cycles in which the arm stands
 };
 
 class Uninterrupted final : public MotionWatcher {
@@ -48,7 +49,7 @@ class Uninterrupted final : public MotionWatcher {
 };
 
 struct Motion {
-  std::vector<JointValues> set_points;  ///< without the cycles in which the arm stands
+  std::vector<JointValues> set_points;  ///< one for all cycles in which the arm stands
   double reached = 0;                   ///< speed of the clock
   std::uint64_t missed_cycles = 0;
 };
@@ -64,6 +65,7 @@ Motion moved(const ArmDescription& arm, double clock_speed) {
                    driver);
   Uninterrupted watcher;
   Motion motion;
+  driver.record(device.sample().commanded);
   const Frame start = device.sample().tool;  // before the loop begins: each cycle has other noise
   {
     const Periodic control(device.clock(), 4ms, [&](double seconds) { device.step(seconds); });
