@@ -193,6 +193,37 @@ def test_stop_ends_what_runs_and_gives_a_new_epoch(rail: Session) -> None:
     assert rail.call(POWER, packets.boolean(True)).detail == Detail.DONE
 
 
+def test_a_take_over_preempts_the_others_and_tells_them_the_newer_epoch(
+    rail: Session, connect: Open
+) -> None:
+    guard = connect(address_of_rail(connect), "lab::RailSensor")
+    guard.ready()
+    before = rail.acquire(Status.ACTOR, "two hands")
+    assert guard.acquire(Status.ACTOR, "two hands") == before
+    ride = rail.start(TRAVEL, RAIL_END)
+    rail.loop.until(lambda: executing(ride), "the ride")
+    taken = guard.call(packets.TAKE_OVER)
+    assert taken.detail == Detail.DONE and taken.epoch not in (0, before)
+    preempted = rail.finish(ride)
+    assert preempted.detail == Detail.PREEMPTED and preempted.epoch == taken.epoch
+
+    late = rail.call(POWER, packets.boolean(True))  # under the epoch from before
+    assert late.detail == Detail.PREEMPTED
+    rail.epoch = taken.epoch
+    assert rail.call(POWER, packets.boolean(True)).detail == Detail.DENIED
+    second = Failure.of(rail.call(packets.TAKE_OVER).body)
+    assert second.exception == "gecos::StatusRefused" and "has taken over" in second.text
+    assert guard.call(POWER, packets.boolean(True)).detail == Detail.DONE  # its own older epoch
+
+    assert guard.call(packets.GIVE_BACK).detail == Detail.DONE
+    rail.epoch = before
+    assert rail.call(POWER, packets.boolean(True)).detail == Detail.PREEMPTED
+    rail.epoch = taken.epoch
+    assert rail.call(POWER, packets.boolean(True)).detail == Detail.DONE
+    guard.end()
+    guard.close()
+
+
 def test_a_released_status_is_gone(rail: Session) -> None:
     epoch = rail.acquire(Status.ACTOR)
     held = Reader(rail.call(packets.HOLDERS).body)

@@ -1,7 +1,9 @@
 from __future__ import annotations
 
+import json
 import os
 import sys
+from types import SimpleNamespace
 
 import gecos
 import pytest
@@ -100,6 +102,42 @@ def test_holders_shows_who_moves_it(
     _, holder = capsys.readouterr().out.splitlines()
     assert holder.split()[0] == "actor"
     assert str(os.getpid()) in holder
+
+
+@pytest.mark.parametrize("form", ["--json", None])
+def test_holders_are_shown_at_each_change(
+    form: str | None,
+    lamp: Lamp,
+    server: gecos.Server,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def nothing() -> None: ...
+
+    def end() -> None:
+        raise KeyboardInterrupt
+
+    steps = iter(
+        [
+            nothing,
+            lambda: gecos.take_over(lamp).result(),
+            lambda: gecos.give_back(lamp).result(),
+            end,
+        ]
+    )
+    clock = SimpleNamespace(sleep=lambda _: next(steps)(), strftime=lambda _: "12:30:00")
+    monkeypatch.setattr("gecos.cli.holders.time", clock)
+    with gecos.actor(lamp):
+        assert run(monkeypatch, "holders", "LAMP", "--watch", *[form] * bool(form)) == 130
+    out = capsys.readouterr().out
+    if form:
+        told = [json.loads(line) for line in out.splitlines()[:-1]]  # the last says how it ended
+        assert [holder["taken_over"] for (holder,) in told] == [False, True, False]
+    else:
+        rows = [line for line in out.splitlines() if line.startswith("actor")]
+        assert [row.split()[-1] for row in rows] == ["none", "ago", "none"]
+        assert ["took over" in row for row in rows] == [False, True, False]
+        assert out.count("12:30:00\n") == 3
 
 
 def test_holders_of_a_free_object_says_so(

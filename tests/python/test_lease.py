@@ -3,6 +3,7 @@ from __future__ import annotations
 import gecos
 import pytest
 from gecos import Detail, State
+from gecos_idl.object_types import StatusRefused
 from lamp import Lamp, PlainLamp
 from test_process import running, says
 
@@ -159,6 +160,33 @@ def test_holders_lists_who_has_status(held: Lamp, other: Lamp) -> None:
     (holder,) = gecos.holders(other).result()
     assert holder.status.name == "ACTOR"
     assert not holder.releasing
+
+
+def test_a_program_that_shares_the_status_takes_over_and_gives_back(
+    lamp: Lamp, other: Lamp, servant: PlainLamp
+) -> None:
+    with gecos.actor(lamp, password="sesame"), gecos.actor(other, password="sesame"):
+        burning = lamp.burn_in()
+        servant.burning.wait()
+        gecos.take_over(other).result()
+        assert burning.wait() is State.COMMAND_FAILED
+        assert burning.progress().detail is Detail.PREEMPTED
+        with pytest.raises(gecos.CommandFailed, match="is held off: ") as caught:
+            lamp.dim(1.0).result()
+        assert caught.value.detail is Detail.DENIED
+        assert sorted(each.taken_over for each in gecos.holders(lamp).result()) == [False, True]
+        with pytest.raises(StatusRefused, match="has taken over") as refused:
+            gecos.take_over(lamp).result()
+        assert len(refused.value.holders) == 2
+        other.dim(1.0).result()
+        gecos.give_back(other).result()
+        lamp.dim(1.0).result()
+
+
+def test_a_program_without_the_status_does_not_take_over(held: Lamp, other: Lamp) -> None:
+    with pytest.raises(StatusRefused, match="does not hold the status; acquire it first"):
+        gecos.take_over(other).result()
+    gecos.give_back(other).result()
 
 
 def test_nobody_holds_a_fresh_object(lamp: Lamp) -> None:

@@ -275,6 +275,46 @@ def test_two_programs_share_a_robot_by_a_password(language: str, lab_with_arm: L
     assert second.finish() == 0, str(second)
 
 
+@pytest.mark.parametrize("guards", ["C++", "Python"])
+@pytest.mark.parametrize("movers", ["C++", "Python"])
+def test_a_guard_takes_over_retreats_and_gives_back(
+    movers: str, guards: str, lab_with_broker: Laboratory
+) -> None:
+    lab = lab_with_broker
+    devices = lab.build / "devices"
+    lab.start(devices / "world" / "robcl-world", ready="ready")
+    lab.start(devices / "rx90" / "robcl-rx90", ready="ready")
+    on_flange = ["--carrier", "RX90", "--x", "0", "--y", "0", "--z", "0", "--b", "0"]
+    lab.start(devices / "laser_distance_sensor" / "robcl-lds", *on_flange, ready="ready")
+    mover_command = example(lab, "19_two_programs_one_robot", "lower_tool", movers)
+    guard_command = example(lab, "19_two_programs_one_robot", "guard", guards)
+
+    mover = lab.start(*mover_command, "two hands", ready="lowering the tool")
+    guard = lab.start(*guard_command, "two hands", ready="watching", listens=True)
+    roster = lab.start(
+        sys.executable, "-m", "gecos.cli", "holders", "RX90", "--watch", ready="held for"
+    )
+    taken = guard.wait_for("taken over at ")
+    preempted = mover.wait_for("PREEMPTED")
+    assert f"pid {guard.pid}" in preempted, preempted
+    held_off = mover.wait_for("DENIED")
+    assert f"pid {guard.pid}" in held_off and "is held off" in held_off, held_off
+    assert str(mover.pid) in roster.wait_for("held off")
+    assert str(guard.pid) in roster.wait_for("took over")
+    stranger = lab.run(*mover_command, "third hand")
+    assert stranger.finish() != 0
+    assert "it is shared by password, and the given password is wrong" in stranger.output()
+    assert f"pid {guard.pid}" in stranger.output() and "took over" in stranger.output()
+    assert "Traceback" not in stranger.output()
+
+    guard.tell("")
+    assert guard.finish() == 0, str(guard)
+    assert mover.finish() == 0, str(mover)
+    assert mover.lines[-1] == "at the start again"
+    near, far = (int(line.split()[-2]) for line in (taken, guard.lines[-1]))
+    assert near <= 150 < far, (near, far)
+
+
 @LANGUAGES
 def test_a_stop_by_somebody_else_ends_the_move_and_the_lease(
     language: str, lab_with_arm: Laboratory

@@ -9,7 +9,7 @@ namespace gecos {
 struct GecosObjectInterface {
   static const gecos::InterfaceDescription description;
 
-  static const gecos::OperationDescription operations[13];
+  static const gecos::OperationDescription operations[15];
   static constexpr const gecos::OperationDescription& holders = operations[0];
   static constexpr const gecos::OperationDescription& stop = operations[1];
   static constexpr const gecos::OperationDescription& ping = operations[2];
@@ -23,6 +23,8 @@ struct GecosObjectInterface {
   static constexpr const gecos::OperationDescription& feed = operations[10];
   static constexpr const gecos::OperationDescription& end_feed = operations[11];
   static constexpr const gecos::OperationDescription& feed_report = operations[12];
+  static constexpr const gecos::OperationDescription& take_over = operations[13];
+  static constexpr const gecos::OperationDescription& give_back = operations[14];
 };
 
 }  // namespace gecos

@@ -28,7 +28,9 @@ bool JsonStruct<::gecos::Holder>::visit(JsonMembers& each, ::gecos::Holder& valu
          each.member("pid", value.pid) &&
          each.member("held_for", value.held_for) &&
          each.member("expires_in", value.expires_in) &&
-         each.member("releasing", value.releasing);
+         each.member("releasing", value.releasing) &&
+         each.member("taken_over", value.taken_over) &&
+         each.member("taken_over_for", value.taken_over_for);
 }
 
 template <>

@@ -35,7 +35,7 @@ bool decode_enum(gecos::wire::Decoder& from, Status& value, const char* field) {
 }
 
 std::size_t Holder::encoded_size() const {
-  return 40 + user.size() + host.size() + program.size();
+  return 49 + user.size() + host.size() + program.size();
 }
 
 void Holder::encode(gecos::wire::Encoder& to) const {
@@ -43,7 +43,7 @@ void Holder::encode(gecos::wire::Encoder& to) const {
   to.put_string(user);
   to.put_string(host);
   to.put_string(program);
-  to.put(pid, held_for, expires_in, releasing);
+  to.put(pid, held_for, expires_in, releasing, taken_over, taken_over_for);
 }
 
 bool Holder::decode([[maybe_unused]] gecos::wire::Decoder& from) {
@@ -55,6 +55,8 @@ bool Holder::decode([[maybe_unused]] gecos::wire::Decoder& from) {
          from.get(held_for, "Holder.held_for") &&
          from.get(expires_in, "Holder.expires_in") &&
          from.get(releasing, "Holder.releasing") &&
+         from.get(taken_over, "Holder.taken_over") &&
+         from.get(taken_over_for, "Holder.taken_over_for") &&
          gecos::wire::skip_rest(from);
 }
 
@@ -80,7 +82,8 @@ std::ostream& operator<<(std::ostream& out, const Holder& value) {
   return gecos::wire::print_all(out,
       "Holder{status=", value.status, ", user=", value.user, ", host=", value.host, ", program=",
       value.program, ", pid=", value.pid, ", held_for=", value.held_for, " s, expires_in=",
-      value.expires_in, " s, releasing=", value.releasing, "}");
+      value.expires_in, " s, releasing=", value.releasing, ", taken_over=", value.taken_over,
+      ", taken_over_for=", value.taken_over_for, " s}");
 }
 
 std::size_t RunningHandler::encoded_size() const {

@@ -38,9 +38,13 @@ struct Holder {
   double expires_in = 0;
   /// released; its last commands are still running
   bool releasing = false;
+  /// this client has taken over; the commands of the other holders are refused
+  bool taken_over = false;
+  /// since it took over; 0 if it has not [s]
+  double taken_over_for = 0;
 
   static constexpr std::string_view type_name() { return "gecos::Holder"; }
-  static constexpr std::int64_t fingerprint() { return std::int64_t(0x698a6b2fe41fd109U); }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xf0a32901a899b7fdU); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);
@@ -112,7 +116,7 @@ std::ostream& operator<<(std::ostream& out, const Description& value);
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const Description& value);
 
-/// Actor or master status was not given; `holders` says who has it. [exception]
+/// Actor or master status, or a take-over, was not given; `holders` says who has it. [exception]
 struct StatusRefused {
   std::string reason{};
   std::vector<::gecos::Holder> holders{};

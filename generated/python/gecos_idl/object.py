@@ -48,7 +48,7 @@ _GECOS_OBJECT_HOLDERS: _Method[list[Holder], None] = _method(
         _Access.SENSOR,
         presence=False,
         idempotent=True,
-        hash=0x925E85279B993071,
+        hash=0x66928669E4BB0CC4,
     ),
     gives=_layout.items(Holder),
 )
@@ -84,7 +84,7 @@ _GECOS_OBJECT_DESCRIBE: _Method[Description, None] = _method(
     gives=Description,
 )
 _GECOS_OBJECT_ACQUIRE: _Method[Grant, None] = _method(
-    _Operation(0x00000005, "acquire", _Access.SENSOR, presence=False, hash=0x0D62D737597BCAEA),
+    _Operation(0x00000005, "acquire", _Access.SENSOR, presence=False, hash=0x025B5633DBABAD35),
     takes=_values(
         "wanted password patience",
         Status,
@@ -152,10 +152,17 @@ _GECOS_OBJECT_FEED_REPORT: _Method[FeedReport, None] = _method(
     takes=_values("code", "I"),
     gives=FeedReport,
 )
+_GECOS_OBJECT_TAKE_OVER: _Method[None, None] = _method(
+    _Operation(0x0000000E, "take_over", _Access.SENSOR, presence=False, hash=0x799AFB35A8165AC7),
+    raises=(StatusRefused,),
+)
+_GECOS_OBJECT_GIVE_BACK: _Method[None, None] = _method(
+    _Operation(0x0000000F, "give_back", _Access.SENSOR, presence=False, hash=0x57135A9A77C7D758),
+)
 _GECOS_OBJECT = _interface(
     "gecos::GecosObject",
-    "1.1",
-    0x5F78F029C028F6B2,
+    "1.2",
+    0x48BEF3CBB09F99AF,
     (),
     (
         _GECOS_OBJECT_HOLDERS,
@@ -171,6 +178,8 @@ _GECOS_OBJECT = _interface(
         _GECOS_OBJECT_FEED,
         _GECOS_OBJECT_END_FEED,
         _GECOS_OBJECT_FEED_REPORT,
+        _GECOS_OBJECT_TAKE_OVER,
+        _GECOS_OBJECT_GIVE_BACK,
     ),
 )
 
@@ -270,6 +279,24 @@ class GecosObject(_Object):
         """
         return self._gecos_call(_GECOS_OBJECT_FEED_REPORT, _GECOS_OBJECT_FEED_REPORT.request(code))
 
+    def take_over(self) -> _Command[None]:
+        """Gives the caller sole command of the status that it shares: what the other holders
+        have running and queued ends
+        PREEMPTED, and what they command later is refused, until `give_back` or until the
+        caller's status ends.
+        Since 1.2.
+
+        May raise StatusRefused.
+        """
+        return self._gecos_call(_GECOS_OBJECT_TAKE_OVER, [])
+
+    def give_back(self) -> _Command[None]:
+        """Ends the caller's take-over: the other holders may command again. Nothing that ended
+        is started again.
+        Since 1.2.
+        """
+        return self._gecos_call(_GECOS_OBJECT_GIVE_BACK, [])
+
 
 class GecosObjectServant(_Servant):
     """What every object answers."""
@@ -351,4 +378,22 @@ class GecosObjectServant(_Servant):
     def feed_report(self, code: int) -> FeedReport:
         """What became of the samples of this session on the inward stream of attribute `code`.
         Since 1.1.
+        """
+
+    @_abstractmethod
+    def take_over(self) -> None:
+        """Gives the caller sole command of the status that it shares: what the other holders
+        have running and queued ends
+        PREEMPTED, and what they command later is refused, until `give_back` or until the
+        caller's status ends.
+        Since 1.2.
+
+        May raise StatusRefused.
+        """
+
+    @_abstractmethod
+    def give_back(self) -> None:
+        """Ends the caller's take-over: the other holders may command again. Nothing that ended
+        is started again.
+        Since 1.2.
         """

@@ -31,12 +31,12 @@ class Status(_IntEnum):
 
 
 @_layout.struct(
-    0x698A6B2FE41FD109,
+    0xF0A32901A899B7FD,
     Status,
     _layout.text(64),
     _layout.text(64),
     _layout.text(128),
-    "idd?",
+    "idd??d",
     open=True,
 )
 @_dataclass(slots=True)
@@ -57,6 +57,10 @@ class Holder(_layout.Struct):
     """until it ends if the holder stays silent [s]"""
     releasing: bool = False
     """released; its last commands are still running"""
+    taken_over: bool = False
+    """this client has taken over; the commands of the other holders are refused"""
+    taken_over_for: float = 0.0
+    """since it took over; 0 if it has not [s]"""
 
 
 @_layout.struct(
@@ -136,7 +140,7 @@ class Description(_layout.Struct):
 )
 @_dataclass(slots=True, eq=False)
 class StatusRefused(_layout.Struct, _DeclaredError):
-    """Actor or master status was not given; `holders` says who has it."""
+    """Actor or master status, or a take-over, was not given; `holders` says who has it."""
 
     reason: str = ""
     holders: list[Holder] = _field(default_factory=list)

@@ -91,6 +91,14 @@ void master(std::string_view name) = delete;  // takes a proxy, as gecos::actor 
 /// Stops the object for all clients: ends every lease except those of this session, removes all
 /// queued commands and interrupts the running ones.
 Command<void> stop(const Object& object);
+/// Takes sole command of a status that this session shares with others by password. Their running
+/// and queued commands end PREEMPTED, their later ones DENIED and their samples have no effect,
+/// until `give_back` or until the status of this session ends. Stops no command of this session.
+/// Fails as FAULT (StatusRefused) when this session has no status or another client has taken over.
+Command<void> take_over(const Object& object);
+/// Ends the take-over of this session: the others may command again. No command that ended is
+/// started again. Does nothing without a take-over.
+Command<void> give_back(const Object& object);
 Command<void> ping(const Object& object);
 Command<Description> describe(const Object& object);
 Command<std::vector<Holder>> holders(const Object& object);

@@ -30,11 +30,13 @@ if TYPE_CHECKING:
     from gecos.broker import Broker as Broker
     from gecos.builtin_operations import Outcome as Outcome
     from gecos.builtin_operations import describe as describe
+    from gecos.builtin_operations import give_back as give_back
     from gecos.builtin_operations import holders as holders
     from gecos.builtin_operations import model as model
     from gecos.builtin_operations import outcome as outcome
     from gecos.builtin_operations import ping as ping
     from gecos.builtin_operations import stop as stop
+    from gecos.builtin_operations import take_over as take_over
     from gecos.command import Command as Command
     from gecos.command import Progress as Progress
     from gecos.dynamic_client import DynamicObject as DynamicObject
@@ -96,7 +98,7 @@ _NAMES = {
     "line": "LineState LineWatch line_state",
     "object_watch": "ObjectWatch",
     "proxy": "Event Object StreamAttribute reference with_deadline",
-    "builtin_operations": "Outcome describe holders model outcome ping stop",
+    "builtin_operations": "Outcome describe give_back holders model outcome ping stop take_over",
     "servant": "Servant",
     "server": "Server serve",
     "stream": "Sample Stream StreamCounts",

@@ -25,6 +25,23 @@ def stop(robot: Object) -> Command[None]:
     return _answers_of(robot).stop()
 
 
+def take_over(robot: Object) -> Command[None]:
+    """Takes sole command of a status that this program shares with others by password. Their
+    running and queued commands end PREEMPTED, their later ones DENIED, and their samples have no
+    effect, until `give_back` or until this program's status ends. Stops no command of this program.
+
+    The command fails with StatusRefused if this program has no status of the device, or another one
+    has taken over.
+    """
+    return _answers_of(robot).take_over()
+
+
+def give_back(robot: Object) -> Command[None]:
+    """Ends the take-over of this program: the others may command again. No command that ended is
+    started again. Does nothing without a take-over."""
+    return _answers_of(robot).give_back()
+
+
 def ping(robot: Object) -> Command[None]:
     """Checks that the object's server answers. The command finishes when the answer arrives."""
     return _answers_of(robot).ping()

@@ -352,6 +352,152 @@ TEST_F(LeaseTableTest, StopOfAFreeObjectStillFencesWhatWasIssuedBefore) {
   EXPECT_NE(table.epoch(), epoch);
 }
 
+class TakeOverTest : public LeaseTableTest {
+ protected:
+  void SetUp() override {
+    epoch = give(kAda, Status::Actor, password).epoch;
+    ASSERT_TRUE(table.acquire(kBob, bob, Status::Actor, password, now));
+    ASSERT_TRUE(table.take_over(kBob, now));
+    now += 100ms;
+  }
+  Denial::Reason refused(SessionId session, Epoch under) {
+    const auto may = table.may_queue(session, under, Status::Actor, now);
+    EXPECT_FALSE(may);
+    const auto start = table.may_start(session, under, Status::Actor, now);
+    EXPECT_FALSE(start);
+    return may ? Denial::Reason::NeedsStatus : may.error().reason;
+  }
+
+  const Proof password = plain_proof("sesame");
+  Epoch epoch{};
+};
+
+TEST_F(TakeOverTest, HoldsOffTheOthersAndTellsThemWho) {
+  EXPECT_TRUE(holds(kBob));
+  const auto denied = table.may_queue(kAda, table.epoch(), Status::Actor, now);
+  ASSERT_FALSE(denied);
+  EXPECT_EQ(denied.error().reason, Denial::Reason::HeldOff);
+  EXPECT_EQ(denied.error().text,
+            "is held off: bob on lab2 (watch, pid 4712) took over 0.1 s ago; wait until it gives "
+            "back");
+  EXPECT_TRUE(table.may_queue(kAda, table.epoch(), Status::Sensor, now)) << "reading goes on";
+}
+
+TEST_F(TakeOverTest, FencesWhatWasIssuedBeforeEvenWhenItArrivesAfterTheEnd) {
+  auto denied = table.may_queue(kAda, epoch, Status::Actor, now);
+  ASSERT_FALSE(denied);
+  EXPECT_EQ(denied.error().reason, Denial::Reason::Overtaken);
+  EXPECT_EQ(denied.error().text,
+            "was issued before bob on lab2 (watch, pid 4712) took over, 0.1 s ago; wait until it "
+            "gives back");
+  table.give_back(kBob);
+  denied = table.may_queue(kAda, epoch, Status::Actor, now);
+  ASSERT_FALSE(denied);
+  EXPECT_EQ(denied.error().reason, Denial::Reason::Overtaken);
+  EXPECT_EQ(denied.error().text,
+            "was issued before bob on lab2 (watch, pid 4712) took over, 0.1 s ago; check where the "
+            "device is, and command again");
+  EXPECT_TRUE(holds(kAda)) << "what it issues now starts";
+}
+
+TEST_F(TakeOverTest, KeepsWhatTheTakerIssuedBefore) {
+  EXPECT_GT(table.epoch(), epoch);
+  EXPECT_TRUE(table.may_start(kBob, epoch, Status::Actor, now));
+}
+
+TEST_F(TakeOverTest, ByASecondHolderIsRefusedWithTheNameOfTheTaker) {
+  const auto refused = table.take_over(kAda, now);
+  ASSERT_FALSE(refused);
+  EXPECT_TRUE(refused.error().text.starts_with(
+      "take-over refused: bob on lab2 (watch, pid 4712) has taken over; wait until it gives back, "
+      "or stop the object; actor status is held by "))
+      << refused.error().text;
+  EXPECT_NE(refused.error().text.find("; this client took over 0.1 s ago; "), std::string::npos);
+  const Epoch before = table.epoch();
+  EXPECT_TRUE(table.take_over(kBob, now)) << "the taker has it already";
+  EXPECT_EQ(table.epoch(), before);
+}
+
+TEST_F(TakeOverTest, IsForHoldersOnly) {
+  table.give_back(kBob);
+  const auto refused = table.take_over(kEve, now);
+  ASSERT_FALSE(refused);
+  EXPECT_TRUE(refused.error().text.starts_with(
+      "take-over refused: this client does not hold the status; acquire it first; actor status"))
+      << refused.error().text;
+  table.release(kBob, table.epoch(), Commands::Pending);
+  EXPECT_FALSE(table.take_over(kBob, now)) << "it has released the status";
+}
+
+TEST_F(TakeOverTest, IsGivenBackByTheTakerOnly) {
+  table.give_back(kAda);
+  EXPECT_FALSE(holds(kAda));
+  table.give_back(kBob);
+  EXPECT_TRUE(holds(kAda));
+  table.give_back(kBob);
+  ASSERT_TRUE(table.take_over(kAda, now)) << "another holder can take over then";
+  EXPECT_FALSE(holds(kBob));
+}
+
+TEST_F(TakeOverTest, HoldsOffAHolderThatJoinsLater) {
+  ASSERT_TRUE(table.acquire(kEve, ada, Status::Actor, password, now));
+  EXPECT_EQ(refused(kEve, table.epoch()), Denial::Reason::HeldOff);
+  table.give_back(kBob);
+  EXPECT_TRUE(holds(kEve));
+}
+
+TEST_F(TakeOverTest, EndsWhenTheTakerIsLost) {
+  EXPECT_TRUE(table.lose(kBob));
+  EXPECT_TRUE(holds(kAda));
+  EXPECT_EQ(refused(kAda, epoch), Denial::Reason::Overtaken) << "nothing resumes";
+}
+
+TEST_F(TakeOverTest, EndsWhenTheTakerIsSilent) {
+  table.renew(kAda, now + 400ms);
+  ASSERT_EQ(table.expire(now + 400ms).size(), 1U);
+  EXPECT_TRUE(holds(kAda));
+}
+
+TEST_F(TakeOverTest, LastsUntilTheLastCommandOfATakerThatReleasesHasEnded) {
+  table.release(kBob, table.epoch(), Commands::Pending);
+  EXPECT_EQ(refused(kAda, table.epoch()), Denial::Reason::HeldOff);
+  table.drained(kBob);
+  EXPECT_TRUE(holds(kAda));
+}
+
+TEST_F(TakeOverTest, IsKeptByATakerThatStops) {
+  table.stop(kBob, "stopped by bob");
+  ASSERT_TRUE(table.acquire(kAda, ada, Status::Actor, password, now));
+  EXPECT_EQ(refused(kAda, table.epoch()), Denial::Reason::HeldOff);
+  EXPECT_TRUE(holds(kBob));
+}
+
+TEST_F(TakeOverTest, EndsWhenAnotherClientStops) {
+  table.stop(kAda, "stopped by ada");
+  EXPECT_TRUE(holds(kAda));
+  EXPECT_FALSE(holds(kBob));
+}
+
+TEST_F(TakeOverTest, OfAStatusThatAStopEndedIsToldAsTheStop) {
+  const Epoch taken = table.epoch();
+  table.stop(kEve, "stopped by eve");
+  for (const Epoch issued : {epoch, taken}) {
+    EXPECT_EQ(refused(kBob, issued), Denial::Reason::Stopped);
+    EXPECT_EQ(refused(kAda, issued), Denial::Reason::Stopped);
+  }
+}
+
+TEST_F(TakeOverTest, IsShownAmongTheHolders) {
+  const auto holders = table.roster();
+  ASSERT_EQ(holders.size(), 2U);
+  EXPECT_EQ(holders[1].session, kBob);
+  EXPECT_TRUE(holders[1].taken_over);
+  EXPECT_EQ(holders[1].taken_over_since, now - 100ms);
+  EXPECT_FALSE(holders[0].taken_over);
+  table.give_back(kBob);
+  EXPECT_FALSE(table.roster()[1].taken_over);
+}
+
 TEST_F(LeaseTableTest, EpochsOfTwoServerLivesDiffer) {
   const LeaseTable restarted{IncarnationId{0x0fed'cba9'8765'4321U}, 500ms};
   EXPECT_NE(restarted.epoch(), table.epoch());

@@ -208,6 +208,29 @@ TEST_P(InwardStreams, FromBeforeAStopHaveNoEffectAndLaterOnesDo) {
   EXPECT_EQ(speeds(1), std::vector{0.25});
 }
 
+TEST_P(InwardStreams, HaveNoEffectWhileAnotherProgramHasTakenOverTheSharedStatus) {
+  const auto lease = gecos::actor(dancer_, "two hands");
+  const auto others = gecos::actor(other_, "two hands");
+  auto speed = dancer_.speed(gecos::writer);
+  auto takers = other_.speed(gecos::writer);
+  ASSERT_TRUE(lease && others && speed && takers);
+  ASSERT_TRUE(speed->send(1.0));
+  EXPECT_EQ(speeds(1), std::vector{1.0});
+  ASSERT_TRUE(gecos::take_over(other_).get());
+  ASSERT_TRUE(speed->send(2.0));  // under the epoch from before
+  expect_speed_told(
+      "admitted 1, no_status 1; its sender does not have the status, or the status has ended");
+  ASSERT_TRUE(gecos::ping(dancer_).get());  // tells it the newer epoch
+  ASSERT_TRUE(speed->send(0.5));
+  expect_speed_told(
+      "admitted 1, no_status 2; its sender does not have the status, or the status has ended");
+  ASSERT_TRUE(takers->send(1.5));
+  EXPECT_EQ(speeds(1), std::vector{1.5});
+  ASSERT_TRUE(gecos::give_back(other_).get());
+  ASSERT_TRUE(speed->send(0.25));
+  EXPECT_EQ(speeds(1), std::vector{0.25});
+}
+
 TEST_P(InwardStreams, ThatAreOlderThanTheWatchdogHaveNoEffect) {
   const auto lease = gecos::actor(dancer_);
   auto alter = dancer_.alter(gecos::writer);

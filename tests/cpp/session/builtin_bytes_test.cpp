@@ -35,7 +35,7 @@ void expect_bytes(const T& value, std::string_view bytes) {
   EXPECT_EQ(hex(layout::to_bytes(*read)), bytes);
 }
 
-Holder holder() { return {Status::MASTER, "eva", "lab", "demo", 42, 1.5, 0.25, true}; }
+Holder holder() { return {Status::MASTER, "eva", "lab", "demo", 42, 1.5, 0.25, true, true, 0.5}; }
 
 Description description() {
   return {"RX90",
@@ -60,8 +60,8 @@ Entry entry() {
 
 TEST(BuiltInOperations, KeepTheirBytes) {
   expect_bytes(GecosObject_holders_result{{holder()}},
-               "0000000100000032000000020000000465766100000000046c6162000000000564656d6f00000000"
-               "2a3ff80000000000003fd000000000000001");
+               "000000010000003b000000020000000465766100000000046c6162000000000564656d6f00000000"
+               "2a3ff80000000000003fd000000000000001013fe0000000000000");
   expect_bytes(GecosObject_describe_result{description()},
                "000000980000000552583930000000000c726f62636c3a3a527839300000000004312e3000012345"
                "6789abcdef01000000027000000000026100000000000000000700000002000000056d6f76650000"
@@ -125,7 +125,7 @@ TEST(BuiltInOperations, KeepTheirCodes) {
     EXPECT_EQ(number(operation.code), ++code) << operation.name;
     EXPECT_TRUE(is_builtin(operation.code)) << operation.name;
   }
-  EXPECT_EQ(code, 13u);
+  EXPECT_EQ(code, 15u);
   EXPECT_EQ(number(BrokerInterface::enlist.code), 0x17d413ce);
   EXPECT_EQ(number(BrokerInterface::lookup.code), 0x49e3d3e3);
   EXPECT_EQ(number(BrokerInterface::withdraw.code), 0xc5ebb42f);

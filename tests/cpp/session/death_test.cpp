@@ -281,6 +281,23 @@ void command_probe(Child::Line& line, Kind kind) {
   line.hear();
 }
 
+/// Joins the status that is shared by a password; then takes over and moves the robot.
+void guard_probe(Child::Line& line, Kind kind) {
+  line.hear();
+  gecos::Lab lab;
+  gecos::CreateOptions options;
+  options.medium = kind;
+  auto robot = lab.create<probe::Probe>("PROBE", options);
+  const auto lease = gecos::actor(*robot, "two hands");
+  line.say(lease ? "member" : lease.error().failure.text);
+  line.hear();
+  const auto taken = gecos::take_over(*robot).get();
+  line.say(taken ? "taken" : taken.error().text);
+  static_cast<void>(robot->move(5));
+  static_cast<void>(robot->set(6));
+  line.hear();
+}
+
 /// Gives back what `read` brings, after it was told to.
 void serve_echo(Child::Line& line) {
   line.hear();
@@ -407,6 +424,49 @@ TEST_P(ClientEnds, InOrderWithoutWaitingAndItsCommandsStillRun) {
   end_in_order();
   const auto lease = take_over();
   EXPECT_TRUE(lease) << lease.error();
+}
+
+class TakerDies : public ::testing::TestWithParam<Kind> {
+ protected:
+  Place place_;
+  Child child_{[](Child::Line& line) { guard_probe(line, GetParam()); }};
+};
+INSTANTIATE_TEST_SUITE_P(Over, TakerDies, ::testing::Values(Kind::Shm, Kind::Lcm),
+                         gecos::media::name_of);
+
+TEST_P(TakerDies, AndItsMotionStopsAndTheOthersMayStartNewCommands) {
+  const BrokerHere broker;
+  probe::ProbeServant servant;
+  gecos::Lab lab;
+  gecos::Server server(lab);
+  const auto added = server.add("PROBE", servant, simulated(GetParam()));
+  ASSERT_TRUE(added) << added.error().text;
+  gecos::CreateOptions options;
+  options.medium = GetParam();
+  const auto robot = lab.create<probe::Probe>("PROBE", options);
+  ASSERT_TRUE(robot) << robot.error();
+  const auto lease = gecos::actor(*robot, "two hands");
+  ASSERT_TRUE(lease) << lease.error();
+  child_.line().say("go");
+  ASSERT_EQ(child_.line().hear(), "member");
+  const auto move = robot->move(1);
+  servant.await_moves(1);
+  child_.line().say("take over");
+  ASSERT_EQ(child_.line().hear(), "taken");
+  EXPECT_EQ(move.get().error().detail, Detail::Preempted);
+  servant.await_moves(2);
+  const auto refused = robot->set(2).get();
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().detail, Detail::Denied) << refused.error();
+  child_.kill_at_once();
+  servant.await_event("interrupted 5");
+  const auto give_up = Clock::now() + 10s;
+  while (robot->set(3).get().has_value() == false && Clock::now() < give_up) {
+  }
+  servant.await_event("set 3");
+  EXPECT_EQ(servant.events(), (std::vector<std::string>{"start 1", "interrupted 1", "start 5",
+                                                        "interrupted 5", "set 3"}))
+      << "nothing resumes, and what the taker had queued never starts";
 }
 
 struct LabBeforeTheFork {

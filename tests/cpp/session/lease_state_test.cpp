@@ -38,6 +38,8 @@ TEST(LeaseState, TakesTheEpochOfARenewedStatusOnlyWhileALeaseIsHeld) {
   state.renewed(Epoch{7});
   EXPECT_EQ(state.epoch(), Epoch{7});
   EXPECT_FALSE(state.lost(held));
+  state.renewed(Epoch{6});
+  EXPECT_EQ(state.epoch(), Epoch{7}) << "the reply was sent before, and came late";
   state.released(held);
   EXPECT_EQ(state.epoch(), Epoch{});
 }

@@ -172,9 +172,10 @@ class Session:
     def cancel(self, call: Call) -> None:
         call.canceling = Again()
 
-    def acquire(self, status: Status) -> int:
+    def acquire(self, status: Status, password: str = "") -> int:
         """Takes a status; its epoch is in every call from then on."""
-        reply = self.call(packets.ACQUIRE, packets.u32(status))
+        given = packets.boolean(True) + packets.string(password) if password else b""
+        reply = self.call(packets.ACQUIRE, packets.u32(status) + given)
         assert reply.detail == Detail.DONE, packets.Failure.of(reply.body)
         grant = Reader(reply.body).block()
         assert grant.u32() == status

@@ -57,6 +57,7 @@ class Status(IntEnum):
 
 
 HOLDERS, STOP, PING, DESCRIBE, ACQUIRE, RELEASE, SUBSCRIBE, UNSUBSCRIBE, OUTCOME = range(1, 10)
+TAKE_OVER, GIVE_BACK = 14, 15
 
 
 class Malformed(ValueError):

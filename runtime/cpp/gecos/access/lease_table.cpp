@@ -19,6 +19,11 @@ std::string needs(Status needed) {
   return "needs " + status + " status";
 }
 
+std::string name_of(const Client& client) {
+  return client.user + " on " + client.host + " (" + client.program + ", pid " +
+         std::to_string(client.pid) + ")";
+}
+
 /// Programs in all languages show this text, so it must not use the syntax of one language.
 std::string how_to_get(Status needed) {
   return "call " + std::string(to_string(needed)) + "(object) of gecos to acquire it";
@@ -28,9 +33,10 @@ std::string how_to_get(Status needed) {
 
 std::string describe(const Holder& holder, TimePoint now) {
   std::string text = std::string(to_string(holder.status)) + " status is held by " +
-                     holder.client.user + " on " + holder.client.host + " (" +
-                     holder.client.program + ", pid " + std::to_string(holder.client.pid) +
-                     ") for " + seconds(now - holder.since);
+                     name_of(holder.client) + " for " + seconds(now - holder.since);
+  if (holder.taken_over) {
+    text += "; this client took over " + seconds(now - holder.taken_over_since) + " ago";
+  }
   text += holder.releasing ? "; it is released, but the last commands under it still run"
                            : "; this client loses it if it stays silent for " +
                                  seconds(holder.expires - now) + " more";
@@ -104,7 +110,8 @@ tl::expected<Grant, LeaseRefusal> LeaseTable::acquire(SessionId session, const C
   }
 
   if (member) {
-    auto& [holder, claims] = mine->second;
+    auto& holder = mine->second.holder;
+    auto& claims = mine->second.claims;
     claims = holder.releasing ? 1 : claims + 1;
     holder.releasing = false;
     holder.status = target;
@@ -112,7 +119,14 @@ tl::expected<Grant, LeaseRefusal> LeaseTable::acquire(SessionId session, const C
     if (members_.size() == 1 && !password.empty()) password_ = password;
   } else {
     if (members_.empty()) password_ = password;
-    members_.emplace(session, Member{{session, wanted, client, now, now + ttl_, false}, 1});
+    members_.emplace(session, Member{{.session = session,
+                                      .status = wanted,
+                                      .client = client,
+                                      .since = now,
+                                      .expires = now + ttl_},
+                                     1,
+                                     epoch(),
+                                     epoch()});
   }
   return Grant{target, epoch()};
 }
@@ -123,6 +137,7 @@ void LeaseTable::renew(SessionId session, TimePoint now) {
 }
 
 void LeaseTable::remove(Members::iterator member) {
+  if (member->first == taker_) taker_ = {};
   members_.erase(member);
   if (!members_.empty()) return;
   ++changes_;
@@ -132,9 +147,9 @@ void LeaseTable::remove(Members::iterator member) {
 bool LeaseTable::release(SessionId session, Epoch epoch, Commands commands) {
   const auto mine = members_.find(session);
   if (mine == members_.end()) return true;
-  auto& [holder, claims] = mine->second;
+  auto& holder = mine->second.holder;
   if (epoch != this->epoch() || holder.releasing) return false;
-  if (--claims > 0) return false;
+  if (--mine->second.claims > 0) return false;
   if (commands == Commands::Pending) {
     holder.releasing = true;
     return false;
@@ -161,9 +176,10 @@ std::vector<Holder> LeaseTable::expire(TimePoint now) {
     if (!member.holder.releasing && member.holder.expires <= now) silent.push_back(member.holder);
   }
   for (const Holder& holder : silent) {
-    losses_[holder.session] = {epoch(), Denial::Reason::LeaseEnded,
+    const auto member = members_.find(holder.session);
+    losses_[holder.session] = {member->second.first, epoch(), Denial::Reason::LeaseEnded,
                                "its holder was silent for " + seconds(ttl_)};
-    remove(members_.find(holder.session));
+    remove(member);
   }
   return silent;
 }
@@ -172,32 +188,99 @@ std::vector<Holder> LeaseTable::stop(SessionId by, const std::string& why) {
   std::vector<Holder> ended;
   std::erase_if(members_, [&](const auto& entry) {
     const Holder& holder = entry.second.holder;
-    losses_[holder.session] = {epoch(), Denial::Reason::Stopped, why};
+    losses_[holder.session] = {entry.second.first, epoch(), Denial::Reason::Stopped, why};
     if (holder.session == by && !holder.releasing) return false;
     ended.push_back(holder);
     return true;
   });
   ++changes_;
+  for (auto& [session, member] : members_) member.first = member.fence = epoch();
+  if (!members_.contains(taker_)) taker_ = {};
   if (members_.empty()) password_ = Proof();
   return ended;
 }
 
+tl::expected<void, LeaseRefusal> LeaseTable::take_over(SessionId session, TimePoint now) {
+  using Reason = LeaseRefusal::Reason;
+  const auto mine = members_.find(session);
+  if (mine == members_.end() || mine->second.holder.releasing) {
+    return tl::unexpected(
+        refuse(Reason::HeldByOther,
+               "take-over refused: this client does not hold the status; acquire it first", now));
+  }
+  if (taker_ == session) return {};
+  if (taker_ != SessionId{}) {
+    return tl::unexpected(
+        refuse(Reason::HeldByOther,
+               "take-over refused: " + name_of(members_.at(taker_).holder.client) +
+                   " has taken over; wait until it gives back, or stop the object",
+               now));
+  }
+  taker_ = session;
+  auto& holder = mine->second.holder;
+  holder.taken_over = true;
+  holder.taken_over_since = now;
+  ++changes_;
+  for (auto& [other, member] : members_) {
+    if (other == session) continue;
+    member.fence = epoch();
+    member.overtaken_by = name_of(holder.client);
+    member.overtaken_at = now;
+  }
+  return {};
+}
+
+void LeaseTable::give_back(SessionId session) {
+  if (taker_ != session || session == SessionId{}) return;
+  members_.at(session).holder.taken_over = false;
+  taker_ = {};
+}
+
 void LeaseTable::forget(SessionId session) { losses_.erase(session); }
+
+/// Returns whether a command was issued under the status that `loss` ended, and not under one that
+/// the session, now `member`, holds.
+bool LeaseTable::was_issued_under(const Loss& loss, Epoch epoch, const Member* member) const {
+  return loss.first <= epoch && epoch <= loss.last && (member == nullptr || epoch < member->first);
+}
+
+/// Returns whether no later event than the present status ended what was issued under `epoch`.
+bool LeaseTable::current(const Member* member, SessionId session, Epoch epoch) const {
+  if (member != nullptr) return member->fence <= epoch && epoch <= this->epoch();
+  const auto lost = losses_.find(session);
+  return epoch == this->epoch() &&
+         (lost == losses_.end() || !was_issued_under(lost->second, epoch, member));
+}
+
+/// Returns the denial of a command that was issued under a status that has ended, or before another
+/// holder took over.
+Denial LeaseTable::ended(const Member* member, SessionId session, Epoch epoch, Status needed,
+                         TimePoint now) const {
+  using Reason = Denial::Reason;
+  if (member != nullptr && member->first <= epoch && epoch < member->fence) {
+    const bool held_off = taker_ != SessionId{} && taker_ != session;
+    return {Reason::Overtaken, "was issued before " + member->overtaken_by + " took over, " +
+                                   seconds(now - member->overtaken_at) + " ago" +
+                                   (held_off ? "; wait until it gives back"
+                                             : "; check where the device is, and command again")};
+  }
+  Denial denial{Reason::LeaseEnded, "was issued under a status that has ended"};
+  const auto lost = losses_.find(session);
+  if (lost != losses_.end() && was_issued_under(lost->second, epoch, member)) {
+    denial = {lost->second.reason, denial.text + ": " + lost->second.why};
+  }
+  for (const Holder& other : roster()) {
+    if (other.session != session) denial.text += "; " + describe(other, now);
+  }
+  if (member == nullptr) denial.text += "; " + how_to_get(needed) + " again";
+  return denial;
+}
 
 tl::expected<void, Denial> LeaseTable::authorise(const Member* member, SessionId session,
                                                  Epoch epoch, Status needed, TimePoint now) const {
   using Reason = Denial::Reason;
-  const auto lost = losses_.find(session);
-  const bool was_lost = lost != losses_.end() && lost->second.epoch == epoch &&
-                        (member == nullptr || epoch != this->epoch());
-  if (needed != Status::Sensor && (was_lost || (epoch != Epoch{} && epoch != this->epoch()))) {
-    Denial denial{Reason::LeaseEnded, "was issued under a status that has ended"};
-    if (was_lost) denial = {lost->second.reason, denial.text + ": " + lost->second.why};
-    for (const Holder& other : roster()) {
-      if (other.session != session) denial.text += "; " + describe(other, now);
-    }
-    if (member == nullptr) denial.text += "; " + how_to_get(needed) + " again";
-    return tl::unexpected(std::move(denial));
+  if (needed != Status::Sensor && epoch != Epoch{} && !current(member, session, epoch)) {
+    return tl::unexpected(ended(member, session, epoch, needed, now));
   }
   if (member == nullptr && !members_.empty() &&
       members_.begin()->second.holder.status == Status::Master) {
@@ -206,7 +289,14 @@ tl::expected<void, Denial> LeaseTable::authorise(const Member* member, SessionId
                "is refused while another client is master: " + describe(roster().front(), now)});
   }
   if (needed == Status::Sensor) return {};
-  if (member != nullptr && member->holder.status >= needed && epoch != Epoch{}) return {};
+  if (member != nullptr && member->holder.status >= needed && epoch != Epoch{}) {
+    if (taker_ == SessionId{} || taker_ == session) return {};
+    const Holder& taker = members_.at(taker_).holder;
+    return tl::unexpected(Denial{Reason::HeldOff, "is held off: " + name_of(taker.client) +
+                                                      " took over " +
+                                                      seconds(now - taker.taken_over_since) +
+                                                      " ago; wait until it gives back"});
+  }
   Denial denial{Reason::NeedsStatus, needs(needed)};
   for (const Holder& other : roster()) {
     if (other.session != session) denial.text += "; " + describe(other, now);

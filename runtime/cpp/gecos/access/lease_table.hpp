@@ -28,9 +28,11 @@ struct Holder {
   Status status = Status::Actor;
   Client client;
   TimePoint since{};
-  TimePoint expires{};     ///< when the holder loses the status if it stays silent; unused while
-                           ///< releasing
-  bool releasing = false;  ///< the status was released, but the last commands under it still run
+  TimePoint expires{};      ///< when the holder loses the status if it stays silent; unused while
+                            ///< releasing
+  bool releasing = false;   ///< the status was released, but the last commands under it still run
+  bool taken_over = false;  ///< this holder has taken over: the commands of the others are refused
+  TimePoint taken_over_since{};  ///< used while `taken_over`
 };
 /// Returns a text such as "actor status is held by ada on lab1 (grip_block, pid 4711) for 3.2 s;
 /// this client loses it if it stays silent for 0.4 s more".
@@ -57,6 +59,8 @@ struct Denial {
     OthersMaster,  ///< another client is master, so all others are refused
     LeaseEnded,    ///< the command was issued under a status that has ended
     Stopped,       ///< the command was issued under a status that a stop ended
+    HeldOff,       ///< another holder of the shared status has taken over
+    Overtaken,     ///< the command was issued before another holder took over
   };
   Reason reason = Reason::NeedsStatus;
   std::string text;  ///< a text to append to the name of the operation, for example "needs actor
@@ -70,9 +74,14 @@ struct Denial {
 /// no I/O.
 ///
 /// A command that was issued under an older epoch than the current one does not start. The epoch
-/// rises at every stop and whenever the last holder leaves. It does not rise when a holder joins,
-/// or when one of several holders leaves. Epochs of two incarnations of a server differ. No epoch
-/// is 0.
+/// rises at every stop, at every take-over and whenever the last holder leaves. It does not rise
+/// when a holder joins, or when one of several holders leaves. The holder that takes over keeps the
+/// commands that it issued under the older epoch. Epochs of two incarnations of a server differ. No
+/// epoch is 0.
+///
+/// One holder of a shared status can take over. Until it gives back, or its lease ends for any
+/// reason, only its commands are queued and started; the leases of the others continue. A command
+/// that another holder issued before the take-over never starts, not even after it.
 class LeaseTable {
  public:
   LeaseTable(IncarnationId incarnation, Duration ttl);
@@ -109,6 +118,13 @@ class LeaseTable {
   /// holders that lost their leases. A call that was issued before the stop but arrives after it is
   /// denied as Stopped, with the reason `why`.
   std::vector<Holder> stop(SessionId by, const std::string& why);
+  /// Gives `session` sole command of the status that it shares, until `give_back` or the end of its
+  /// lease. Does nothing when the session has taken over already. Fails when the session holds no
+  /// status or has released it, or when another holder has taken over.
+  tl::expected<void, LeaseRefusal> take_over(SessionId session, TimePoint now);
+  /// Ends the take-over by `session`. Does nothing when the session has not taken over.
+  void give_back(SessionId session);
+
   /// Forgets how `session` lost its status, because no call of it can arrive any more.
   void forget(SessionId session);
 
@@ -132,24 +148,34 @@ class LeaseTable {
   struct Member {
     Holder holder;
     std::uint32_t claims = 1;  ///< how many acquisitions are not released yet
+    Epoch first{};  ///< the epoch in which it acquired the status, or renewed it by a stop
+    Epoch fence{};  ///< commands that it issued under older epochs were overtaken; at least `first`
+    std::string overtaken_by{};  ///< the client that overtook them
+    TimePoint overtaken_at{};
   };
   using Members = std::unordered_map<SessionId, Member>;
   /// How a session lost its last status: because it was silent, or by a stop.
   struct Loss {
-    Epoch epoch;
+    Epoch first;  ///< the epochs in which it held the status
+    Epoch last;
     Denial::Reason reason = Denial::Reason::LeaseEnded;
     std::string why;
   };
   const Member* find(SessionId session) const;
   void remove(Members::iterator member);
   LeaseRefusal refuse(LeaseRefusal::Reason reason, std::string_view why, TimePoint now) const;
+  bool was_issued_under(const Loss& loss, Epoch epoch, const Member* member) const;
+  bool current(const Member* member, SessionId session, Epoch epoch) const;
+  Denial ended(const Member* member, SessionId session, Epoch epoch, Status needed,
+               TimePoint now) const;
   tl::expected<void, Denial> authorise(const Member* member, SessionId session, Epoch epoch,
                                        Status needed, TimePoint now) const;
 
   const IncarnationId incarnation_;
   const Duration ttl_;
   std::uint32_t changes_ = 1;
-  Members members_;  ///< the holders, which all have the same status
+  Members members_;    ///< the holders, which all have the same status
+  SessionId taker_{};  ///< the holder that has taken over; SessionId{} when none has
   std::unordered_map<SessionId, Loss> losses_;
   Proof password_;
 };

@@ -94,6 +94,7 @@ def holders(name: str, who: Sequence[Holder]) -> None:
     if not who:
         print(f"{name}: nobody holds actor or master status")
         return
+    held_off = "held off" if any(holder.taken_over for holder in who) else "none"
     rows = [
         (
             holder.status.name.lower(),
@@ -102,10 +103,12 @@ def holders(name: str, who: Sequence[Holder]) -> None:
             str(holder.pid),
             f"{holder.held_for:.1f} s",
             "releasing" if holder.releasing else f"{holder.expires_in:.1f} s",
+            f"took over {holder.taken_over_for:.1f} s ago" if holder.taken_over else held_off,
         )
         for holder in who
     ]
-    _table(("status", "client", "program", "pid", "held for", "ends if silent"), rows)
+    heads = ("status", "client", "program", "pid", "held for", "ends if silent", "take-over")
+    _table(heads, rows)
 
 
 def members(model: Model) -> None:

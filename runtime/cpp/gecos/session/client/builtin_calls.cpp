@@ -130,6 +130,14 @@ Command<void> stop(const Object& object) {
   return Command<void>(own_call(*session_of(object), GecosObjectInterface::stop));
 }
 
+Command<void> take_over(const Object& object) {
+  return Command<void>(own_call(*session_of(object), GecosObjectInterface::take_over));
+}
+
+Command<void> give_back(const Object& object) {
+  return Command<void>(own_call(*session_of(object), GecosObjectInterface::give_back));
+}
+
 Command<void> ping(const Object& object) {
   return Command<void>(own_call(*session_of(object), GecosObjectInterface::ping));
 }

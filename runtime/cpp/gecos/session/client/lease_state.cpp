@@ -25,7 +25,10 @@ bool LeaseState::lost(std::uint64_t held) const {
 
 void LeaseState::renewed(Epoch epoch) {
   const MutexLock lock(mutex_);
-  if (leases_ != 0) epoch_.store(number(epoch), std::memory_order_relaxed);
+  // A reply that is sent again may tell an epoch that is older than the present one.
+  if (leases_ != 0 && epoch > this->epoch()) {
+    epoch_.store(number(epoch), std::memory_order_relaxed);
+  }
 }
 
 }  // namespace gecos::session

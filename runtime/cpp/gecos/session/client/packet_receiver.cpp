@@ -29,7 +29,7 @@ std::shared_ptr<PendingCommand> PacketReceiver::take(ByteView bytes) {
 std::shared_ptr<PendingCommand> PacketReceiver::take_reply(const wire::PacketView& packet) {
   auto command = calls_.take_replied(packet.header.counter);
   if (!command) return nullptr;  // the reply arrived before; this is a copy
-  // only the reply to a `stop` has an epoch: the new epoch of the status of this client
+  // A reply has an epoch when the status of this client continues under a newer one.
   if (packet.header.epoch != Epoch{}) leases_.renewed(packet.header.epoch);
   const auto detail = detail_from(static_cast<std::uint8_t>(packet.header.flags));
   // Over a medium that loses no packets, OUTCOME_UNKNOWN means that the server has answered this

@@ -12,6 +12,8 @@ Detail detail_of(access::Denial::Reason reason) {
       return Detail::LeaseLost;
     case access::Denial::Reason::Stopped:
       return Detail::Stopped;
+    case access::Denial::Reason::Overtaken:
+      return Detail::Preempted;
     default:
       return Detail::Denied;
   }

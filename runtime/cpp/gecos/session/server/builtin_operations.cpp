@@ -35,6 +35,8 @@ void BuiltinOperations::answer(const std::shared_ptr<ServerSession>& session,
   if (asked == &BuiltIn::model) return model(*session, counter);
   if (asked == &BuiltIn::acquire) return acquire(session, counter, arguments);
   if (asked == &BuiltIn::release) return release(*session, counter, arguments);
+  if (asked == &BuiltIn::take_over) return take_over(*session, counter);
+  if (asked == &BuiltIn::give_back) return give_back(*session, counter);
   if (asked == &BuiltIn::subscribe) return subscribe(*session, counter, arguments);
   if (asked == &BuiltIn::unsubscribe) return unsubscribe(*session, counter, arguments);
   if (asked == &BuiltIn::feed) return feed(session, counter, arguments);
@@ -95,18 +97,26 @@ void BuiltinOperations::release(ServerSession& session, std::uint64_t counter, B
   session.reply(counter, ByteView{});
 }
 
+void BuiltinOperations::take_over(ServerSession& session, std::uint64_t counter) {
+  if (const auto refused = statuses_.take_over(session)) return session.reply(counter, *refused);
+  session.reply(counter, ByteView{});
+}
+
+void BuiltinOperations::give_back(ServerSession& session, std::uint64_t counter) {
+  statuses_.give_back(session);
+  session.reply(counter, ByteView{});
+}
+
 /// A stop takes effect at once even if handlers hang, because it changes only the leases, the queue
 /// and the interrupt flags.
 void BuiltinOperations::stop(ServerSession& by, std::uint64_t counter) {
   const std::string why = "stopped by " + who(by.caller());
   log_info("server", setup_.name + ": " + why);
   statuses_.stop(by.id(), why);
-  const access::LeaseTable& leases = statuses_.leases();
-  const bool still_leased = leases.status_of(by.id()) != access::Status::Sensor;
   calls_.end_commands([](const ServerCall&) { return true; },
                       Failure{Detail::Stopped, why, {}, {}});
   if (setup_.options.on_stop) user_callbacks_.post(setup_.options.on_stop);
-  by.reply(counter, ByteView{}, still_leased ? leases.epoch() : Epoch{});
+  by.reply(counter, ByteView{});
 }
 
 void BuiltinOperations::subscribe(ServerSession& session, std::uint64_t counter,

@@ -37,6 +37,8 @@ class BuiltinOperations {
   void acquire(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
                ByteView arguments);
   void release(ServerSession& session, std::uint64_t counter, ByteView arguments);
+  void take_over(ServerSession& session, std::uint64_t counter);
+  void give_back(ServerSession& session, std::uint64_t counter);
   void subscribe(ServerSession& session, std::uint64_t counter, ByteView arguments);
   void unsubscribe(ServerSession& session, std::uint64_t counter, ByteView arguments);
   void stop(ServerSession& by, std::uint64_t counter);

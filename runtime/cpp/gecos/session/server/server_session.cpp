@@ -43,16 +43,17 @@ void ServerSession::reply_as(std::uint64_t counter, const wire::PacketView& befo
   sender_.reply_again(header, before.body, kept());
 }
 
-void ServerSession::reply(std::uint64_t counter, ByteView result, Epoch epoch) {
+void ServerSession::reply(std::uint64_t counter, ByteView result) {
   auto header = reply_to(counter);
   header.session = id_;
-  header.epoch = epoch;
+  header.epoch = renewed;
   sender_.reply(header, result, kept());
 }
 
 void ServerSession::reply(std::uint64_t counter, const Failure& failure) {
   auto header = reply_to(counter);
   header.session = id_;
+  header.epoch = renewed;
   sender_.reply(header, failure, kept());
 }
 

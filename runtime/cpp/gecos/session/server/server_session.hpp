@@ -48,7 +48,7 @@ class ServerSession {
 
   // The functions below require the object's mutex.
   void reply(std::uint64_t counter, const Failure& failure);
-  void reply(std::uint64_t counter, ByteView result, Epoch epoch = {});
+  void reply(std::uint64_t counter, ByteView result);
   /// Replies to the call `counter` with `before`, the reply that this call got in another session.
   void reply_as(std::uint64_t counter, const wire::PacketView& before);
   /// Sends the latest progress of `call`. Returns true when it was sent, false when the connection
@@ -90,6 +90,9 @@ class ServerSession {
   /// The epoch in which this session acquired its status; its own `stop` calls renew the status
   /// under higher epochs.
   std::uint64_t held_from = std::numeric_limits<std::uint64_t>::max();
+  /// The newer epoch of the session's status, which every reply tells the client; Epoch{} while the
+  /// client knows it from its grant.
+  Epoch renewed{};
   /// For each lane, the highest counter that was marked as started (start_words.hpp).
   std::array<std::uint64_t, media::shared_word_count> marked{};
   std::size_t commands = 0;      ///< number of actor commands that have not ended

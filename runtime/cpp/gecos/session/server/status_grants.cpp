@@ -44,6 +44,8 @@ Holder shown(const access::Holder& holder, TimePoint now) {
   line.held_for = seconds(now - holder.since);
   line.expires_in = std::max(0.0, seconds(holder.expires - now));
   line.releasing = holder.releasing;
+  line.taken_over = holder.taken_over;
+  if (holder.taken_over) line.taken_over_for = seconds(now - holder.taken_over_since);
   return line;
 }
 
@@ -70,6 +72,20 @@ Failure refusal(std::string reason, std::vector<Holder> holders) {
           wire::to_bytes(refused)};
 }
 
+/// Returns a command that still runs although the status under which it was issued has ended,
+/// unless its interface lets it finish (`@on_loss("finish")`). Returns null when there is no such
+/// command or when a client holds a status. While such a command runs, no client may be granted a
+/// status.
+const ServerCall* outlives_its_status(const access::LeaseTable& leases, const ObjectQueue& queue) {
+  if (!leases.roster().empty()) return nullptr;
+  for (const QueueEntry* const entry : queue.running()) {
+    const auto& call = static_cast<const ServerCall&>(*entry);
+    const bool finishes = call.operation().on_loss == OnLoss::Finish && !call.state.ended();
+    if (call.operation().status != access::Status::Sensor && !finishes) return &call;
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 StatusGrants::StatusGrants(const ObjectSetup& setup, const NameClaim& claim, ObjectCalls& calls)
@@ -93,7 +109,7 @@ void StatusGrants::request(const std::shared_ptr<ServerSession>& session, std::u
                                   {}});
   }
   Duration patience = duration(asked.patience);
-  const bool handler_runs = outlives_its_status() != nullptr;
+  const bool handler_runs = outlives_its_status(leases_, calls_.queue()) != nullptr;
   if (handler_runs) patience = std::max(patience, longest_wait_for_handler);
   Request request{session, counter, std::move(asked), setup_.clock().now() + patience};
   if (!handler_runs && answer(request, line_.size())) return;
@@ -134,7 +150,10 @@ bool StatusGrants::answer(const Request& request, std::size_t before) {
                            (granted ? "" : ": " + granted.error().text));
   }
   if (granted) {
-    if (!held_before) session->held_from = number(granted->epoch);
+    if (!held_before) {
+      session->held_from = number(granted->epoch);
+      standings_.add_holder(session);
+    }
     note_standings();
     const Grant given{status_of(granted->status), number(granted->epoch)};
     session->reply(counter, layout::to_bytes(GecosObject_acquire_result{given}));
@@ -144,20 +163,6 @@ bool StatusGrants::answer(const Request& request, std::size_t before) {
                                     shown(granted.error().holders, now)));
   }
   return true;
-}
-
-/// Returns a command that still runs although the status under which it was issued has ended,
-/// unless its interface lets it finish (`@on_loss("finish")`). Returns null when there is no such
-/// command or when a client holds a status. While such a command runs, no client may be granted a
-/// status.
-const ServerCall* StatusGrants::outlives_its_status() const {
-  if (!leases_.roster().empty()) return nullptr;
-  for (const QueueEntry* const entry : calls_.queue().running()) {
-    const auto& call = static_cast<const ServerCall&>(*entry);
-    const bool finishes = call.operation().on_loss == OnLoss::Finish && !call.state.ended();
-    if (call.operation().status != access::Status::Sensor && !finishes) return &call;
-  }
-  return nullptr;
 }
 
 StatusGrants::Line::const_iterator StatusGrants::find(const ServerSession& session,
@@ -184,7 +189,7 @@ bool StatusGrants::cancel(ServerSession& session, std::uint64_t counter) {
 }
 
 void StatusGrants::serve_line() {
-  if (line_.empty() || outlives_its_status() != nullptr) return;
+  if (line_.empty() || outlives_its_status(leases_, calls_.queue()) != nullptr) return;
   std::size_t before = 0;
   std::erase_if(line_, [&](const Request& request) {
     if (answer(request, before)) return true;
@@ -203,7 +208,7 @@ void StatusGrants::tell_places() {
 }
 
 void StatusGrants::refuse_late(TimePoint now) {
-  const ServerCall* const runs = outlives_its_status();
+  const ServerCall* const runs = outlives_its_status(leases_, calls_.queue());
   if (runs == nullptr) return serve_line();
   std::erase_if(line_, [&](const Request& waiting) {
     if (now < waiting.give_up) return false;
@@ -242,7 +247,7 @@ void StatusGrants::release(ServerSession& session, const GecosObject_release_arg
   std::uint64_t epoch = asked.epoch;
   const std::uint64_t held_now = number(leases_.epoch());
   if (session.held_from <= epoch && epoch < held_now)
-    epoch = held_now;  // `stop` calls of this session gave its status newer epochs
+    epoch = held_now;  // take-overs, and `stop` calls of this session, gave its status newer epochs
   if (asked.now && Epoch{epoch} == leases_.epoch() &&
       leases_.status_of(session.id()) != access::Status::Sensor) {
     calls_.end_commands(
@@ -271,6 +276,28 @@ void StatusGrants::release_all(ServerSession& session) {
   serve_line();
 }
 
+std::optional<Failure> StatusGrants::take_over(ServerSession& session) {
+  const TimePoint now = clock_.now();
+  if (const auto taken = leases_.take_over(session.id(), now); !taken) {
+    return refusal(setup_.name + ": " + taken.error().text, shown(taken.error().holders, now));
+  }
+  log_info("server", setup_.name + ": " + who(session.caller()) + " takes over");
+  note_standings();
+  standings_.note_newer_epoch(leases_);  // before the ends of commands, which tell the epoch
+  calls_.end_commands(
+      [&](const ServerCall& call) {
+        return call.client != session.id() && commands_the_object(call.operation());
+      },
+      Failure{Detail::Preempted, who(session.caller()) + " has taken over", {}, {}});
+  return std::nullopt;
+}
+
+void StatusGrants::give_back(ServerSession& session) {
+  leases_.give_back(session.id());
+  note_standings();
+  log_info("server", setup_.name + ": " + who(session.caller()) + " gives back");
+}
+
 void StatusGrants::commands_ended(SessionId session) {
   const bool releases = leases_.releasing(session);
   leases_.drained(session);
@@ -283,12 +310,13 @@ void StatusGrants::stop(SessionId by, const std::string& why) {
       Failure{Detail::Stopped, "the request for the status ended while it waited: " + why, {}, {}});
   leases_.stop(by, why);
   note_standings();
+  standings_.note_newer_epoch(leases_);
 }
 
 void StatusGrants::depart(ServerSession& session, bool in_order) {
   leases_.forget(session.id());
   session.standing->clear();  // before another client gets the status
-  std::erase_if(feeders_, [&](const auto& feeder) { return feeder.get() == &session; });
+  standings_.remove(session);
   std::erase_if(line_, [&](const Request& waiting) { return waiting.session.get() == &session; });
   tell_places();
   if (in_order) return release_all(session);
@@ -307,19 +335,8 @@ void StatusGrants::on_tick(TimePoint now) {
 }
 
 void StatusGrants::note_feeder(const std::shared_ptr<ServerSession>& session) {
-  if (std::ranges::find(feeders_, session) == feeders_.end()) feeders_.push_back(session);
+  standings_.add_feeder(session);
   note_standings();
-}
-
-void StatusGrants::note_standings() {
-  using access::Status;
-  const Epoch epoch = leases_.epoch();
-  for (const auto& session : feeders_) {
-    for (const Status needed : {Status::Sensor, Status::Actor, Status::Master}) {
-      const bool may = leases_.may_start(session->id(), epoch, needed, clock_.now()).has_value();
-      session->standing->set(needed, may ? std::optional(epoch) : std::nullopt);
-    }
-  }
 }
 
 void StatusGrants::lose(SessionId session, const std::string& why) {

@@ -13,6 +13,7 @@
 #include "gecos/session/server/object_calls.hpp"
 #include "gecos/session/server/object_setup.hpp"
 #include "gecos/session/server/server_session.hpp"
+#include "gecos/session/server/session_standings.hpp"
 
 namespace gecos::session {
 
@@ -56,6 +57,11 @@ class StatusGrants {
 
   void renew(const ServerSession& session, TimePoint now) { leases_.renew(session.id(), now); }
   void release(ServerSession& session, const GecosObject_release_arguments& asked);
+  /// Gives `session` sole command of the status that it shares: ends the commands of the other
+  /// holders and refuses their later commands and samples, until `give_back` or until the status of
+  /// `session` ends. Returns why not; nullopt when the session has taken over.
+  std::optional<Failure> take_over(ServerSession& session);
+  void give_back(ServerSession& session);
   /// Must be called when no command of `session` is open any more. Ends a status that the session
   /// has released.
   void commands_ended(SessionId session);
@@ -88,10 +94,9 @@ class StatusGrants {
   bool answer(const Request& request, std::size_t before);
   void end_line(const Failure& failure);
   void tell_places();
-  const ServerCall* outlives_its_status() const;
   void refuse_late(TimePoint now);
   void lose(SessionId session, const std::string& why);
-  void note_standings();
+  void note_standings() { standings_.note_change(leases_, clock_.now()); }
 
   const ObjectSetup& setup_;
   const NameClaim& claim_;
@@ -99,7 +104,7 @@ class StatusGrants {
   access::LeaseTable leases_;
   SuspendAwareClock clock_;  ///< for leases and peer time-outs
   Line line_;                ///< the waiting requests, in order of arrival
-  std::vector<std::shared_ptr<ServerSession>> feeders_;  ///< the sessions that feed inward streams
+  SessionStandings standings_;
 };
 
 }  // namespace gecos::session

@@ -1,0 +1,39 @@
+"""Lowers the tool towards the block, under a status that programs share which know the password.
+When `guard` takes over, the motion ends, and this program waits until it may command again.
+"""
+
+import sys
+import time
+
+import gecos
+from robcl.frames import Frame, deg, mm, translate
+from robcl.manipulator import Manipulator, Trajectory
+
+START = Frame.from_euler_zyz(mm(500), mm(200), mm(300), 0.0, deg(180), 0.0)  # z points down
+
+
+def main(password: str) -> None:
+    lab = gecos.Lab()
+    robot = lab.create(Manipulator, "RX90")
+    with gecos.actor(robot, password):  # without the password: is refused and told who holds it
+        robot.move(START).result()
+        print("lowering the tool", flush=True)
+        try:
+            robot.move(START * translate(0.0, 0.0, mm(200)), Trajectory(tool_speed=0.05)).result()
+        except gecos.CommandFailed as failed:
+            print(failed, flush=True)
+        try:
+            robot.move(START).result()
+        except gecos.CommandFailed as held_off:
+            print(held_off, flush=True)
+        while any(holder.taken_over for holder in gecos.holders(robot).result()):
+            time.sleep(0.1)
+        robot.move(START).result()  # nothing resumes by itself: this is a new command
+        print("at the start again")
+
+
+if __name__ == "__main__":
+    try:
+        main(sys.argv[1] if len(sys.argv) > 1 else "")
+    except gecos.LeaseRefused as refused:
+        sys.exit(str(refused))

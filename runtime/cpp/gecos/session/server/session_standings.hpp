@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "gecos/access/lease_table.hpp"
+#include "gecos/session/server/server_session.hpp"
+
+namespace gecos::session {
+
+/// Tells the sessions of one object how their status stands: those that feed inward streams, for
+/// the ports that read each sample, and those that hold a status, for the replies to their clients.
+/// Not thread-safe: the object's mutex guards it.
+class SessionStandings {
+ public:
+  /// `session` has been granted a status, under an epoch that its client knows.
+  void add_holder(const std::shared_ptr<ServerSession>& session);
+  /// `session` feeds inward streams: keeps `session->standing` up to date until `remove`.
+  void add_feeder(const std::shared_ptr<ServerSession>& session);
+  void remove(const ServerSession& session);
+
+  /// Must be called whenever a status or a take-over begins or ends.
+  void note_change(const access::LeaseTable& leases, TimePoint now);
+  /// Must be called when the epoch rose although statuses continue: from then on each reply to a
+  /// holder tells the newer epoch.
+  void note_newer_epoch(const access::LeaseTable& leases);
+
+ private:
+  using Sessions = std::vector<std::shared_ptr<ServerSession>>;
+  Sessions feeders_;
+  Sessions holders_;  ///< also those that have lost their status
+};
+
+}  // namespace gecos::session
