@@ -1,5 +1,5 @@
 // Watches the distance sensor on the flange of a robot that another program moves. When something
-// is closer than 150 mm, takes over, retreats by 100 mm, and gives the robot back.
+// is closer than 200 mm, takes over, retreats by 100 mm, and gives the robot back.
 
 #include <chrono>
 #include <cmath>
@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
     const auto sample = beam->next(std::chrono::seconds(10));
     if (!sample) return fail(sample.error());
     seen = sample->value;
-  } while (!seen.valid || seen.value >= 150_mm);
+  } while (!seen.valid || seen.value >= 200_mm);
 
   const auto taken = gecos::take_over(*robot).get();  // the other program's motion ends
   if (!taken) return fail(taken.error());

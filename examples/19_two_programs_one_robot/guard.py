@@ -1,5 +1,5 @@
 """Watches the distance sensor on the flange of a robot that another program moves. When something
-is closer than 150 mm, takes over, retreats by 100 mm, and gives the robot back.
+is closer than 200 mm, takes over, retreats by 100 mm, and gives the robot back.
 """
 
 import sys
@@ -17,7 +17,7 @@ def main(password: str) -> None:
     with gecos.actor(robot, password):
         print("watching the distance", flush=True)
         for sample in laser.beam.stream():
-            if sample.value.valid and sample.value.value < mm(150):
+            if sample.value.valid and sample.value.value < mm(200):
                 break
 
         gecos.take_over(robot).result()  # the other program's motion ends
