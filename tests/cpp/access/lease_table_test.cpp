@@ -386,14 +386,14 @@ TEST_F(TakeOverTest, HoldsOffTheOthersAndTellsThemWho) {
 TEST_F(TakeOverTest, FencesWhatWasIssuedBeforeEvenWhenItArrivesAfterTheEnd) {
   auto denied = table.may_queue(kAda, epoch, Status::Actor, now);
   ASSERT_FALSE(denied);
-  EXPECT_EQ(denied.error().reason, Denial::Reason::Overtaken);
+  EXPECT_EQ(denied.error().reason, Denial::Reason::Preempted);
   EXPECT_EQ(denied.error().text,
             "was issued before bob on lab2 (watch, pid 4712) took over, 0.1 s ago; wait until it "
             "gives back");
   table.give_back(kBob);
   denied = table.may_queue(kAda, epoch, Status::Actor, now);
   ASSERT_FALSE(denied);
-  EXPECT_EQ(denied.error().reason, Denial::Reason::Overtaken);
+  EXPECT_EQ(denied.error().reason, Denial::Reason::Preempted);
   EXPECT_EQ(denied.error().text,
             "was issued before bob on lab2 (watch, pid 4712) took over, 0.1 s ago; check where the "
             "device is, and command again");
@@ -449,7 +449,7 @@ TEST_F(TakeOverTest, HoldsOffAHolderThatJoinsLater) {
 TEST_F(TakeOverTest, EndsWhenTheTakerIsLost) {
   EXPECT_TRUE(table.lose(kBob));
   EXPECT_TRUE(holds(kAda));
-  EXPECT_EQ(refused(kAda, epoch), Denial::Reason::Overtaken) << "nothing resumes";
+  EXPECT_EQ(refused(kAda, epoch), Denial::Reason::Preempted) << "nothing resumes";
 }
 
 TEST_F(TakeOverTest, EndsWhenTheTakerIsSilent) {

@@ -31,7 +31,7 @@ class TakeOvers : public probe::OverMedia {
 };
 PROBE_OVER_MEDIA(TakeOvers);
 
-TEST_P(TakeOvers, EndWhatTheOthersRunAndQueueAndHoldThemOff) {
+TEST_P(TakeOvers, EndWhatTheOthersRunAndQueueAndRefuseWhatTheyIssue) {
   const auto runs = mover.move(1);
   const auto waits = mover.set(2);
   servant_.await_moves(1);
@@ -72,12 +72,12 @@ TEST_P(TakeOvers, LetTheTakersOwnCommandsGoOn) {
 TEST_P(TakeOvers, RefuseWhatAnIdleProgramIssuesBeforeItIsToldOfThem) {
   ASSERT_TRUE(gecos::take_over(guard).get());
   ASSERT_TRUE(gecos::give_back(guard).get());
-  const auto planned_before = mover.set(1).get();
-  ASSERT_FALSE(planned_before) << "the device may be elsewhere now";
-  EXPECT_EQ(planned_before.error().detail, Detail::Preempted);
-  EXPECT_NE(planned_before.error().text.find("check where the device is, and command again"),
+  const auto issued_before = mover.set(1).get();
+  ASSERT_FALSE(issued_before) << "the device may be elsewhere now";
+  EXPECT_EQ(issued_before.error().detail, Detail::Preempted);
+  EXPECT_NE(issued_before.error().text.find("check where the device is, and command again"),
             std::string::npos)
-      << planned_before.error();
+      << issued_before.error();
   EXPECT_EQ(mover.set(2).get().value(), 2);
 
   ASSERT_TRUE(gecos::take_over(guard).get());

@@ -224,8 +224,8 @@ tl::expected<void, LeaseRefusal> LeaseTable::take_over(SessionId session, TimePo
   for (auto& [other, member] : members_) {
     if (other == session) continue;
     member.fence = epoch();
-    member.overtaken_by = name_of(holder.client);
-    member.overtaken_at = now;
+    member.preempted_by = name_of(holder.client);
+    member.preempted_at = now;
   }
   return {};
 }
@@ -259,8 +259,8 @@ Denial LeaseTable::ended(const Member* member, SessionId session, Epoch epoch, S
   using Reason = Denial::Reason;
   if (member != nullptr && member->first <= epoch && epoch < member->fence) {
     const bool held_off = taker_ != SessionId{} && taker_ != session;
-    return {Reason::Overtaken, "was issued before " + member->overtaken_by + " took over, " +
-                                   seconds(now - member->overtaken_at) + " ago" +
+    return {Reason::Preempted, "was issued before " + member->preempted_by + " took over, " +
+                                   seconds(now - member->preempted_at) + " ago" +
                                    (held_off ? "; wait until it gives back"
                                              : "; check where the device is, and command again")};
   }

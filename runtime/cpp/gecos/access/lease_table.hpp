@@ -60,7 +60,7 @@ struct Denial {
     LeaseEnded,    ///< the command was issued under a status that has ended
     Stopped,       ///< the command was issued under a status that a stop ended
     HeldOff,       ///< another holder of the shared status has taken over
-    Overtaken,     ///< the command was issued before another holder took over
+    Preempted,     ///< the command was issued before another holder took over
   };
   Reason reason = Reason::NeedsStatus;
   std::string text;  ///< a text to append to the name of the operation, for example "needs actor
@@ -149,9 +149,9 @@ class LeaseTable {
     Holder holder;
     std::uint32_t claims = 1;  ///< how many acquisitions are not released yet
     Epoch first{};  ///< the epoch in which it acquired the status, or renewed it by a stop
-    Epoch fence{};  ///< commands that it issued under older epochs were overtaken; at least `first`
-    std::string overtaken_by{};  ///< the client that overtook them
-    TimePoint overtaken_at{};
+    Epoch fence{};  ///< commands that it issued under older epochs were preempted; at least `first`
+    std::string preempted_by{};  ///< the client that preempted them
+    TimePoint preempted_at{};
   };
   using Members = std::unordered_map<SessionId, Member>;
   /// How a session lost its last status: because it was silent, or by a stop.

@@ -12,7 +12,7 @@ Detail detail_of(access::Denial::Reason reason) {
       return Detail::LeaseLost;
     case access::Denial::Reason::Stopped:
       return Detail::Stopped;
-    case access::Denial::Reason::Overtaken:
+    case access::Denial::Reason::Preempted:
       return Detail::Preempted;
     default:
       return Detail::Denied;

@@ -33,8 +33,8 @@ void SessionStandings::note_change(const access::LeaseTable& leases, TimePoint n
 
 void SessionStandings::note_newer_epoch(const access::LeaseTable& leases) {
   for (const auto& session : holders_) {
-    const bool holds = leases.status_of(session->id()) != access::Status::Sensor;
-    session->renewed = holds ? leases.epoch() : Epoch{};
+    const bool has_status = leases.status_of(session->id()) != access::Status::Sensor;
+    session->renewed = has_status ? leases.epoch() : Epoch{};
   }
 }
 
