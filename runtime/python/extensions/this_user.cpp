@@ -41,6 +41,17 @@ std::optional<std::string> key_problem(const std::string& key) {
   return admitted.error().text;
 }
 
+std::optional<std::string> key_owner(const std::string& key) {
+  const auto parsed = crypto::PublicKey::parse(key);
+  if (!parsed) throw nb::value_error(("'" + key + "' is not a key of 64 hex digits").c_str());
+  const auto owner = keys().owner(*parsed);
+  if (!owner) throw std::runtime_error(owner.error().text);
+  if (!*owner) return std::nullopt;
+  return (*owner)->user + "@" + (*owner)->host;
+}
+
+bool is_key_owner(const std::string& text) { return crypto::KeyOwner::parse(text).has_value(); }
+
 std::string public_key_in(const nb::bytes& text) {
   const auto* const bytes = static_cast<const std::byte*>(text.data());
   const auto key = crypto::read_key_file(crypto::KeyFileKind::PublicKey, {bytes, text.size()});
@@ -56,6 +67,8 @@ void bind_this_user(nb::module_& module) {
   module.def("key_directory", &crypto::KeyDirectory::default_path);
   module.def("own_key", &own_key);
   module.def("key_problem", &key_problem, nb::arg("key"));
+  module.def("key_owner", &key_owner, nb::arg("key"));
+  module.def("is_key_owner", &is_key_owner, nb::arg("text"));
   module.def("public_key_in", &public_key_in, nb::arg("text"));
 }
 

@@ -216,6 +216,13 @@ def key_problem(key: str) -> str | None:
     """Returns the reason why the key folder does not admit `key`, or None if it does. Raises
     RuntimeError like own_key."""
 
+def key_owner(key: str) -> str | None:
+    """Returns whose key `key` is, such as "anna@desk", or None if the key folder does not say it.
+    Raises RuntimeError like own_key, and if the file cannot be read or is damaged."""
+
+def is_key_owner(text: str) -> bool:
+    """Returns whether `text` can say whose a key is, as "anna@desk"."""
+
 def public_key_in(text: bytes) -> str:
     """Returns the key in the text of a .public file. Raises ValueError, for example with the text
     "is cut short"."""

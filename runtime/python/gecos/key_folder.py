@@ -16,6 +16,7 @@ from gecos import _core
 
 _KEY = re.compile(r"[0-9a-f]{64}")
 _SUFFIX = ".public"
+_OWNER_SUFFIX = ".owner"
 _LONGEST_FILE = 4096  # bytes; a longer file is not a key
 _LEAST_DIGITS = 8  # of a fingerprint that selects a key
 _FINGERPRINT_DIGITS = 32
@@ -28,11 +29,13 @@ class KeyFolderError(ValueError):
 @dataclass(frozen=True, slots=True)
 class Admitted:
     """A file of the key folder. `problem` is the reason why its key is not admitted, or None if it
-    is."""
+    is. `owner` says whose key it is, as "anna@desk"; a key without an owner counts as one of this
+    user, whom no list limits."""
 
     key: str
     file: Path
     problem: str | None
+    owner: str | None = None
 
 
 def folder() -> Path:
@@ -68,17 +71,28 @@ def admitted() -> list[Admitted]:
 def _judged(file: Path) -> Admitted:
     key = file.name.removesuffix(_SUFFIX)
     if _KEY.fullmatch(key):
-        return Admitted(key, file, _core.key_problem(key))
+        problem = _core.key_problem(key)
+        return Admitted(key, file, problem, _owner_of(key))
     mend = f"run `gecos keys add {file}`, and remove it"
     return Admitted(
         "", file, f"{file}: the name of this file is not a key of 64 hex digits: {mend}"
     )
 
 
-def add(file: Path) -> str:
-    """Admits the key in a .public file of another user, and returns the key. Raises KeyFolderError
-    if the file cannot be read or is not a public key, OSError if it cannot be copied, and
-    RuntimeError like own_key."""
+def _owner_of(key: str) -> str | None:
+    try:
+        return _core.key_owner(key)
+    except RuntimeError:  # `problem` says it
+        return None
+
+
+def add(file: Path, owner: str | None = None) -> str:
+    """Admits the key in a .public file of another user, and returns the key. `owner` says whose it
+    is, as "anna@desk": then the lists of a lab file decide about its user. Without `owner`, a key
+    keeps the one that it has. Raises KeyFolderError if the file cannot be read or is not a public
+    key, OSError if it cannot be copied, and RuntimeError like own_key."""
+    if owner is not None and not _core.is_key_owner(owner):
+        raise KeyFolderError(f"{owner}: say whose key it is as USER@HOST, for example anna@desk")
     try:
         with file.open("rb") as opened:
             text = opened.read(_LONGEST_FILE)
@@ -98,9 +112,17 @@ def add(file: Path) -> str:
         key = _core.public_key_in(text)
     except ValueError as error:
         raise KeyFolderError(f"{file}: {error}: ask its user to copy it again") from None
-    own_key()  # makes the folder if it is missing
+    own = own_key()  # makes the folder if it is missing
+    if owner is not None:
+        if key == own:
+            raise KeyFolderError(f"{file}: this is your own key, which needs no owner")
+        _put(_owner_file(key), f"{owner}\n".encode())  # first: a list may limit this key
     _put(file_of(key), text)
     return key
+
+
+def _owner_file(key: str) -> Path:
+    return folder() / f"{key}{_OWNER_SUFFIX}"
 
 
 def _put(place: Path, text: bytes) -> None:
@@ -133,5 +155,29 @@ def remove(name: str) -> Admitted:
     if len(found) != 1:
         how_many = "no admitted key has" if not found else f"{len(found)} admitted keys have"
         raise KeyFolderError(f"{name}: {how_many} this name; `gecos keys` lists them")
-    found[0].file.unlink()
+    _unlink(found[0])
     return found[0]
+
+
+def _unlink(one: Admitted) -> None:
+    one.file.unlink()
+    if one.key:
+        _owner_file(one.key).unlink(missing_ok=True)
+
+
+def owned_by(name: str) -> list[Admitted]:
+    """Returns the keys of an owner, "anna@desk", or of a user on all hosts, "anna"."""
+    return [
+        one
+        for one in admitted()
+        if one.owner is not None and name in (one.owner, one.owner.partition("@")[0])
+    ]
+
+
+def revoke(name: str) -> list[Admitted]:
+    """Removes the keys of an owner, or the key with this file name or beginning of its fingerprint,
+    and returns them. Raises KeyFolderError if there is none, and RuntimeError like own_key."""
+    found = owned_by(name)
+    for one in found:
+        _unlink(one)
+    return found or [remove(name)]

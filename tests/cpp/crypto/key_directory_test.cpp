@@ -13,6 +13,8 @@
 #include <set>
 #include <vector>
 
+#include "gecos/crypto/key_file.hpp"
+
 namespace gecos::crypto {
 namespace {
 
@@ -308,6 +310,45 @@ TEST_F(EnvironmentTest, SaysWhereTheKeysAre) {
   EXPECT_EQ(KeyDirectory::default_path(), "/etc/ada/gecos/keys") << "empty is not set";
   ::setenv("GECOS_KEY_DIR", "/srv/keys", 1);
   EXPECT_EQ(KeyDirectory::default_path(), "/srv/keys");
+}
+
+class KeyOwnerTest : public KeyDirectoryTest {
+ protected:
+  KeyOwnerTest() {
+    EXPECT_TRUE(open().identity());
+    const auto all = text.bytes();
+    write(keys / (key.to_string() + ".public"),
+          std::string(reinterpret_cast<const char*>(all.data()), all.size()));
+  }
+  fs::path file() { return keys / (key.to_string() + ".owner"); }
+
+  const PublicKey key = KeyPair::draw().public_key;
+  const KeyText text = key_file_text(KeyFileKind::PublicKey, key.bytes);
+};
+
+TEST_F(KeyOwnerTest, AKeyHasTheOwnerThatItsUserWroteBesideIt) {
+  EXPECT_EQ(open().owner(key).value(), std::nullopt);
+  write(file(), "anna@desk\n");
+  EXPECT_EQ(open().owner(key).value(), (KeyOwner{"anna", "desk"}));
+  EXPECT_TRUE(open().is_admitted(key));
+}
+
+TEST_F(KeyOwnerTest, AKeyWhoseOwnerCannotBeReadIsNotAdmitted) {
+  for (const std::string damaged : {"", "anna", "@desk", "anna@", "anna@desk@", "an na@desk"}) {
+    write(file(), damaged);
+    const auto admitted = open().admission(key);
+    ASSERT_FALSE(admitted) << damaged;
+    EXPECT_NE(admitted.error().text.find("does not say whose key it is"), std::string::npos);
+    EXPECT_FALSE(admitted.error().passing);
+  }
+  write(file(), "anna@" + std::string(KeyOwner::longest, 'd'));
+  EXPECT_FALSE(open().is_admitted(key)) << "too long";
+}
+
+TEST_F(KeyOwnerTest, AnOwnerThatAnotherUserCouldHaveWrittenDoesNotCount) {
+  write(file(), "anna@desk\n");
+  ::chmod(file().c_str(), 0666);
+  EXPECT_FALSE(open().is_admitted(key));
 }
 
 }  // namespace

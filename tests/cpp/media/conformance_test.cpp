@@ -584,6 +584,44 @@ TEST_P(Conformance, AfterUnshareNobodyOpensTheStream) {
   EXPECT_TRUE(writer->publish(bytes_of("for nobody"), 0));
 }
 
+TEST_P(Conformance, AStreamThatMovesOnIsReadOnByThoseWithWhomItIsSharedAndByNoOther) {
+  const auto writer = acceptor_->make_stream(16, 8);
+  ASSERT_TRUE(server_.connection->share(1, *writer));
+  End second = connect();
+  auto second_server = wait_for_client(*acceptor_, *second.connection);
+  ASSERT_NE(second_server, nullptr);
+  ASSERT_TRUE(second_server->share(9, *writer));
+  const auto reader = client_.wait_for_stream(1);
+  const auto excluded = second.wait_for_stream(9);
+  ASSERT_NE(reader, nullptr);
+  ASSERT_NE(excluded, nullptr);
+  ASSERT_TRUE(writer->publish(bytes_of("for both"), 1));
+  StreamSample sample;
+  ASSERT_TRUE(client_.wait([&] { return reader->next(0, sample); }));
+  ASSERT_TRUE(second.wait([&] { return excluded->next(0, sample); }));
+
+  second_server->unshare(9);
+  for (std::uint64_t moves = 1; moves <= 3; ++moves) {
+    writer->move_on();
+    ASSERT_TRUE(writer->publish(bytes_of("for one"), 2));
+    server_.connection->beat();
+    const TimePoint end = too_late();
+    while (!reader->latest(moves, sample) && std::chrono::steady_clock::now() < end) {
+      client_.connection->loss();  // each end reads what the other says about the stream
+      server_.connection->loss();
+    }
+    EXPECT_EQ(sample.sequence, moves + 1) << "the numbers go on";
+    EXPECT_EQ(text_of(sample.bytes), "for one");
+  }
+  EXPECT_EQ(writer->newest(), 4u);
+  if (second.connection->capabilities().reach == Reach::Process) return;
+  second_server->beat();
+  second.connection->loss();  // reads all that has come
+  EXPECT_TRUE(excluded->latest(0, sample));
+  EXPECT_EQ(text_of(sample.bytes), "for both");
+  EXPECT_FALSE(excluded->latest(1, sample)) << "it reads what it had, and nothing newer";
+}
+
 TEST_P(Conformance, AConnectionMayGoWhileAStreamIsPublished) {
   const auto writer = acceptor_->make_stream(16, 8);
   std::atomic<bool> done{false};

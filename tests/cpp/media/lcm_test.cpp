@@ -42,7 +42,7 @@ TEST(LcmDatagram, WhatIsSealedSaysWhatItIs) {
   EXPECT_EQ(read->number, 258u);
   EXPECT_EQ(read->sent_ns, 0x0102);
   EXPECT_FALSE(InnerHeader::read(ByteView(bytes).first(InnerHeader::bytes - 1)));
-  for (const std::byte wrong : {std::byte{0}, std::byte{9}, std::byte{0xff}}) {
+  for (const std::byte wrong : {std::byte{0}, std::byte{10}, std::byte{0xff}}) {
     bytes[0] = wrong;
     EXPECT_FALSE(InnerHeader::read(bytes));
   }

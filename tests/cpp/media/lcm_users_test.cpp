@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "gecos/media/sealed/keys.hpp"
 #include "lcm_recorder.hpp"
@@ -18,6 +19,17 @@ class LcmUsers : public testing::Test {
     ASSERT_NE(SealedKeys::open(options(by).key_directory).value(), nullptr);
     const std::string file = "/" + key.to_string() + ".public";
     std::filesystem::copy(options(whom).key_directory + file, options(by).key_directory + file);
+  }
+  /// Writes in the directory of `by` whose key that of `whom` is.
+  void name(const std::string& whom, const std::string& owner, const std::string& by) {
+    const auto key = SealedKeys::open(options(whom).key_directory).value()->own.public_key();
+    const std::string file = options(by).key_directory + "/" + key.to_string() + ".owner";
+    std::ofstream(file) << owner << "\n";
+    ASSERT_EQ(::chmod(file.c_str(), 0600), 0);
+  }
+  void remove(const std::string& whom, const std::string& by) {
+    const auto key = SealedKeys::open(options(whom).key_directory).value()->own.public_key();
+    std::filesystem::remove(options(by).key_directory + "/" + key.to_string() + ".public");
   }
   LcmOptions options(const std::string& whose) { return with_keys(directory_, whose); }
   /// What the client says of a server that it cannot meet.
@@ -119,6 +131,67 @@ TEST_F(LcmUsers, EachOfTwoUsersWhoAdmitEachOtherProvesItsKey) {
   EXPECT_TRUE(server.connection->peer().description.starts_with("key " + bob.short_name()));
   ASSERT_TRUE(client.send("hello"));
   EXPECT_EQ(server.receive(), "hello");
+}
+
+TEST_F(LcmUsers, TheServerDecidesByTheOwnerOfTheKeyThatAClientHasProved) {
+  admit("ada", "bob");
+  admit("bob", "ada");
+  name("bob", "bob@desk", "ada");
+  const auto acceptor = ada_->listen("RX90", false).value();
+  std::string asked;
+  acceptor->admit_by([&](const Peer& peer) -> std::string {
+    EXPECT_FALSE(peer.uid);
+    asked += peer.user + " of " + peer.host + ". ";
+    return peer.host == "desk" ? "" : "only desk is admitted";
+  });
+  End client(std::move(*bob_->connect(acceptor->address())));
+  End server(wait_for_client(*acceptor, *client.connection), acceptor.get());
+  ASSERT_NE(server.connection, nullptr);
+  EXPECT_EQ(server.connection->peer().user, "bob");
+  EXPECT_EQ(server.connection->peer().host, "desk");
+  ASSERT_TRUE(client.send("hello"));
+  EXPECT_EQ(server.receive(), "hello");
+
+  name("bob", "bob@bench", "ada");
+  const auto refused = std::move(*bob_->connect(acceptor->address()));
+  const TimePoint end = too_late();
+  while (refused->loss() == Loss::None && std::chrono::steady_clock::now() < end) {
+    EXPECT_EQ(acceptor->accept(), nullptr);
+    refused->beat();
+  }
+  EXPECT_EQ(refused->loss(), Loss::Refused);
+  EXPECT_EQ(refused->loss_text(), "only desk is admitted");
+  EXPECT_EQ(asked, "bob of desk. bob of bench. ");
+  EXPECT_NE(server.connection->revoked().find("has another owner here than when it connected"),
+            std::string::npos);
+}
+
+TEST_F(LcmUsers, TheServersOwnKeyAndAKeyWithoutAnOwnerAreTheServersUser) {
+  admit("ada", "bob");
+  admit("bob", "ada");
+  const auto acceptor = ada_->listen("RX90", false).value();
+  acceptor->admit_by([](const Peer&) { return "nobody else is admitted"; });
+  for (Medium* const medium : {ada_.get(), bob_.get()}) {
+    const auto client = std::move(*medium->connect(acceptor->address()));
+    const auto server = wait_for_client(*acceptor, *client);
+    ASSERT_NE(server, nullptr);
+    EXPECT_EQ(server->peer().user, "");
+    EXPECT_EQ(server->revoked(), "");
+  }
+}
+
+TEST_F(LcmUsers, AKeyThatIsRemovedIsRevoked) {
+  admit("ada", "bob");
+  admit("bob", "ada");
+  const auto acceptor = ada_->listen("RX90", false).value();
+  const auto client = std::move(*bob_->connect(acceptor->address()));
+  const auto server = wait_for_client(*acceptor, *client);
+  ASSERT_NE(server, nullptr);
+  EXPECT_EQ(server->revoked(), "");
+  remove("bob", "ada");
+  EXPECT_NE(server->revoked().find("is not admitted here"), std::string::npos);
+  admit("bob", "ada");
+  EXPECT_EQ(server->revoked(), "");
 }
 
 TEST_F(LcmUsers, BothSidesMayBeginAgain) {

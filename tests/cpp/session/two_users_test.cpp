@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <stdexcept>
 
@@ -40,7 +41,31 @@ std::string used(const gecos::Checked<probe::Probe, gecos::CreateError>& created
   return done && sample ? "read " + std::to_string(sample->value) : "no sample or no end";
 }
 
-/// A program of `user` that uses PROBE once each time it is told to.
+/// Moves PROBE under a lease and reads its stream until its session ends; then says how it ended.
+std::string held_until_the_end(Child::Line& line) {
+  gecos::Lab lab;
+  const auto created = lab.create<probe::Probe>("PROBE", {.patience = std::chrono::seconds(10)});
+  if (!created) return created.error().to_string();
+  auto level = created->level(gecos::stream);
+  const auto lease = gecos::actor(*created);
+  if (!level || !lease) return "no stream or no status";
+  const auto move = created->move(1);
+  if (!level->next(std::chrono::seconds(10))) return "no sample";
+  line.say("holds");
+  const auto moved = move.get();
+  const auto sample = level->next(std::chrono::seconds(10));
+  const bool lost = !sample && sample.error() == gecos::StreamEnd::Lost;
+  const auto read = created->read().get();
+  return (moved ? "moved" : std::string(to_string(moved.error().detail))) +
+         (lost ? "; stream LOST; " : "; stream goes on; ") + (read ? "read" : read.error().text);
+}
+
+std::string in_one_line(std::string text) {
+  std::ranges::replace(text, '\n', ' ');
+  return text;
+}
+
+/// A program of `user` that uses or holds PROBE each time it is told to.
 void program_of(const std::string& user, Child::Line& line) {
   try {
     become(user);
@@ -49,12 +74,14 @@ void program_of(const std::string& user, Child::Line& line) {
     return;
   }
   line.say("ready");
-  while (line.hear() == "use") {
+  for (;;) {
+    if (line.hear() == "hold") {
+      line.say(in_one_line(held_until_the_end(line)));
+      continue;
+    }
     gecos::Lab lab;
-    std::string said =
-        used(lab.create<probe::Probe>("PROBE", {.patience = std::chrono::seconds(10)}));
-    for (char& letter : said) letter = letter == '\n' ? ' ' : letter;
-    line.say(said);
+    line.say(in_one_line(
+        used(lab.create<probe::Probe>("PROBE", {.patience = std::chrono::seconds(10)}))));
   }
 }
 
@@ -140,6 +167,31 @@ TEST_F(TwoUsersOfOneHost, AnEditOfTheLabFileActsOnTheNextConnection) {
   place.write("[allow]\nusers = [\"bin\"]\n");
   EXPECT_EQ(use(bin), "read 8");
   EXPECT_NE(use(daemon).find("BROKER refuses user daemon"), std::string::npos);
+}
+
+TEST_F(TwoUsersOfOneHost, AnEditThatNoLongerNamesAUserEndsTheSessionOfThatUserAlone) {
+  place.write("[allow]\nusers = [\"daemon\", \"bin\"]\n");
+  Laboratory laboratory;
+  daemon.line().say("hold");
+  ASSERT_EQ(daemon.line().hear(), "holds");
+  auto own = laboratory.lab.create<probe::Probe>("PROBE", {.patience = std::chrono::seconds(10)});
+  ASSERT_TRUE(own) << own.error().to_string();
+  auto level = own->level(gecos::stream);
+  ASSERT_TRUE(level && level->next(std::chrono::seconds(10)));
+
+  const auto edited = std::chrono::steady_clock::now();
+  place.write("[allow]\nusers = [\"bin\"]\n");
+  const std::string ended = daemon.line().hear();
+  EXPECT_LT(std::chrono::steady_clock::now() - edited, 5 * std::chrono::seconds(5));
+  EXPECT_EQ(ended.find("LEASE_LOST; stream LOST; "), 0u) << ended;
+  EXPECT_NE(ended.find("revoked: PROBE refuses user daemon"), std::string::npos) << ended;
+  EXPECT_NE(ended.find("does not name user daemon"), std::string::npos) << ended;
+  laboratory.servant.await_event("interrupted 1");
+  EXPECT_EQ(use(bin), "read 8") << "the status is free";
+  laboratory.servant.publish(9);
+  const auto sample = level->next(std::chrono::seconds(10));
+  ASSERT_TRUE(sample) << "the stream goes on for the others, in new memory";
+  EXPECT_EQ(sample->value, 9);
 }
 
 TEST_F(TwoUsersOfOneHost, ABrokenEditChangesNothingAndIsReportedOnceWithItsLine) {

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdlib>
@@ -25,7 +26,9 @@ tl::unexpected<KeyError> fail(const std::string& path, const std::string& what) 
   return tl::unexpected(KeyError{path + ": " + what});
 }
 tl::unexpected<KeyError> fail_with_errno(const std::string& path, const std::string& what) {
-  return fail(path, what + " (" + std::strerror(errno) + ")" + how_to_move);
+  const bool passing = errno == EMFILE || errno == ENFILE || errno == ENOMEM;
+  return tl::unexpected(
+      KeyError{path + ": " + what + " (" + std::strerror(errno) + ")" + how_to_move, passing});
 }
 
 class File {
@@ -95,18 +98,23 @@ bool put_file(const std::string& path, const std::string& directory, const KeyTe
   return done;
 }
 
-/// Reads the key in the file `path`. The result is an empty optional when there is no such file.
-tl::expected<std::optional<Secret<key_bytes>>, KeyError> read_file(const std::string& path,
-                                                                   KeyFileKind kind) {
+/// Who may read a file of the directory beside its user.
+enum class Readers : std::uint8_t { Nobody, Others };
+
+/// Reads at most `into.size()` bytes of the file `path`, and returns how many. The result is an
+/// empty optional when there is no such file.
+tl::expected<std::optional<std::size_t>, KeyError> read_bytes(const std::string& path,
+                                                              Readers readers,
+                                                              std::span<std::byte> into) {
   const File file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
   if (!file) {
-    if (errno == ENOENT) return std::optional<Secret<key_bytes>>();
+    if (errno == ENOENT) return std::optional<std::size_t>();
     return fail_with_errno(path, "cannot be read");
   }
   struct stat found {};
   if (::fstat(file.get(), &found) != 0) return fail_with_errno(path, "cannot be examined");
   if (!S_ISREG(found.st_mode)) return fail(path, "is not a regular file: remove it");
-  if (kind == KeyFileKind::SecretKey) {
+  if (readers == Readers::Nobody) {
     if (const auto why = not_ours(found, open_to_others, "600")) {
       return fail(path, *why +
                             "; if another user may have read the key, remove the file instead, "
@@ -115,17 +123,26 @@ tl::expected<std::optional<Secret<key_bytes>>, KeyError> read_file(const std::st
   } else if (const auto why = not_ours(found, writable_by_others, "600")) {
     return fail(path, *why);
   }
-  Secret<key_file_bytes + 1> text;
   std::size_t size = 0;
-  while (size < text.bytes().size()) {
-    const ::ssize_t got =
-        ::read(file.get(), text.bytes().data() + size, text.bytes().size() - size);
+  while (size < into.size()) {
+    const ::ssize_t got = ::read(file.get(), into.data() + size, into.size() - size);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) return fail_with_errno(path, "cannot be read");
     if (got == 0) break;
     size += static_cast<std::size_t>(got);
   }
-  auto key = read_key_file(kind, std::span<const std::byte>(text.bytes()).first(size));
+  return std::optional(size);
+}
+
+/// Reads the key in the file `path`. The result is an empty optional when there is no such file.
+tl::expected<std::optional<Secret<key_bytes>>, KeyError> read_file(const std::string& path,
+                                                                   KeyFileKind kind) {
+  Secret<key_file_bytes + 1> text;
+  const auto readers = kind == KeyFileKind::SecretKey ? Readers::Nobody : Readers::Others;
+  const auto size = read_bytes(path, readers, text.bytes());
+  if (!size) return tl::unexpected(size.error());
+  if (!*size) return std::optional<Secret<key_bytes>>();
+  auto key = read_key_file(kind, std::span<const std::byte>(text.bytes()).first(**size));
   if (!key) {
     return fail(path,
                 std::string(key.error()) +
@@ -202,19 +219,53 @@ tl::expected<Identity, KeyError> KeyDirectory::identity() const {
 
 tl::expected<void, KeyError> KeyDirectory::admission(const PublicKey& key) const {
   const std::string name = key.to_string() + ".public";
-  const auto refused = [&](const std::string& why) {
+  const auto refused = [&](const std::string& why, bool passing = false) {
     return tl::unexpected(
-        KeyError{"the key " + key.short_name() + " is not admitted here: " + why});
+        KeyError{"the key " + key.short_name() + " is not admitted here: " + why, passing});
   };
   const auto found = read_file(path_ + "/" + name, KeyFileKind::PublicKey);
-  if (!found) return refused(found.error().text);
+  if (!found) return refused(found.error().text, found.error().passing);
   if (!*found) {
     return refused("to admit this key, copy the file " + name +
                    " from the key directory of its user into " + path_);
   }
-  if (PublicKey::of((*found)->bytes()) == key) return {};
+  if (PublicKey::of((*found)->bytes()) == key) {
+    if (const auto named = owner(key); !named) {
+      return refused(named.error().text, named.error().passing);
+    }
+    return {};
+  }
   return refused(path_ + "/" + name +
                  ": the file holds another key than its name says: copy it again, or remove it");
+}
+
+std::optional<KeyOwner> KeyOwner::parse(std::string_view text) {
+  const auto at = text.find('@');
+  const auto allowed = [](char c) { return c > ' ' && c != '@' && c != '"' && c != 0x7f; };
+  if (at == text.npos || at == 0 || at + 1 == text.size() || text.size() > longest) {
+    return std::nullopt;
+  }
+  KeyOwner owner{std::string(text.substr(0, at)), std::string(text.substr(at + 1))};
+  if (!std::ranges::all_of(owner.user, allowed) || !std::ranges::all_of(owner.host, allowed)) {
+    return std::nullopt;
+  }
+  return owner;
+}
+
+tl::expected<std::optional<KeyOwner>, KeyError> KeyDirectory::owner(const PublicKey& key) const {
+  const std::string file = path_ + "/" + key.to_string() + ".owner";
+  std::array<std::byte, KeyOwner::longest + 2> bytes;
+  const auto size = read_bytes(file, Readers::Others, bytes);
+  if (!size) return tl::unexpected(size.error());
+  if (!*size) return std::optional<KeyOwner>();
+  std::string_view text(reinterpret_cast<const char*>(bytes.data()), **size);
+  if (text.ends_with('\n')) text.remove_suffix(1);
+  auto owner = KeyOwner::parse(text);
+  if (!owner) {
+    return fail(file, "does not say whose key it is, as \"anna@desk\"; run `gecos keys add " +
+                          path_ + "/" + key.to_string() + ".public USER@HOST`");
+  }
+  return owner;
 }
 
 }  // namespace gecos::crypto

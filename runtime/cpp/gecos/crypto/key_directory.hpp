@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "gecos/base/result.hpp"
 #include "gecos/crypto/keys.hpp"
@@ -8,14 +11,29 @@
 namespace gecos::crypto {
 
 struct KeyError {
-  std::string text;  ///< what is wrong, with which file, and what to do
+  std::string text;      ///< what is wrong, with which file, and what to do
+  bool passing = false;  ///< no descriptor or memory was left: this says nothing about a key
+};
+
+/// The user to whom a key belongs, and the host on which that user has it. The user of the
+/// directory has written it there, so that it is known of a key, and never what a peer says.
+struct KeyOwner {
+  static constexpr std::size_t longest = 255;  ///< characters of "user@host"
+  std::string user;
+  std::string host;
+
+  /// Reads a text such as "anna@desk". Returns nullopt when it is not of this form, or has blanks,
+  /// quotes or control characters.
+  static std::optional<KeyOwner> parse(std::string_view text);
+  friend bool operator==(const KeyOwner&, const KeyOwner&) = default;
 };
 
 /// The directory with a user's keys. No other part of gecos/crypto reads or writes files.
-/// Thread-safe. The directory has two kinds of files:
+/// Thread-safe. The directory has three kinds of files:
 ///
 ///     own.secret              this user's secret key, created at first use and never sent
 ///     <64 hex digits>.public  the public key of an admitted user; its name is the key
+///     <64 hex digits>.owner   whose key it is, such as "anna@desk"; may be missing
 ///
 /// Only the user may access the directory (mode 0700) and its files (mode 0600); other users may
 /// read a .public file. A user who has the same home directory on several hosts has one key. To let
@@ -39,8 +57,12 @@ class KeyDirectory {
   tl::expected<Identity, KeyError> identity() const;
 
   /// Checks that the user admits the key `key` now. Fails when the directory has no file for `key`,
-  /// when the file is damaged or holds another key, or when other users may write it.
+  /// when the file is damaged or holds another key, when other users may write it, or when it has
+  /// an owner that cannot be read.
   tl::expected<void, KeyError> admission(const PublicKey& key) const;
+  /// Returns whose key `key` is; an empty optional when no file says so. Fails when the file cannot
+  /// be read, or when other users may write it.
+  tl::expected<std::optional<KeyOwner>, KeyError> owner(const PublicKey& key) const;
   bool is_admitted(const PublicKey& key) const { return admission(key).has_value(); }
 
  private:

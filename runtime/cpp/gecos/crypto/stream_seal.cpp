@@ -50,7 +50,7 @@ StreamKey StreamKey::read(std::span<const std::byte, bytes> from) {
   return read;
 }
 
-StreamSealer::StreamSealer() {
+StreamSealer::StreamSealer(std::uint64_t next) : next_(next) {
   key_.key = Key(KeyPair::draw().secret.bytes());
   ::crypto_sign_keypair(raw(key_.signer.data()), raw(signing_.bytes().data()));
 }

@@ -37,12 +37,14 @@ class StreamSealer {
   static constexpr std::size_t text_at = Sealer::text_at;
   static constexpr std::size_t overhead = Sealer::overhead + signature_bytes;
 
-  StreamSealer();  ///< draws random keys
+  /// Draws random keys. `next` is the counter of the first sample.
+  explicit StreamSealer(std::uint64_t next = 0);
   StreamSealer(StreamSealer&&) = default;
+  StreamSealer& operator=(StreamSealer&&) = default;
   StreamSealer(const StreamSealer&) = delete;  // a copy would use the same counters again
 
   const StreamKey& key() const { return key_; }
-  /// Returns the number of samples that were sealed.
+  /// Returns the counter of the next sample.
   std::uint64_t count() const { return next_; }
   /// Encrypts and signs, in place, the sample in `frame`. The sample begins at the offset text_at
   /// and ends `overhead - text_at` bytes before the end of `frame`. @pre `frame` has at least

@@ -66,6 +66,10 @@ struct Peer {
   std::optional<std::int32_t> pid;
   std::string
       description;  ///< for messages: "uid 1000, pid 4711", "key 3fa9c1d2, 239.255.76.67:20017"
+  /// The user and host to whom the key belongs that the peer has proved. Empty when no key has
+  /// proved them, and when the key has no owner: then it counts as one of this program's user.
+  std::string user{};
+  std::string host{};
 };
 
 enum class SendProblem : std::uint8_t {
@@ -111,6 +115,11 @@ class StreamWriter {
   virtual void publish_lent(std::int64_t stamp_ns) = 0;
   /// Returns the sequence number of the newest sample; 0 before the first one.
   virtual std::uint64_t newest() const = 0;
+  /// Makes all later samples unreadable for peers with whom the stream is no longer shared. Those
+  /// with whom it is shared go on reading, with the same sequence numbers; they may lose samples
+  /// until the next heartbeat. Throws a std::exception when no memory or no descriptor is left.
+  /// Does nothing where readers and writer are one process.
+  virtual void move_on() {}
 };
 
 /// Reads one stream. Only one thread at a time may use a reader.
@@ -219,6 +228,11 @@ class Connection {
   /// Returns a text that says why the connection is lost; on lcm also why no peer answers.
   virtual std::string loss_text() const = 0;
 
+  /// Returns why the medium would not admit this peer any more, as when its key was removed; an
+  /// empty text while it would. Reads files: not for the path of a call. Any thread may call this
+  /// function.
+  virtual std::string revoked() { return {}; }
+
   /// Makes a stream for this peer alone, for example for samples from a client to its server. Use
   /// Acceptor::make_stream for many readers. `largest` is the largest size of a sample in bytes;
   /// `depth` is the number of samples that are kept. Throws a std::exception when no memory or no
@@ -238,8 +252,9 @@ class Connection {
   virtual std::string why_no_stream(std::uint32_t id);
 };
 
-/// Decides whether a client may connect, by what the kernel reports about it. Returns why the
-/// client is refused; an empty text admits the client. Must not throw.
+/// Decides whether a client may connect, by what the kernel reports about it, or by the owner of
+/// the key that it has proved. Returns why the client is refused; an empty text admits the client.
+/// Must not throw.
 using AdmitPeer = std::function<std::string(const Peer&)>;
 
 /// The server's side of one object on one medium. Makes a connection for each client that connects.
@@ -251,10 +266,10 @@ class Acceptor {
   /// Returns the address that a client passes to Medium::connect, for example
   /// "shm:/run/gecos/1f3a.sock".
   virtual const std::string& address() const = 0;
-  /// Sets the function that decides about each client of another user that the kernel reports. A
-  /// client that it refuses gets no memory of the server, and finds Loss::Refused with the reason.
-  /// Without a function, no user is admitted but the server's own and root, who always are. Call
-  /// this before the first accept(). Does nothing on a medium without Peer::uid.
+  /// Sets the function that decides about each client of another user, whom the kernel or a key
+  /// names. A client that it refuses gets no connection, and finds Loss::Refused with the reason.
+  /// Without a function, shm admits no user but the server's own and root, who always are, and lcm
+  /// every admitted key. Call this before the first accept(). Does nothing on inproc.
   virtual void admit_by(AdmitPeer) {}
   /// Returns the connection to the next client that has connected, or null when there is none.
   virtual std::unique_ptr<Connection> accept() = 0;

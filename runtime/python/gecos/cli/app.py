@@ -31,6 +31,7 @@ _VERBS = {
     "ls": "ls.ls",
     "plot": "plot.verb.plot",
     "policy": "policy.policy",
+    "revoke": "revoke.revoke",
     "schema": "schema.schema",
     "set": "members.set_",
     "stop": "stop.stop",

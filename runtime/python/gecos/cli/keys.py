@@ -15,7 +15,7 @@ from gecos.cli.options import json_option, print_json
 _EXCHANGE = """\
 To reach objects of another user over lcm, give your file to that user, add the file that you get,
 and compare the fingerprints in another way, for example by telephone:
-  gecos keys add FILE"""
+  gecos keys add FILE USER@HOST"""
 
 
 @click.group(invoke_without_command=True)
@@ -47,7 +47,8 @@ def _show(as_json: bool) -> None:
     else:
         print(f"yours     {key_folder.fingerprint(own)}  {key_folder.file_of(own)}")
         for one in admitted:
-            print(f"admitted  {key_folder.fingerprint(one.key)}  {one.file}")
+            whose = f"  {one.owner}" if one.owner else ""
+            print(f"admitted  {key_folder.fingerprint(one.key)}  {one.file}{whose}")
         print(_EXCHANGE)
     problems = [one.problem for one in admitted if one.problem]
     for problem in problems:
@@ -67,18 +68,23 @@ def _plain(key: str) -> dict[str, Any]:
 
 
 def _state(of: Any) -> dict[str, Any]:
-    return {"file": str(of.file), "problem": of.problem}
+    return {"file": str(of.file), "problem": of.problem, "owner": of.owner}
 
 
 @keys.command()
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False, readable=False))
+@click.argument("owner", metavar="[USER@HOST]", required=False)
 @json_option
-def add(file: Path, as_json: bool) -> None:
-    """Admits the user to whom the given .public file belongs."""
+def add(file: Path, owner: str | None, as_json: bool) -> None:
+    """Admits the user to whom the given .public file belongs.
+
+    USER@HOST says whose key it is: the lists of a lab file and of Server.allow then decide to which
+    objects that user may connect. Without it, the key counts as one more key of yours.
+    """
     from gecos import key_folder
 
     try:
-        key = key_folder.add(file)
+        key = key_folder.add(file, owner)
     except key_folder.KeyFolderError as error:
         raise UsageFailure(str(error)) from None
     if as_json:
@@ -88,6 +94,8 @@ def add(file: Path, as_json: bool) -> None:
             f"admitted  {key_folder.fingerprint(key)}: compare this fingerprint with that "
             "user's own"
         )
+        if owner is not None:
+            print(f"{owner} is admitted to the objects whose lists name it: docs/security.md")
 
 
 def _known(context: click.Context, _: click.Parameter, begun: str) -> list[CompletionItem]:
@@ -116,4 +124,4 @@ def remove(name: str, as_json: bool) -> None:
     if as_json:
         print_json(_plain(gone.key) | {"file": str(gone.file)})
     else:
-        print(f"removed   {gone.file}; programs of that user get no new connections")
+        print(f"removed   {gone.file}; sessions of that user end within 5 s")

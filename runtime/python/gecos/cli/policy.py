@@ -56,9 +56,9 @@ def test(
 
     from gecos import _core
 
-    path = file or _named_file()
-    text = "" if path is None else _text_of(path)
-    server = (server_user or _this_user(), socket.gethostname())
+    path = file or named_file()
+    text = "" if path is None else text_of(path)
+    server = (server_user or this_user(), socket.gethostname())
     try:
         allowed, rule = _core.may_connect(text, str(path or ""), server, (user, host), object_name)
     except ValueError as error:
@@ -78,7 +78,8 @@ def _words(status: Access) -> str:
     return "no status" if status.name == "SENSOR" else f"{status.name.lower()} status"
 
 
-def _named_file() -> Path | None:
+def named_file() -> Path | None:
+    """Returns the lab file that servers of this environment read, or None."""
     named = os.environ.get("GECOS_LAB_FILE")
     if named:
         return Path(named)
@@ -88,7 +89,8 @@ def _named_file() -> Path | None:
 _LARGEST_FILE = 1 << 16  # bytes, as of a server
 
 
-def _text_of(path: Path) -> str:
+def text_of(path: Path) -> str:
+    """Returns the text of a lab file. Raises UsageFailure if no server would read it."""
     try:
         found = path.stat()
         if not stat.S_ISREG(found.st_mode):
@@ -104,7 +106,7 @@ def _text_of(path: Path) -> str:
         raise UsageFailure(f"{path}: {error}") from None
 
 
-def _this_user() -> str:
+def this_user() -> str:
     """Returns the name of this user as servers write it."""
     import pwd
 

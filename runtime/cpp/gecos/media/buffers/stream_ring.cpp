@@ -93,6 +93,13 @@ void SleeperList::wake() {
 StreamRingWriter::StreamRingWriter(StreamMemory memory, std::shared_ptr<void> owner)
     : memory_(memory), owner_(std::move(owner)) {}
 
+void StreamRingWriter::move_to(StreamMemory memory, std::shared_ptr<void> owner) {
+  // No other thread writes to the old memory, and nobody reads the new memory yet.
+  std::memcpy(memory.base, memory_.base, StreamMemory::bytes(memory_.largest, memory_.depth));
+  memory_ = memory;
+  owner_ = std::move(owner);
+}
+
 tl::expected<void, SendProblem> StreamRingWriter::publish(ByteView sample, std::int64_t stamp_ns) {
   if (sample.size() > memory_.largest) return tl::unexpected(SendProblem::TooLarge);
   const std::uint64_t sequence = ++newest_;
@@ -132,32 +139,66 @@ void StreamRingWriter::publish_lent(std::int64_t stamp_ns) {
   complete(sequence);
 }
 
+StreamWatch::StreamWatch(StreamMemory memory, std::shared_ptr<void> owner)
+    : past([&] {
+        const std::uint64_t newest = memory.newest().load(std::memory_order_acquire);
+        return newest == 0 ? 0 : newest - 1;
+      }()),
+      place_(std::make_shared<const Place>(Place{memory, std::move(owner)})) {}
+
+void StreamWatch::move_to(StreamMemory memory, std::shared_ptr<void> owner) {
+  auto place = std::make_shared<const Place>(Place{memory, std::move(owner)});
+  const MutexLock lock(mutex_);
+  place_.swap(place);
+  moved_.store(true, std::memory_order_release);
+}
+
+std::shared_ptr<const StreamWatch::Place> StreamWatch::place() {
+  const MutexLock lock(mutex_);
+  moved_.store(false, std::memory_order_relaxed);
+  return place_;
+}
+
+std::uint64_t StreamWatch::newest() {
+  const MutexLock lock(mutex_);
+  return place_->memory.newest().load(std::memory_order_seq_cst);
+}
+
+/// Returns the memory in which the writer is now. The reader holds its memory until the next call,
+/// so that the bytes of a lent sample stay readable.
+const StreamMemory& StreamRingReader::memory_now() {
+  if (watch_->moved()) place_ = watch_->place();
+  return place_->memory;
+}
+
 bool StreamRingReader::latest(std::uint64_t after, StreamSample& into) {
+  const StreamMemory& memory = memory_now();
   for (int tries = 0; tries < most_tries; ++tries) {
-    const std::uint64_t newest = watch_->memory.newest().load(std::memory_order_acquire);
+    const std::uint64_t newest = memory.newest().load(std::memory_order_acquire);
     watch_->seen.store(newest, std::memory_order_relaxed);
     if (newest <= after) return false;
-    if (read_sample(watch_->memory, newest, into)) return true;
+    if (read_sample(memory, newest, into)) return true;
   }
   return false;
 }
 
 bool StreamRingReader::next(std::uint64_t after, StreamSample& into) {
   if (after == 0) after = watch_->past;
+  const StreamMemory& memory = memory_now();
   for (int tries = 0; tries < most_tries; ++tries) {
-    const std::uint64_t newest = watch_->memory.newest().load(std::memory_order_acquire);
+    const std::uint64_t newest = memory.newest().load(std::memory_order_acquire);
     watch_->seen.store(newest, std::memory_order_relaxed);
     if (newest <= after) return false;
-    const std::uint64_t depth = watch_->memory.depth;
+    const std::uint64_t depth = memory.depth;
     const std::uint64_t oldest = newest > depth ? newest - depth + 1 : 1;
-    if (read_sample(watch_->memory, std::max(after + 1, oldest), into)) return true;
+    if (read_sample(memory, std::max(after + 1, oldest), into)) return true;
   }
   return latest(after,
                 into);  // the writer is too fast: it overwrites the newest sample last
 }
 
 std::optional<LentSample> StreamRingReader::lend_latest(std::uint64_t after) {
-  const StreamMemory& memory = watch_->memory;
+  const StreamMemory& memory = memory_now();
   for (int tries = 0; tries < most_tries; ++tries) {
     const std::uint64_t newest = memory.newest().load(std::memory_order_acquire);
     watch_->seen.store(newest, std::memory_order_relaxed);
@@ -175,21 +216,22 @@ std::optional<LentSample> StreamRingReader::lend_latest(std::uint64_t after) {
 
 bool StreamRingReader::intact(const LentSample& sample) const {
   std::atomic_thread_fence(std::memory_order_acquire);  // orders the check after the caller's reads
-  return watch_->memory.slot(sample.sequence)[0].load(std::memory_order_relaxed) ==
+  return place_->memory.slot(sample.sequence)[0].load(std::memory_order_relaxed) ==
          2 * sample.sequence;
 }
 
 std::unique_ptr<StreamReader> StreamWatches::open(StreamMemory memory,
                                                   std::shared_ptr<void> owner) {
-  auto watch = std::make_shared<StreamWatch>();
-  watch->memory = memory;
-  watch->owner = std::move(owner);
-  const std::uint64_t newest = memory.newest().load(std::memory_order_acquire);
-  watch->past = newest == 0 ? 0 : newest - 1;
+  return std::make_unique<StreamRingReader>(watch(memory, std::move(owner)));
+}
+
+std::shared_ptr<StreamWatch> StreamWatches::watch(StreamMemory memory,
+                                                  std::shared_ptr<void> owner) {
+  auto watch = std::make_shared<StreamWatch>(memory, std::move(owner));
   const MutexLock lock(mutex_);
   watches_.push_back(watch);
   any_.store(true, std::memory_order_relaxed);
-  return std::make_unique<StreamRingReader>(std::move(watch));
+  return watch;
 }
 
 bool StreamWatches::anything_new() {
@@ -199,7 +241,7 @@ bool StreamWatches::anything_new() {
   std::erase_if(watches_, [&](const auto& held) {
     const auto watch = held.lock();
     if (watch == nullptr) return true;
-    const std::uint64_t newest = watch->memory.newest().load(std::memory_order_seq_cst);
+    const std::uint64_t newest = watch->newest();
     found = watch->seen.exchange(newest, std::memory_order_relaxed) != newest || found;
     return false;
   });

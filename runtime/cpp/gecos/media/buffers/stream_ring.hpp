@@ -69,9 +69,13 @@ class StreamRingWriter : public StreamWriter {
   const std::shared_ptr<void>& owner() const { return owner_; }
   const std::shared_ptr<SleeperList>& sleepers() const { return sleepers_; }
 
+ protected:
+  /// Continues in other memory of the same size, and copies the samples into it.
+  void move_to(StreamMemory memory, std::shared_ptr<void> owner);
+
  private:
-  const StreamMemory memory_;
-  const std::shared_ptr<void> owner_;
+  StreamMemory memory_;
+  std::shared_ptr<void> owner_;
   void complete(std::uint64_t sequence);
 
   const std::shared_ptr<SleeperList> sleepers_ = std::make_shared<SleeperList>();
@@ -79,35 +83,60 @@ class StreamRingWriter : public StreamWriter {
   std::size_t lent_ = 0;  ///< bytes
 };
 
-/// The state of a stream that this end of a connection reads.
-struct StreamWatch {
-  StreamMemory memory;
-  std::shared_ptr<void> owner;
+/// The state of a stream that this end of a connection reads. Its reader and the thread that reads
+/// the connection use it.
+class StreamWatch {
+ public:
+  struct Place {
+    StreamMemory memory;
+    std::shared_ptr<void> owner;  ///< keeps `memory` alive
+  };
+  StreamWatch(StreamMemory memory, std::shared_ptr<void> owner);
+
+  /// The writer goes on in other memory.
+  void move_to(StreamMemory memory, std::shared_ptr<void> owner);
+  /// Returns whether move_to() was called since the last call of place().
+  bool moved() const { return moved_.load(std::memory_order_acquire); }
+  std::shared_ptr<const Place> place();
+  /// Returns the sequence number of the newest sample. The load is sequentially consistent.
+  std::uint64_t newest();
+
   /// StreamRingReader::next() returns only samples whose sequence number is larger than this. The
   /// other samples in the shared memory were already old when this reader subscribed; they are
   /// there for earlier subscribers.
-  std::uint64_t past = 0;
+  const std::uint64_t past;
   /// Sequence number of the newest sample that the reader or Connection::prepare_to_sleep() has
   /// seen. With this number, prepare_to_sleep() knows whether a newer sample has arrived.
   std::atomic<std::uint64_t> seen{0};
+
+ private:
+  Mutex mutex_;
+  std::shared_ptr<const Place> place_ GECOS_GUARDED_BY(mutex_);
+  std::atomic<bool> moved_{false};  // tells the reader to take place_, which is published before
 };
 
 class StreamRingReader : public StreamReader {
  public:
-  explicit StreamRingReader(std::shared_ptr<StreamWatch> watch) : watch_(std::move(watch)) {}
+  explicit StreamRingReader(std::shared_ptr<StreamWatch> watch)
+      : watch_(std::move(watch)), place_(watch_->place()) {}
   bool latest(std::uint64_t after, StreamSample& into) override;
   bool next(std::uint64_t after, StreamSample& into) override;
   std::optional<LentSample> lend_latest(std::uint64_t after) override;
   bool intact(const LentSample& sample) const override;
 
  private:
+  const StreamMemory& memory_now();
+
   const std::shared_ptr<StreamWatch> watch_;
+  std::shared_ptr<const StreamWatch::Place> place_;
 };
 
 /// The streams that one end of a connection reads. Thread-safe.
 class StreamWatches {
  public:
   std::unique_ptr<StreamReader> open(StreamMemory memory, std::shared_ptr<void> owner);
+  /// Like open(), for a caller that makes the reader.
+  std::shared_ptr<StreamWatch> watch(StreamMemory memory, std::shared_ptr<void> owner);
   /// Returns whether a sample has arrived that neither its reader nor an earlier call has seen. The
   /// check is ordered after the store to RingControl::asleep.
   bool anything_new();

@@ -23,6 +23,12 @@ std::string peer_text(const std::optional<crypto::PublicKey>& key, const Datagra
 
 }  // namespace
 
+Peer peer_of(const HandshakeResponder::PendingPeer& pending, const HandshakeResponder& responder) {
+  return {std::nullopt, std::nullopt,
+          peer_text(pending.key, *responder.options().network, pending.reply_port),
+          pending.owner.user, pending.owner.host};
+}
+
 SealedConnection::SealedConnection(std::shared_ptr<ReceiveQueue> queue,
                                    std::shared_ptr<SealedSender> sender,
                                    const SealedOptions& options, Peer peer)
@@ -76,14 +82,17 @@ std::uint64_t SealedConnection::beats_seen() {
 Loss SealedConnection::loss() {
   if (inherited()) return Loss::Broken;
   pump();
-  return queue_->closed() ? Loss::Closed : Loss::None;
+  if (!queue_->closed()) return Loss::None;
+  return queue_->refusal().empty() ? Loss::Closed : Loss::Refused;
 }
 
 std::string SealedConnection::loss_text() const {
   if (inherited()) {
     return "this connection belongs to the process that forked this one: make a new connection";
   }
-  return queue_->closed() ? "the other end closed the connection" : "";
+  if (!queue_->closed()) return "";
+  auto refusal = queue_->refusal();
+  return refusal.empty() ? "the other end closed the connection" : refusal;
 }
 
 tl::expected<std::unique_ptr<Connection>, MediumError> SealedClient::connect(
@@ -187,7 +196,7 @@ void SealedClient::pump() {
   initiator_->advance();
   for (const auto& notice : queue_->notices()) {
     const auto id = static_cast<std::uint32_t>(notice.number);
-    if (notice.kind == InnerKind::Share) take_share(notice.stream);
+    if (notice.kind == InnerKind::Share) take_share(notice.stream, notice.number);
     if (notice.kind == InnerKind::Opened) take_opened(id);
     if (notice.kind == InnerKind::Unshare) {
       const MutexLock lock(mutex_);
@@ -196,14 +205,28 @@ void SealedClient::pump() {
   }
 }
 
-void SealedClient::take_share(const SharedStream& where) {
+void SealedClient::take_share(const SharedStream& where, std::uint64_t number) {
   const MutexLock lock(mutex_);
   if (arrived_.size() >= most_streams && !arrived_.contains(where.id)) return;
   Arrived& arrived = arrived_[where.id];
-  if (arrived.where.channel != where.channel) arrived = {where, false};
+  if (arrived.where.channel != where.channel) {
+    arrived = {where, number, false, {}};
+  } else if (number >= arrived.number) {
+    arrived.where = where;
+    if (std::exchange(arrived.number, number) != number) take_key(where);
+  }
   heard_of_streams_ = true;
-  // The peer announces a stream again that is open here already, so our Opened message was lost.
-  if (arrived.opened) say(InnerKind::Opened, where.id);
+  // The peer announces a stream again that is open here already, so our Opened message was lost, or
+  // the stream has moved on.
+  if (arrived.opened) say(InnerKind::Opened, arrived.number);
+}
+
+/// Gives the readers of a stream the key to which it has moved on.
+void SealedClient::take_key(const SharedStream& where) {
+  for (const Reading& one : reading_) {
+    if (one.id != where.id) continue;
+    if (const auto queue = one.queue.lock()) queue->take_key(where.key);
+  }
 }
 
 void SealedClient::take_opened(std::uint32_t id) {
@@ -308,9 +331,9 @@ std::unique_ptr<StreamReader> SealedClient::open_stream(std::uint32_t id) {
     return nullptr;
   }
   problem.clear();
-  reading_.push_back({queue, port->descriptor()});
+  reading_.push_back({id, queue, port->descriptor()});
   found->second.opened = true;
-  say(InnerKind::Opened, id);
+  say(InnerKind::Opened, found->second.number);
   return std::move(*reader);
 }
 
@@ -323,12 +346,11 @@ std::string SealedClient::why_no_stream(std::uint32_t id) {
 SealedServer::SealedServer(std::shared_ptr<HandshakeResponder> responder,
                            const HandshakeResponder::PendingPeer& pending,
                            std::shared_ptr<SealedSender> sender)
-    : SealedConnection(
-          pending.queue, std::move(sender), responder->options(),
-          Peer{std::nullopt, std::nullopt,
-               peer_text(pending.key, *responder->options().network, pending.reply_port)}),
+    : SealedConnection(pending.queue, std::move(sender), responder->options(),
+                       peer_of(pending, *responder)),
       responder_(std::move(responder)),
       client_(pending.client),
+      key_(pending.key),
       descriptors_{queue_->event().descriptor()} {}
 
 tl::expected<std::unique_ptr<Connection>, MediumError> SealedServer::welcome(
@@ -370,7 +392,7 @@ void SealedServer::pump() {
   responder_->pump();
   for (const auto& notice : queue_->notices()) {
     const auto id = static_cast<std::uint32_t>(notice.number);
-    if (notice.kind == InnerKind::Opened) take_opened(id);
+    if (notice.kind == InnerKind::Opened) take_opened(notice.number);
     if (notice.kind == InnerKind::InwardShare) take_share(notice.inward);
     if (notice.kind == InnerKind::Unshare) {
       const MutexLock lock(mutex_);
@@ -379,12 +401,12 @@ void SealedServer::pump() {
   }
 }
 
-void SealedServer::take_opened(std::uint32_t id) {
+void SealedServer::take_opened(std::uint64_t number) {
   std::shared_ptr<SealedStream> stream;
   {
     const MutexLock lock(mutex_);
-    const auto found = shared_.find(id);
-    if (found == shared_.end()) return;
+    const auto found = shared_.find(static_cast<std::uint32_t>(number));
+    if (found == shared_.end() || number >> 32 != found->second.generation) return;
     found->second.opened = true;
     stream = found->second.stream.lock();
   }
@@ -404,18 +426,34 @@ void SealedServer::beat() {
   SealedConnection::beat();
   if (inherited()) return;
   const MutexLock lock(mutex_);
-  for (const auto& [id, shared] : shared_) {
-    if (shared.opened) continue;
-    if (const auto stream = shared.stream.lock()) tell(id, *stream);
+  for (auto& [id, shared] : shared_) {
+    const auto stream = shared.stream.lock();
+    if (stream == nullptr || (shared.opened && stream->generation() == shared.generation)) continue;
+    tell(id, shared, *stream);
   }
 }
 
-void SealedServer::tell(std::uint32_t id, const SealedStream& stream) {
+void SealedServer::tell(std::uint32_t id, Shared& shared, const SealedStream& stream) {
+  const std::uint32_t generation = stream.generation();  // before the keys, which may be newer
+  if (std::exchange(shared.generation, generation) != generation) shared.opened = false;
   SharedStream where = stream.where();
   where.id = id;
   std::array<std::byte, SharedStream::bytes> body;
   where.write(body);
-  say(InnerKind::Share, id, body);
+  say(InnerKind::Share, std::uint64_t{generation} << 32 | id, body);
+}
+
+std::string SealedServer::revoked() {
+  const auto& keys = responder_->keys();
+  if (key_ == keys.own.public_key()) return {};
+  if (const auto admitted = keys.directory.admission(key_); !admitted) {
+    return admitted.error().passing ? std::string() : admitted.error().text;
+  }
+  const auto owner = keys.directory.owner(key_);
+  if (!owner) return {};  // the next call finds out
+  const crypto::KeyOwner now = owner->value_or(crypto::KeyOwner{});
+  if (now == crypto::KeyOwner{peer().user, peer().host}) return {};
+  return "the key " + key_.short_name() + " has another owner here than when it connected";
 }
 
 /// Makes a stream of the acceptor. Such a stream can have many readers, so that it is also suitable
@@ -428,8 +466,8 @@ tl::expected<void, SendProblem> SealedServer::share(std::uint32_t id, StreamWrit
   if (inherited() || queue_->closed()) return tl::unexpected(SendProblem::Lost);
   const auto& shared = dynamic_cast<SealedStreamWriter&>(stream).stream();
   const MutexLock lock(mutex_);
-  shared_[id] = {shared, false};
-  tell(id, *shared);
+  Shared& entry = shared_[id] = {shared, false, shared->generation()};
+  tell(id, entry, *shared);
   return {};
 }
 

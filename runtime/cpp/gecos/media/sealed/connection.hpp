@@ -20,6 +20,9 @@
 
 namespace gecos::media {
 
+/// Returns the client that has proved a key. The owner of the key comes from the key directory.
+Peer peer_of(const HandshakeResponder::PendingPeer& pending, const HandshakeResponder& responder);
+
 /// The part that the connections of a client and of a server have in common: sends packets, and
 /// takes received packets from the queue.
 class SealedConnection : public Connection {
@@ -87,6 +90,7 @@ class SealedClient final : public SealedConnection {
  private:
   struct Arrived {
     SharedStream where;
+    std::uint64_t number = 0;  ///< of the announcement, which the answer repeats
     bool opened = false;
     std::string problem{};  ///< why the last attempt to open the stream failed
   };
@@ -95,13 +99,15 @@ class SealedClient final : public SealedConnection {
     bool opened = false;  ///< while false, the stream is announced again with every heartbeat
   };
   struct Reading {
+    std::uint32_t id = 0;
     std::weak_ptr<SampleQueue> queue;
     int port = -1;  ///< the descriptor of the port of the stream, which streams_ watches
   };
   void pump() override;
   bool new_samples();
   void forget_closed_readers() GECOS_REQUIRES(mutex_);
-  void take_share(const SharedStream& where);
+  void take_share(const SharedStream& where, std::uint64_t number);
+  void take_key(const SharedStream& where) GECOS_REQUIRES(mutex_);
   void take_opened(std::uint32_t id);
   void tell(std::uint32_t id, InwardStream& stream);
 
@@ -136,6 +142,7 @@ class SealedServer final : public SealedConnection {
   tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override;
   void unshare(std::uint32_t id) override;
   std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
+  std::string revoked() override;
 
   SealedServer(std::shared_ptr<HandshakeResponder> responder,
                const HandshakeResponder::PendingPeer& pending,
@@ -145,6 +152,7 @@ class SealedServer final : public SealedConnection {
   struct Shared {
     std::weak_ptr<SealedStream> stream;
     bool opened = false;  // while false, the stream is announced again with every heartbeat
+    std::uint32_t generation = 0;  // of the keys that were announced last
   };
   /// A stream that the client has shared.
   struct Inward {
@@ -152,12 +160,13 @@ class SealedServer final : public SealedConnection {
     bool opened = false;
   };
   void pump() override;
-  void take_opened(std::uint32_t id);
+  void take_opened(std::uint64_t number);
   void take_share(const InwardShare& where);
-  void tell(std::uint32_t id, const SealedStream& stream);
+  void tell(std::uint32_t id, Shared& shared, const SealedStream& stream) GECOS_REQUIRES(mutex_);
 
   const std::shared_ptr<HandshakeResponder> responder_;
   const std::uint64_t client_;
+  const crypto::PublicKey key_;
   const std::array<int, 1> descriptors_;
   Mutex mutex_;
   std::map<std::uint32_t, Shared> shared_ GECOS_GUARDED_BY(mutex_);

@@ -63,7 +63,7 @@ std::optional<InnerHeader> InnerHeader::read(ByteView from) {
   if (from.size() < bytes) return std::nullopt;
   const auto kind = std::to_integer<std::uint8_t>(from[0]);
   if (kind < static_cast<std::uint8_t>(InnerKind::Packet) ||
-      kind > static_cast<std::uint8_t>(InnerKind::InwardSample)) {
+      kind > static_cast<std::uint8_t>(InnerKind::Refuse)) {
     return std::nullopt;
   }
   return InnerHeader{static_cast<InnerKind>(kind), get<std::uint64_t>(&from[1]),

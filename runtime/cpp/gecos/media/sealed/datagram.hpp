@@ -48,6 +48,7 @@ enum class InnerKind : std::uint8_t {
   Unshare,       ///< client or server: the sender stops sharing its own stream `number`
   InwardShare,   ///< client: announces an InwardShare; repeated until it is opened
   InwardSample,  ///< client: sample `number` of a stream, with an InwardSampleHead
+  Refuse,        ///< server: does not admit the client whose key it knows; the body says why
 };
 
 /// The header of every sealed message.

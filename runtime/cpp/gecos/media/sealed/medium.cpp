@@ -80,6 +80,12 @@ class SealedAcceptor final : public Acceptor {
     responder_->event().drain();
     if (responder_->pump()) responder_->event().notify();  // announces the unread datagrams
     while (auto pending = responder_->next_pending()) {
+      if (const std::string why = why_not(*pending); !why.empty()) {
+        log_info(responder_->address().medium, responder_->address().place() + " refused key " +
+                                                   pending->key.short_name() + ": " + why);
+        responder_->refuse(std::move(*pending), why);
+        continue;
+      }
       const std::uint64_t client = pending->client;
       auto connection = SealedServer::welcome(responder_, std::move(*pending));
       if (connection) return std::move(*connection);
@@ -89,6 +95,7 @@ class SealedAcceptor final : public Acceptor {
     }
     return nullptr;
   }
+  void admit_by(AdmitPeer admit) override { admit_ = std::move(admit); }
   std::span<const int> descriptors() const override { return descriptors_; }
 
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
@@ -96,8 +103,16 @@ class SealedAcceptor final : public Acceptor {
   }
 
  private:
+  /// Returns why the owner of the key that a client has proved is not admitted; an empty text when
+  /// the owner is. A key without an owner is one of the user of this program.
+  std::string why_not(const HandshakeResponder::PendingPeer& pending) const {
+    if (!admit_ || pending.owner == crypto::KeyOwner{}) return "";
+    return admit_(peer_of(pending, *responder_));
+  }
+
   const std::unique_ptr<Claim> claim_;
   const std::shared_ptr<HandshakeResponder> responder_;
+  AdmitPeer admit_;
   const std::string address_;
   const std::array<int, 2> descriptors_;
 };

@@ -51,6 +51,12 @@ void ReceiveQueue::put_locked(Bytes frame, TimePoint now) {
     case InnerKind::Bye:
       closed_.store(true, std::memory_order_release);
       break;
+    case InnerKind::Refuse: {
+      const ByteView why = packet_in(frame);
+      refusal_.assign(reinterpret_cast<const char*>(why.data()), why.size());
+      closed_.store(true, std::memory_order_release);
+      break;
+    }
     case InnerKind::Packet:
       if (packets_.size() == most_packets || bytes_ + frame.size() > most_bytes) {
         dropped_.fetch_add(1, std::memory_order_relaxed);
@@ -125,6 +131,11 @@ bool ReceiveQueue::pop(Packet& packet) {
   packets_.pop_front();
   bytes_ -= packet.frame.size();
   return true;
+}
+
+std::string ReceiveQueue::refusal() {
+  const MutexLock lock(mutex_);
+  return refusal_;
 }
 
 bool ReceiveQueue::has_packets() {

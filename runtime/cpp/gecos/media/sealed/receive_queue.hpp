@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "gecos/base/event_fd.hpp"
@@ -75,6 +76,8 @@ class ReceiveQueue final : public Sleeper {
   /// `pop` again.
   std::uint64_t beats_read() const { return beats_read_.load(std::memory_order_relaxed); }
   bool closed() const { return closed_.load(std::memory_order_acquire); }
+  /// Returns why the server has refused this client; an empty text when it has not.
+  std::string refusal();
   std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
   void set_asleep(bool asleep) { asleep_.store(asleep, std::memory_order_seq_cst); }
@@ -104,6 +107,7 @@ class ReceiveQueue final : public Sleeper {
   /// Memory of a packet that was read. It is used again for the next frame.
   Bytes spare_ GECOS_GUARDED_BY(mutex_);
   std::size_t bytes_ GECOS_GUARDED_BY(mutex_) = 0;
+  std::string refusal_ GECOS_GUARDED_BY(mutex_);
   std::vector<Notice> notices_ GECOS_GUARDED_BY(mutex_);
   std::map<std::uint32_t, std::weak_ptr<SampleBuffer>> inward_ GECOS_GUARDED_BY(mutex_);
 };

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "gecos/base/log.hpp"
-#include "gecos/media/sealed/sender.hpp"
 #include "gecos/media/sealed/stream.hpp"
 
 namespace gecos::media {
@@ -15,6 +14,9 @@ namespace {
 constexpr std::size_t most_unconfirmed = 256;
 constexpr Duration unconfirmed_kept = std::chrono::seconds{5};
 constexpr std::size_t most_connections = 4096;
+constexpr std::size_t most_refused = 64;
+constexpr Duration refused_kept = std::chrono::seconds{5};
+constexpr std::size_t longest_reason = 2048;
 
 }  // namespace
 
@@ -96,7 +98,10 @@ void HandshakeResponder::take_sealed(const DatagramHeader& header, ByteView data
   {
     const MutexLock lock(mutex_);
     const auto found = queues_.find(header.client);
-    if (found == queues_.end()) return confirm(header, datagram);
+    if (found == queues_.end()) {
+      refuse_again(header.client);
+      return confirm(header, datagram);
+    }
     queue = found->second;
   }
   queue->take(datagram.first(DatagramHeader::bytes), datagram.subspan(DatagramHeader::bytes),
@@ -112,12 +117,23 @@ void HandshakeResponder::confirm(const DatagramHeader& header, ByteView datagram
     auto queue = std::make_shared<ReceiveQueue>(one.channel.in);
     queue->put(std::move(frame), options_.now());
     queues_.emplace(one.client, queue);
-    pending_.push_back({one.client, one.reply_port, one.channel.peer, std::move(one.channel.out),
-                        std::move(queue)});
+    const auto owner = owner_of(one.channel.peer);
+    if (!owner) return;
+    pending_.push_back({one.client, one.reply_port, one.channel.peer, *owner,
+                        std::move(one.channel.out), std::move(queue)});
     std::erase_if(unconfirmed_, [&](const auto& other) { return other.client == header.client; });
     event_.notify();
     return;
   }
+}
+
+/// Returns the owner of an admitted key, which is empty for our own key and for a key without an
+/// owner; nullopt when the owner cannot be read.
+std::optional<crypto::KeyOwner> HandshakeResponder::owner_of(const crypto::PublicKey& key) const {
+  if (key == keys_->own.public_key()) return crypto::KeyOwner{};
+  const auto owner = keys_->directory.owner(key);
+  if (!owner) return std::nullopt;
+  return owner->value_or(crypto::KeyOwner{});
 }
 
 void HandshakeResponder::answer(const DatagramHeader& to, DatagramKind kind, ByteView frame,
@@ -145,6 +161,33 @@ std::optional<HandshakeResponder::PendingPeer> HandshakeResponder::next_pending(
 void HandshakeResponder::forget(std::uint64_t client) {
   const MutexLock lock(mutex_);
   queues_.erase(client);
+}
+
+void HandshakeResponder::refuse(PendingPeer client, const std::string& why) {
+  auto out = options_.network->shared(client.reply_port);
+  const MutexLock lock(mutex_);
+  queues_.erase(client.client);
+  if (!out) return;
+  const ByteView reason = std::as_bytes(std::span(why).first(std::min(why.size(), longest_reason)));
+  auto sender = std::make_shared<SealedSender>(std::move(*out), channel_name("GC", client.client),
+                                               client.client, std::uint16_t{0});
+  sender->open(std::move(client.sealer));
+  if (refused_.size() == most_refused) refused_.pop_front();
+  refused_.push_back(
+      {client.client, options_.now(), std::move(sender), {reason.begin(), reason.end()}});
+  tell(refused_.back());
+}
+
+void HandshakeResponder::refuse_again(std::uint64_t client) {
+  const TimePoint now = options_.now();
+  while (!refused_.empty() && now - refused_.front().since >= refused_kept) refused_.pop_front();
+  const auto found = std::ranges::find(refused_, client, &RefusedPeer::client);
+  if (found != refused_.end() && answers_.take(now)) tell(*found);
+}
+
+void HandshakeResponder::tell(const RefusedPeer& refused) {
+  Bytes memory;
+  refused.sender->send({InnerKind::Refuse, 0, options_.now_ns()}, {}, refused.why, memory);
 }
 
 std::unique_ptr<StreamWriter> HandshakeResponder::make_stream(std::size_t largest,

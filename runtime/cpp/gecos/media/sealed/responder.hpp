@@ -14,6 +14,7 @@
 #include "gecos/media/sealed/keys.hpp"
 #include "gecos/media/sealed/network.hpp"
 #include "gecos/media/sealed/receive_queue.hpp"
+#include "gecos/media/sealed/sender.hpp"
 
 namespace gecos::media {
 
@@ -28,6 +29,7 @@ class HandshakeResponder {
     std::uint64_t client = 0;
     std::uint16_t reply_port = 0;
     crypto::PublicKey key;
+    crypto::KeyOwner owner;  ///< empty for a key without an owner, and for our own key
     crypto::Sealer sealer;
     std::shared_ptr<ReceiveQueue> queue;
   };
@@ -40,6 +42,9 @@ class HandshakeResponder {
   bool pump() { return in_->pump(); }
   std::optional<PendingPeer> next_pending();
   void forget(std::uint64_t client);
+  /// Tells a client that it is refused, and why; again for each of its datagrams in the next
+  /// seconds, because a datagram may be lost.
+  void refuse(PendingPeer client, const std::string& why);
   /// Makes a stream for all clients of the object. Throws std::runtime_error when the port of the
   /// stream cannot be opened. Any thread may call this function.
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth);
@@ -48,6 +53,7 @@ class HandshakeResponder {
   /// Returns the eventfd that pump() notifies when a client has connected.
   EventFd& event() { return event_; }
   const SealedOptions& options() const { return options_; }
+  const SealedKeys& keys() const { return *keys_; }
   const SealedAddress& address() const { return address_; }
   void close() { closed_.store(true); }
 
@@ -70,10 +76,20 @@ class HandshakeResponder {
     TimePoint since;
     crypto::Channel channel;
   };
+  /// A client that was told why it is refused.
+  struct RefusedPeer {
+    std::uint64_t client = 0;
+    TimePoint since;
+    std::shared_ptr<SealedSender> sender;
+    Bytes why;
+  };
   void take(ByteView datagram);
   void take_first(const DatagramHeader& header, ByteView datagram, TimePoint now);
   void take_sealed(const DatagramHeader& header, ByteView datagram);
   void confirm(const DatagramHeader& header, ByteView datagram) GECOS_REQUIRES(mutex_);
+  void refuse_again(std::uint64_t client) GECOS_REQUIRES(mutex_);
+  void tell(const RefusedPeer& refused);
+  std::optional<crypto::KeyOwner> owner_of(const crypto::PublicKey& key) const;
   void answer(const DatagramHeader& to, DatagramKind kind, ByteView frame, TimePoint now);
 
   const SealedOptions options_;
@@ -90,6 +106,7 @@ class HandshakeResponder {
   const std::uint16_t stream_port_;
   Mutex mutex_;
   std::list<Unconfirmed> unconfirmed_ GECOS_GUARDED_BY(mutex_);  // oldest first
+  std::list<RefusedPeer> refused_ GECOS_GUARDED_BY(mutex_);      // oldest first
   std::map<std::uint64_t, std::shared_ptr<ReceiveQueue>> queues_ GECOS_GUARDED_BY(mutex_);
   std::deque<PendingPeer> pending_ GECOS_GUARDED_BY(mutex_);
   std::shared_ptr<DatagramPort> streams_ GECOS_GUARDED_BY(mutex_);

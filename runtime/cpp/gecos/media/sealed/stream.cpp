@@ -21,10 +21,11 @@ SharedStream with_key(SharedStream where, const crypto::StreamKey& key) {
 SealedStream::SealedStream(std::shared_ptr<DatagramPort> port, SharedStream where)
     : port_(std::move(port)),
       where_(with_key(where, sealer_.key())),
+      largest_(where.largest),
       channel_(channel_name("GS", where.channel)) {}
 
 tl::expected<void, SendProblem> SealedStream::publish(ByteView sample, std::int64_t stamp_ns) {
-  if (sample.size() > where_.largest) return tl::unexpected(SendProblem::TooLarge);
+  if (sample.size() > largest_) return tl::unexpected(SendProblem::TooLarge);
   const MutexLock lock(mutex_);
   last_.resize(sample_overhead + sample.size());
   const std::span<std::byte> all(last_);
@@ -40,6 +41,19 @@ tl::expected<void, SendProblem> SealedStream::publish(ByteView sample, std::int6
 void SealedStream::repeat_last() {
   const MutexLock lock(mutex_);
   if (!last_.empty()) port_->publish(channel_, last_);
+}
+
+SharedStream SealedStream::where() const {
+  const MutexLock lock(mutex_);
+  return where_;
+}
+
+void SealedStream::move_on() {
+  const MutexLock lock(mutex_);
+  sealer_ = crypto::StreamSealer(sealer_.count());
+  where_.key = sealer_.key();
+  last_.clear();  // the excluded reader knows it, and others cannot open it by the new key
+  generation_.fetch_add(1, std::memory_order_release);
 }
 
 std::uint64_t SealedStream::newest() const {
@@ -71,6 +85,11 @@ void SampleQueue::take(ByteView datagram) {
     samples_.put(sequence, read_stamp(text->first(stamp_bytes)), text->subspan(stamp_bytes));
   }
   if (const auto sleeper = sleeper_.lock()) sleeper->wake_if_asleep();
+}
+
+void SampleQueue::take_key(const crypto::StreamKey& key) {
+  const MutexLock lock(mutex_);
+  opener_ = crypto::StreamOpener(key);
 }
 
 bool SampleQueue::read(std::uint64_t after, bool newest, StreamSample& into) {

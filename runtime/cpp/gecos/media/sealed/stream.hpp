@@ -19,7 +19,14 @@ class SealedStream {
  public:
   SealedStream(std::shared_ptr<DatagramPort> port, SharedStream where);
 
-  const SharedStream& where() const { return where_; }
+  /// Where and by which key a reader finds the samples.
+  SharedStream where() const;
+  /// Returns how often move_on() was called. An announcement and its answer carry this number, so
+  /// that an answer to an earlier announcement does not count.
+  std::uint32_t generation() const { return generation_.load(std::memory_order_acquire); }
+  /// Seals all later samples under new keys, which the connections that share the stream send to
+  /// their readers. Forgets the last sample. Any thread may call this function.
+  void move_on();
   tl::expected<void, SendProblem> publish(ByteView sample, std::int64_t stamp_ns);
   /// Sends the last sample again, for readers that subscribed after the sample was sent. Other
   /// readers ignore the repetition. Any thread may call this function.
@@ -30,7 +37,9 @@ class SealedStream {
   const std::shared_ptr<DatagramPort> port_;
   mutable Mutex mutex_;
   crypto::StreamSealer sealer_ GECOS_GUARDED_BY(mutex_);
-  const SharedStream where_;
+  SharedStream where_ GECOS_GUARDED_BY(mutex_);
+  std::atomic<std::uint32_t> generation_{0};  // published after the keys of that generation
+  const std::size_t largest_;
   const std::string channel_;
   Bytes last_ GECOS_GUARDED_BY(mutex_);  // the last datagram sent
 };
@@ -43,6 +52,7 @@ class SealedStreamWriter final : public CopyingWriter {
     return stream_->publish(sample, stamp_ns);
   }
   std::uint64_t newest() const override { return stream_->newest(); }
+  void move_on() override { stream_->move_on(); }
   const std::shared_ptr<SealedStream>& stream() const { return stream_; }
 
  private:
@@ -58,6 +68,8 @@ class SampleQueue {
               std::weak_ptr<Sleeper> sleeper);
 
   void take(ByteView datagram);
+  /// Opens later samples by `key`, because the writer has moved on.
+  void take_key(const crypto::StreamKey& key);
   bool read(std::uint64_t after, bool newest, StreamSample& into);
   /// Returns whether a sample has arrived that neither the reader nor an earlier call has seen.
   bool anything_new();

@@ -197,6 +197,7 @@ void ShmConnection::beat() {
   if (loss_.load(std::memory_order_relaxed) != Loss::None) return;
   bulk_.out.beat();
   const MutexLock lock(control_mutex_);
+  streams_.follow_moves(unsent_);
   unsent_.flush();
 }
 

@@ -13,10 +13,11 @@ tl::expected<void, SendProblem> SharedStreams::share(std::uint32_t id, SharedStr
   ControlMessage message{.type = ControlType::Share, .id = id};
   message.largest = writer.memory().largest;
   message.depth = writer.memory().depth;
-  if (!to.send({message, writer.sealed()})) return tl::unexpected(SendProblem::Full);
-  if (const auto before = std::exchange(shared_[id], writer.sleepers()).lock()) {
-    before->remove(reader.get());
-  }
+  auto [memory, moves] = writer.place()->now();
+  if (!to.send({message, std::move(memory)})) return tl::unexpected(SendProblem::Full);
+  const Shared before =
+      std::exchange(shared_[id], {writer.sleepers(), writer.place(), message, moves});
+  if (const auto list = before.sleepers.lock()) list->remove(reader.get());
   writer.sleepers()->add(reader);
   return {};
 }
@@ -24,21 +25,32 @@ tl::expected<void, SendProblem> SharedStreams::share(std::uint32_t id, SharedStr
 void SharedStreams::unshare(std::uint32_t id, PeerEnd& reader, ControlQueue& to) {
   const auto held = shared_.extract(id);
   if (held.empty()) return;
-  if (const auto list = held.mapped().lock()) list->remove(&reader);
+  if (const auto list = held.mapped().sleepers.lock()) list->remove(&reader);
   to.send({{.type = ControlType::Unshare, .id = id}, nullptr});
 }
 
+void SharedStreams::follow_moves(ControlQueue& to) {
+  for (auto& [id, shared] : shared_) {
+    const auto place = shared.place.lock();
+    if (place == nullptr) continue;
+    auto [memory, moves] = place->now();
+    if (moves == shared.moves || !to.send({shared.announcement, std::move(memory)})) continue;
+    shared.moves = moves;
+  }
+}
+
 void SharedStreams::forget(PeerEnd& reader) {
-  for (const auto& [id, sleepers] : shared_) {
-    if (const auto list = sleepers.lock()) list->remove(&reader);
+  for (const auto& [id, shared] : shared_) {
+    if (const auto list = shared.sleepers.lock()) list->remove(&reader);
   }
 }
 
 std::optional<std::string> SharedStreams::received(ReceivedControl& control) {
   const ControlMessage& message = control.message;
   constexpr std::size_t most = StreamMemory::most_bytes;
-  if (received_.size() >= limits_.received || message.depth == 0 || message.depth > most ||
-      message.largest > most ||
+  const auto known = received_.find(message.id);
+  const bool too_many = known == received_.end() && received_.size() >= limits_.received;
+  if (too_many || message.depth == 0 || message.depth > most || message.largest > most ||
       message.depth + 1 > most / StreamMemory::slot_bytes(message.largest)) {
     return "the peer shared too many streams, or a stream of an invalid size";
   }
@@ -47,7 +59,15 @@ std::optional<std::string> SharedStreams::received(ReceivedControl& control) {
   if (!mapping) return std::move(mapping.error());
   auto held = std::make_shared<Mapping>(std::move(*mapping));
   not_received_.erase(message.id);
-  received_[message.id] = {{held->data(), message.largest, message.depth}, held};
+  const StreamMemory memory{held->data(), message.largest, message.depth};
+  std::vector<std::weak_ptr<StreamWatch>> readers;
+  if (known != received_.end()) readers = std::move(known->second.readers);
+  std::erase_if(readers, [&](const auto& one) {
+    const auto watch = one.lock();
+    if (watch != nullptr) watch->move_to(memory, held);
+    return watch == nullptr;
+  });
+  received_[message.id] = {memory, std::move(held), std::move(readers)};
   return std::nullopt;
 }
 
@@ -62,10 +82,14 @@ void SharedStreams::withdrawn(std::uint32_t id) {
   not_received_.erase(id);
 }
 
-std::unique_ptr<StreamReader> SharedStreams::open(std::uint32_t id, StreamWatches& watches) const {
+std::unique_ptr<StreamReader> SharedStreams::open(std::uint32_t id, StreamWatches& watches) {
   const auto found = received_.find(id);
   if (found == received_.end()) return nullptr;
-  return watches.open(found->second.memory, found->second.mapping);
+  const auto watch = watches.watch(found->second.memory, found->second.mapping);
+  auto& readers = found->second.readers;
+  std::erase_if(readers, [](const auto& one) { return one.expired(); });
+  readers.push_back(watch);
+  return std::make_unique<StreamRingReader>(watch);
 }
 
 std::string SharedStreams::why_not_open(std::uint32_t id) const {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "gecos/media/buffers/stream_ring.hpp"
 #include "gecos/media/medium.hpp"
@@ -33,6 +34,8 @@ class SharedStreams {
   tl::expected<void, SendProblem> share(std::uint32_t id, SharedStreamWriter& writer,
                                         const std::shared_ptr<PeerEnd>& reader, ControlQueue& to);
   void unshare(std::uint32_t id, PeerEnd& reader, ControlQueue& to);
+  /// Sends the peer the memory of each stream that has moved to other memory.
+  void follow_moves(ControlQueue& to);
   /// Ensures that no stream wakes `reader` any more.
   void forget(PeerEnd& reader);
 
@@ -45,7 +48,7 @@ class SharedStreams {
   bool not_received(std::uint32_t id, std::string why);
   void withdrawn(std::uint32_t id);
   /// Opens the stream `id`. Returns null when the peer does not share it.
-  std::unique_ptr<StreamReader> open(std::uint32_t id, StreamWatches& watches) const;
+  std::unique_ptr<StreamReader> open(std::uint32_t id, StreamWatches& watches);
   /// Returns a text that says why the stream `id` cannot be opened. The text is empty when the peer
   /// has not shared the stream yet.
   std::string why_not_open(std::uint32_t id) const;
@@ -54,10 +57,17 @@ class SharedStreams {
   struct Received {
     StreamMemory memory;
     std::shared_ptr<Mapping> mapping;
+    std::vector<std::weak_ptr<StreamWatch>> readers{};
+  };
+  struct Shared {
+    std::weak_ptr<SleeperList> sleepers;
+    std::weak_ptr<StreamPlace> place;
+    ControlMessage announcement;
+    std::uint32_t moves = 0;  ///< of the memory that the peer has
   };
 
   const Limits limits_;
-  std::map<std::uint32_t, std::weak_ptr<SleeperList>> shared_;
+  std::map<std::uint32_t, Shared> shared_;
   std::map<std::uint32_t, Received> received_;
   std::map<std::uint32_t, std::string> not_received_;  ///< why a shared stream cannot be opened
 };

@@ -1,22 +1,44 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
+#include "gecos/base/mutex.hpp"
 #include "gecos/media/buffers/stream_ring.hpp"
 #include "gecos/media/shm/memory.hpp"
 
 namespace gecos::media::shm {
+
+/// The memory in which a stream is now, and how often it has moved. Thread-safe.
+class StreamPlace {
+ public:
+  struct Now {
+    std::shared_ptr<SealedMemory> memory;
+    std::uint32_t moves = 0;
+  };
+  explicit StreamPlace(std::shared_ptr<SealedMemory> memory) : now_{std::move(memory), 0} {}
+
+  Now now() const;
+  void move_to(std::shared_ptr<SealedMemory> memory);
+
+ private:
+  mutable Mutex mutex_;
+  Now now_ GECOS_GUARDED_BY(mutex_);
+};
 
 /// The writer of a stream in sealed memory that only this stream uses. Every connection that shares
 /// the stream sends the descriptor of the memory to its peer.
 class SharedStreamWriter final : public StreamRingWriter {
  public:
   SharedStreamWriter(StreamMemory memory, std::shared_ptr<SealedMemory> sealed)
-      : StreamRingWriter(memory, sealed), sealed_(std::move(sealed)) {}
-  const std::shared_ptr<SealedMemory>& sealed() const { return sealed_; }
+      : StreamRingWriter(memory, sealed),
+        place_(std::make_shared<StreamPlace>(std::move(sealed))) {}
+  const std::shared_ptr<StreamPlace>& place() const { return place_; }
+  /// Goes on in new memory. The connections that share the stream send it to their peers.
+  void move_on() override;
 
  private:
-  const std::shared_ptr<SealedMemory> sealed_;
+  const std::shared_ptr<StreamPlace> place_;
 };
 
 /// Makes a stream in shared memory. Throws std::runtime_error when no memory or no descriptor is

@@ -100,11 +100,24 @@ void AccessControl::allow(std::vector<std::string> users, std::vector<std::strin
                                       "Server::allow in the program of the server"};
 }
 
+std::string AccessControl::name_of(std::uint32_t uid) {
+  {
+    const MutexLock lock(mutex_);
+    if (const auto found = names_.find(uid); found != names_.end()) return found->second;
+  }
+  std::string name = user_name(uid);
+  const MutexLock lock(mutex_);
+  return names_.emplace(uid, std::move(name)).first->second;
+}
+
 std::string AccessControl::refusal(const std::string& object, const media::Peer& peer) noexcept {
+  const bool of_this_host = peer.uid.has_value();
+  if (of_this_host ? peer.uid == ::geteuid() || peer.uid == 0u : peer.user.empty()) return "";
   try {
     const std::string host = host_name();
-    const access::UserAtHost server{user_name(::geteuid()), host};
-    const access::UserAtHost who{user_name(*peer.uid), host};
+    const access::UserAtHost server{name_of(::geteuid()), host};
+    const auto who = of_this_host ? access::UserAtHost{name_of(*peer.uid), host}
+                                  : access::UserAtHost{peer.user, peer.host};
     const MutexLock lock(mutex_);
     if (const auto error = read_file()) {
       log_error("session", to_string(*error) +

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,14 +27,18 @@ class AccessControl {
   /// Admits these users and hosts, in place of those of an earlier call.
   void allow(std::vector<std::string> users, std::vector<std::string> hosts);
 
-  /// Returns why `peer` may not connect to the object; an empty text when it may. @pre the kernel
-  /// reported the user of `peer`
+  /// Returns why `peer` may not connect to the object, or may not stay connected; an empty text
+  /// when it may, and when neither the kernel nor a key names it as another user than the server's.
   std::string refusal(const std::string& object, const media::Peer& peer) noexcept;
 
  private:
   std::optional<access::LabFileError> read_file() GECOS_REQUIRES(mutex_);
+  std::string name_of(std::uint32_t uid);
 
   Mutex mutex_;
+  /// The names of the users who have connected. A session is checked again and again, which must
+  /// not ask a directory server of the network each time.
+  std::map<std::uint32_t, std::string> names_ GECOS_GUARDED_BY(mutex_);
   bool must_exist_ GECOS_GUARDED_BY(mutex_);  ///< a setting names the file, or it did exist
   access::EditedLabFile file_ GECOS_GUARDED_BY(mutex_);
   access::AccessPolicy policy_ GECOS_GUARDED_BY(mutex_);

@@ -25,8 +25,9 @@ void open(const std::shared_ptr<ServerSession>& session, const Hello& hello,
   const media::Peer& peer = session->connection().peer();
   const SessionId id = new_session_id();
   Caller caller;
-  caller.user = peer.uid ? user_name(*peer.uid) : hello.user;  // claimed where nobody proves it
-  caller.host = hello.host;
+  // Claimed where neither the kernel nor a key proves it.
+  caller.user = peer.uid ? user_name(*peer.uid) : peer.user.empty() ? hello.user : peer.user;
+  caller.host = peer.host.empty() ? hello.host : peer.host;
   caller.program = hello.program;
   caller.pid = peer.pid.value_or(hello.pid);
   caller.incarnation = hello.incarnation;

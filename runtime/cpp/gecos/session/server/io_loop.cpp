@@ -18,11 +18,13 @@ constexpr std::uint64_t endpoint_bit = std::uint64_t{1} << 63;
 /// counts as `busy_turn` turns, so that a client whose connection sleeps does not wait long.
 constexpr unsigned turns_between_events = 8192;
 constexpr unsigned busy_turn = 128;
+/// Time between two checks whether the clients are still admitted. A revocation acts within 5 s.
+constexpr Duration review_every = std::chrono::seconds(1);
 
 }  // namespace
 
-IoLoop::IoLoop(std::shared_ptr<Runtime> runtime)
-    : runtime_(std::move(runtime)), spin_(system_clock()) {
+IoLoop::IoLoop(std::shared_ptr<Runtime> runtime, std::shared_ptr<AccessControl> access)
+    : runtime_(std::move(runtime)), access_(std::move(access)), spin_(system_clock()) {
   epoll_.add(event_.descriptor(), event_key);
   main_ = start_thread("gecos-io", [this] { run(); });
   try {
@@ -264,7 +266,10 @@ TimePoint IoLoop::on_tick(TimePoint now) {
   }
   handler_seen_ = handler;
 
-  const bool beat = now >= next_beat_;
+  const bool revoked = now >= next_review_ && end_revoked();
+  if (now >= next_review_) next_review_ = now + review_every;
+  // A heartbeat brings the remaining readers to the streams from which a session was excluded.
+  const bool beat = revoked || now >= next_beat_;
   if (beat) next_beat_ = now + runtime_->options().heartbeat;
   bool suspects = false;
   for (const auto& session : sessions_.all()) {
@@ -280,6 +285,20 @@ TimePoint IoLoop::on_tick(TimePoint now) {
   if (suspects) suspects_.store(true);
   if (suspects || (beat && somebody_waits_.load())) event_.notify();
   return now + (handler % 2 == 1 ? Maintenance::tick : Maintenance::calm_tick);
+}
+
+bool IoLoop::end_revoked() {
+  bool any = false;
+  for (const auto& session : sessions_.all()) {
+    if (session->gone.load()) continue;
+    media::Connection& connection = session->connection();
+    std::string why = connection.revoked();
+    if (why.empty()) why = access_->refusal(session->object()->name(), connection.peer());
+    if (why.empty()) continue;
+    session->object()->revoke(session, why);
+    any = true;
+  }
+  return any;
 }
 
 void IoLoop::withdraw(const ObjectHost& object) {

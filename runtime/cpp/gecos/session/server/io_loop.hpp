@@ -9,6 +9,7 @@
 #include "gecos/base/mutex.hpp"
 #include "gecos/media/waiting.hpp"
 #include "gecos/session/process/runtime.hpp"
+#include "gecos/session/server/access_control.hpp"
 #include "gecos/session/server/active_sessions.hpp"
 #include "gecos/session/server/epoll.hpp"
 #include "gecos/session/server/object_host.hpp"
@@ -28,7 +29,8 @@ namespace gecos::session {
 /// which thread uses a member.
 class IoLoop {
  public:
-  explicit IoLoop(std::shared_ptr<Runtime> runtime);
+  /// `access` says of each session whether its client is still admitted.
+  IoLoop(std::shared_ptr<Runtime> runtime, std::shared_ptr<AccessControl> access);
   ~IoLoop();
 
   /// Accepts clients of `object` from now on.
@@ -76,8 +78,11 @@ class IoLoop {
   void part_from_suspects() GECOS_REQUIRES(polling_);
   void drop_closed_endpoints() GECOS_REQUIRES(polling_);
   void part_if_lost(const std::shared_ptr<ServerSession>& session);
+  /// Ends the sessions whose clients are not admitted any more. Returns whether there were any.
+  bool end_revoked();
 
   const std::shared_ptr<Runtime> runtime_;
+  const std::shared_ptr<AccessControl> access_;
   Epoll epoll_;
   EventFd event_;
   std::atomic<bool> ended_{false};              // orders no other memory
@@ -102,6 +107,7 @@ class IoLoop {
   /// `handler_turn_` at the last tick; used by the maintenance thread only
   std::uint64_t handler_seen_ = 0;
   TimePoint next_beat_{};
+  TimePoint next_review_{};
   std::thread main_;
   std::thread standby_;
 };

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "gecos/base/log.hpp"
+#include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/protocol/sample_time.hpp"
 #include "gecos/session/server/call_log.hpp"
 #include "gecos/session/server/host_state.hpp"
@@ -86,6 +87,20 @@ void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure
   if (!session->greeted() || !calls_are_over) return;
   state_.user_callbacks.run(
       [&] { state_.setup.servant.gecos_session_ended(number(session->id())); });
+}
+
+void ObjectHost::revoke(const std::shared_ptr<ServerSession>& session, const std::string& why) {
+  session->gone = true;
+  depart(session, Departure::Lost);
+  session->sender().with_connection(
+      [this](media::Connection& connection) { streams_.exclude(connection); });
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Goodbye;
+  session->send(header, goodbye_body("revoked: " + why));
+  log_warning("session", name() +
+                             ": a session was ended, because its client is not admitted any "
+                             "more: " +
+                             why);
 }
 
 // The maintenance thread

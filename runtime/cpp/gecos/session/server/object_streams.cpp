@@ -46,6 +46,13 @@ tl::expected<Subscription, std::string> ObjectStreams::share(const StreamDescrip
   });
 }
 
+void ObjectStreams::exclude(media::Connection& connection) {
+  for (std::size_t index = 0; index < ports_.size(); ++index) {
+    connection.unshare(static_cast<std::uint32_t>(index + 1));
+    ports_[index]->move_on(connection.capabilities().name);
+  }
+}
+
 void ObjectStreams::publish(const StreamDescription& stream, ByteView sample,
                             const SampleTime& time) {
   if (const std::size_t index = index_of(stream); index < ports_.size()) {

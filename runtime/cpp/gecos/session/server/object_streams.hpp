@@ -25,6 +25,8 @@ class ObjectStreams {
   /// connection, and the sequence number of the newest sample.
   tl::expected<Subscription, std::string> share(const StreamDescription& stream,
                                                 media::Connection& connection);
+  /// Makes all later samples unreadable for `connection`, with which nothing is shared any more.
+  void exclude(media::Connection& connection);
   /// Publishes `sample`; does nothing when the interface has no such stream.
   void publish(const StreamDescription& stream, ByteView sample, const SampleTime& time);
 

@@ -49,7 +49,7 @@ class Server::Core {
   explicit Core(std::shared_ptr<Context> lab)
       : lab_(std::move(lab)),
         access_(std::make_shared<session::AccessControl>(lab_->runtime()->options().lab_file)),
-        io_(lab_->runtime()),
+        io_(lab_->runtime(), access_),
         registrar_(lab_),
         upkeep_(std::make_shared<Upkeep>(*this)) {
     session::TerminationSignals::prepare();

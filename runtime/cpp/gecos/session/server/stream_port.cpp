@@ -61,6 +61,19 @@ void StreamPort::publish(ByteView sample, const SampleTime& time) {
   }
 }
 
+void StreamPort::move_on(std::string_view medium) {
+  const MutexLock lock(mutex_);
+  const auto found = writers_.find(medium);
+  if (found == writers_.end()) return;
+  try {
+    found->second->move_on();
+  } catch (const std::exception& failed) {  // no memory or no descriptor is left
+    log_error("session", named() + " cannot move away from a client that was refused: " +
+                             failed.what() + "; the stream is closed over " + std::string(medium));
+    writers_.erase(found);
+  }
+}
+
 void StreamPort::close() {
   const MutexLock lock(mutex_);
   writers_.clear();

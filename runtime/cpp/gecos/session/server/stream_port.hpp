@@ -32,6 +32,9 @@ class StreamPort {
   /// failure returns the reason.
   tl::expected<std::uint64_t, std::string> share(std::uint32_t id, media::Connection& connection,
                                                  media::Acceptor& acceptor);
+  /// Makes all later samples over `medium` unreadable for clients with whom the stream is no longer
+  /// shared.
+  void move_on(std::string_view medium);
   /// After this call, published samples reach no client.
   void close();
 

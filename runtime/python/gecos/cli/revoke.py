@@ -1,0 +1,118 @@
+"""The verb `gecos revoke`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from gecos.cli.exit_codes import ExitCode, UsageFailure
+from gecos.cli.options import broker_option, json_option, print_json
+
+if TYPE_CHECKING:
+    from gecos.cli.presence import Presence
+    from gecos.key_folder import Admitted
+
+
+@click.command()
+@click.argument("name")
+@broker_option
+@json_option
+def revoke(name: str, broker: str | None, as_json: bool) -> int:
+    """Removes the keys of a user, and ends that user's sessions.
+
+    NAME is an owner of keys, as anna@desk, or as anna for all hosts, or at least 8 digits of a
+    fingerprint. Your servers on this host end the sessions and streams within 5 s. Servers that
+    were not reached, and lists that still name the user, are printed; the code is then 3.
+    """
+    gone = _remove(name)
+    reached, missed = _servers(broker, name)
+    missed += _still_named(name, gone)
+    if as_json:
+        keys = [{"key": one.key, "owner": one.owner} for one in gone]
+        print_json({"removed": keys, "reached": reached, "missed": missed})
+    else:
+        for one in gone:
+            print(f"removed   {one.file}" + (f" of {one.owner}" if one.owner else ""))
+        if reached:
+            print(f"reached   {', '.join(reached)}: its sessions end within 5 s")
+        for why in missed:
+            print(f"gecos: {why}", file=sys.stderr)
+    return ExitCode.COMMAND_FAILED if missed else ExitCode.FINISHED
+
+
+def _remove(name: str) -> list[Admitted]:
+    from gecos import key_folder
+
+    try:
+        return key_folder.revoke(name)
+    except key_folder.KeyFolderError as error:
+        if _rule_that_admits(name):
+            return []
+        raise UsageFailure(str(error)) from None
+
+
+def _servers(broker: str | None, name: str) -> tuple[list[str], list[str]]:
+    """Returns the objects whose servers apply the revocation, and why others do not."""
+    import gecos
+    from gecos.cli.presence import presences
+
+    try:
+        with gecos.Lab(broker) as lab:
+            found = presences(lab)
+    except ConnectionError as error:
+        return [], [f"the servers are not known, and those of other users not reached: {error}"]
+    reached, missed = [], []
+    for one in found:
+        why = _why_missed(one, name)
+        if why is None:
+            reached.append(one.entry.name)
+        else:
+            missed.append(f"{one.entry.name} was not reached: {why}")
+    return reached, missed
+
+
+def _why_missed(one: Presence, name: str) -> str | None:
+    """Returns why a server does not read the key folder of this user now, or None if it does."""
+    from gecos import _core
+    from gecos.cli.policy import this_user
+
+    boot = Path("/proc/sys/kernel/random/boot_id").read_text(encoding="ascii").strip()
+    entry = one.entry
+    here = entry.host.startswith(boot) and any(
+        address.startswith(f"shm:{_core.runtime_directory()}/") for address in entry.addresses
+    )
+    if not here or entry.user != this_user():
+        return f"its server runs as {entry.user}@{entry.hostname}; run `gecos revoke {name}` there"
+    if not one.answers:
+        return f"its server does not answer, and applies it when it runs again ({one.problem})"
+    return None
+
+
+def _still_named(name: str, gone: list[Admitted]) -> list[str]:
+    """Returns the rule by which a user of this host is still admitted over shared memory."""
+    names = {name, *(one.owner for one in gone if one.owner is not None)}
+    rules = {rule for one in sorted(names) if (rule := _rule_that_admits(one))}
+    return [f"{rule}; remove the name there, too" for rule in sorted(rules)]
+
+
+def _rule_that_admits(name: str) -> str | None:
+    """Returns the rule of the lab file that admits a user of this host, or None."""
+    import socket
+
+    from gecos import _core
+    from gecos.cli.policy import named_file, text_of, this_user
+
+    user, _, host = name.partition("@")
+    here = socket.gethostname()
+    path = named_file()
+    if path is None or (host and host != here) or user == this_user():
+        return None
+    server = (this_user(), here)
+    try:
+        allowed, rule = _core.may_connect(text_of(path), str(path), server, (user, here), "BROKER")
+    except ValueError as error:
+        raise UsageFailure(str(error)) from None
+    return rule if allowed and user != "root" else None

@@ -1,0 +1,171 @@
+"""Two network namespaces as two hosts, whose users have keys of their own: ben@desk is refused,
+admitted by a list, moves RAIL, and is revoked. Programs with an unknown key get nobody."""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from hosts import Hosts
+from processes import Laboratory, Program
+
+GECOS = [sys.executable, "-m", "gecos.cli"]
+REVOKED_WITHIN = 5.0  # s, as promised
+CELL, DESK = 0, 1
+
+HOLDS = """
+import gecos
+from gecos.dynamic_client.connect import connect
+
+rail = connect(gecos.Lab(), "RAIL")
+with gecos.actor(rail) as lease:
+    rail.travel(0.2).result()
+    print("moves", flush=True)
+    try:
+        while True:
+            rail.travel(1.0).result()
+            rail.travel(0.0).result()
+    except gecos.CommandFailed as error:
+        print("ended:", error, flush=True)
+    except ConnectionError as error:
+        print("ended:", error, flush=True)
+"""
+
+
+@dataclass
+class TwoHosts:
+    """The broker and RAIL are on the host CELL. Programs of DESK have the key of another user."""
+
+    hosts: Hosts
+    labs: list[Laboratory]
+    lab_file: Path
+
+    def start(self, host: int, *command: str | Path, ready: str | None = None) -> Program:
+        return self.labs[host].start(*self.hosts.on(host), *command, ready=ready)
+
+    def broker(self, host: int) -> Program:
+        command = self.labs[host].build / "runtime/cpp/gecos/broker/gecos-broker"
+        return self.start(host, command, ready="ready")
+
+    def rail(self, host: int) -> Program:
+        return self.start(host, self.labs[host].build / "tests/system/rail/rail_server")
+
+    def gecos(self, host: int, *words: str | Path) -> Program:
+        program = self.start(host, *GECOS, *words)
+        program.finish()
+        return program
+
+    def key_file(self, host: int) -> str:
+        """Makes the key of a host's user at the first use."""
+        return str(json.loads(self.gecos(host, "keys", "--json").output())["own"]["file"])
+
+    def admits(self, host: int, other: int, *owner: str) -> None:
+        added = self.gecos(host, "keys", "add", self.key_file(other), *owner)
+        assert added.finish() == 0, added
+
+
+@pytest.fixture
+def two(build: Path, env: dict[str, str]) -> Iterator[TwoHosts]:
+    with Hosts() as hosts, tempfile.TemporaryDirectory(prefix="gecos-") as place:
+        lab_file = Path(place) / "lab.toml"
+        lab_file.touch(mode=0o644)
+        labs = []
+        for host in range(2):
+            folder = Path(place) / str(host)
+            folder.mkdir(mode=0o700)
+            labs.append(Laboratory(folder, build))
+            labs[-1].env |= env | {
+                "GECOS_LCM_TTL": "1",
+                "GECOS_BROKER": "lcm",
+                "GECOS_KEY_DIR": str(folder / "keys"),
+                "GECOS_LAB_FILE": str(lab_file),
+            }
+        try:
+            yield TwoHosts(hosts, labs, lab_file)
+        finally:
+            for lab in reversed(labs):
+                lab.close()
+
+
+def test_a_user_of_another_host_is_admitted_by_its_key_and_a_list_and_is_revoked(
+    two: TwoHosts,
+) -> None:
+    two.admits(DESK, CELL)
+    two.broker(CELL)
+    two.rail(CELL).wait_for("serving RAIL")
+
+    stranger = two.gecos(DESK, "call", "RAIL", "measure")
+    assert stranger.finish() == 4
+    assert "no server answers, or the server does not admit our key" in stranger.output()
+    assert "refuses" not in stranger.output(), "a stranger learns nothing"
+
+    two.admits(CELL, DESK, "ben@desk")
+    refused = two.gecos(DESK, "call", "RAIL", "measure")
+    assert refused.finish() == 4
+    assert "BROKER refuses user ben of host desk: it admits only" in refused.output()
+
+    two.lab_file.write_text(
+        '[objects.BROKER.allow]\nusers = ["ben"]\nhosts = ["desk"]\n[allow]\nusers = ["ben"]\n'
+    )
+    refused = two.gecos(DESK, "call", "RAIL", "measure")
+    assert refused.finish() == 5
+    rule = f'[allow] in {two.lab_file}:4 does not name host desk; add "desk" to its hosts'
+    assert f"RAIL refuses user ben of host desk: {rule}" in refused.output()
+    tested = two.gecos(CELL, "policy", "test", "ben", "desk", "RAIL")
+    assert tested.finish() == 5 and rule in tested.output()
+
+    two.lab_file.write_text('[allow]\nusers = ["ben"]\nhosts = ["desk"]\n')
+    read = two.gecos(DESK, "call", "RAIL", "measure")
+    assert read.finish() == 0, read
+    holder = two.start(DESK, sys.executable, "-c", HOLDS, ready="moves")
+    reader = two.start(DESK, *GECOS, "watch", "RAIL", "beam", ready="1.")
+    held = two.gecos(CELL, "holders", "RAIL")
+    assert "ben@desk" in held.output(), "as the key says, and not what the program says of itself"
+
+    revoked = time.monotonic()
+    told = two.gecos(CELL, "revoke", "ben@desk")
+    assert told.finish() == 0, str(told)
+    assert "of ben@desk" in told.output() and "reached   RAIL" in told.output()
+    assert "revoked: the key" in holder.wait_for("ended:")
+    assert reader.finish() != 0
+    assert time.monotonic() - revoked < 5 * REVOKED_WITHIN
+    assert two.gecos(CELL, "call", "RAIL", "travel", "0.5").finish() == 0, "the status is free"
+
+    stranger = two.gecos(DESK, "call", "RAIL", "measure")
+    assert stranger.finish() == 4
+    assert "no server answers, or the server does not admit our key" in stranger.output()
+
+
+def test_a_server_of_another_host_that_was_not_reached_is_listed(two: TwoHosts) -> None:
+    two.lab_file.write_text('[allow]\nusers = ["ben"]\nhosts = ["desk"]\n')
+    two.admits(DESK, CELL)
+    two.admits(CELL, DESK, "ben@desk")
+    two.broker(CELL)
+    two.rail(DESK).wait_for("serving RAIL")
+    told = two.gecos(CELL, "revoke", "ben@desk")
+    assert told.finish() == 3, str(told)
+    assert "RAIL was not reached: its server runs as" in told.output()
+
+
+def test_a_rogue_broker_and_a_rogue_server_of_the_same_name_get_nobody(two: TwoHosts) -> None:
+    two.broker(DESK)
+    two.rail(DESK).wait_for("serving RAIL")
+    alone = two.gecos(CELL, "call", "RAIL", "measure")
+    assert alone.finish() == 4
+    assert "we refused the server that answered: the key" in alone.output()
+
+    two.admits(DESK, CELL)  # the rogue may read the key of CELL, which is public
+    two.broker(CELL)
+    two.rail(CELL).wait_for("serving RAIL")
+    listed = json.loads(two.gecos(CELL, "ls", "--json").output())
+    (found,) = listed
+    keyed = [address for address in found["addresses"] if address.startswith("lcm:")]
+    own = Path(two.key_file(CELL)).stem
+    assert keyed and all(address.endswith(f"#{own}") for address in keyed)
+    assert two.gecos(CELL, "call", "RAIL", "measure").finish() == 0
