@@ -1,5 +1,6 @@
-"""Two network namespaces as two hosts, whose users have keys of their own: ben@desk is refused,
-admitted by a list, moves RAIL, and is revoked. Programs with an unknown key get nobody."""
+"""Two network namespaces as two hosts, whose users have keys of their own: ben@desk joins by a
+link, is refused, admitted by a list, moves RAIL, and is revoked. Programs with an unknown key get
+nobody."""
 
 from __future__ import annotations
 
@@ -65,6 +66,16 @@ class TwoHosts:
         """Makes the key of a host's user at the first use."""
         return str(json.loads(self.gecos(host, "keys", "--json").output())["own"]["file"])
 
+    def enrols(self, host: int, other: int, owner: str) -> None:
+        """The user of `other` joins, and waits for the approval of the user of `host`."""
+        address = f"10.77.0.{host + 1}"
+        init = self.start(host, *GECOS, "lab", "init", "--address", address)
+        link = init.wait_for("gecos join ").split()[-1]
+        joined = self.gecos(other, "join", link, "--as", owner)
+        assert joined.finish() == 0, str(joined)
+        assert init.finish() == 0, str(init)
+        assert joined.lines[-1] in init.output(), "both show the same fingerprint"
+
     def admits(self, host: int, other: int, *owner: str) -> None:
         added = self.gecos(host, "keys", "add", self.key_file(other), *owner)
         assert added.finish() == 0, added
@@ -93,10 +104,10 @@ def two(build: Path, env: dict[str, str]) -> Iterator[TwoHosts]:
                 lab.close()
 
 
-def test_a_user_of_another_host_is_admitted_by_its_key_and_a_list_and_is_revoked(
+def test_a_user_of_another_host_enrols_is_admitted_by_a_list_moves_and_is_revoked(
     two: TwoHosts,
 ) -> None:
-    two.admits(DESK, CELL)
+    two.enrols(CELL, DESK, "ben@desk")
     two.broker(CELL)
     two.rail(CELL).wait_for("serving RAIL")
 
@@ -105,7 +116,7 @@ def test_a_user_of_another_host_is_admitted_by_its_key_and_a_list_and_is_revoked
     assert "no server answers, or the server does not admit our key" in stranger.output()
     assert "refuses" not in stranger.output(), "a stranger learns nothing"
 
-    two.admits(CELL, DESK, "ben@desk")
+    assert two.gecos(CELL, "approve", "ben@desk").finish() == 0
     refused = two.gecos(DESK, "call", "RAIL", "measure")
     assert refused.finish() == 4
     assert "BROKER refuses user ben of host desk: it admits only" in refused.output()
@@ -132,10 +143,12 @@ def test_a_user_of_another_host_is_admitted_by_its_key_and_a_list_and_is_revoked
     told = two.gecos(CELL, "revoke", "ben@desk")
     assert told.finish() == 0, str(told)
     assert "of ben@desk" in told.output() and "reached   RAIL" in told.output()
-    assert "revoked: the key" in holder.wait_for("ended:")
+    assert "was revoked: the key" in holder.wait_for("ended:")
     assert reader.finish() != 0
     assert time.monotonic() - revoked < 5 * REVOKED_WITHIN
-    assert two.gecos(CELL, "call", "RAIL", "travel", "0.5").finish() == 0, "the status is free"
+    assert two.gecos(CELL, "call", "RAIL", "travel", '{"target": 0.5}').finish() == 0, (
+        "the status is free"
+    )
 
     stranger = two.gecos(DESK, "call", "RAIL", "measure")
     assert stranger.finish() == 4

@@ -10,7 +10,9 @@ from __future__ import annotations
 import os
 import re
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from gecos import _core
 
@@ -121,6 +123,17 @@ def add(file: Path, owner: str | None = None) -> str:
     return key
 
 
+def admit(key: str, owner: str) -> None:
+    """Admits a key of 64 hex digits, and says whose it is. Raises KeyFolderError and RuntimeError
+    like add."""
+    text = f"gecos-public-1 {key} "
+    line = f"{text}{sha256(text.encode()).hexdigest()[:8]}\n".encode()
+    with TemporaryDirectory() as place:
+        file = Path(place) / f"{key}{_SUFFIX}"
+        file.write_bytes(line)
+        add(file, owner)
+
+
 def _owner_file(key: str) -> Path:
     return folder() / f"{key}{_OWNER_SUFFIX}"
 
@@ -178,6 +191,8 @@ def revoke(name: str) -> list[Admitted]:
     """Removes the keys of an owner, or the key with this file name or beginning of its fingerprint,
     and returns them. Raises KeyFolderError if there is none, and RuntimeError like own_key."""
     found = owned_by(name)
+    if not found and not re.fullmatch(r"[0-9a-fA-F:]+", name.removesuffix(_SUFFIX)):
+        raise KeyFolderError(f"{name}: no admitted key has this owner; `gecos keys` lists them")
     for one in found:
         _unlink(one)
     return found or [remove(name)]

@@ -56,7 +56,8 @@ std::string held_until_the_end(Child::Line& line) {
   const auto sample = level->next(std::chrono::seconds(10));
   const bool lost = !sample && sample.error() == gecos::StreamEnd::Lost;
   const auto read = created->read().get();
-  return (moved ? "moved" : std::string(to_string(moved.error().detail))) +
+  return (moved ? "moved"
+                : std::string(to_string(moved.error().detail)) + ": " + moved.error().text) +
          (lost ? "; stream LOST; " : "; stream goes on; ") + (read ? "read" : read.error().text);
 }
 
@@ -183,8 +184,13 @@ TEST_F(TwoUsersOfOneHost, AnEditThatNoLongerNamesAUserEndsTheSessionOfThatUserAl
   place.write("[allow]\nusers = [\"bin\"]\n");
   const std::string ended = daemon.line().hear();
   EXPECT_LT(std::chrono::steady_clock::now() - edited, 5 * std::chrono::seconds(5));
-  EXPECT_EQ(ended.find("LEASE_LOST; stream LOST; "), 0u) << ended;
-  EXPECT_NE(ended.find("revoked: PROBE refuses user daemon"), std::string::npos) << ended;
+  EXPECT_EQ(ended.find("LEASE_LOST: "), 0u) << ended;
+  EXPECT_NE(ended.find(" was revoked: PROBE refuses user daemon"), std::string::npos) << ended;
+  EXPECT_NE(ended.find("; stream LOST; "), std::string::npos) << ended;
+  EXPECT_NE(
+      ended.find("the server closed the session with PROBE: revoked: PROBE refuses user daemon"),
+      std::string::npos)
+      << ended;
   EXPECT_NE(ended.find("does not name user daemon"), std::string::npos) << ended;
   laboratory.servant.await_event("interrupted 1");
   EXPECT_EQ(use(bin), "read 8") << "the status is free";

@@ -16,6 +16,7 @@ from gecos.cli.exit_codes import ExitCode, InterruptedCommand, exit_code, failur
 from gecos.cli.options import print_json
 
 _VERBS = {
+    "approve": "enrol.approve",
     "broker": "broker.broker",
     "call": "members.call",
     "completion": "completion.completion",
@@ -27,7 +28,9 @@ _VERBS = {
     "get": "members.get",
     "holders": "holders.holders",
     "hz": "members.hz",
+    "join": "enrol.join",
     "keys": "keys.keys",
+    "lab": "enrol.lab",
     "ls": "ls.ls",
     "plot": "plot.verb.plot",
     "policy": "policy.policy",

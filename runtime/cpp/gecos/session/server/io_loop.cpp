@@ -21,6 +21,20 @@ constexpr unsigned busy_turn = 128;
 /// Time between two checks whether the clients are still admitted. A revocation acts within 5 s.
 constexpr Duration review_every = std::chrono::seconds(1);
 
+/// Takes the streams away from a client that is not admitted any more, and tells the client why.
+void exclude(ServerSession& session, const std::string& why) {
+  ObjectHost& object = *session.object();
+  session.sender().with_connection(
+      [&](media::Connection& connection) { object.streams().exclude(connection); });
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Goodbye;
+  session.send(header, goodbye_body("revoked: " + why));
+  log_warning("session", object.name() +
+                             ": a session was ended, because its client is not admitted any "
+                             "more: " +
+                             why);
+}
+
 }  // namespace
 
 IoLoop::IoLoop(std::shared_ptr<Runtime> runtime, std::shared_ptr<AccessControl> access)
@@ -295,7 +309,9 @@ bool IoLoop::end_revoked() {
     std::string why = connection.revoked();
     if (why.empty()) why = access_->refusal(session->object()->name(), connection.peer());
     if (why.empty()) continue;
-    session->object()->revoke(session, why);
+    session->gone = true;
+    session->object()->depart(session, ObjectHost::Departure::Lost, "was revoked: " + why);
+    exclude(*session, why);
     any = true;
   }
   return any;

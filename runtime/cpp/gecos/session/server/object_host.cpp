@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "gecos/base/log.hpp"
-#include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/protocol/sample_time.hpp"
 #include "gecos/session/server/call_log.hpp"
 #include "gecos/session/server/host_state.hpp"
@@ -65,11 +64,13 @@ bool ObjectHost::check_liveness(const std::shared_ptr<ServerSession>& session) {
   return verdict == PeerLiveness::Verdict::Dead;
 }
 
-void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure how) {
+void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure how,
+                        const std::string& because) {
   bool calls_are_over = false;
   {
     const MutexLock lock(state_.mutex);
     if (std::exchange(session->closed, true)) return;
+    session->parted_because = because;
     const bool in_order = how == Departure::InOrder || session->left;
     session->parted_in_order = in_order;
     state_.starts.await_no_more(*session);
@@ -87,20 +88,6 @@ void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure
   if (!session->greeted() || !calls_are_over) return;
   state_.user_callbacks.run(
       [&] { state_.setup.servant.gecos_session_ended(number(session->id())); });
-}
-
-void ObjectHost::revoke(const std::shared_ptr<ServerSession>& session, const std::string& why) {
-  session->gone = true;
-  depart(session, Departure::Lost);
-  session->sender().with_connection(
-      [this](media::Connection& connection) { streams_.exclude(connection); });
-  wire::PacketHeader header;
-  header.kind = wire::PacketKind::Goodbye;
-  session->send(header, goodbye_body("revoked: " + why));
-  log_warning("session", name() +
-                             ": a session was ended, because its client is not admitted any "
-                             "more: " +
-                             why);
 }
 
 // The maintenance thread

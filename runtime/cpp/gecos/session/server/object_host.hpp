@@ -59,10 +59,9 @@ class ObjectHost final : public Publisher {
   /// How the connection of a session ended. After InOrder the commands of the session continue, and
   /// its status ends with its last command.
   enum class Departure : std::uint8_t { InOrder, Lost };
-  void depart(const std::shared_ptr<ServerSession>& session, Departure how);
-  /// Ends `session` because its client is not admitted any more, for the reason `why`, and tells
-  /// the client. Its status is lost, and it can read no later sample of a stream.
-  void revoke(const std::shared_ptr<ServerSession>& session, const std::string& why);
+  /// `because`: what is said of the client when its status is lost.
+  void depart(const std::shared_ptr<ServerSession>& session, Departure how,
+              const std::string& because = "is gone");
   /// Must be called after this process was suspended. After that, no call of `session` starts
   /// before the next heartbeat of its client.
   void await_sign_of_life(ServerSession& session);

@@ -100,6 +100,7 @@ class ServerSession {
   bool left = false;             ///< the client said goodbye
   bool closed = false;           ///< the connection is lost or closed
   bool parted_in_order = false;  ///< the connection ended in order, so its calls still run
+  std::string parted_because;    ///< what is said of the client when its status is lost
   /// What the server knows from the client's heartbeats.
   struct Heartbeats {
     PeerLiveness liveness;

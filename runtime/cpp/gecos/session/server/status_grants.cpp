@@ -322,7 +322,7 @@ void StatusGrants::depart(ServerSession& session, bool in_order) {
   if (in_order) return release_all(session);
   if (!leases_.lose(session.id())) return;
   lose(session.id(), "its holder (" + session.caller().program + ", pid " +
-                         std::to_string(session.caller().pid) + ") is gone");
+                         std::to_string(session.caller().pid) + ") " + session.parted_because);
   serve_line();
 }
 

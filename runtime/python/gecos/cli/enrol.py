@@ -1,0 +1,106 @@
+"""The verbs `gecos lab init`, `gecos join` and `gecos approve`."""
+
+from __future__ import annotations
+
+import socket
+
+import click
+from click.shell_completion import CompletionItem
+
+from gecos.cli.exit_codes import UsageFailure
+from gecos.cli.options import Number, json_option, print_json
+
+_MINUTE = 60.0
+
+
+@click.group()
+def lab() -> None:
+    """Lets users of other machines join this laboratory."""
+
+
+@lab.command()
+@click.option("--address", metavar="HOST", help="Where others reach this host; default: its name.")
+@click.option("--port", type=click.IntRange(0, 65535), default=0, help="TCP; default: any.")
+@click.option("--minutes", type=Number(0.001), default=10.0, help="How long it is valid.")
+@json_option
+def init(address: str | None, port: int, minutes: float, as_json: bool) -> None:
+    """Prints a link with an invitation, and waits until somebody joins by it.
+
+    Send the link on a way on which no stranger reads. It works once. Then compare the fingerprint
+    and run `gecos approve`.
+    """
+    from gecos import enrolment, key_folder
+
+    where = address or socket.gethostname()
+    with enrolment.Invitation(where, port, lives=minutes * _MINUTE) as invitation:
+        if as_json:
+            print_json({"link": str(invitation.url)})
+        else:
+            print(f"gecos join {invitation.url}", flush=True)
+        try:
+            party = invitation.wait(_this_owner())
+        except enrolment.EnrolmentError as error:
+            raise TimeoutError(str(error)) from None
+    if as_json:
+        print_json({"key": party.key, "owner": party.owner})
+    else:
+        print(f"{party.owner} asks to join, with the key {key_folder.fingerprint(party.key)}")
+        print(f"compare it with what `gecos join` printed, then: gecos approve {party.owner}")
+
+
+@click.command()
+@click.argument("url", metavar="LINK")
+@click.option(
+    "--as", "owner", metavar="USER@HOST", help="Who you are; default: this user and host."
+)
+@json_option
+def join(url: str, owner: str | None, as_json: bool) -> None:
+    """Asks to join the laboratory that has printed LINK, and admits its key."""
+    from gecos import enrolment, key_folder
+
+    who = owner or _this_owner()
+    try:
+        laboratory = enrolment.join(enrolment.JoinUrl.parse(url), who)
+    except enrolment.EnrolmentError as error:
+        raise UsageFailure(str(error)) from None
+    own = key_folder.own_key()
+    if as_json:
+        print_json({"key": own, "owner": who, "laboratory": laboratory.owner})
+    else:
+        print(f"{laboratory.owner} was asked to admit {who}, with the key")
+        print(key_folder.fingerprint(own))
+
+
+def _waiting(_: click.Context, __: click.Parameter, begun: str) -> list[CompletionItem]:
+    from gecos import enrolment
+
+    try:
+        found = enrolment.requests()
+    except (OSError, RuntimeError):
+        return []
+    return [CompletionItem(one.owner) for one in found if one.owner.startswith(begun)]
+
+
+@click.command()
+@click.argument("name", shell_complete=_waiting)
+@json_option
+def approve(name: str, as_json: bool) -> None:
+    """Admits the key of a user who has joined. NAME is USER@HOST, or at least 8 digits of the
+    fingerprint."""
+    from gecos import enrolment, key_folder
+
+    try:
+        party = enrolment.approve(name)
+    except enrolment.EnrolmentError as error:
+        raise UsageFailure(str(error)) from None
+    if as_json:
+        print_json({"key": party.key, "owner": party.owner})
+    else:
+        print(f"admitted  {key_folder.fingerprint(party.key)}  {party.owner}")
+        print(f"if the other machine shows another fingerprint: gecos revoke {party.owner}")
+
+
+def _this_owner() -> str:
+    from gecos.cli.policy import this_user
+
+    return f"{this_user()}@{socket.gethostname()}"

@@ -1,0 +1,153 @@
+"""`gecos lab init`, `join` and `approve`: two users who exchange keys by a link."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from command_output import valid
+from gecos.enrolment import JoinUrl
+
+GECOS = [sys.executable, "-m", "gecos.cli"]
+PATIENCE_S = 60.0
+
+
+class User:
+    """A user with a key folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.env = {**os.environ, "GECOS_KEY_DIR": str(folder)}
+
+    def gecos(self, *words: str) -> tuple[int, str]:
+        done = subprocess.run(
+            [*GECOS, *words], env=self.env, capture_output=True, text=True, timeout=PATIENCE_S
+        )
+        return done.returncode, done.stdout + done.stderr
+
+    def owners(self) -> list[str]:
+        code, out = self.gecos("keys", "--json")
+        assert code == 0, out
+        return [one["owner"] for one in json.loads(out)["admitted"]]
+
+
+class Laboratory(User):
+    """A user who invites. The program waits until somebody has joined."""
+
+    def invite(self, *words: str) -> str:
+        self.waiting = subprocess.Popen(
+            [*GECOS, "lab", "init", "--address", "localhost", "--json", *words],
+            env=self.env,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        assert self.waiting.stdout is not None
+        line = self.waiting.stdout.readline()
+        assert valid(line, "lab init")
+        return str(json.loads(line)["link"])
+
+    def heard(self) -> tuple[int, str, str]:
+        out, err = self.waiting.communicate(timeout=PATIENCE_S)
+        return self.waiting.returncode, out, err
+
+
+@pytest.fixture
+def cell(tmp_path: Path) -> Iterator[Laboratory]:
+    cell = Laboratory(tmp_path / "cell")
+    yield cell
+    cell.waiting.kill()
+    cell.waiting.communicate()
+
+
+@pytest.fixture
+def desk(tmp_path: Path) -> User:
+    return User(tmp_path / "desk")
+
+
+def test_two_users_admit_each_other_by_a_link_and_an_approval(cell: Laboratory, desk: User) -> None:
+    code, out = desk.gecos("join", cell.invite(), "--as", "ben@desk")
+    assert code == 0, out
+    fingerprint = out.splitlines()[-1]
+    code, said, _ = cell.heard()
+    assert code == 0
+    assert valid(said, "lab init")
+    assert json.loads(said)["owner"] == "ben@desk"
+    assert cell.owners() == [], "nobody is admitted before the approval"
+
+    code, out = cell.gecos("approve", "ben@desk")
+    assert code == 0, out
+    assert f"admitted  {fingerprint}  ben@desk" in out
+    assert cell.owners() == ["ben@desk"]
+    (laboratory,) = desk.owners()
+    assert laboratory.endswith(f"@{socket.gethostname()}")
+    code, out = cell.gecos("approve", "ben@desk")
+    assert code == 2
+    assert "ben@desk: nobody of this name asked to join; waiting: nobody" in out
+
+
+def test_an_invitation_works_once(cell: Laboratory, desk: User, tmp_path: Path) -> None:
+    link = cell.invite()
+    assert desk.gecos("join", link, "--as", "ben@desk")[0] == 0
+    assert cell.heard()[0] == 0
+    late = User(tmp_path / "late")
+    code, out = late.gecos("join", link, "--as", "eve@bench")
+    assert code == 2
+    assert "the link was used, or has expired" in out
+    assert "`gecos lab init` prints it" in out
+    assert late.owners() == []
+
+
+def other_secret(url: JoinUrl) -> JoinUrl:
+    return JoinUrl(url.host, url.port, url.key, bytes(16))
+
+
+def other_laboratory(url: JoinUrl) -> JoinUrl:
+    return JoinUrl(url.host, url.port, "0" * 64, url.secret)
+
+
+@pytest.mark.parametrize("change", [other_secret, other_laboratory])
+def test_who_has_not_the_right_link_is_refused_and_the_invitation_stays(
+    cell: Laboratory, desk: User, tmp_path: Path, change: Callable[[JoinUrl], JoinUrl]
+) -> None:
+    link = cell.invite()
+    stranger = User(tmp_path / "stranger")
+    code, out = stranger.gecos("join", str(change(JoinUrl.parse(link))), "--as", "eve@bench")
+    assert code == 2
+    assert "the invitation of this link is not known here" in out
+    assert stranger.owners() == []
+    assert desk.gecos("join", link, "--as", "ben@desk")[0] == 0
+    assert json.loads(cell.heard()[1])["owner"] == "ben@desk"
+
+
+def test_garbage_and_a_silent_stranger_do_not_end_the_wait(cell: Laboratory, desk: User) -> None:
+    link = cell.invite()
+    where = JoinUrl.parse(link)
+    for garbage in (b"", b"\xff\n", b"[1]\n", b'{"key": 7}\n', b"x" * 5000):
+        with socket.create_connection((where.host, where.port), PATIENCE_S) as line:
+            line.sendall(garbage)
+    assert desk.gecos("join", link, "--as", "ben@desk")[0] == 0
+
+
+def test_an_invitation_expires(cell: Laboratory) -> None:
+    cell.invite("--minutes", "0.001")
+    code, out, _ = cell.heard()
+    assert code == 3
+    assert "nobody joined while the invitation was valid" in out
+
+
+def test_what_is_no_link_or_no_owner_is_refused(cell: Laboratory, desk: User) -> None:
+    link = cell.invite()
+    code, out = desk.gecos("join", link[:-1])
+    assert code == 2
+    assert "this is not a whole link" in out
+    code, out = desk.gecos("join", link, "--as", "ben")
+    assert code == 2
+    assert re.search("say whose key it is", out)

@@ -1,0 +1,126 @@
+"""`gecos revoke`, and the owners of keys."""
+
+from __future__ import annotations
+
+import json
+import socket
+from hashlib import sha256
+from pathlib import Path
+
+import gecos
+import pytest
+from command_output import Run, valid
+from robcl.device import DeviceServant
+from robcl.frames import Frame
+
+KEY = "9f3c21aa" * 8
+OTHER = "71e0bb04" * 8
+HOST = socket.gethostname()
+
+
+class Shelf(DeviceServant):
+    """A device that stays where it is."""
+
+    def base(self) -> Frame:
+        return Frame()
+
+    def parent(self) -> str:
+        return ""
+
+    def mount(self, carrier: str, offset: Frame) -> None:
+        pass
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("GECOS_KEY_DIR", str(tmp_path / "keys"))
+    monkeypatch.setenv("GECOS_LAB_FILE", str(tmp_path / "lab.toml"))
+    (tmp_path / "lab.toml").touch(0o644)
+    return tmp_path / "keys"
+
+
+def received(place: Path, key: str) -> str:
+    """A .public file as docs/protocol.md describes it, Keys."""
+    text = f"gecos-public-1 {key} "
+    file = place / f"{key[:4]}.public"
+    file.write_text(f"{text}{sha256(text.encode()).hexdigest()[:8]}\n")
+    return str(file)
+
+
+def test_the_owner_of_a_key_is_shown_kept_and_removed_with_it(
+    folder: Path, tmp_path: Path, run: Run
+) -> None:
+    file = received(tmp_path, KEY)
+    assert run("keys", "add", file, "anna@desk")[0] == 0
+    assert (folder / f"{KEY}.owner").stat().st_mode & 0o777 == 0o600
+    assert run("keys", "add", file)[0] == 0, "without a name, it keeps the one that it has"
+    _, out, _ = run("keys", "--json")
+    assert valid(out, "keys")
+    assert [one["owner"] for one in json.loads(out)["admitted"]] == ["anna@desk"]
+    assert run("keys")[1].splitlines()[1].endswith("  anna@desk")
+    assert run("keys", "remove", KEY[:8])[0] == 0
+    assert [file.name for file in folder.iterdir() if KEY in file.name] == []
+
+
+@pytest.mark.parametrize("owner", ["anna", "@desk", "anna@", "an na@desk", "a@b@c", 'a"@b'])
+def test_a_text_that_is_no_owner_is_refused(
+    folder: Path, tmp_path: Path, run: Run, owner: str
+) -> None:
+    code, _, err = run("keys", "add", received(tmp_path, KEY), owner)
+    assert code == 2
+    assert f"{owner}: say whose key it is as USER@HOST, for example anna@desk" in err
+    assert not (folder / f"{KEY}.public").exists()
+
+
+def test_a_key_whose_owner_is_damaged_is_not_admitted(
+    folder: Path, tmp_path: Path, run: Run
+) -> None:
+    run("keys", "add", received(tmp_path, KEY), "anna@desk")
+    (folder / f"{KEY}.owner").write_text("anna\n")
+    code, _, err = run("keys")
+    assert code == 1
+    assert "does not say whose key it is" in err
+
+
+def test_revoke_takes_all_keys_of_a_user_and_names_the_servers_that_act(
+    folder: Path, tmp_path: Path, run: Run
+) -> None:
+    run("keys", "add", received(tmp_path, KEY), "anna@desk")
+    run("keys", "add", received(tmp_path, OTHER), "anna@bench")
+    with gecos.Lab() as lab, gecos.Broker(lab), gecos.Server(lab) as server:
+        server.add("SHELF", Shelf())
+        code, out, err = run("revoke", "anna", "--json")
+    assert (code, err) == (0, "")
+    assert valid(out, "revoke")
+    told = json.loads(out)
+    assert {one["owner"] for one in told["removed"]} == {"anna@desk", "anna@bench"}
+    assert (told["reached"], told["missed"]) == (["SHELF"], [])
+    assert not list(folder.glob(f"{KEY}*")) and not list(folder.glob(f"{OTHER}*"))
+
+
+def test_revoke_names_the_list_that_still_admits_the_user_and_ends_with_3(
+    folder: Path, tmp_path: Path, run: Run
+) -> None:
+    (tmp_path / "lab.toml").write_text('[allow]\nusers = ["anna"]\n')
+    with gecos.Lab() as lab, gecos.Broker(lab):
+        code, out, err = run("revoke", "anna")
+    assert (code, out) == (3, "")
+    assert f"BROKER admits user anna of host {HOST}: named by [allow]" in err
+    assert "remove the name there, too" in err
+
+
+def test_revoke_of_nobody_says_what_it_takes(folder: Path, run: Run) -> None:
+    code, _, err = run("revoke", "anna@nowhere")
+    assert code == 2
+    assert "no admitted key has this owner" in err
+
+
+def test_revoke_without_a_broker_removes_the_key_and_says_that_servers_are_not_known(
+    folder: Path, tmp_path: Path, run: Run
+) -> None:
+    run("keys", "add", received(tmp_path, KEY), "anna@desk")
+    code, out, err = run("revoke", "anna@desk")
+    assert code == 3
+    assert out.startswith("removed ")
+    assert "the servers are not known, and those of other users not reached" in err
+    assert not (folder / f"{KEY}.public").exists()
