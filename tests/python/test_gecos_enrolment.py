@@ -9,10 +9,12 @@ import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from command_output import valid
+from gecos.cli.policy import this_user
 from gecos.enrolment import JoinUrl
 
 GECOS = [sys.executable, "-m", "gecos.cli"]
@@ -127,13 +129,57 @@ def test_who_has_not_the_right_link_is_refused_and_the_invitation_stays(
     assert json.loads(cell.heard()[1])["owner"] == "ben@desk"
 
 
+GARBAGE = (
+    b"",
+    b"\xff\n",
+    b"[1]\n",
+    b'{"key": 7}\n',
+    b'{"key": "%s", "owner": "\\ud800", "proof": "\\udfff"}\n' % (b"0" * 64),
+    b"[" * 4096,
+    b"x" * 5000,
+)
+
+
 def test_garbage_and_a_silent_stranger_do_not_end_the_wait(cell: Laboratory, desk: User) -> None:
     link = cell.invite()
     where = JoinUrl.parse(link)
-    for garbage in (b"", b"\xff\n", b"[1]\n", b'{"key": 7}\n', b"x" * 5000):
+    for garbage in GARBAGE:
         with socket.create_connection((where.host, where.port), PATIENCE_S) as line:
             line.sendall(garbage)
-    assert desk.gecos("join", link, "--as", "ben@desk")[0] == 0
+    with socket.create_connection((where.host, where.port), PATIENCE_S):
+        code, out = desk.gecos("join", link, "--as", "ben@desk")
+    assert code == 0, out
+    code, said, errors = cell.heard()
+    assert (code, errors) == (0, "")
+    assert json.loads(said)["owner"] == "ben@desk"
+
+
+def test_nobody_joins_under_a_name_that_no_list_limits(cell: Laboratory, desk: User) -> None:
+    link = cell.invite()
+    host = socket.gethostname()
+    for owner in (f"root@{host}", f"{this_user()}@{host}"):
+        code, out = desk.gecos("join", link, "--as", owner)
+        assert code == 2
+        assert f"{owner} is admitted to everything here" in out
+    assert desk.owners() == []
+
+
+def test_a_text_of_a_false_laboratory_reaches_no_terminal(desk: User) -> None:
+    with socket.create_server(("localhost", 0)) as false:
+        link = JoinUrl("localhost", false.getsockname()[1], "0" * 64, bytes(16))
+        joining = subprocess.Popen(
+            [*GECOS, "join", str(link), "--as", "ben@desk"],
+            env=desk.env,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        with false.accept()[0] as line:
+            line.sendall(b'{"refused": "\\u001b[2Jrun: rm -r keys"}\n')
+            out, _ = joining.communicate(timeout=PATIENCE_S)
+    assert joining.returncode == 2
+    assert "rm -r keys" not in out
+    assert "the answer is not from the laboratory of the link" in out
 
 
 def test_an_invitation_expires(cell: Laboratory) -> None:
@@ -145,9 +191,15 @@ def test_an_invitation_expires(cell: Laboratory) -> None:
 
 def test_what_is_no_link_or_no_owner_is_refused(cell: Laboratory, desk: User) -> None:
     link = cell.invite()
-    code, out = desk.gecos("join", link[:-1])
+    no_port = re.sub(r":\d+/", ":99999/", link)
+    for wrong in (link[:-1], no_port):
+        code, out = desk.gecos("join", wrong)
+        assert code == 2
+        assert "this is not a whole link" in out
+    no_host = str(replace(JoinUrl.parse(link), host="x" * 64))
+    code, out = desk.gecos("join", no_host, "--as", "ben@desk")
     assert code == 2
-    assert "this is not a whole link" in out
+    assert "nobody waits at" in out
     code, out = desk.gecos("join", link, "--as", "ben")
     assert code == 2
     assert re.search("say whose key it is", out)

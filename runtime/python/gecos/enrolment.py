@@ -22,7 +22,6 @@ import socket
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from gecos import _core, key_folder
 
@@ -30,18 +29,20 @@ _URL = re.compile(
     r"gecos-join:(?P<host>[^/]+):(?P<port>\d{1,5})/(?P<key>[0-9a-f]{64})/(?P<secret>[0-9a-f]{32})"
 )
 _LONGEST_MESSAGE = 4096  # bytes
+_ASKS_WITHIN = 2.0  # s; a stranger who says nothing must not keep others from joining
 _ANSWERS_WITHIN = 10.0  # s
 _FOLDER = "joining"
 ANOTHER = "ask for a new link: `gecos lab init` prints it"
 
 
 class EnrolmentError(ValueError):
-    """Somebody cannot join; the text says why and what to do."""
+    """An enrolment failed; the text says why and what to do."""
 
 
 @dataclass(frozen=True, slots=True)
 class JoinUrl:
-    """Where a laboratory waits for somebody who joins, and by which secret it knows that one."""
+    """The link that a laboratory gives to one user: where it waits for that user, its key, and the
+    secret that both prove to have."""
 
     host: str
     port: int
@@ -54,7 +55,7 @@ class JoinUrl:
     @classmethod
     def parse(cls, text: str) -> JoinUrl:
         found = _URL.fullmatch(text.strip())
-        if found is None:
+        if found is None or int(found["port"]) > 65535:
             raise EnrolmentError(f"this is not a whole link; {ANOTHER}")
         secret = bytes.fromhex(found["secret"])
         return cls(found["host"], int(found["port"]), found["key"], secret)
@@ -85,31 +86,48 @@ class Invitation:
         self._listener.close()
 
     def wait(self, owner: str) -> Party:
-        """Returns who has joined, and keeps the request for `approve`. `owner` is this user. Those
-        without the right invitation are told so. Raises EnrolmentError when the time is over."""
+        """Returns the user who has joined, and keeps the request for `approve`. `owner` is this
+        user. Clients without the right invitation are refused, with the reason. Raises
+        EnrolmentError when the time is over, and OSError if this host can accept no client or keep
+        no request."""
         while (left := self._end - time.monotonic()) > 0:
             self._listener.settimeout(left)
-            with contextlib.suppress(TimeoutError, OSError):
+            try:
                 line, _ = self._listener.accept()
-                with line:
-                    if (party := self._hear(line, owner)) is not None:
-                        return party
+            except (TimeoutError, ConnectionError):
+                continue
+            with line:
+                party = self._hear(line, owner)
+                if party is None:
+                    continue
+                _keep(party)
+                self._listener.close()  # the link works once
+                with contextlib.suppress(OSError):  # without the answer, that user asks again
+                    _send(line, _signed(self.url, Party(self.url.key, owner), "lab"))
+                return party
         raise EnrolmentError("nobody joined while the invitation was valid; make a new one")
 
     def _hear(self, line: socket.socket, owner: str) -> Party | None:
-        said = _receive(line)
-        party = Party(str(said.get("key")), str(said.get("owner")))
-        if not _proved(said, self.url, party, "join"):
-            _send(line, {"refused": f"the invitation of this link is not known here; {ANOTHER}"})
-            return None
-        if not _core.is_key_owner(party.owner) or party.key == self.url.key:
-            why = "say whose key it is by --as USER@HOST; with the same key, no link is needed"
+        """Returns who asks to join; None if the client is refused or lost."""
+        with contextlib.suppress(OSError):
+            said = _receive(line, _ASKS_WITHIN)
+            party = Party(said.get("key", ""), said.get("owner", ""))
+            why = self._refusal(said, party, owner)
+            if why is None:
+                return party
             _send(line, {"refused": why})
-            return None
-        _keep(party)
-        self._listener.close()  # the link works once
-        _send(line, _signed(self.url, Party(self.url.key, owner), "lab"))
-        return party
+        return None
+
+    def _refusal(self, said: dict[str, str], party: Party, owner: str) -> str | None:
+        if not _proved(said, self.url, party, "join"):
+            return f"the invitation of this link is not known here; {ANOTHER}"
+        if party.key == self.url.key:
+            return "this is the key of the laboratory itself, which needs no link"
+        if not _core.is_key_owner(party.owner):
+            return "say whose key it is by --as USER@HOST"
+        if party.owner in (owner, f"root@{socket.gethostname()}"):
+            return f"{party.owner} is admitted to everything here; name yourself by --as USER@HOST"
+        return None
 
 
 def join(url: JoinUrl, owner: str) -> Party:
@@ -118,18 +136,20 @@ def join(url: JoinUrl, owner: str) -> Party:
     try:
         with socket.create_connection((url.host, url.port), _ANSWERS_WITHIN) as line:
             _send(line, _signed(url, Party(key_folder.own_key(), owner), "join"))
-            said = _receive(line)
-    except OSError as error:
+            said = _receive(line, _ANSWERS_WITHIN)
+    except (OSError, UnicodeError) as error:  # UnicodeError: of a text that is no name of a host
         where = f"{url.host}:{url.port}"
         raise EnrolmentError(
             f"nobody waits at {where} ({error}): the link was used, or has expired, or a firewall "
             f"is between; {ANOTHER}"
         ) from None
     if "refused" in said:
-        raise EnrolmentError(str(said["refused"])[:500])
-    laboratory = Party(str(said.get("key")), str(said.get("owner")))
+        raise EnrolmentError(said["refused"][:500])
+    laboratory = Party(said.get("key", ""), said.get("owner", ""))
     if laboratory.key != url.key or not _proved(said, url, laboratory, "lab"):
         raise EnrolmentError(f"the answer is not from the laboratory of the link; {ANOTHER}")
+    if laboratory.owner == owner:
+        raise EnrolmentError(f"the laboratory, too, is of {owner}; name yourself by --as USER@HOST")
     key_folder.admit(laboratory.key, laboratory.owner)
     return laboratory
 
@@ -178,32 +198,36 @@ def _proof(url: JoinUrl, party: Party, role: str) -> str:
     return hmac.new(url.secret, text.encode(), "sha256").hexdigest()
 
 
-def _signed(url: JoinUrl, party: Party, role: str) -> dict[str, Any]:
+def _signed(url: JoinUrl, party: Party, role: str) -> dict[str, str]:
     return {"key": party.key, "owner": party.owner, "proof": _proof(url, party, role)}
 
 
-def _proved(said: dict[str, Any], url: JoinUrl, party: Party, role: str) -> bool:
+def _proved(said: dict[str, str], url: JoinUrl, party: Party, role: str) -> bool:
     whole = re.fullmatch(r"[0-9a-f]{64}", party.key) is not None
-    given = str(said.get("proof")).encode()
+    given = said.get("proof", "").encode()
     return whole and hmac.compare_digest(given, _proof(url, party, role).encode())
 
 
-def _send(line: socket.socket, message: dict[str, Any]) -> None:
+def _send(line: socket.socket, message: dict[str, str]) -> None:
     line.sendall(json.dumps(message).encode() + b"\n")
 
 
-def _receive(line: socket.socket) -> dict[str, Any]:
-    """Returns the next message; an empty one if it does not come whole and in time."""
-    end = time.monotonic() + _ANSWERS_WITHIN
+def _receive(line: socket.socket, within: float) -> dict[str, str]:
+    """Returns the printable texts of the next message; none if it does not come whole. Raises
+    TimeoutError after `within` seconds. The peer has proved nothing yet."""
+    end = time.monotonic() + within
     text = b""
     while not text.endswith(b"\n") and len(text) < _LONGEST_MESSAGE:
-        line.settimeout(max(0.01, end - time.monotonic()))
+        if (left := end - time.monotonic()) <= 0:
+            raise TimeoutError(f"no whole message came within {within:g} s")
+        line.settimeout(left)
         part = line.recv(_LONGEST_MESSAGE - len(text))
         if not part:
             break
         text += part
     try:
         message = json.loads(text)
-    except ValueError:
+    except (ValueError, RecursionError):
         return {}
-    return message if isinstance(message, dict) else {}
+    texts = message.items() if isinstance(message, dict) else ()
+    return {name: one for name, one in texts if isinstance(one, str) and one.isprintable()}
