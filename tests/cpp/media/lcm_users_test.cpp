@@ -29,7 +29,9 @@ class LcmUsers : public testing::Test {
   }
   void remove(const std::string& whom, const std::string& by) {
     const auto key = SealedKeys::open(options(whom).key_directory).value()->own.public_key();
-    std::filesystem::remove(options(by).key_directory + "/" + key.to_string() + ".public");
+    for (const char* const kind : {".public", ".owner"}) {
+      std::filesystem::remove(options(by).key_directory + "/" + key.to_string() + kind);
+    }
   }
   LcmOptions options(const std::string& whose) { return with_keys(directory_, whose); }
   /// What the client says of a server that it cannot meet.
@@ -192,6 +194,29 @@ TEST_F(LcmUsers, AKeyThatIsRemovedIsRevoked) {
   EXPECT_NE(server->revoked().find("is not admitted here"), std::string::npos);
   admit("bob", "ada");
   EXPECT_EQ(server->revoked(), "");
+}
+
+TEST_F(LcmUsers, AKeyThatIsRemovedDuringTheHandshakeMakesNoConnection) {
+  admit("ada", "bob");
+  admit("bob", "ada");
+  name("bob", "bob@desk", "ada");
+  const auto acceptor = ada_->listen("RX90", false).value();
+  const auto late = std::move(*bob_->connect(acceptor->address()));
+  const TimePoint end = too_late();
+  while (late->loss_text() != "the server accepted us, but has sent no packet since") {
+    ASSERT_LT(std::chrono::steady_clock::now(), end) << late->loss_text();
+    ASSERT_EQ(acceptor->accept(), nullptr);
+    EXPECT_EQ(late->loss(), Loss::None);  // reads the answer, and sends the first sealed packet
+  }
+  remove("bob", "ada");
+  late->beat();
+  const auto own = std::move(*ada_->connect(acceptor->address()));
+  const auto server = wait_for_client(*acceptor, *own);
+  ASSERT_NE(server, nullptr);
+  const auto ada = SealedKeys::open(options("ada").key_directory).value()->own.public_key();
+  EXPECT_TRUE(server->peer().description.starts_with("key " + ada.short_name()))
+      << "the first client that the server met is " << server->peer().description;
+  EXPECT_EQ(acceptor->accept(), nullptr);
 }
 
 TEST_F(LcmUsers, BothSidesMayBeginAgain) {

@@ -114,11 +114,11 @@ void HandshakeResponder::confirm(const DatagramHeader& header, ByteView datagram
     if (one.client != header.client) continue;
     Bytes frame(datagram.begin() + DatagramHeader::bytes, datagram.end());
     if (!one.channel.in.open(datagram.first(DatagramHeader::bytes), frame)) continue;
+    const auto owner = owner_of(one.channel.peer);
+    if (!owner) return;
     auto queue = std::make_shared<ReceiveQueue>(one.channel.in);
     queue->put(std::move(frame), options_.now());
     queues_.emplace(one.client, queue);
-    const auto owner = owner_of(one.channel.peer);
-    if (!owner) return;
     pending_.push_back({one.client, one.reply_port, one.channel.peer, *owner,
                         std::move(one.channel.out), std::move(queue)});
     std::erase_if(unconfirmed_, [&](const auto& other) { return other.client == header.client; });
@@ -127,12 +127,15 @@ void HandshakeResponder::confirm(const DatagramHeader& header, ByteView datagram
   }
 }
 
-/// Returns the owner of an admitted key, which is empty for our own key and for a key without an
-/// owner; nullopt when the owner cannot be read.
+/// Returns the owner of a key, which is empty for our own key and for a key without an owner;
+/// nullopt when the key is not admitted any more, or when its owner cannot be read.
 std::optional<crypto::KeyOwner> HandshakeResponder::owner_of(const crypto::PublicKey& key) const {
   if (key == keys_->own.public_key()) return crypto::KeyOwner{};
   const auto owner = keys_->directory.owner(key);
   if (!owner) return std::nullopt;
+  // The key may have been removed since the handshake. Its file is removed before the file of its
+  // owner, so if the key is still admitted now, its owner was not missing above.
+  if (!keys_->directory.is_admitted(key)) return std::nullopt;
   return owner->value_or(crypto::KeyOwner{});
 }
 
