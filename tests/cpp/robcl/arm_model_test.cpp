@@ -193,10 +193,20 @@ TEST(ArmModel, RefusesElementsThatAreNestedSoDeepThatTheParserWouldCrash) {
     return "<?xml version='1.0'?><!-- <a><a> --><robot name='r'><link name='a'/>" + open + close +
            "</robot>";
   };
-  const std::string deep = "the elements of the URDF are nested more than 100 deep";
+  const std::string deep =
+      "the elements of the URDF are nested more than 100 deep, or one contains '<?'";
   EXPECT_EQ(refusal(nested(99), "a", "b"), "the URDF has no link 'b'");
   EXPECT_EQ(refusal(nested(100), "a", "b"), deep);
   EXPECT_EQ(refusal(nested(200'000), "a", "b"), deep);
+  // In the quotes of a declaration, the parser sees no tags.
+  std::string hidden = "<robot name='r'>";
+  for (int part = 0; part < 2000; ++part) {
+    for (int i = 0; i < 90; ++i) hidden += "<extra>";
+    hidden += "<?xml version='>";
+    for (int i = 0; i < 90; ++i) hidden += "</extra>";
+    hidden += "'?>";
+  }
+  EXPECT_EQ(refusal(hidden, "a", "b"), deep);
   std::string side_by_side = "<robot name='r'><link name='a'/>";
   for (int i = 0; i < 1000; ++i)
     side_by_side += "<extra/><extra></extra><!-- <a> --><![CDATA[<a>]]>";

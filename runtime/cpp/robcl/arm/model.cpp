@@ -91,7 +91,7 @@ tl::expected<ArmModel, ModelError> ArmModel::from_urdf(const std::string& xml,
                                                        double seconds_to_full_speed) {
   if (nested_deeper_than(most_levels, xml)) {
     return refuse("the elements of the URDF are nested more than " + std::to_string(most_levels) +
-                  " deep");
+                  " deep, or one contains '<?'");
   }
   const urdf::ModelInterfaceSharedPtr robot = urdf::parseURDF(xml);
   if (!robot) return refuse("the text is not a URDF robot; the parser printed the reason above");

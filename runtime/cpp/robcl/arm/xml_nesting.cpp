@@ -40,6 +40,7 @@ std::size_t after_other(std::string_view xml, std::size_t from) {
 bool nested_deeper_than(std::size_t most, std::string_view xml) {
   std::size_t depth = 0;
   for (std::size_t at = 0; (at = xml.find('<', at)) != nowhere;) {
+    if (depth > 0 && xml.substr(at, 2) == "<?") return true;
     if (const std::size_t after = after_other(xml, at); after != at) {
       at = after;
       continue;
