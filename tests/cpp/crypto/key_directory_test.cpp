@@ -334,7 +334,8 @@ TEST_F(KeyOwnerTest, AKeyHasTheOwnerThatItsUserWroteBesideIt) {
 }
 
 TEST_F(KeyOwnerTest, AKeyWhoseOwnerCannotBeReadIsNotAdmitted) {
-  for (const std::string damaged : {"", "anna", "@desk", "anna@", "anna@desk@", "an na@desk"}) {
+  for (const std::string damaged :
+       {"", "anna", "@desk", "anna@", "anna@desk@", "an na@desk", "\u00e4nne@desk"}) {
     write(file(), damaged);
     const auto admitted = open().admission(key);
     ASSERT_FALSE(admitted) << damaged;

@@ -15,15 +15,15 @@ struct KeyError {
   bool passing = false;  ///< no descriptor or memory was left: this says nothing about a key
 };
 
-/// The user to whom a key belongs, and the host on which that user has it. The user of the
-/// directory has written it there, so that it is known of a key, and never what a peer says.
+/// The user to whom a key belongs, and the host on which that user has it. Only the user of the
+/// directory decides this: it does not depend on what a peer says.
 struct KeyOwner {
   static constexpr std::size_t longest = 255;  ///< characters of "user@host"
   std::string user;
   std::string host;
 
   /// Reads a text such as "anna@desk". Returns nullopt when it is not of this form, or has blanks,
-  /// quotes or control characters.
+  /// quotes, control characters or characters that are not ASCII.
   static std::optional<KeyOwner> parse(std::string_view text);
   friend bool operator==(const KeyOwner&, const KeyOwner&) = default;
 };
