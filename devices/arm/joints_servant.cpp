@@ -10,7 +10,7 @@
 namespace devices {
 namespace {
 
-/// Six joints have room for their positions; otherwise makes room in `joints`.
+/// Copies the joint positions to `joints`, and resizes it first if it is a sequence.
 template <typename Joints>
 void write_to(Joints& joints, const JointValues& known) {
   const auto count = static_cast<std::size_t>(known.size());

@@ -10,8 +10,8 @@ namespace devices {
 /// Thread-safe.
 class LabClock {
  public:
-  /// In slower time, the samples of a control loop would seem lost. Faster than most, the next
-  /// cycle begins whenever the last one ends.
+  /// At a lower speed, readers would take the samples of a control loop for lost. At a higher
+  /// speed, each cycle would begin when the previous one ends, as it already does at `fastest`.
   static constexpr double slowest = 0.1, fastest = 100'000;
 
   /// `speed`: simulated seconds that are to pass in a second. @pre `slowest` to `fastest`.

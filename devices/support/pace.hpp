@@ -14,7 +14,7 @@ namespace devices {
 class Pace {
  public:
   static constexpr gecos::Duration most_behind = std::chrono::milliseconds(20);
-  /// Time over which the reached speed is the mean.
+  /// The reached speed is the mean over this time.
   static constexpr gecos::Duration window = std::chrono::milliseconds(200);
 
   /// `period` is the simulated time from one cycle to the next, `speed` the simulated seconds that

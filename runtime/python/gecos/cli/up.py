@@ -76,7 +76,7 @@ def up(
 
 
 def _about_clock(speed: float | None) -> str:
-    """Nobody is to take the laboratory for one in real time."""
+    """Returns the part of a message that says how fast simulated time passes; "" in real time."""
     if speed is None or speed == 1:
         return ""
     return f"simulated time is {speed:g} times as fast as real time; "
