@@ -154,6 +154,7 @@ void ArmController::begin() {
 }
 
 void ArmController::begin_reset() {
+  if (stop_.load()) return end_motion(Outcome{End::Stopped, 0, 0, {}});  // its caller is gone
   if (const auto reset = driver_.reset(); reset) {
     enable();
   } else {

@@ -208,6 +208,18 @@ TEST_F(SlowDrivesTest, TheResetFailsAfterTenSecondsIfTheyAreNotOn) {
   EXPECT_NE(moved->end, ArmController::End::Fault) << moved->fault.text;
 }
 
+TEST_F(SlowDrivesTest, AStopBeforeTheNextCycleLeavesTheDrivesOff) {
+  driver_.power = DrivePower::Off;
+  controller_.reset_drives();
+  controller_.stop();
+  controller_.step(beat);
+  const auto ended = controller_.wait(std::chrono::seconds(0));
+  ASSERT_TRUE(ended.has_value());
+  EXPECT_EQ(ended->end, ArmController::End::Stopped);
+  EXPECT_EQ(driver_.resets, 0);
+  EXPECT_EQ(driver_.power, DrivePower::Off);
+}
+
 TEST_F(SlowDrivesTest, AStopEndsTheWait) {
   const auto stopped = reset(controller_, [&](int i) {
     if (i == 5) controller_.stop();
