@@ -430,11 +430,11 @@ TEST_F(TakeOverTest, IsForHoldersOnly) {
 }
 
 TEST_F(TakeOverTest, IsGivenBackByTheTakerOnly) {
-  table.give_back(kAda);
+  EXPECT_FALSE(table.give_back(kAda));
   EXPECT_FALSE(holds(kAda));
-  table.give_back(kBob);
+  EXPECT_TRUE(table.give_back(kBob));
   EXPECT_TRUE(holds(kAda));
-  table.give_back(kBob);
+  EXPECT_FALSE(table.give_back(kBob));
   ASSERT_TRUE(table.take_over(kAda, now)) << "another holder can take over then";
   EXPECT_FALSE(holds(kBob));
 }

@@ -230,10 +230,11 @@ tl::expected<void, LeaseRefusal> LeaseTable::take_over(SessionId session, TimePo
   return {};
 }
 
-void LeaseTable::give_back(SessionId session) {
-  if (taker_ != session || session == SessionId{}) return;
+bool LeaseTable::give_back(SessionId session) {
+  if (taker_ != session || session == SessionId{}) return false;
   members_.at(session).holder.taken_over = false;
   taker_ = {};
+  return true;
 }
 
 void LeaseTable::forget(SessionId session) { losses_.erase(session); }
@@ -244,7 +245,7 @@ bool LeaseTable::was_issued_under(const Loss& loss, Epoch epoch, const Member* m
   return loss.first <= epoch && epoch <= loss.last && (member == nullptr || epoch < member->first);
 }
 
-/// Returns whether no later event than the present status ended what was issued under `epoch`.
+/// Returns whether nothing has ended the commands that the session issued under `epoch`.
 bool LeaseTable::current(const Member* member, SessionId session, Epoch epoch) const {
   if (member != nullptr) return member->fence <= epoch && epoch <= this->epoch();
   const auto lost = losses_.find(session);

@@ -122,8 +122,9 @@ class LeaseTable {
   /// lease. Does nothing when the session has taken over already. Fails when the session holds no
   /// status or has released it, or when another holder has taken over.
   tl::expected<void, LeaseRefusal> take_over(SessionId session, TimePoint now);
-  /// Ends the take-over by `session`. Does nothing when the session has not taken over.
-  void give_back(SessionId session);
+  /// Ends the take-over by `session`. Does nothing, and returns false, when the session has not
+  /// taken over.
+  bool give_back(SessionId session);
 
   /// Forgets how `session` lost its status, because no call of it can arrive any more.
   void forget(SessionId session);

@@ -293,7 +293,7 @@ std::optional<Failure> StatusGrants::take_over(ServerSession& session) {
 }
 
 void StatusGrants::give_back(ServerSession& session) {
-  leases_.give_back(session.id());
+  if (!leases_.give_back(session.id())) return;
   note_standings();
   log_info("server", setup_.name + ": " + who(session.caller()) + " gives back");
 }
