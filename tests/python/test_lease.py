@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import gecos
 import pytest
-from gecos import Detail, State
-from gecos_idl.object_types import StatusRefused
+from gecos import Detail, State, wire
+from gecos_idl.object_types import Holder, Status, StatusRefused
 from lamp import Lamp, PlainLamp
 from test_process import running, says
 
@@ -242,3 +242,10 @@ def test_a_lease_that_was_used_released_or_entered_is_dropped_in_silence(
     with gecos.actor(lamp):
         pass
     assert capfd.readouterr().err == ""
+
+
+def test_a_holder_that_an_older_server_tells_has_not_taken_over() -> None:
+    now = Holder(Status.ACTOR, "eva", "lab", "demo", 42, 1.5, 0.25, True, True, 0.5)
+    newer = 1 + 8  # the size of `taken_over` and `taken_over_for`
+    read = wire.from_bytes(Holder, wire.to_bytes(now)[:-newer])
+    assert read == Holder(Status.ACTOR, "eva", "lab", "demo", 42, 1.5, 0.25, True, False, 0.0)

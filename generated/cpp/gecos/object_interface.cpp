@@ -4,7 +4,7 @@
 namespace gecos {
 
 constinit const gecos::OperationDescription GecosObjectInterface::operations[] = {
-    gecos::operation(0x00000001, "holders", 0x66928669e4bb0cc4U,
+    gecos::operation(0x00000001, "holders", 0x925e85279b993071U,
         {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
     gecos::operation(0x00000002, "stop", 0xf664bf51ded3968eU,
         {.status = gecos::access::Status::Sensor, .safety = true, .presence = false}),
@@ -12,7 +12,7 @@ constinit const gecos::OperationDescription GecosObjectInterface::operations[] =
         {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
     gecos::operation(0x00000004, "describe", 0x340a23dd95a29a96U,
         {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
-    gecos::operation(0x00000005, "acquire", 0x025b5633dbabad35U,
+    gecos::operation(0x00000005, "acquire", 0x0d62d737597bcaeaU,
         {.status = gecos::access::Status::Sensor, .presence = false}),
     gecos::operation(0x00000006, "release", 0xd6f3249e5e699d99U,
         {.status = gecos::access::Status::Sensor, .presence = false}),
@@ -30,7 +30,7 @@ constinit const gecos::OperationDescription GecosObjectInterface::operations[] =
         {.status = gecos::access::Status::Sensor, .presence = false}),
     gecos::operation(0x0000000d, "feed_report", 0xcaf33affcb30e4baU,
         {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
-    gecos::operation(0x0000000e, "take_over", 0x799afb35a8165ac7U,
+    gecos::operation(0x0000000e, "take_over", 0x7d2fdbdd6085eda2U,
         {.status = gecos::access::Status::Sensor, .presence = false}),
     gecos::operation(0x0000000f, "give_back", 0x57135a9a77c7d758U,
         {.status = gecos::access::Status::Sensor, .presence = false}),

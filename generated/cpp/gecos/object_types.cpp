@@ -47,6 +47,8 @@ void Holder::encode(gecos::wire::Encoder& to) const {
 }
 
 bool Holder::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  taken_over = false;
+  taken_over_for = 0.0;
   return ::gecos::decode_enum(from, status, "Holder.status") &&
          from.get_string(user, 64, "Holder.user") &&
          from.get_string(host, 64, "Holder.host") &&
@@ -55,8 +57,10 @@ bool Holder::decode([[maybe_unused]] gecos::wire::Decoder& from) {
          from.get(held_for, "Holder.held_for") &&
          from.get(expires_in, "Holder.expires_in") &&
          from.get(releasing, "Holder.releasing") &&
-         from.get(taken_over, "Holder.taken_over") &&
-         from.get(taken_over_for, "Holder.taken_over_for") &&
+         (from.at_end() ||
+          from.get(taken_over, "Holder.taken_over")) &&
+         (from.at_end() ||
+          from.get(taken_over_for, "Holder.taken_over_for")) &&
          gecos::wire::skip_rest(from);
 }
 

@@ -41,7 +41,7 @@ struct Holder {
   /// this client has taken over; the commands of the other holders are refused
   bool taken_over = false;
   /// since it took over; 0 if it has not [s]
-  double taken_over_for = 0;
+  double taken_over_for = 0.0;
 
   static constexpr std::string_view type_name() { return "gecos::Holder"; }
   static constexpr std::int64_t fingerprint() { return std::int64_t(0xf0a32901a899b7fdU); }

@@ -28,12 +28,12 @@ constinit const gecos::InterfaceDescription* const ArticulatedArmInterface::inhe
 constinit const gecos::InterfaceDescription ArticulatedArmInterface::description{
     .name = "robcl::ArticulatedArm",
     .version = "1.0",
-    .hash = 0x1447b2c0d2157790U,
+    .hash = 0x1d63a7556b4813ddU,
     .bases = bases,
     .inherits = inherits,
     .operations = operations,
     .streams = streams,
-    .model = R"json({"interface":{"kind":"interface","name":"robcl::ArticulatedArm","doc":"An arm with any number of revolute joints. An arm of six joints has the interface SixAxis instead, whose operations are the same.","version":"1.0","bases":["robcl::Manipulator"],"all_bases":["robcl::Device","robcl::Manipulator"],"hash":"0x1447b2c0d2157790","members":[
+    .model = R"json({"interface":{"kind":"interface","name":"robcl::ArticulatedArm","doc":"An arm with any number of revolute joints. An arm of six joints has the interface SixAxis instead, whose operations are the same.","version":"1.0","bases":["robcl::Manipulator"],"all_bases":["robcl::Device","robcl::Manipulator"],"hash":"0x1d63a7556b4813dd","members":[
 {"kind":"attribute","name":"joints","doc":"Joint positions as measured.","type":"robcl::JointPositions","readonly":true,"stream":{"direction":"out","rate_hz":250.0},"read_access":"sensor","codes":{"get":2057730932,"stream":2057730932},"hash":"0xfe4af97b3a103e34"},
 {"kind":"attribute","name":"commanded_joints","doc":"Joint positions that the control loop has sent to the drives: the set points of the cycle in which `joints` were measured.","type":"robcl::JointPositions","readonly":true,"stream":{"direction":"out","rate_hz":250.0},"read_access":"sensor","codes":{"get":887667329,"stream":887667329},"hash":"0x4f39a93350a5a7f9"},
 {"kind":"operation","name":"move_joints","doc":"Moves all joints to `target`, arriving together. BAD_PARAMETER unless `target` has a position for each joint.","parameters":[{"name":"target","direction":"in","type":"robcl::JointPositions"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true}],"raises":["robcl::JointLimit"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"blend","on_loss":"stop","code":1047189192,"hash":"0x5b10608ca790613d"}]},

@@ -48,7 +48,7 @@ _GECOS_OBJECT_HOLDERS: _Method[list[Holder], None] = _method(
         _Access.SENSOR,
         presence=False,
         idempotent=True,
-        hash=0x66928669E4BB0CC4,
+        hash=0x925E85279B993071,
     ),
     gives=_layout.items(Holder),
 )
@@ -84,7 +84,7 @@ _GECOS_OBJECT_DESCRIBE: _Method[Description, None] = _method(
     gives=Description,
 )
 _GECOS_OBJECT_ACQUIRE: _Method[Grant, None] = _method(
-    _Operation(0x00000005, "acquire", _Access.SENSOR, presence=False, hash=0x025B5633DBABAD35),
+    _Operation(0x00000005, "acquire", _Access.SENSOR, presence=False, hash=0x0D62D737597BCAEA),
     takes=_values(
         "wanted password patience",
         Status,
@@ -153,7 +153,7 @@ _GECOS_OBJECT_FEED_REPORT: _Method[FeedReport, None] = _method(
     gives=FeedReport,
 )
 _GECOS_OBJECT_TAKE_OVER: _Method[None, None] = _method(
-    _Operation(0x0000000E, "take_over", _Access.SENSOR, presence=False, hash=0x799AFB35A8165AC7),
+    _Operation(0x0000000E, "take_over", _Access.SENSOR, presence=False, hash=0x7D2FDBDD6085EDA2),
     raises=(StatusRefused,),
 )
 _GECOS_OBJECT_GIVE_BACK: _Method[None, None] = _method(

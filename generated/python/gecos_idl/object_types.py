@@ -37,6 +37,7 @@ class Status(_IntEnum):
     _layout.text(64),
     _layout.text(128),
     "idd??d",
+    missing=2,
     open=True,
 )
 @_dataclass(slots=True)

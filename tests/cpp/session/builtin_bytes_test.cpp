@@ -58,6 +58,16 @@ Entry entry() {
           "h",    "lab",         {"shm:/x"},        true, 6};
 }
 
+TEST(BuiltInOperations, AHolderThatAnOlderServerTellsHasNotTakenOver) {
+  const Bytes whole = wire::to_bytes(holder());
+  constexpr std::size_t newer = 1 + 8;  // the size of `taken_over` and `taken_over_for`
+  const auto read = wire::from_bytes<Holder>(ByteView(whole).first(whole.size() - newer));
+  ASSERT_TRUE(read) << read.error().message();
+  EXPECT_TRUE(read->releasing);
+  EXPECT_FALSE(read->taken_over);
+  EXPECT_EQ(read->taken_over_for, 0);
+}
+
 TEST(BuiltInOperations, KeepTheirBytes) {
   expect_bytes(GecosObject_holders_result{{holder()}},
                "000000010000003b000000020000000465766100000000046c6162000000000564656d6f00000000"
