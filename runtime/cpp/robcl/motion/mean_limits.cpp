@@ -11,6 +11,8 @@ constexpr double most_reduced = 0.5;  // of a limit
 // motions.
 constexpr double reserve = 0.006;  // of the limits of acceleration
 constexpr int samples = 30;        // in a window
+constexpr int finer = 4;           // times as many, where the motion is close to a limit
+constexpr double close = 0.98;     // of the greatest speed
 // The maximum for a motion that takes minutes or days. Such a motion changes little within a
 // window.
 constexpr int most_samples = 20'000;
@@ -68,29 +70,77 @@ double excess(const Path& path, const arm::ArmModel& model, const IntervalLimits
   return factor;
 }
 
+/// The mean of the last places of a time law, over a window of time.
+class MeanMotion {
+ public:
+  MeanMotion(const TimeLaw& law, const TimeLaw::Start& start, double window)
+      : law_(law), start_(start), window_(window), integrals_{0} {
+    for (std::size_t i = 0; i + 1 < law.places().size(); ++i) {
+      integrals_.push_back(integrals_.back() + since_knot(i, law.time(i + 1) - law.time(i)));
+    }
+  }
+
+  /// Returns the state of the time law, also before it starts.
+  TimeLaw::State of_law(double time) const {
+    return time < 0 && start_.before ? start_.before(time) : law_.at(time);
+  }
+
+  /// Returns the state of the mean at the end of the window that ends at `time`.
+  TimeLaw::State at(double time) const {
+    const TimeLaw::State begin = of_law(time - window_), end = of_law(time);
+    return {(integral(time) - integral(time - window_)) / window_, (end.s - begin.s) / window_,
+            (end.speed - begin.speed) / window_};
+  }
+
+ private:
+  /// Returns the integral of s from the time 0 to `time`.
+  double integral(double time) const {
+    const double s = law_.places().front();
+    if (time < 0 && start_.before) {  // by Simpson's rule
+      return time * (s + 4 * start_.before(time / 2).s + start_.before(time).s) / 6;
+    }
+    if (time <= 0) return time * (s + time * law_.speed(0) / 2);
+    const double after = time - law_.duration();
+    if (after >= 0) return integrals_.back() + after * law_.places().back();
+    const std::size_t knot = law_.knot_at(time);
+    return integrals_[knot] + since_knot(knot, time - law_.time(knot));
+  }
+
+  double since_knot(std::size_t knot, double t) const {
+    const double speed = law_.speed(knot), acceleration = law_.acceleration(knot);
+    return t * (law_.places()[knot] + t * (speed / 2 + t * acceleration / 6));
+  }
+
+  const TimeLaw& law_;
+  const TimeLaw::Start& start_;
+  const double window_;
+  std::vector<double> integrals_;  // of s, up to each knot
+};
+
 }  // namespace
 
 std::vector<double> excess_of_mean(const Path& path, const arm::ArmModel& model,
                                    const std::vector<IntervalLimits>& limits, const TimeLaw& law,
                                    const TimeLaw::Start& start, const Smoothing& smoothing) {
-  std::vector<double> factors(path.intervals(), 1);
   const double window = smoothing.window;
-  const auto state_at = [&](double time) {
-    return time < 0 && start.before ? start.before(time) : law.at(time);
+  const MeanMotion motion(law, start, window);
+  const auto excess_at = [&](double time) {
+    const TimeLaw::State mean = motion.at(time);
+    const bool before = mean.s < path.begin() && start.path_before != nullptr;
+    const IntervalLimits& here = limits[path.interval_at(mean.s)];
+    return excess(before ? *start.path_before : path, model, here, mean);
   };
+  std::vector<double> factors(path.intervals(), 1);
   std::size_t first = 0;  // of the intervals in the window
   const double step = std::max(window / samples, law.duration() / most_samples);
   for (double time = 0; time < law.duration() + window; time += step) {
-    const TimeLaw::State begin = state_at(time - window), end = state_at(time);
-    TimeLaw::State mean;
-    mean.s = (begin.s + 4 * state_at(time - window / 2).s + end.s) / 6;  // Simpson's rule
-    mean.speed = (end.s - begin.s) / window;
-    mean.acceleration = (end.speed - begin.speed) / window;
-    const IntervalLimits& here = limits[path.interval_at(mean.s)];
-    const bool before = mean.s < path.begin() && start.path_before != nullptr;
-    const double factor = excess(before ? *start.path_before : path, model, here, mean);
-    while (first + 1 < path.intervals() && path.place(first + 1) < begin.s) ++first;
-    for (std::size_t i = first; factor > 1 && i < path.intervals() && path.place(i) <= end.s; ++i) {
+    double factor = excess_at(time);
+    for (int part = 1; factor > close && part < finer; ++part) {
+      factor = std::max(factor, excess_at(time + part * step / finer));
+    }
+    const double begin = motion.of_law(time - window).s, end = motion.of_law(time + step).s;
+    while (first + 1 < path.intervals() && path.place(first + 1) < begin) ++first;
+    for (std::size_t i = first; factor > 1 && i < path.intervals() && path.place(i) <= end; ++i) {
       factors[i] = std::max(factors[i], factor);
     }
   }

@@ -141,6 +141,20 @@ std::vector<double> TimeLaw::change_excess(const PathBounds& bounds,
   return factors;
 }
 
+TimeLaw::Range TimeLaw::accelerations(double from, double to) const {
+  const double first = at(from).acceleration, last = at(to).acceleration;
+  Range range{std::min(first, last), std::max(first, last)};
+  for (std::size_t i = knot_at(from) + 1; i + 1 < times_.size() && times_[i] < to; ++i) {
+    range.add(acceleration(i));
+  }
+  return range;
+}
+
+std::size_t TimeLaw::knot_at(double seconds) const {
+  const auto after = std::upper_bound(times_.begin() + 1, times_.end(), seconds);
+  return static_cast<std::size_t>(after - times_.begin()) - 1;
+}
+
 TimeLaw::Range TimeLaw::accelerations_before(std::size_t knot, double seconds) const {
   Range range;
   for (std::size_t i = knot; i > 0 && times_[knot] - times_[i] < seconds; --i) {
@@ -176,8 +190,7 @@ TimeLaw TimeLaw::slowed(double factor) const {
 TimeLaw::State TimeLaw::at(double seconds) const {
   if (seconds >= duration()) return {places_.back(), 0, 0};
   if (seconds <= 0) return {places_.front() + seconds * speeds_.front(), speeds_.front(), 0};
-  const auto after = std::upper_bound(times_.begin(), times_.end(), seconds);
-  const auto i = static_cast<std::size_t>(after - times_.begin()) - 1;
+  const std::size_t i = knot_at(seconds);
   const double acceleration = (speeds_[i + 1] - speeds_[i]) / (times_[i + 1] - times_[i]);
   const double since = seconds - times_[i];
   return {places_[i] + since * (speeds_[i] + acceleration * since / 2),

@@ -74,11 +74,17 @@ class TimeLaw {
   double acceleration(std::size_t knot) const {
     return (squares_[knot + 1] - squares_[knot]) / (2 * (places_[knot + 1] - places_[knot]));
   }
+  /// Returns the values of d²s/dt² from the time `from` to the time `to`, in s. Never allocates
+  /// memory.
+  Range accelerations(double from, double to) const;
   /// Returns the values of d²s/dt² in the last `seconds` before the knot `knot`, and in addition
   /// the value 0.
   Range accelerations_before(std::size_t knot, double seconds) const;
   /// Returns the time in s at which this time law is at the knot `knot`.
   double time(std::size_t knot) const { return times_[knot]; }
+  /// Returns the last knot that this time law has passed at the time `seconds`, which is from 0 to
+  /// `duration()`. Never allocates memory.
+  std::size_t knot_at(double seconds) const;
   /// Returns the time in s at which this time law is at `s`. Never allocates memory.
   double time_at(double s) const;
 

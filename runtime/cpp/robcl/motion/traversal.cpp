@@ -21,7 +21,6 @@ void Traversal::advance(double seconds) {
   if (standing_) {
     note(0);
   } else if (mode_ == Mode::OnTime) {
-    note(plan().law.at(time_).acceleration);
     advance_by_law(seconds);
   } else {
     advance_by_pieces(seconds);
@@ -34,6 +33,13 @@ void Traversal::note(double u) {
   greatest_.newest() = std::max(greatest_.newest(), u);
 }
 
+/// Notes d²s/dt² of the plan from the time `from` to the time `to`: a cycle may pass several knots.
+void Traversal::note_law(double from, double to) {
+  const TimeLaw::Range range = plan().law.accelerations(from, to);
+  note(range.least);
+  note(range.greatest);
+}
+
 void Traversal::advance_by_law(double seconds) {
   const double before = time_;
   time_ += seconds;
@@ -41,6 +47,7 @@ void Traversal::advance_by_law(double seconds) {
   if (next != nullptr) {
     const double switches = next->begins - stage_->begins;
     if (before <= switches && switches <= time_) {
+      note_law(before, switches);
       enter(*next);
       return advance_by_law(before + seconds - switches);
     }
@@ -48,7 +55,7 @@ void Traversal::advance_by_law(double seconds) {
   const TimeLaw::State state = plan().law.at(time_);
   s_ = state.s;
   speed_ = state.speed;
-  note(state.acceleration);
+  note_law(before, time_);
   standing_ = time_ >= plan().law.duration();
   if (standing_) time_ = plan().law.duration();
 }

@@ -61,6 +61,7 @@ class Traversal {
   bool can_slow_down(double u, double seconds, double change) const;
   bool can_follow_law() const;
   void note(double u);
+  void note_law(double from, double to);
   void leave_law(Mode mode);
   void enter(const Stage& next);
   void enter_stages_here();
