@@ -52,23 +52,13 @@ def moved(robot: SixAxis) -> Course:
     }
 
 
-def in_real_time(lab: Laboratory, arm: str) -> list[np.ndarray[tuple[int], np.dtype[np.float64]]]:
-    """The set points of all cycles. A busy machine may miss cycles, which delays the motion, and
-    the reader may lose samples."""
-    for attempt in range(5):
-        robot = start(lab, arm, f"SLOW{attempt}", 1)
-        assert robot.clock_speed().result() == 1
-        course = moved(robot)
-        whole = len(course) == max(course) - min(course) + 1
-        if whole and robot.missed_cycles().result() == 0:
-            return list(course.values())
-    pytest.fail("this machine is too busy for a motion in real time")
-
-
 @pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("arm", ["rx90", "puma560"])
 def test_a_fast_clock_changes_no_set_point(arm: str, lab_with_broker: Laboratory) -> None:
-    expected = np.array(in_real_time(lab_with_broker, arm))
+    # A busy machine may miss cycles in real time, which delays the motion, but none at half speed.
+    slow = moved(start(lab_with_broker, arm, "SLOW", 0.5))
+    assert len(slow) == max(slow) - min(slow) + 1, "no sample was lost"
+    expected = np.array(list(slow.values()))
     robot = start(lab_with_broker, arm, "FAST", FAST)
     assert robot.clock_speed().result() == FAST
     assert robot.cycle().result() == CYCLE, "simulated time"
@@ -78,7 +68,7 @@ def test_a_fast_clock_changes_no_set_point(arm: str, lab_with_broker: Laboratory
     cycles = []
     for number, joints in fast.items():
         away = np.abs(expected - joints).max(axis=1)
-        assert away.min() <= 1e-9, f"{joints} is no set point of the motion in real time"
+        assert away.min() <= 1e-9, f"{joints} is no set point of the slow motion"
         cycles.append(number - away.argmin())
     assert set(cycles) == {cycles[0]}
     assert len(fast) > len(expected) / 4

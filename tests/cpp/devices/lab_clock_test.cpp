@@ -82,16 +82,6 @@ Motion moved(const ArmDescription& arm, double clock_speed) {
   return motion;
 }
 
-/// A busy machine may make the control loop miss cycles in real time, which delays a motion.
-std::vector<JointValues> set_points_in_real_time(const ArmDescription& arm) {
-  for (int i = 0; i < 10; ++i) {
-    Motion motion = moved(arm, 1);
-    if (motion.missed_cycles == 0) return motion.set_points;
-  }
-  ADD_FAILURE() << "this machine is too busy for a motion in real time";
-  return {};
-}
-
 class LabClockTest : public ::testing::TestWithParam<const char*> {
  protected:
   ArmDescription arm() const {
@@ -101,11 +91,15 @@ class LabClockTest : public ::testing::TestWithParam<const char*> {
 
 TEST_P(LabClockTest, TheSetPointsOfAMotionDoNotDependOnTheSpeed) {
   const ArmDescription described = arm();
-  const auto expected = set_points_in_real_time(described);
+  const auto expected = moved(described, 0.5).set_points;
   EXPECT_GT(expected.size(), 100U);
   // At the last speed, any machine is overloaded.
-  for (const double speed : {0.5, 20.0, LabClock::fastest}) {
+  for (const double speed : {1.0, 20.0, LabClock::fastest}) {
     const Motion motion = moved(described, speed);
+    if (speed == 1 && motion.missed_cycles > 0) {  // of a busy machine, which delays the motion
+      EXPECT_GE(motion.set_points.size(), expected.size());
+      continue;
+    }
     ASSERT_EQ(motion.set_points.size(), expected.size()) << "at speed " << speed;
     double farthest = 0;
     for (std::size_t i = 0; i < expected.size(); ++i) {
