@@ -26,7 +26,8 @@ class SessionStandings {
   void note_newer_epoch(const access::LeaseTable& leases);
 
  private:
-  using Sessions = std::vector<std::shared_ptr<ServerSession>>;
+  // Weak: a session owns its object, which owns this.
+  using Sessions = std::vector<std::weak_ptr<ServerSession>>;
   Sessions feeders_;
   Sessions holders_;  ///< also those that have lost their status
 };
