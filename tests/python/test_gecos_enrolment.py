@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 from command_output import valid
-from gecos.cli.policy import this_user
 from gecos.enrolment import JoinUrl
+from gecos.key_folder import this_user
 
 GECOS = [sys.executable, "-m", "gecos.cli"]
 PATIENCE_S = 60.0
@@ -28,9 +28,14 @@ class User:
         self.folder = folder
         self.env = {**os.environ, "GECOS_KEY_DIR": str(folder)}
 
-    def gecos(self, *words: str) -> tuple[int, str]:
+    def gecos(self, *words: str, answer: str = "y") -> tuple[int, str]:
         done = subprocess.run(
-            [*GECOS, *words], env=self.env, capture_output=True, text=True, timeout=PATIENCE_S
+            [*GECOS, *words],
+            env=self.env,
+            input=f"{answer}\n",
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE_S,
         )
         return done.returncode, done.stdout + done.stderr
 
@@ -45,7 +50,7 @@ class Laboratory(User):
 
     def invite(self, *words: str) -> str:
         self.waiting = subprocess.Popen(
-            [*GECOS, "lab", "init", "--address", "localhost", "--json", *words],
+            [*GECOS, "lab", "init", "--address", "localhost", "--as", "ann@cell", "--json", *words],
             env=self.env,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -88,11 +93,51 @@ def test_two_users_admit_each_other_by_a_link_and_an_approval(cell: Laboratory, 
     assert code == 0, out
     assert f"admitted  {fingerprint}  ben@desk" in out
     assert cell.owners() == ["ben@desk"]
-    (laboratory,) = desk.owners()
-    assert laboratory.endswith(f"@{socket.gethostname()}")
+    assert desk.owners() == ["ann@cell"]
     code, out = cell.gecos("approve", "ben@desk")
     assert code == 2
     assert "ben@desk: nobody of this name asked to join; waiting: nobody" in out
+
+
+def test_nobody_is_admitted_whom_the_user_does_not_expect(cell: Laboratory, desk: User) -> None:
+    code, out = desk.gecos("join", cell.invite(), "--as", "ben@desk", answer="n")
+    assert code == 2
+    assert "Admit the laboratory of ann@cell, with the key" in out
+    assert desk.owners() == []
+
+
+@pytest.mark.parametrize("claimed", ["root", this_user()])
+def test_a_laboratory_is_not_admitted_as_this_user(
+    cell: Laboratory, desk: User, claimed: str
+) -> None:
+    link = cell.invite("--as", f"{claimed}@{socket.gethostname()}")
+    code, out = desk.gecos("join", link, "--as", "ben@desk")
+    assert code == 2
+    assert "is admitted to everything on this host, and no list limits this key" in out
+    assert desk.owners() == []
+
+
+def test_another_key_of_a_known_user_needs_a_revocation(
+    cell: Laboratory, desk: User, tmp_path: Path
+) -> None:
+    assert desk.gecos("join", cell.invite(), "--as", "ben@desk")[0] == 0
+    assert cell.heard()[0] == 0
+    false = Laboratory(tmp_path / "false")
+    code, out = desk.gecos("join", false.invite(), "--as", "ben@desk")
+    assert code == 2
+    assert "ann@cell has another key here" in out
+    assert "run `gecos revoke ann@cell` first" in out
+    assert false.heard()[0] == 0
+
+
+def test_a_damaged_request_is_named(cell: Laboratory) -> None:
+    assert cell.gecos("keys")[0] == 0
+    damaged = cell.folder / "joining" / f"{'a' * 64}.owner"
+    damaged.parent.mkdir()
+    damaged.write_bytes(b"\xff\n")
+    code, out = cell.gecos("approve", "ben@desk")
+    assert code == 2
+    assert f"{damaged}: this is no request of a user; remove the file" in out
 
 
 def test_an_invitation_works_once(cell: Laboratory, desk: User, tmp_path: Path) -> None:

@@ -69,9 +69,9 @@ class TwoHosts:
     def enrols(self, host: int, other: int, owner: str) -> None:
         """The user of `other` joins, and waits for the approval of the user of `host`."""
         address = f"10.77.0.{host + 1}"
-        init = self.start(host, *GECOS, "lab", "init", "--address", address)
+        init = self.start(host, *GECOS, "lab", "init", "--address", address, "--as", "ann@cell")
         link = init.wait_for("gecos join ").split()[-1]
-        joined = self.gecos(other, "join", link, "--as", owner)
+        joined = self.gecos(other, "join", link, "--as", owner, "--yes")
         assert joined.finish() == 0, str(joined)
         assert init.finish() == 0, str(init)
         assert joined.lines[-1] in init.output(), "both show the same fingerprint"

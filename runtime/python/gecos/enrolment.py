@@ -125,14 +125,15 @@ class Invitation:
             return "this is the key of the laboratory itself, which needs no link"
         if not _core.is_key_owner(party.owner):
             return "say whose key it is by --as USER@HOST"
-        if party.owner in (owner, f"root@{socket.gethostname()}"):
+        if party.owner == owner or key_folder.is_own_user(party.owner):
             return f"{party.owner} is admitted to everything here; name yourself by --as USER@HOST"
         return None
 
 
 def join(url: JoinUrl, owner: str) -> Party:
-    """Asks the laboratory of `url` to admit this user as `owner`, and admits the laboratory's key.
-    Returns the laboratory. Raises EnrolmentError if it refuses or is not the one of the link."""
+    """Asks the laboratory of `url` to admit this user as `owner`. Returns the laboratory, whose key
+    is not admitted here yet: its owner is what it says of itself. Raises EnrolmentError if it
+    refuses or is not the one of the link."""
     try:
         with socket.create_connection((url.host, url.port), _ANSWERS_WITHIN) as line:
             _send(line, _signed(url, Party(key_folder.own_key(), owner), "join"))
@@ -150,15 +151,35 @@ def join(url: JoinUrl, owner: str) -> Party:
         raise EnrolmentError(f"the answer is not from the laboratory of the link; {ANOTHER}")
     if laboratory.owner == owner:
         raise EnrolmentError(f"the laboratory, too, is of {owner}; name yourself by --as USER@HOST")
-    key_folder.admit(laboratory.key, laboratory.owner)
     return laboratory
 
 
+def admit(party: Party) -> None:
+    """Admits a key that came over the network. Raises EnrolmentError if its owner must not come so:
+    it is this user, or has another key here."""
+    for one in key_folder.admitted():
+        if one.owner == party.owner and one.key != party.key:
+            raise EnrolmentError(
+                f"{party.owner} has another key here, {key_folder.fingerprint(one.key)}: if it is "
+                f"old, run `gecos revoke {party.owner}` first"
+            )
+    try:
+        key_folder.admit(party.key, party.owner)
+    except key_folder.KeyFolderError as error:
+        raise EnrolmentError(str(error)) from None
+
+
 def requests() -> list[Party]:
-    """Returns who has joined and waits for `approve`."""
+    """Returns who has joined and waits for `approve`. Raises EnrolmentError for a damaged file."""
     found = []
     for file in sorted((key_folder.folder() / _FOLDER).glob("*.owner")):
-        found.append(Party(file.stem, file.read_text(encoding="utf-8").strip()))
+        try:
+            party = Party(file.stem, file.read_text(encoding="ascii").strip())
+        except UnicodeDecodeError:
+            party = Party("", "")
+        if not re.fullmatch(r"[0-9a-f]{64}", party.key) or not _core.is_key_owner(party.owner):
+            raise EnrolmentError(f"{file}: this is no request of a user; remove the file")
+        found.append(party)
     return found
 
 
@@ -176,7 +197,7 @@ def approve(name: str) -> Party:
         raise EnrolmentError(
             f"{name}: {how_many} of this name asked to join; waiting: {waiting or 'nobody'}"
         )
-    key_folder.admit(found[0].key, found[0].owner)
+    admit(found[0])
     _file_of(found[0].key).unlink()
     return found[0]
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import re
+import socket
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -118,9 +119,30 @@ def add(file: Path, owner: str | None = None) -> str:
     if owner is not None:
         if key == own:
             raise KeyFolderError(f"{file}: this is your own key, which needs no owner")
+        if is_own_user(owner):
+            raise KeyFolderError(
+                f"{owner} is admitted to everything on this host, and no list limits this key: "
+                "name the host on which its user has it"
+            )
         _put(_owner_file(key), f"{owner}\n".encode())  # first: a list may limit this key
     _put(file_of(key), text)
     return key
+
+
+def is_own_user(owner: str) -> bool:
+    """Returns whether `owner` is this user or root on this host, whom no list limits."""
+    names = ("root", this_user())
+    return owner in [f"{name}@{socket.gethostname()}" for name in names]
+
+
+def this_user() -> str:
+    """Returns the name of this user as servers write it."""
+    import pwd
+
+    try:
+        return pwd.getpwuid(os.geteuid()).pw_name
+    except KeyError:
+        return f"uid {os.geteuid()}"
 
 
 def admit(key: str, owner: str) -> None:

@@ -16,6 +16,13 @@ TEST_F(ServedObjects, TakesNothingMoreOfASessionThatHasEnded) {
   EXPECT_EQ(reply_to(3), std::nullopt);
 }
 
+TEST_F(ServedObjects, KeepNoSessionThatNobodyElseHas) {
+  acquire(1);
+  ASSERT_EQ(reply_to(1), Detail::Ok);
+  const std::weak_ptr<ServerSession> holder = connect();
+  EXPECT_TRUE(holder.expired());
+}
+
 TEST_F(ServedObjects, AdmitNoSampleOfALostSessionWhenAnotherOneGetsItsStatus) {
   acquire(1);
   session_->standing->set(access::Status::Actor, granted());  // it feeds an inward stream

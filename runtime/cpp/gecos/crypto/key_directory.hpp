@@ -23,7 +23,7 @@ struct KeyOwner {
   std::string host;
 
   /// Reads a text such as "anna@desk". Returns nullopt when it is not of this form, or has blanks,
-  /// quotes, control characters or characters that are not ASCII.
+  /// quotes, asterisks, control characters or characters that are not ASCII.
   static std::optional<KeyOwner> parse(std::string_view text);
   friend bool operator==(const KeyOwner&, const KeyOwner&) = default;
 };

@@ -11,6 +11,9 @@ from gecos.cli.exit_codes import UsageFailure
 from gecos.cli.options import Number, json_option, print_json
 
 _MINUTE = 60.0
+_OWNER = click.option(
+    "--as", "owner", metavar="USER@HOST", help="Who you are; default: this user and host."
+)
 
 
 @click.group()
@@ -22,8 +25,9 @@ def lab() -> None:
 @click.option("--address", metavar="HOST", help="Where others reach this host; default: its name.")
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="TCP; default: any.")
 @click.option("--minutes", type=Number(0.001), default=10.0, help="How long it is valid.")
+@_OWNER
 @json_option
-def init(address: str | None, port: int, minutes: float, as_json: bool) -> None:
+def init(address: str | None, port: int, minutes: float, owner: str | None, as_json: bool) -> None:
     """Prints a link with an invitation, and waits until somebody joins by it.
 
     Send the link on a way on which no stranger reads. It works once. Then compare the fingerprint
@@ -38,7 +42,7 @@ def init(address: str | None, port: int, minutes: float, as_json: bool) -> None:
         else:
             print(f"gecos join {invitation.url}", flush=True)
         try:
-            party = invitation.wait(_this_owner())
+            party = invitation.wait(owner or _this_owner())
         except enrolment.EnrolmentError as error:
             raise TimeoutError(str(error)) from None
     if as_json:
@@ -50,17 +54,25 @@ def init(address: str | None, port: int, minutes: float, as_json: bool) -> None:
 
 @click.command()
 @click.argument("url", metavar="LINK")
-@click.option(
-    "--as", "owner", metavar="USER@HOST", help="Who you are; default: this user and host."
-)
+@_OWNER
+@click.option("--yes", is_flag=True, help="Admit the laboratory's key without asking.")
 @json_option
-def join(url: str, owner: str | None, as_json: bool) -> None:
-    """Asks to join the laboratory that has printed LINK, and admits its key."""
+def join(url: str, owner: str | None, yes: bool, as_json: bool) -> None:
+    """Asks to join the laboratory that has printed LINK.
+
+    Then asks you whether the user of the laboratory, as it names itself, is whom you expect, and
+    admits its key. The lists of your lab file decide what that user may do here.
+    """
     from gecos import enrolment, key_folder
 
     who = owner or _this_owner()
     try:
         laboratory = enrolment.join(enrolment.JoinUrl.parse(url), who)
+        digits = key_folder.fingerprint(laboratory.key)
+        question = f"Admit the laboratory of {laboratory.owner}, with the key {digits}?"
+        if not yes and not click.confirm(question, err=True):
+            raise UsageFailure("the laboratory's key is not admitted, so you cannot reach it")
+        enrolment.admit(laboratory)
     except enrolment.EnrolmentError as error:
         raise UsageFailure(str(error)) from None
     own = key_folder.own_key()
@@ -76,7 +88,7 @@ def _waiting(_: click.Context, __: click.Parameter, begun: str) -> list[Completi
 
     try:
         found = enrolment.requests()
-    except (OSError, RuntimeError):
+    except (OSError, RuntimeError, enrolment.EnrolmentError):
         return []
     return [CompletionItem(one.owner) for one in found if one.owner.startswith(begun)]
 
@@ -101,6 +113,6 @@ def approve(name: str, as_json: bool) -> None:
 
 
 def _this_owner() -> str:
-    from gecos.cli.policy import this_user
+    from gecos.key_folder import this_user
 
     return f"{this_user()}@{socket.gethostname()}"

@@ -54,11 +54,11 @@ def test(
     """
     import socket
 
-    from gecos import _core
+    from gecos import _core, key_folder
 
     path = file or named_file()
     text = "" if path is None else text_of(path)
-    server = (server_user or this_user(), socket.gethostname())
+    server = (server_user or key_folder.this_user(), socket.gethostname())
     try:
         allowed, rule = _core.may_connect(text, str(path or ""), server, (user, host), object_name)
     except ValueError as error:
@@ -104,16 +104,6 @@ def text_of(path: Path) -> str:
         raise UsageFailure(f"{path}: {error.strerror}") from None
     except ValueError as error:
         raise UsageFailure(f"{path}: {error}") from None
-
-
-def this_user() -> str:
-    """Returns the name of this user as servers write it."""
-    import pwd
-
-    try:
-        return pwd.getpwuid(os.geteuid()).pw_name
-    except KeyError:
-        return f"uid {os.geteuid()}"
 
 
 def _status_of(broker: str | None, name: str, operation: str) -> Access:

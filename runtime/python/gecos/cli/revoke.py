@@ -77,7 +77,7 @@ def _servers(broker: str | None, name: str) -> tuple[list[str], list[str]]:
 def _why_missed(one: Presence, name: str) -> str | None:
     """Returns why a server does not read the key folder of this user now, or None if it does."""
     from gecos import _core
-    from gecos.cli.policy import this_user
+    from gecos.key_folder import this_user
 
     boot = Path("/proc/sys/kernel/random/boot_id").read_text(encoding="ascii").strip()
     entry = one.entry
@@ -103,7 +103,8 @@ def _rule_that_admits(name: str) -> str | None:
     import socket
 
     from gecos import _core
-    from gecos.cli.policy import named_file, text_of, this_user
+    from gecos.cli.policy import named_file, text_of
+    from gecos.key_folder import this_user
 
     user, _, host = name.partition("@")
     here = socket.gethostname()
