@@ -241,7 +241,9 @@ tl::expected<void, KeyError> KeyDirectory::admission(const PublicKey& key) const
 
 std::optional<KeyOwner> KeyOwner::parse(std::string_view text) {
   const auto at = text.find('@');
-  const auto allowed = [](char c) { return c > ' ' && c < 0x7f && c != '@' && c != '"' && c != '*'; };
+  const auto allowed = [](char c) {
+    return c > ' ' && c < 0x7f && c != '@' && c != '"' && c != '*';
+  };
   if (at == text.npos || at == 0 || at + 1 == text.size() || text.size() > longest) {
     return std::nullopt;
   }
