@@ -18,7 +18,7 @@ TEST_F(ServedObjects, TakesNothingMoreOfASessionThatHasEnded) {
 
 TEST_F(ServedObjects, KeepNoSessionThatNobodyElseHas) {
   acquire(1);
-  ASSERT_EQ(reply_to(1), Detail::Ok);
+  ASSERT_EQ(reply_to(1), Detail::Done);
   const std::weak_ptr<ServerSession> holder = connect();
   EXPECT_TRUE(holder.expired());
 }
