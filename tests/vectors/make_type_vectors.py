@@ -107,6 +107,7 @@ CASES: list[tuple[str, str, Any]] = [
     ("robcl::Singular", "a line", {"reason": "the line passes the wrist"}),
     ("robcl::OutOfReach", "at its bound", {"reason": "x" * 160}),
     ("robcl::Joints", "ready", {"position": [0.0, -1.5707963267948966, 0.5, 0.0, -0.0, 3.0]}),
+    ("robcl::JointPositions", "of five joints", {"position": [0.0, -0.0, 0.5, -1.25, 3.0]}),
     ("robcl::Configuration", "a lefty", {"arm": "LEFTY", "bend": "BELOW", "hand": "FLIP"}),
     ("robcl::Body", "a block", {
         "name": "block", "pose": FRAME, "size": {"x": 0.04, "y": 0.05, "z": 0.06},
