@@ -80,7 +80,7 @@ def desk(tmp_path: Path) -> User:
 
 
 def test_two_users_admit_each_other_by_a_link_and_an_approval(cell: Laboratory, desk: User) -> None:
-    code, out = desk.gecos("join", cell.invite(), "--as", "ben@desk")
+    code, out = desk.gecos("join", cell.invite(), "--as", "ben@desk", "--yes")
     assert code == 0, out
     fingerprint = out.splitlines()[-1]
     code, said, _ = cell.heard()
@@ -130,12 +130,12 @@ def test_another_key_of_a_known_user_needs_a_revocation(
     assert false.heard()[0] == 0
 
 
-def test_a_damaged_request_is_named(cell: Laboratory) -> None:
-    assert cell.gecos("keys")[0] == 0
-    damaged = cell.folder / "joining" / f"{'a' * 64}.owner"
+def test_a_damaged_request_is_named(desk: User) -> None:
+    assert desk.gecos("keys")[0] == 0
+    damaged = desk.folder / "joining" / f"{'a' * 64}.owner"
     damaged.parent.mkdir()
     damaged.write_bytes(b"\xff\n")
-    code, out = cell.gecos("approve", "ben@desk")
+    code, out = desk.gecos("approve", "ben@desk")
     assert code == 2
     assert f"{damaged}: this is no request of a user; remove the file" in out
 
