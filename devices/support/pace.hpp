@@ -8,8 +8,8 @@ namespace devices {
 /// late:
 ///
 /// In real time, at speed 1, a late cycle does not delay the following cycles: missed cycles are
-/// skipped, and the next one is told of them. At any other speed no cycle is skipped. A device that
-/// is late makes its next cycles without a pause, until it has caught up or is late by
+/// skipped, and the next cycle gets their number. At any other speed no cycle is skipped. A device
+/// that is late makes its next cycles without a pause, until it has caught up or is late by
 /// `most_behind`: then simulated time passes more slowly than asked.
 class Pace {
  public:
