@@ -120,7 +120,7 @@ SOAK ?=
 soak:  ## programs killed and stopped, bad lines, idle clients, stopped motions: does every command end?
 	@tools/setup.sh tests
 	@$(CONFIGURE) -DBUILD_TESTING=ON
-	@cmake --build $(BUILD) -j$(JOBS) --target $(PARTS) tests/stress/all crypto_test stream_rate_test robcl_motion_test robcl_move_chain_test
+	@cmake --build $(BUILD) -j$(JOBS) --target $(PARTS) tests/stress/all crypto_test stream_rate_test robcl_random_moves_test robcl_move_chain_test
 	@$(PYTHON) tests/stress/soak.py --build $(BUILD) $(SOAK)
 
 .PHONY: pictures

@@ -143,13 +143,28 @@ def stream(seconds: int, build: Path, figures: Figures) -> None:
 
 
 def move(moves: int, build: Path, figures: Figures) -> None:
-    """Straight and joint moves of two arms, stopped at any time, and held up at any time; and
-    chains of such moves that go over into each other."""
+    """Straight and joint moves of each arm, stopped, held up and overridden at any time; and chains
+    of such moves that go over into each other. 0 leaves them out."""
+    if moves == 0:
+        return
     env = {**os.environ, "MOTION_MOVES": str(moves)}
-    for name in ("robcl_motion_test", "robcl_move_chain_test"):
-        test = [build / "tests" / "cpp" / "robcl" / name, "--gtest_filter=*Random*"]
-        if subprocess.run(test, env=env).returncode != 0:
-            figures.failed.append(f"{name} with MOTION_MOVES={moves}")
+    tests = build / "tests" / "cpp" / "robcl"
+
+    def try_moves(name: str, arm: str) -> None:
+        asked = f"{name} with MOTION_MOVES={moves} of {arm}"
+        began = time.monotonic()
+        test = [tests / name, f"--gtest_filter=*Random*/{arm}*", "--gtest_brief=1"]
+        done = subprocess.run(test, env=env, stdout=subprocess.PIPE, text=True)
+        if done.returncode == 0:
+            print(f"right in {time.monotonic() - began:.0f} s, {asked}", flush=True)
+        else:
+            figures.failed.append(f"{asked}:\n{done.stdout}")
+            print(f"WRONG {figures.failed[-1]}", flush=True)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for name in ("robcl_random_moves_test", "robcl_move_chain_test"):
+            for arm in ("rx90", "puma560", "seven_axes"):
+                pool.submit(try_moves, name, arm)
 
 
 def hand_over(times: int, build: Path, figures: Figures) -> None:
@@ -183,7 +198,7 @@ def main() -> int:
     parser.add_argument("--calls", type=int, default=1_000_000, help="over each faulty line")
     parser.add_argument("--packets", type=int, default=1_000_000, help="to the secure channel")
     parser.add_argument("--stream", type=int, default=60, help="seconds of a stream at 1 kHz")
-    parser.add_argument("--moves", type=int, default=20_000, help="of each of two arms")
+    parser.add_argument("--moves", type=int, default=20_000, help="of each arm")
     parser.add_argument("--hand-overs", type=int, default=100, help="at random places, both ways")
     parser.add_argument("--clients", type=int, default=1_000, help="idle ones, over each medium")
     asked = parser.parse_args()

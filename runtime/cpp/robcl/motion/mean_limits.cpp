@@ -6,11 +6,11 @@
 namespace robcl::motion {
 namespace {
 
-constexpr double most_reduced = 0.5;  // of a limit
+constexpr double most_reduced = 0.95;  // of a limit
 // A motion may leave its time law at any time. The mean over the window is then a mean of two
 // motions.
-constexpr double reserve = 0.006;          // of the limits of acceleration
-constexpr double braking_reserve = 0.012;  // the same, for a motion that is not known beforehand
+constexpr double reserve = 0.014;          // of the limits of acceleration
+constexpr double braking_reserve = 0.014;  // the same, for a motion that is not known beforehand
 constexpr int samples = 30;                // in a window
 constexpr int finer = 4;                   // times as many, where the motion is close to a limit
 constexpr double close = 0.98;             // of the greatest speed
@@ -50,57 +50,26 @@ std::vector<Bend> bends_of(const Path& path, const arm::ArmModel& model) {
   return bends;
 }
 
-/// Returns the factor by which a motion with this state must be slowed; 1 or less if it keeps the
-/// limits of the joints.
-double excess(const Path& path, const arm::ArmModel& model, const IntervalLimits& limits,
-              const TimeLaw::State& state) {
-  const std::size_t here = path.interval_at(state.s);
-  const double part = std::clamp((state.s - path.place(here)) / path.step(here), 0.0, 1.0);
-  const auto [slope, curvature] = path.derivatives(here, part);
-  double factor = 0;
-  for (Eigen::Index axis = 0; axis < model.axes(); ++axis) {
-    const auto& of_joint = model.limits()[static_cast<std::size_t>(axis)];
-    const double speed = slope[axis] * state.speed;
-    const double acceleration =
-        slope[axis] * state.acceleration + curvature[axis] * squared(state.speed);
-    const double fastest = of_joint.speed * limits.speed;
-    const double most = (1 - reserve) * of_joint.acceleration * limits.acceleration;
-    factor =
-        std::max({factor, std::abs(speed) / fastest, std::sqrt(std::abs(acceleration) / most)});
-  }
-  return factor;
-}
-
 /// The mean of the last places of a time law, over a window of time.
 class MeanMotion {
  public:
-  MeanMotion(const TimeLaw& law, const TimeLaw::Start& start, double window)
-      : law_(law), start_(start), window_(window), integrals_{0} {
+  MeanMotion(const TimeLaw& law, double window) : law_(law), window_(window), integrals_{0} {
     for (std::size_t i = 0; i + 1 < law.places().size(); ++i) {
       integrals_.push_back(integrals_.back() + since_knot(i, law.time(i + 1) - law.time(i)));
     }
   }
 
-  /// Returns the state of the time law, also before it starts.
-  TimeLaw::State of_law(double time) const {
-    return time < 0 && start_.before ? start_.before(time) : law_.at(time);
-  }
-
   /// Returns the state of the mean at the end of the window that ends at `time`.
   TimeLaw::State at(double time) const {
-    const TimeLaw::State begin = of_law(time - window_), end = of_law(time);
+    const TimeLaw::State begin = law_.at(time - window_), end = law_.at(time);
     return {(integral(time) - integral(time - window_)) / window_, (end.s - begin.s) / window_,
             (end.speed - begin.speed) / window_};
   }
 
  private:
-  /// Returns the integral of s from the time 0 to `time`.
+  /// Returns the integral of s from the time 0 to `time`. Before the time 0, the motion is at rest.
   double integral(double time) const {
-    const double s = law_.places().front();
-    if (time < 0 && start_.before) {  // by Simpson's rule
-      return time * (s + 4 * start_.before(time / 2).s + start_.before(time).s) / 6;
-    }
-    if (time <= 0) return time * (s + time * law_.speed(0) / 2);
+    if (time <= 0) return time * law_.places().front();
     const double after = time - law_.duration();
     if (after >= 0) return integrals_.back() + after * law_.places().back();
     const std::size_t knot = law_.knot_at(time);
@@ -113,33 +82,80 @@ class MeanMotion {
   }
 
   const TimeLaw& law_;
-  const TimeLaw::Start& start_;
   const double window_;
   std::vector<double> integrals_;  // of s, up to each knot
+};
+
+/// Judges the mean of a motion by the limits of the joints, at the places of a path.
+class MeanJudge {
+ public:
+  MeanJudge(const Path& path, const arm::ArmModel& model, const std::vector<IntervalLimits>& limits)
+      : path_(path), model_(model), limits_(limits) {}
+
+  double excess_at(const TimeLaw::State& mean) const {
+    const std::size_t here = path_.interval_at(mean.s);
+    const double part = (mean.s - path_.place(here)) / path_.step(here);
+    return excess(here, std::clamp(part, 0.0, 1.0), mean);
+  }
+
+  /// Returns the greatest excess at the knots that a motion passes on its way from the state `from`
+  /// to the state `to`: a corner may be so short that it lies between these two.
+  double excess_at_knots(const TimeLaw::State& from, const TimeLaw::State& to) const {
+    double factor = 0;
+    for (std::size_t i = path_.interval_at(from.s) + 1; i < path_.intervals(); ++i) {
+      if (path_.place(i) >= to.s) break;
+      const double part = (path_.place(i) - from.s) / (to.s - from.s);
+      const TimeLaw::State here{path_.place(i), std::lerp(from.speed, to.speed, part),
+                                std::lerp(from.acceleration, to.acceleration, part)};
+      factor = std::max({factor, excess(i - 1, 1, here), excess(i, 0, here)});
+    }
+    return factor;
+  }
+
+ private:
+  /// Returns the factor by which a motion with this state, at the fraction `part` of the interval
+  /// `here`, must be slowed; 1 or less if it keeps the limits of the joints.
+  double excess(std::size_t here, double part, const TimeLaw::State& state) const {
+    const auto [slope, curvature] = path_.derivatives(here, part);
+    double factor = 0;
+    for (Eigen::Index axis = 0; axis < model_.axes(); ++axis) {
+      const auto& of_joint = model_.limits()[static_cast<std::size_t>(axis)];
+      const double speed = slope[axis] * state.speed;
+      const double acceleration =
+          slope[axis] * state.acceleration + curvature[axis] * squared(state.speed);
+      const double fastest = of_joint.speed * limits_[here].speed;
+      const double most = (1 - reserve) * of_joint.acceleration * limits_[here].acceleration;
+      factor =
+          std::max({factor, std::abs(speed) / fastest, std::sqrt(std::abs(acceleration) / most)});
+    }
+    return factor;
+  }
+
+  const Path& path_;
+  const arm::ArmModel& model_;
+  const std::vector<IntervalLimits>& limits_;
 };
 
 }  // namespace
 
 std::vector<double> excess_of_mean(const Path& path, const arm::ArmModel& model,
                                    const std::vector<IntervalLimits>& limits, const TimeLaw& law,
-                                   const TimeLaw::Start& start, const Smoothing& smoothing) {
+                                   std::size_t from_knot, const Smoothing& smoothing) {
   const double window = smoothing.window;
-  const MeanMotion motion(law, start, window);
-  const auto excess_at = [&](double time) {
-    const TimeLaw::State mean = motion.at(time);
-    const bool before = mean.s < path.begin() && start.path_before != nullptr;
-    const IntervalLimits& here = limits[path.interval_at(mean.s)];
-    return excess(before ? *start.path_before : path, model, here, mean);
-  };
+  const MeanMotion motion(law, window);
+  const MeanJudge judge(path, model, limits);
   std::vector<double> factors(path.intervals(), 1);
   std::size_t first = 0;  // of the intervals in the window
   const double step = std::max(window / samples, law.duration() / most_samples);
-  for (double time = 0; time < law.duration() + window; time += step) {
-    double factor = excess_at(time);
+  TimeLaw::State mean = motion.at(law.time(from_knot));
+  for (double time = law.time(from_knot); time < law.duration() + window; time += step) {
+    const TimeLaw::State next = motion.at(time + step);
+    double factor = std::max(judge.excess_at(mean), judge.excess_at_knots(mean, next));
     for (int part = 1; factor > close && part < finer; ++part) {
-      factor = std::max(factor, excess_at(time + part * step / finer));
+      factor = std::max(factor, judge.excess_at(motion.at(time + part * step / finer)));
     }
-    const double begin = motion.of_law(time - window).s, end = motion.of_law(time + step).s;
+    mean = next;
+    const double begin = law.at(time - window).s, end = law.at(time + step).s;
     while (first + 1 < path.intervals() && path.place(first + 1) < begin) ++first;
     for (std::size_t i = first; factor > 1 && i < path.intervals() && path.place(i) <= end; ++i) {
       factors[i] = std::max(factors[i], factor);

@@ -85,37 +85,37 @@ std::optional<double> MoveChain::time_at(double s) const {
   return begins_ + plan_.law.time_at(s);
 }
 
-/// Returns the state of the motion at the time `time`, by the time law that was in force then.
-TimeLaw::State MoveChain::state_at(double time) const {
-  const TimeLaw* law = &plan_.law;
-  double begins = begins_;
-  for (auto passed = passed_.rbegin(); time < begins && passed != passed_.rend(); ++passed) {
-    begins = passed->begins;
-    law = &passed->law;
-  }
-  return law->at(time - begins);
-}
-
 /// Returns the first knot that the motion passes after `time`; nullopt if it is behind
 /// `last_place`.
 std::optional<std::size_t> MoveChain::first_knot_after(double time, double last_place) const {
-  for (std::size_t i = 0; plan_.path.place(i) <= last_place; ++i) {
+  for (std::size_t i = plan_.entry; plan_.path.place(i) <= last_place; ++i) {
     if (begins_ + plan_.law.time(i) >= time) return i;
   }
   return std::nullopt;
 }
 
-/// Returns the part of the chain from the knot `first` to the place `end`, where it has a knot,
-/// too.
-MoveChain::Course MoveChain::course_between(std::size_t first, double end) const {
+/// Returns the last knot that the motion has passed before the window that ends at `knot`, or the
+/// start of its path.
+std::size_t MoveChain::first_in_window_before(std::size_t knot) const {
+  const double begin = plan_.law.time(knot) - planner_.smoothing().window;
+  std::size_t first = knot;
+  while (first > 0 && plan_.law.time(first) > begin) --first;
+  return first;
+}
+
+/// Returns the part of the chain from the knot `lead` to the place `end`, where it has a knot, too.
+/// The path stays the same up to the knot `first`.
+MoveChain::Course MoveChain::course_between(std::size_t lead, std::size_t first, double end) const {
   Course course;
-  course.knots.add(plan_.path.place(first), plan_.path.knot(first));
-  course.knots.first_slope = first > 0 ? plan_.path.slope(first) : course_.knots.first_slope;
-  for (std::size_t i = first; course.knots.places.back() < end; ++i) {
+  course.knots.add(plan_.path.place(lead), plan_.path.knot(lead));
+  for (std::size_t i = lead; i <= first; ++i) {
+    course.knots.first_slopes.push_back(plan_.path.slope(i));
+  }
+  for (std::size_t i = lead; course.knots.places.back() < end; ++i) {
     // A knot just before the end would make a very short interval.
-    const bool last = plan_.path.place(i + 1) > end - plan_.path.step(i) / 4;
+    const bool last = i >= first && plan_.path.place(i + 1) > end - plan_.path.step(i) / 4;
     const bool joins = std::ranges::binary_search(course_.knots.joins, i);
-    if (i > first && joins) course.knots.joins.push_back(i - first);
+    if (i > lead && joins) course.knots.joins.push_back(i - lead);
     if (last) {
       course.knots.add(end, plan_.path.position(end));
     } else {
@@ -252,23 +252,20 @@ std::optional<MoveChain::Corner> MoveChain::extend(const Move& next, double afte
   overlap.before = plan_.path.position(begin);
   overlap.after = next.path.position(overlap.half);
 
-  Course course = course_between(*first, begin);
+  const std::size_t lead = first_in_window_before(*first);
+  Course course = course_between(lead, *first, begin);
   if (!add_overlap(course, next, overlap)) return std::nullopt;
   add_move(course, next, overlap);
-  const double window = planner_.smoothing().window;
-  const double switches = begins_ + plan_.law.time(*first);
-  const auto before = [&](double seconds) { return state_at(switches + seconds); };
-  auto plan =
-      plan_of(course, {plan_.law.speed(*first), plan_.law.accelerations_before(*first, window),
-                       before, &plan_.path});
+  const auto knot = [&](std::size_t i) {
+    return plan_.law.squares().begin() + static_cast<std::ptrdiff_t>(i);
+  };
+  auto plan = plan_of(course, {{knot(lead), knot(*first + 1)}});
   if (!plan) return std::nullopt;
   const auto tool_at = [&](const JointValues& joints) {
     return planner_.base_from_tool(joints, next.flange_from_tool);
   };
   const Frame corner = tool_at(goal()), passed = tool_at(plan->path.position(overlap.corner));
-  while (passed_.size() > 1 && passed_[1].begins < switches - window) passed_.pop_front();
-  passed_.push_back({begins_, plan_.law});
-  begins_ = switches;
+  begins_ += plan_.law.time(lead);
   course_ = std::move(course);
   plan_ = *std::move(plan);
   last_ = next;

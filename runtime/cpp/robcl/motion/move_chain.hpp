@@ -1,7 +1,6 @@
 // Moves that go over into each other, so that the arm does not stand at the goals between them.
 #pragma once
 
-#include <deque>
 #include <optional>
 #include <vector>
 
@@ -37,14 +36,14 @@ class MoveChain {
   /// has no length.
   std::optional<Corner> extend(const Move& next, double after);
 
-  /// The plan of the motion from the time begins() on. All times are in s since the start of the
-  /// chain, by the time laws of its plans.
+  /// All times are in s since the start of the chain, by the time laws of its plans.
   const Plan& plan() const { return plan_; }
+  /// Returns the time at which the time law of plan() is at its time 0.
   double begins() const { return begins_; }
   double ends() const { return begins_ + plan_.law.duration(); }
   double end() const { return plan_.path.end(); }  ///< s
   const JointValues& goal() const { return plan_.goal(); }
-  /// Returns the time at which the motion is at the place `s`; nullopt if that is before begins().
+  /// Returns the time at which the motion is at the place `s`; nullopt if plan() does not say.
   std::optional<double> time_at(double s) const;
 
  private:
@@ -60,9 +59,9 @@ class MoveChain {
     double unhindered = 0;      ///< d, if both moves are long enough
     JointValues before, after;  ///< joint positions where the overlap begins and ends
   };
-  TimeLaw::State state_at(double time) const;
   std::optional<std::size_t> first_knot_after(double time, double last_place) const;
-  Course course_between(std::size_t first, double end) const;
+  std::size_t first_in_window_before(std::size_t knot) const;
+  Course course_between(std::size_t lead, std::size_t first, double end) const;
   bool add_overlap(Course& course, const Move& next, const Overlap& overlap);
   void add_move(Course& course, const Move& next, const Overlap& overlap) const;
   std::optional<std::vector<JointValues>> overlap_joints(const Move& next, const Overlap& overlap,
@@ -73,12 +72,6 @@ class MoveChain {
   Course course_;
   Plan plan_;
   double begins_ = 0;
-  /// A time law that was replaced.
-  struct Passed {
-    double begins = 0;
-    TimeLaw law;
-  };
-  std::deque<Passed> passed_;  // those that were in force in the last window
   Move last_;
 };
 

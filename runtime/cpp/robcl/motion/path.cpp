@@ -23,7 +23,7 @@ Path::Path(Knots knots) : knots_(std::move(knots)) {
     }
     first = end;
   }
-  if (knots_.first_slope) slopes_.front() = *knots_.first_slope;
+  std::ranges::copy(knots_.first_slopes, slopes_.begin());
 }
 
 /// Returns the derivative at the knot `i` of the polynomial through it and the two knots on either

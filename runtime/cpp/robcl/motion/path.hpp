@@ -24,8 +24,8 @@ class Path {
     std::vector<JointValues> joints;  ///< rad
     /// Indices of the knots, rising, at which the curvature jumps: the path is smooth between them.
     std::vector<std::size_t> joins{};
-    /// The first derivative at the first knot, if the path continues another one.
-    std::optional<JointValues> first_slope{};
+    /// The first derivatives at the first knots, if the path has these knots from another one.
+    std::vector<JointValues> first_slopes{};
 
     void add(double place, JointValues at) {
       places.push_back(place);

@@ -13,17 +13,20 @@ namespace {
 // rounding.
 constexpr double content = 1.0003;
 constexpr int most_tries = 8;
-double just_kept(const Smoothing& smoothing) { return smoothing.on() ? 1.0025 : content; }
+// A motion that does not start at rest cannot be slowed before its start. What it exceeds there
+// would make the rest of it slower with each try.
+constexpr double most_slowed = 3;
+double just_kept(const Smoothing& smoothing) { return smoothing.on() ? 1.005 : content; }
 
 /// Returns the factor by which `law` must be slowed in each interval so that its set points keep
 /// the limits of the joints; 1 where they keep them.
 std::vector<double> excess_of(const TimeLaw& law, const Path& path, const arm::ArmModel& model,
                               const std::vector<IntervalLimits>& limits, const PathBounds& bounds,
-                              const TimeLaw::Start& start, const Smoothing& smoothing) {
-  if (smoothing.on()) return excess_of_mean(path, model, limits, law, start, smoothing);
-  std::vector<double> factors;
-  for (std::size_t i = 0; i < path.intervals(); ++i) {
-    factors.push_back(bounds.excess(i, law.squares()[i], law.acceleration(i)));
+                              std::size_t from_knot, const Smoothing& smoothing) {
+  if (smoothing.on()) return excess_of_mean(path, model, limits, law, from_knot, smoothing);
+  std::vector<double> factors(path.intervals(), 1);
+  for (std::size_t i = from_knot; i < path.intervals(); ++i) {
+    factors[i] = bounds.excess(i, law.squares()[i], law.acceleration(i));
   }
   return factors;
 }
@@ -39,12 +42,15 @@ std::optional<TimeLaw> fastest_law(const Path& path, const arm::ArmModel& model,
                                    const Smoothing& smoothing, const TimeLaw::Start& start) {
   const PathBounds bounds(path, model, limits);
   PathBounds tightened = bounds;
-  const bool from_rest = start.speed <= 0;
+  const bool from_rest = start.at_rest();
+  double longest = infinite;  // s
   for (int tries = 1;; ++tries) {
     auto law = TimeLaw::fastest_from(tightened, start, smoothing);
     if (!law && from_rest) law = TimeLaw::fastest(tightened);
     if (!law) return std::nullopt;
-    auto factors = excess_of(*law, path, model, limits, bounds, start, smoothing);
+    if (tries == 1) longest = most_slowed * law->duration();
+    if (!from_rest && law->duration() > longest) return std::nullopt;
+    auto factors = excess_of(*law, path, model, limits, bounds, start.knot(), smoothing);
     if (from_rest) {
       const auto of_jerk = law->change_excess(bounds, smoothing);
       std::ranges::transform(factors, of_jerk, factors.begin(),
@@ -57,7 +63,7 @@ std::optional<TimeLaw> fastest_law(const Path& path, const arm::ArmModel& model,
     // The motion is also slowed around the place. A remaining factor is small, but does not go
     // away.
     const double exponent = tries <= 2 ? 1 : 3;
-    for (std::size_t i = 0; i < factors.size(); ++i) {
+    for (std::size_t i = start.knot(); i < factors.size(); ++i) {
       if (factors[i] > 1) tightened.tighten(i, std::pow(factors[i], exponent));
     }
   }
@@ -73,7 +79,7 @@ std::optional<Plan> fastest_plan(Path path, const arm::ArmModel& model, CourseLi
     limits.braking = narrowed(path, model, std::move(limits.braking), *law, smoothing);
   }
   PathBounds braking(path, model, limits.braking);
-  return Plan{std::move(path), std::move(braking), *std::move(law), smoothing};
+  return Plan{std::move(path), std::move(braking), *std::move(law), smoothing, start.knot()};
 }
 
 }  // namespace robcl::motion

@@ -15,6 +15,9 @@ struct Plan {
   PathBounds braking;  ///< for a stop on the path: the limits of the arm at full pace
   TimeLaw law;
   Smoothing smoothing{};
+  /// A motion that goes over into this plan does so at this knot. Before it, the plan is the one
+  /// that the motion had, for the length of the window of `smoothing`.
+  std::size_t entry = 0;
 
   double duration() const {
     return law.duration() + (law.duration() > 0 ? smoothing.window : 0);
@@ -29,8 +32,8 @@ struct CourseLimits {
   std::vector<IntervalLimits> moving, braking;
 };
 
-/// Plans the fastest motion on `path` whose set points keep all limits. The arm comes to the path
-/// as `start` says. Returns nullopt if the arm cannot keep the limits from this start; from rest it
+/// Plans the fastest motion on `path` whose set points keep all limits. The motion begins as
+/// `start` says. Returns nullopt if the arm cannot keep the limits from this start; from rest it
 /// always can.
 std::optional<Plan> fastest_plan(Path path, const arm::ArmModel& model, CourseLimits limits,
                                  const Smoothing& smoothing, const TimeLaw::Start& start = {});

@@ -29,7 +29,7 @@ JointValues Playback::advance(double seconds) {
   elapsed_.store(traversal_.stage().begins + traversal_.time());
   standing_ = traversal_.standing() && places_.constant();
   const double s = places_.mean();
-  while (shown_ != &traversal_.stage() && s >= shown_->next.load()->plan.path.begin()) {
+  while (shown_ != &traversal_.stage() && s >= shown_->next.load()->place_of_entry()) {
     shown_ = shown_->next.load();
     entered_.store(shown_);
   }

@@ -15,10 +15,16 @@ constexpr double rounding = 1e-12;  // relative
 constexpr double rounding_of_start = 1e-9;
 
 /// Returns the allowed values of u = d²s/dt² after the knot `knot`, where (ds/dt)² is `x`. With
-/// these values, (ds/dt)² is at most `next` at the following knot.
+/// these values, (ds/dt)² is at most `next` at the following knot. There is none if the limits
+/// alone require that (ds/dt)² falls to less than half.
 Interval allowed(const PathBounds& bounds, std::size_t knot, double x, double next) {
-  Interval u = bounds.over_interval(knot, x);
   const double per_u = 2 * bounds.step(knot);
+  Interval u = bounds.over_interval(knot, x);
+  // In a bend that is short compared to the interval, a fast motion would have to brake until it
+  // hardly moves. A slower one need not.
+  Interval going_on = u;
+  going_on.raise_lower(-x / (2 * per_u), -1 / (2 * per_u));
+  if (going_on.empty()) return going_on;
   u.raise_lower(-x / per_u, -1 / per_u);
   u.reduce_upper((next - x) / per_u, -1 / per_u);
   return u;
@@ -52,29 +58,40 @@ class ForwardPass {
       : bounds_(bounds),
         smoothing_(smoothing),
         ceiling_(bounds.places(), highest),
-        highest_(highest),
-        start_(start) {
-    squares_.push_back(squared(start.speed));
+        highest_(highest) {
+    for (std::size_t i = 0; i < bounds.intervals(); ++i) {
+      limits_.push_back(bounds.acceleration_limit(i));
+    }
+    for (const double square : start.squares) add(square);
   }
 
   std::vector<double> run() && {
-    for (std::size_t i = 0; i < bounds_.intervals(); ++i) {
-      const double x = squares_[i], step = bounds_.step(i), top = highest_[i + 1];
+    for (std::size_t i = squares_.size() - 1; i < bounds_.intervals(); ++i) {
+      const double x = squares_[i], top = highest_[i + 1];
       const double u = acceleration(i, allowed(bounds_, i, x, top));
-      squares_.push_back(std::clamp(x + 2 * step * u, 0.0, top));
-      const double speeds = std::sqrt(x) + std::sqrt(squares_.back());
-      times_.push_back(speeds > 0 ? 2 * step / speeds : infinite);
+      add(std::clamp(x + 2 * bounds_.step(i) * u, 0.0, top));
     }
     return std::move(squares_);
   }
 
  private:
+  /// Adds (ds/dt)² at the next knot.
+  void add(double square) {
+    squares_.push_back(square);
+    if (squares_.size() == 1) return;
+    const std::size_t i = squares_.size() - 2;
+    const double speeds = std::sqrt(squares_[i]) + std::sqrt(square);
+    times_.push_back(speeds > 0 ? 2 * bounds_.step(i) / speeds : infinite);
+  }
+
   double acceleration(std::size_t knot, const Interval& allowed) const {
     if (!smoothing_.on() || allowed.empty()) return allowed.upper;
-    const double change = smoothing_.change(bounds_.acceleration_limit(knot));
-    const TimeLaw::Range before = in_window_before(knot);
+    const auto [before, limit] = in_window_before(knot);
+    const double change = smoothing_.change(limit);
     const double lowest = std::max(allowed.lower, before.greatest - change);
-    const double highest = std::min(allowed.upper, before.least + change);
+    // A motion that has braked need not brake until it stops.
+    const double still = -std::sqrt(squares_[knot]) / smoothing_.window;
+    const double highest = std::min(allowed.upper, std::max(before.least + change, still));
     const Ceiling::State here{knot, bounds_.places()[knot], squares_[knot]};
     const double u = greatest_admitted(lowest, highest, [&](double some) {
       const double then = std::max(some, before.greatest) - change;
@@ -85,27 +102,33 @@ class ForwardPass {
     return std::clamp(std::max(u, slower), allowed.lower, allowed.upper);
   }
 
-  /// Returns the accelerations within the window before `knot`.
-  TimeLaw::Range in_window_before(std::size_t knot) const {
-    double since = 0;
+  /// The accelerations in a window, and the greatest limit of d²s/dt² there.
+  struct Window {
     TimeLaw::Range range{infinite, -infinite};
+    double limit = 0;
+  };
+  /// Returns the window before `knot`. Its limit counts the interval after `knot`, too. The arm
+  /// stands before the first knot.
+  Window in_window_before(std::size_t knot) const {
+    double since = 0;
+    Window window{.limit = limits_[knot]};
     for (std::size_t i = knot; since < smoothing_.window; --i) {
       if (i == 0) {
-        range.add(start_.accelerations_before.least);
-        range.add(start_.accelerations_before.greatest);
+        window.range.add(0);
         break;
       }
-      range.add((squares_[i] - squares_[i - 1]) / (2 * bounds_.step(i - 1)));
+      window.range.add((squares_[i] - squares_[i - 1]) / (2 * bounds_.step(i - 1)));
+      window.limit = std::max(window.limit, limits_[i - 1]);
       since += times_[i - 1];
     }
-    return range;
+    return window;
   }
 
   const PathBounds& bounds_;
   const Smoothing& smoothing_;
   const Ceiling ceiling_;
   const std::vector<double>& highest_;
-  const TimeLaw::Start start_;
+  std::vector<double> limits_;  // of d²s/dt² in each interval
   std::vector<double> squares_, times_;
 };
 
@@ -115,8 +138,10 @@ std::optional<TimeLaw> TimeLaw::fastest_from(const PathBounds& bounds, const Sta
                                              const Smoothing& smoothing) {
   const std::size_t last = bounds.intervals();
   std::vector<double> highest(last + 1, 0.0);
-  for (std::size_t i = last; i-- > 0;) highest[i] = fastest_at(bounds, i, highest[i + 1]);
-  if (squared(start.speed) > highest[0] * (1 + rounding_of_start)) return std::nullopt;
+  const std::size_t first = start.knot();
+  for (std::size_t i = last; i-- > first;) highest[i] = fastest_at(bounds, i, highest[i + 1]);
+  if (start.squares.back() > highest[first] * (1 + rounding_of_start)) return std::nullopt;
+  std::copy_n(start.squares.begin(), first, highest.begin());
   TimeLaw law(bounds.places(), ForwardPass(bounds, smoothing, highest, start).run());
   if (!std::isfinite(law.duration())) return std::nullopt;
   return law;
@@ -153,14 +178,6 @@ TimeLaw::Range TimeLaw::accelerations(double from, double to) const {
 std::size_t TimeLaw::knot_at(double seconds) const {
   const auto after = std::upper_bound(times_.begin() + 1, times_.end(), seconds);
   return static_cast<std::size_t>(after - times_.begin()) - 1;
-}
-
-TimeLaw::Range TimeLaw::accelerations_before(std::size_t knot, double seconds) const {
-  Range range;
-  for (std::size_t i = knot; i > 0 && times_[knot] - times_[i] < seconds; --i) {
-    range.add(acceleration(i - 1));
-  }
-  return range;
 }
 
 TimeLaw TimeLaw::standing() {

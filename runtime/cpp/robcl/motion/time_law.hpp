@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -39,13 +38,13 @@ class TimeLaw {
       greatest = std::max(greatest, value);
     }
   };
-  /// The state in which a motion comes to the start of a path.
+  /// How a motion begins that cannot be changed before a knot: (ds/dt)² at all knots up to this
+  /// one.
   struct Start {
-    double speed = 0;              ///< ds/dt
-    Range accelerations_before{};  ///< within the last window
-    /// Returns the state of the motion at a time before 0, in s; null if it starts at rest.
-    std::function<State(double seconds)> before{};
-    const Path* path_before = nullptr;  ///< on which the motion is then
+    std::vector<double> squares{0};
+
+    std::size_t knot() const { return squares.size() - 1; }
+    bool at_rest() const { return squares.size() == 1 && squares.front() == 0; }
   };
   /// Returns the fastest time law with this start; nullopt if no time law with this speed keeps all
   /// limits, or if the arm would stop before the end.
@@ -77,9 +76,6 @@ class TimeLaw {
   /// Returns the values of d²s/dt² from the time `from` to the time `to`, in s. Never allocates
   /// memory.
   Range accelerations(double from, double to) const;
-  /// Returns the values of d²s/dt² in the last `seconds` before the knot `knot`, and in addition
-  /// the value 0.
-  Range accelerations_before(std::size_t knot, double seconds) const;
   /// Returns the time in s at which this time law is at the knot `knot`.
   double time(std::size_t knot) const { return times_[knot]; }
   /// Returns the last knot that this time law has passed at the time `seconds`, which is from 0 to

@@ -45,7 +45,7 @@ void Traversal::advance_by_law(double seconds) {
   time_ += seconds;
   const Stage* const next = stage_->next.load();
   if (next != nullptr) {
-    const double switches = next->begins - stage_->begins;
+    const double switches = plan().law.time_at(next->place_of_entry());
     if (before <= switches && switches <= time_) {
       note_law(before, switches);
       enter(*next);
@@ -63,16 +63,16 @@ void Traversal::advance_by_law(double seconds) {
 /// Enters each stage that takes over at the present place of the motion. Several stages may begin
 /// at the same knot.
 void Traversal::enter_stages_here() {
-  for (const Stage* next = stage_->next.load(); next != nullptr && next->plan.path.begin() == s_;
+  for (const Stage* next = stage_->next.load(); next != nullptr && next->place_of_entry() == s_;
        next = stage_->next.load()) {
     enter(*next);
-    knot_ = 0;
+    knot_ = next->plan.entry;
   }
 }
 
 void Traversal::enter(const Stage& next) {
   stage_ = &next;
-  time_ = 0;
+  time_ = next.plan.law.time(next.plan.entry);
 }
 
 void Traversal::set_override(double factor) {

@@ -15,8 +15,9 @@ struct Stage {
   Stage(Plan its_plan, double its_begin, std::size_t its_number)
       : plan(std::move(its_plan)), begins(its_begin), number(its_number) {}
   const Plan plan;
-  const double begins;  ///< s, by the time laws of the plans before it
+  const double begins;  ///< time in s at which its time law is at 0, by those of the plans before
   const std::size_t number;
+  double place_of_entry() const { return plan.path.place(plan.entry); }  ///< s
   std::atomic<const Stage*> next{nullptr};
 };
 
