@@ -25,5 +25,6 @@ function(gecos_test name)
   include(GoogleTest)
   gtest_discover_tests(${name} TEST_PREFIX "${name}."
                         PROPERTIES TIMEOUT ${longest} ENVIRONMENT "GECOS_KEY_DIR=${CMAKE_BINARY_DIR}/tests/keys"
+                                   ENVIRONMENT_MODIFICATION "GECOS_AUDIT_DIR=set:${CMAKE_BINARY_DIR}/tests/audit"
                         DISCOVERY_TIMEOUT 60)
 endfunction()

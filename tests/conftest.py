@@ -11,6 +11,9 @@ import tempfile
 _keys = tempfile.TemporaryDirectory(prefix="gecos-keys-")
 atexit.register(_keys.cleanup)
 os.environ["GECOS_KEY_DIR"] = _keys.name  # for this process and all that it starts
+_audit = tempfile.TemporaryDirectory(prefix="gecos-audit-", ignore_cleanup_errors=True)
+atexit.register(_audit.cleanup)
+os.environ["GECOS_AUDIT_DIR"] = _audit.name
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # programs that are started would inherit it
     signal.signal(signal.SIGINT, signal.default_int_handler)

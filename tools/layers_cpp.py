@@ -25,7 +25,7 @@ PUBLIC = re.compile(
     r"\.[hc]pp$"
 )
 HAND_WRITTEN = re.compile(
-    r"^(?:gecos/(base|wire|qos|access|crypto|"
+    r"^(?:gecos/(base|wire|qos|access|audit|crypto|"
     r"media(?:/(?:buffers|layers|sealed|inproc|shm|lcm|testing))?|"
     r"session/(?:protocol|process|client|server)|broker)|robcl/(frames|arm|motion))/"
 )
@@ -76,6 +76,7 @@ MODULES: dict[str, Module] = {
     "wire": _module("base", "wire knows base alone"),
     "qos": _module("base", "qos knows base alone"),
     "access": _module("base", "access knows base alone: what it needs is passed in"),
+    "audit": _module("base", "the audit knows base alone: what it writes is passed in"),
     "crypto": _module("base", "crypto knows base alone: bytes in, bytes out"),
     "medium": _module("base qos", "the contract of a medium speaks of bytes and quality alone"),
     "media": _module(
@@ -105,7 +106,7 @@ MODULES: dict[str, Module] = {
         _SESSION + " session/protocol session/process", _BY_CONTRACT + _INWARDS
     ),
     "session/server": _module(
-        _SESSION + " session/protocol session/process session/client", _BY_CONTRACT + _INWARDS
+        _SESSION + " audit session/protocol session/process session/client", _BY_CONTRACT + _INWARDS
     ),
     "umbrella": _module("base public", "gecos.hpp gathers what programs use: base and public"),
     "broker": _module(
@@ -143,7 +144,7 @@ MODULES: dict[str, Module] = {
         "a device is a generated skeleton, robcl and one piece of hardware: no medium, no broker",
     ),
     "binding": _module(
-        _BELOW_SESSION + " public umbrella broker media/shm",
+        _BELOW_SESSION + " audit public umbrella broker media/shm",
         "the binding sits on public headers and broker, at the byte seam: no generated client; "
         "of media it shows the runtime directory alone",
     ),

@@ -52,6 +52,7 @@ def build_on_an_interface_of_robcl() -> None:
 def serve_and_call() -> None:
     """The device that `gidl new` writes is served by a process and called from this one."""
     os.environ["GECOS_RUNTIME_DIR"] = os.environ["GECOS_KEY_DIR"] = str(Path.cwd())
+    os.environ["GECOS_AUDIT_DIR"] = str(Path.cwd() / "audit")
     run("gidl", "new", "thermometer")
     os.chdir("thermometer")
     run("gidl", "gen")

@@ -102,6 +102,7 @@ def settled(text: str, *folders: Path) -> str:
     text = text.replace(socket.gethostname(), "<host>")
     text = re.sub(r"\(pid \d+\)|\bpid \d+", "pid <pid>", text)
     text = re.sub(r"\buid \d+", "uid <uid>", text)
+    text = re.sub(r"\(request [0-9a-f-]+\)", "(request <id>)", text)
     text = re.sub(r"\b\d+(\.\d+)? m?s ago|(for|since|in) \d+(\.\d+)? m?s\b", "<time>", text)
     text = re.sub(
         rf"\b{re.escape(getpass.getuser())} on <host> \([^,)]*,",

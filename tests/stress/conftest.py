@@ -37,6 +37,7 @@ def env(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return {
         "PYTHONPATH": os.pathsep.join(filter(None, [f"{_generated.name}/python", before])),
         "GECOS_KEY_DIR": str(keys),
+        "GECOS_AUDIT_DIR": str(tmp_path_factory.mktemp("audit")),
     }
 
 

@@ -211,6 +211,7 @@ def main() -> int:
         rampage.generate_python(Path(made))
         paths = [f"{made}/python", *filter(None, [os.environ.get("PYTHONPATH")])]
         env = {"PYTHONPATH": os.pathsep.join(paths), "GECOS_KEY_DIR": f"{made}/keys"}
+        os.environ["GECOS_AUDIT_DIR"] = env["GECOS_AUDIT_DIR"] = f"{made}/audit"
         os.environ["GECOS_KEY_DIR"] = env["GECOS_KEY_DIR"]
         gather_a_crowd(asked.clients, build, env, figures)
         move(asked.moves, build, figures)

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "bind.hpp"
+#include "gecos/audit/folder.hpp"
 #include "gecos/crypto/key_directory.hpp"
 #include "gecos/crypto/key_file.hpp"
 #include "gecos/media/shm/directory.hpp"
@@ -64,6 +65,7 @@ std::string public_key_in(const nb::bytes& text) {
 void bind_this_user(nb::module_& module) {
   module.def("runtime_directory", &media::shm::default_runtime_directory);
   module.def("runtime_directory_problem", &runtime_directory_problem);
+  module.def("audit_directory", &audit::default_folder);
   module.def("key_directory", &crypto::KeyDirectory::default_path);
   module.def("own_key", &own_key);
   module.def("key_problem", &key_problem, nb::arg("key"));

@@ -188,6 +188,9 @@ class Broker:
     def __init__(self, lab: Lab, name_hold: float) -> None: ...
     def close(self) -> None: ...
 
+def audit_directory() -> str:
+    """Returns the folder of the audit of this user's servers."""
+
 def runtime_directory() -> str:
     """Returns the folder through which the programs of this user find each other over shm."""
 

@@ -31,11 +31,14 @@ TEST_P(Call, FinishesWhenItsStateIsOnlyPolled) {
 }
 
 TEST_P(Call, ThatMovesTheDeviceIsDeniedWithoutStatusAndSaysHowToGetIt) {
-  const auto set = probe_.set(3).get();
+  const auto command = probe_.set(3);
+  const auto set = command.get();
   ASSERT_FALSE(set);
   EXPECT_EQ(set.error().detail, Detail::Denied);
-  EXPECT_EQ(set.error().text,
-            "'set' of PROBE needs actor status; call actor(object) of gecos to acquire it");
+  EXPECT_EQ(
+      set.error().text,
+      "'set' of PROBE needs actor status; call actor(object) of gecos to acquire it (request " +
+          to_string(command.id()) + ")");
 }
 
 TEST_P(Call, IsCarriedOutUnderALease) {

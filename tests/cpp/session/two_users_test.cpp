@@ -93,8 +93,10 @@ class SharedPlace {
     if (::chmod(directory_.path().c_str(), 01777) != 0) throw std::runtime_error("chmod");
     ::setenv("GECOS_RUNTIME_DIR", directory_.path().c_str(), 1);
     ::setenv("GECOS_LAB_FILE", file().c_str(), 1);
+    ::setenv("GECOS_AUDIT_DIR", audit().c_str(), 1);
     write("");
   }
+  std::string audit() const { return directory_.path() + "/audit"; }
   std::string file() const { return directory_.path() + "/lab.toml"; }
   void write(const std::string& text) const { std::ofstream(file()) << text; }
 
@@ -146,6 +148,31 @@ TEST_F(TwoUsersOfOneHost, OneIsAdmittedByTheProgramAndTheOtherIsToldWhyNot) {
                          "add \"bin\" to its users"),
             std::string::npos)
       << refused;
+}
+
+TEST_F(TwoUsersOfOneHost, TheAuditTellsByWhichRuleOneIsAdmittedAndTheOtherRefused) {
+  place.write("[objects.BROKER.allow]\nusers = [\"*\"]\n");
+  std::string refused;
+  {
+    Laboratory laboratory;
+    laboratory.server.allow({"daemon"});
+    EXPECT_EQ(use(daemon), "read 8");
+    refused = use(bin);
+  }
+  const auto at = refused.find("(request ");
+  ASSERT_NE(at, std::string::npos) << refused;
+  const std::string number = refused.substr(at + 9, refused.find(')', at) - at - 9);
+  std::ifstream file(place.audit() + "/audit.jsonl");
+  const std::string told(std::istreambuf_iterator<char>(file), {});
+  const std::string host = "\"host\":\"" + gecos::host_name() + "\",\"why\":\"PROBE ";
+  EXPECT_NE(told.find("\"event\":\"admitted\",\"object\":\"PROBE\",\"user\":\"daemon\"," + host +
+                      "admits user daemon"),
+            std::string::npos)
+      << told;
+  EXPECT_NE(told.find("\"event\":\"refused\",\"object\":\"PROBE\",\"request\":\"" + number +
+                      "\",\"user\":\"bin\"," + host + "refuses user bin"),
+            std::string::npos)
+      << told;
 }
 
 TEST_F(TwoUsersOfOneHost, NobodyElseIsAdmittedByDefault) {

@@ -41,6 +41,7 @@ _VERBS = {
     "up": "up.up",
     "wait": "wait.wait",
     "watch": "members.watch",
+    "why": "why.why",
 }
 """Maps each verb to its module and the name of its function."""
 

@@ -111,8 +111,14 @@ std::string AccessControl::name_of(std::uint32_t uid) {
 }
 
 std::string AccessControl::refusal(const std::string& object, const media::Peer& peer) noexcept {
+  Judgement judgement = judge(object, peer);
+  return judgement.admitted ? std::string() : std::move(judgement.text);
+}
+
+AccessControl::Judgement AccessControl::judge(const std::string& object,
+                                              const media::Peer& peer) noexcept {
   const bool of_this_host = peer.uid.has_value();
-  if (of_this_host ? peer.uid == ::geteuid() || peer.uid == 0u : peer.user.empty()) return "";
+  if (of_this_host ? peer.uid == ::geteuid() || peer.uid == 0u : peer.user.empty()) return {};
   try {
     const std::string host = host_name();
     const access::UserAtHost server{name_of(::geteuid()), host};
@@ -124,9 +130,9 @@ std::string AccessControl::refusal(const std::string& object, const media::Peer&
                                "; the earlier lists of this file stay in force, correct the file");
     }
     const access::AccessDecision decision = policy_.decide(server, who, object);
-    return decision.allowed() ? std::string() : decision.text;
+    return {decision.allowed(), false, who, decision.text};
   } catch (const std::exception& failed) {
-    return object + " refuses all other users: " + failed.what();
+    return {false, false, {}, object + " refuses all other users: " + failed.what()};
   }
 }
 

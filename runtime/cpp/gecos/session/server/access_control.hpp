@@ -27,8 +27,18 @@ class AccessControl {
   /// Admits these users and hosts, in place of those of an earlier call.
   void allow(std::vector<std::string> users, std::vector<std::string> hosts);
 
+  /// Whether a client may connect to an object, and by which rule.
+  struct Judgement {
+    bool admitted = true;
+    /// The client is a program of the server's user or of root, or neither the kernel nor a key
+    /// names another user. Then it is admitted, and the members below are empty.
+    bool own = true;
+    access::UserAtHost who{};
+    std::string text{};  ///< as AccessDecision::text
+  };
+  Judgement judge(const std::string& object, const media::Peer& peer) noexcept;
   /// Returns why `peer` may not connect to the object, or may not stay connected; an empty text
-  /// when it may, and when neither the kernel nor a key names it as another user than the server's.
+  /// when it may.
   std::string refusal(const std::string& object, const media::Peer& peer) noexcept;
 
  private:

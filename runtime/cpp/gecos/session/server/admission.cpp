@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <string>
 
+#include "gecos/session/server/object_audit.hpp"
+
 namespace gecos::session {
 namespace {
 
@@ -25,6 +27,12 @@ Failure refused(Detail detail, const CallRequest& call, const AdmittingObject& o
           "'" + std::string(call.operation.name) + "' of " + std::string(object.name) + " " + why,
           {},
           {}};
+}
+
+Failure denied(const access::Denial& denial, const CallRequest& call,
+               const AdmittingObject& object) {
+  return refused(detail_of(denial.reason), call, object,
+                 denial.text + named_request(call.session, call.counter));
 }
 
 /// Returns a text such as "0.5 ms".
@@ -51,7 +59,7 @@ std::optional<Failure> refusal_to_queue(const CallRequest& call, const Admitting
   if (!operation.safety) {
     const auto may =
         object.leases.may_queue(call.session, call.epoch, operation.status, object.now);
-    if (!may) return refused(detail_of(may.error().reason), call, object, may.error().text);
+    if (!may) return denied(may.error(), call, object);
   }
   if (claim.refuses() && commands_the_object(operation)) {
     return refused(Detail::NotStarted, call, object, "was not started: " + claim.text());
@@ -85,7 +93,7 @@ std::optional<Failure> refusal_to_start(const CallRequest& call, const Admitting
   const auto may =
       object.leases.may_start(call.session, call.epoch, call.operation.status, object.now);
   if (may) return std::nullopt;
-  return refused(detail_of(may.error().reason), call, object, may.error().text);
+  return denied(may.error(), call, object);
 }
 
 Failure not_in_time(const OperationDescription& operation, bool missed_start) {

@@ -21,7 +21,8 @@ bool commands_the_object(const OperationDescription& operation);
 struct CallRequest {
   const OperationDescription& operation;
   SessionId session{};
-  Epoch epoch{};  ///< epoch of the status under which the call was issued
+  Epoch epoch{};              ///< epoch of the status under which the call was issued
+  std::uint64_t counter = 0;  ///< number of the call in the session
 };
 
 /// The object that is called. `now`: the current time by the clock of the object's leases.

@@ -112,6 +112,7 @@ void BuiltinOperations::give_back(ServerSession& session, std::uint64_t counter)
 void BuiltinOperations::stop(ServerSession& by, std::uint64_t counter) {
   const std::string why = "stopped by " + who(by.caller());
   log_info("server", setup_.name + ": " + why);
+  setup_.audit->stopped(by, counter);
   statuses_.stop(by.id(), why);
   calls_.end_commands([](const ServerCall&) { return true; },
                       Failure{Detail::Stopped, why, {}, {}});
@@ -135,11 +136,13 @@ void BuiltinOperations::subscribe(ServerSession& session, std::uint64_t counter,
   const auto may = statuses_.leases().may_queue(session.id(), statuses_.leases().epoch(),
                                                 stream->status, statuses_.now());
   if (!may) {
-    return session.reply(counter, Failure{Detail::Denied,
-                                          "stream '" + std::string(stream->name) + "' of " +
-                                              setup_.name + " " + may.error().text,
-                                          {},
-                                          {}});
+    const Failure denied{Detail::Denied,
+                         "stream '" + std::string(stream->name) + "' of " + setup_.name + " " +
+                             may.error().text + named_request(session.id(), counter),
+                         {},
+                         {}};
+    setup_.audit->refused(session, counter, stream->name, denied);
+    return session.reply(counter, denied);
   }
   const auto shared = session.share(*stream);
   if (!shared) return session.reply(counter, Failure{Detail::Rejected, shared.error(), {}, {}});

@@ -38,6 +38,7 @@ void open(const std::shared_ptr<ServerSession>& session, const Hello& hello,
   outcomes.opened(id, session);
   note_session(id, session->object());
   if (log_enabled(LogLevel::Info)) log_arrival(setup.name, *session);
+  setup.audit->connected(*session);
 }
 
 /// Makes the reply to a Hello. `operations`: whether the reply includes the hashes of all

@@ -87,6 +87,7 @@ bool ObjectCalls::mark(ServerCall& call, TimePoint since_boot) {
     call.state.on(CallState::Event::Begin, since_boot);
     handlers_.add(call);
     if (log_enabled(LogLevel::Debug)) log_begin(call);
+    setup_.audit->begins(call);
     return true;
   }
   end(call, Failure{Detail::NotStarted,
@@ -143,6 +144,7 @@ void ObjectCalls::tell_outcome(ServerCall& call, const Failure& failure) {
 /// wait until the handler has returned.
 void ObjectCalls::settle(ServerCall& call, Detail detail, const std::string& text) {
   if (log_enabled(level_of(call.operation()))) log_end(call, detail, text, setup_.clock().now());
+  setup_.audit->ended(call, detail, text);
   call.session->calls.take(call.counter);
   if (call.resumed_in) call.resumed_in->calls.take(call.resumed_counter);
   if (call.lane != CallLane::Actor) return;

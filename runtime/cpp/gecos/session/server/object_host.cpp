@@ -10,9 +10,9 @@
 namespace gecos::session {
 
 ObjectHost::ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
-                       ObjectOptions options)
-    : state_({std::move(runtime), std::move(name), servant, servant.gecos_interface(),
-              std::move(options)}),
+                       ObjectOptions options, std::shared_ptr<audit::Audit> audit)
+    : state_({std::move(runtime), name, servant, servant.gecos_interface(), std::move(options),
+              std::make_shared<ObjectAudit>(name, std::move(audit))}),
       waits_(state_),
       name_confirmation_(state_),
       streams_(state_.setup.name, state_.setup.interface),
@@ -80,6 +80,7 @@ void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure
     if (session->greeted()) inward_.depart(session->id());
     if (session->greeted()) {
       if (log_enabled(LogLevel::Info)) log_departure(name(), *session);
+      state_.setup.audit->disconnected(*session, session->left ? "" : because);
       state_.calls.outcomes().closed(session->id(), session->intake.window(),
                                      in_order ? nullptr : session);
     }
@@ -109,6 +110,7 @@ TimePoint ObjectHost::on_tick(TimePoint now) {
     const MutexLock lock(state_.mutex);
     state_.statuses.on_tick(now);
     state_.calls.on_tick(now);
+    state_.setup.audit->on_tick();
   }
   waits_.end_endless(now);
   // Starts calls that can start now and that no other thread starts, because the client is gone or
@@ -126,6 +128,7 @@ void ObjectHost::close() {
   state_.packets.close();
   state_.calls.end_all(Failure{Detail::Stopped, "the server no longer serves " + name(), {}, {}});
   state_.statuses.close();
+  state_.setup.audit->end();
 }
 
 std::string ObjectHost::served_as() {

@@ -24,8 +24,9 @@ namespace gecos::session {
 /// it. Thread-safe.
 class ObjectHost final : public Publisher {
  public:
+  /// `audit`: null if nothing is recorded.
   ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
-             ObjectOptions options);
+             ObjectOptions options, std::shared_ptr<audit::Audit> audit = nullptr);
   /// Ends the user callbacks first, so that no callback uses destroyed members.
   ~ObjectHost() override { state_.user_callbacks.end(); }
   ObjectHost(const ObjectHost&) = delete;

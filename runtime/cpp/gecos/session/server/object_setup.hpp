@@ -6,6 +6,7 @@
 #include "gecos/servant.hpp"
 #include "gecos/server.hpp"
 #include "gecos/session/process/runtime.hpp"
+#include "gecos/session/server/object_audit.hpp"
 
 namespace gecos::session {
 
@@ -16,6 +17,7 @@ struct ObjectSetup {
   Servant& servant;
   const InterfaceDescription& interface;
   ObjectOptions options;
+  std::shared_ptr<ObjectAudit> audit;  ///< guarded by the object's mutex
 
   const Clock& clock() const { return runtime->clock(); }
   PauseWatch& pauses() const { return runtime->maintenance().pauses(); }

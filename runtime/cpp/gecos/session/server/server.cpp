@@ -7,6 +7,8 @@
 #include <ostream>
 #include <system_error>
 
+#include "gecos/audit/audit.hpp"
+#include "gecos/audit/folder.hpp"
 #include "gecos/base/descriptors.hpp"
 #include "gecos/base/log.hpp"
 #include "gecos/base/mutex.hpp"
@@ -14,6 +16,7 @@
 #include "gecos/session/client/context.hpp"
 #include "gecos/session/process/termination_signals.hpp"
 #include "gecos/session/server/access_control.hpp"
+#include "gecos/session/server/connection_audit.hpp"
 #include "gecos/session/server/io_loop.hpp"
 #include "gecos/session/server/object_host.hpp"
 #include "gecos/session/server/registrar.hpp"
@@ -49,6 +52,8 @@ class Server::Core {
   explicit Core(std::shared_ptr<Context> lab)
       : lab_(std::move(lab)),
         access_(std::make_shared<session::AccessControl>(lab_->runtime()->options().lab_file)),
+        audit_(std::make_shared<audit::Audit>(audit::Journal(audit::default_folder()))),
+        connections_(std::make_shared<session::ConnectionAudit>(audit_)),
         io_(lab_->runtime(), access_),
         registrar_(lab_),
         upkeep_(std::make_shared<Upkeep>(*this)) {
@@ -87,6 +92,8 @@ class Server::Core {
   const pid_t owner_ = getpid();
   const std::shared_ptr<Context> lab_;
   const std::shared_ptr<session::AccessControl> access_;  ///< acceptors share it
+  const std::shared_ptr<audit::Audit> audit_;
+  const std::shared_ptr<session::ConnectionAudit> connections_;  ///< acceptors share it
   Mutex mutex_;
   std::vector<std::shared_ptr<ObjectHost>> objects_ GECOS_GUARDED_BY(mutex_);
   EventFd ended_;
@@ -109,6 +116,7 @@ TimePoint Server::Core::Upkeep::on_tick(TimePoint now) {
   if (core == nullptr) return TimePoint::max();
   TimePoint next = core->io_.on_tick(now);
   core->registrar_.look();
+  core->connections_->on_tick();
   const MutexLock objects(core->mutex_);
   for (const auto& object : core->objects_) next = std::min(next, object->on_tick(now));
   return next;
@@ -135,6 +143,7 @@ Server::Core::~Core() {
   for (const auto& object : objects_) object->join();
   io_.end();
   for (const auto& object : objects_) object->streams().close();
+  audit_->end();  // others may keep it: a connection that is being closed, a call
 }
 
 tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
@@ -160,9 +169,10 @@ tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
       }
     }();
     if (acceptor) {
-      (*acceptor)->admit_by([access = access_, name](const media::Peer& peer) {
-        return access->refusal(name, peer);
-      });
+      (*acceptor)->admit_by(
+          [access = access_, recorded = connections_, name](const media::Peer& peer) {
+            return recorded->judged(name, access->judge(name, peer));
+          });
       opened.addresses.push_back((*acceptor)->address());
       opened.acceptors.push_back(std::move(*acceptor));
       continue;
@@ -209,7 +219,8 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
   }
   auto opened = open_places(name, options);
   if (!opened) return tl::unexpected(opened.error());
-  auto object = std::make_shared<ObjectHost>(lab_->runtime(), name, servant, std::move(options));
+  auto object =
+      std::make_shared<ObjectHost>(lab_->runtime(), name, servant, std::move(options), audit_);
   // Another thread may have added the servant meanwhile.
   if (!servant.gecos_attach(object)) return served_already(name, servant);
   for (auto& acceptor : opened->acceptors) io_.serve(object, std::move(acceptor));

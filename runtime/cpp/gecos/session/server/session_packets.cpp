@@ -252,12 +252,13 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
       calls_.outcomes().ended({session->id(), packet.header.counter, failure.detail, failure.text});
     }
     session->reply(packet.header.counter, failure);
+    setup_.audit->refused(*session, packet.header.counter, operation.name, failure);
     if (log_enabled(level_of(operation)))
       log_refused(setup_.name, operation, session->caller(), failure);
   };
   if (const auto refusal =
-          refusal_to_queue({operation, session->id(), packet.header.epoch}, statuses_.admitting(),
-                           claim_, calls_.queue(), closed_)) {
+          refusal_to_queue({operation, session->id(), packet.header.epoch, packet.header.counter},
+                           statuses_.admitting(), claim_, calls_.queue(), closed_)) {
     return refuse(*refusal);
   }
   auto call = make_recycled<ServerCall>(session, operation, packet.header.counter,

@@ -72,6 +72,14 @@ Failure refusal(std::string reason, std::vector<Holder> holders) {
           wire::to_bytes(refused)};
 }
 
+/// Refuses the request `counter` of `session` for the status `wanted`, and records this.
+void refuse(const ObjectSetup& setup, ServerSession& session, std::uint64_t counter, Status wanted,
+            const std::string& why, std::vector<Holder> holders) {
+  setup.audit->status_refused(session, counter, to_string(wanted), why);
+  session.reply(counter, refusal(setup.name + ": " + why + named_request(session.id(), counter),
+                                 std::move(holders)));
+}
+
 /// Returns a command that still runs although the status under which it was issued has ended,
 /// unless its interface lets it finish (`@on_loss("finish")`). Returns null when there is no such
 /// command or when a client holds a status. While such a command runs, no client may be granted a
@@ -150,6 +158,7 @@ bool StatusGrants::answer(const Request& request, std::size_t before) {
                            (granted ? "" : ": " + granted.error().text));
   }
   if (granted) {
+    setup_.audit->status("status_granted", *session, counter, to_string(asked.wanted));
     if (!held_before) {
       session->held_from = number(granted->epoch);
       standings_.add_holder(session);
@@ -158,9 +167,9 @@ bool StatusGrants::answer(const Request& request, std::size_t before) {
     const Grant given{status_of(granted->status), number(granted->epoch)};
     session->reply(counter, layout::to_bytes(GecosObject_acquire_result{given}));
   } else {
-    session->reply(counter, refusal(setup_.name + ": " + granted.error().text +
-                                        waited_in_vain(asked.patience, before),
-                                    shown(granted.error().holders, now)));
+    refuse(setup_, *session, counter, asked.wanted,
+           granted.error().text + waited_in_vain(asked.patience, before),
+           shown(granted.error().holders, now));
   }
   return true;
 }
@@ -216,15 +225,13 @@ void StatusGrants::refuse_late(TimePoint now) {
     last.client = runs->session->client();
     last.since = last.expires = clock_.now();
     last.releasing = true;
-    waiting.session->reply(
-        waiting.counter,
-        refusal(setup_.name + ": " +
-                    std::string(access::to_string(status_of(waiting.asked.wanted))) +
-                    " status refused: the handler of '" + std::string(runs->operation().name) +
-                    "' still runs (issued by " + who(runs->caller()) +
-                    "), although the status under which it was issued has ended; the handler "
-                    "was told to end: try again",
-                shown(std::vector{last}, clock_.now())));
+    refuse(setup_, *waiting.session, waiting.counter, waiting.asked.wanted,
+           std::string(access::to_string(status_of(waiting.asked.wanted))) +
+               " status refused: the handler of '" + std::string(runs->operation().name) +
+               "' still runs (issued by " + who(runs->caller()) +
+               "), although the status under which it was issued has ended; the handler was told "
+               "to end: try again",
+           shown(std::vector{last}, clock_.now()));
     return true;
   });
   tell_places();
@@ -255,6 +262,9 @@ void StatusGrants::release(ServerSession& session, const GecosObject_release_arg
         Failure{
             Detail::Stopped, "its caller released the status and stopped its commands", {}, {}});
   }
+  if (leases_.status_of(session.id()) != access::Status::Sensor) {
+    setup_.audit->status("status_released", session);
+  }
   leases_.release(session.id(), Epoch{epoch},
                   session.commands != 0 && !asked.now ? Commands::Pending : Commands::None);
   note_standings();
@@ -271,6 +281,7 @@ void StatusGrants::release_all(ServerSession& session) {
          !leases_.releasing(session.id())) {
     leases_.release(session.id(), leases_.epoch(),
                     session.commands != 0 ? Commands::Pending : Commands::None);
+    setup_.audit->status("status_released", session);
   }
   note_standings();
   serve_line();
@@ -282,6 +293,7 @@ std::optional<Failure> StatusGrants::take_over(ServerSession& session) {
     return refusal(setup_.name + ": " + taken.error().text, shown(taken.error().holders, now));
   }
   log_info("server", setup_.name + ": " + who(session.caller()) + " takes over");
+  setup_.audit->status("taken_over", session);
   note_standings();
   standings_.note_newer_epoch(leases_);  // before the ends of commands, which tell the epoch
   calls_.end_commands(
@@ -296,6 +308,7 @@ void StatusGrants::give_back(ServerSession& session) {
   if (!leases_.give_back(session.id())) return;
   note_standings();
   log_info("server", setup_.name + ": " + who(session.caller()) + " gives back");
+  setup_.audit->status("given_back", session);
 }
 
 void StatusGrants::commands_ended(SessionId session) {
@@ -308,6 +321,9 @@ void StatusGrants::commands_ended(SessionId session) {
 void StatusGrants::stop(SessionId by, const std::string& why) {
   end_line(
       Failure{Detail::Stopped, "the request for the status ended while it waited: " + why, {}, {}});
+  for (const auto& holder : leases_.roster()) {
+    if (holder.session != by) setup_.audit->status_lost(holder.client, why);
+  }
   leases_.stop(by, why);
   note_standings();
   standings_.note_newer_epoch(leases_);
@@ -321,6 +337,7 @@ void StatusGrants::depart(ServerSession& session, bool in_order) {
   tell_places();
   if (in_order) return release_all(session);
   if (!leases_.lose(session.id())) return;
+  setup_.audit->status_lost(session.client(), session.parted_because);
   lose(session.id(), "its holder (" + session.caller().program + ", pid " +
                          std::to_string(session.caller().pid) + ") " + session.parted_because);
   serve_line();
@@ -329,6 +346,7 @@ void StatusGrants::depart(ServerSession& session, bool in_order) {
 void StatusGrants::on_tick(TimePoint now) {
   for (const auto& holder : leases_.expire(clock_.advance(now))) {
     const auto ttl = setup_.runtime->options().lease_ttl / std::chrono::milliseconds(1);
+    setup_.audit->status_lost(holder.client, "silent for " + std::to_string(ttl) + " ms");
     lose(holder.session, "its holder has been silent for " + std::to_string(ttl) + " ms");
   }
   if (!line_.empty()) refuse_late(now);

@@ -11,7 +11,7 @@ NEEDED = [
     *("Lab", "Session", "Command", "Stream", "Lease"),
     *("PulledServant", "IncomingCall", "Server", "Broker"),
     *("runtime_directory", "runtime_directory_problem"),
-    *("key_directory", "own_key", "key_problem", "public_key_in"),
+    *("audit_directory", "key_directory", "own_key", "key_problem", "public_key_in"),
     *("lab_file_problem", "may_connect"),
     *("warn_of_other_brokers", "detail_name", "log_error"),
 ]

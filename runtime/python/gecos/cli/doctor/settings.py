@@ -9,7 +9,7 @@ from gecos.cli.doctor.finding import Finding, fine, warning, wrong
 
 _FOR_PROGRAMS = (
     *("GECOS_BROKER", "GECOS_RUNTIME_DIR", "GECOS_LAB_FILE"),
-    *("GECOS_LCM_TTL", "GECOS_LOG", "GECOS_KEY_DIR"),
+    *("GECOS_LCM_TTL", "GECOS_LOG", "GECOS_KEY_DIR", "GECOS_AUDIT_DIR"),
 )
 _MENDS = {
     "GECOS_LCM_TTL": "export GECOS_LCM_TTL=1 (unset GECOS_LCM_TTL where all programs run on one "

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "gecos/audit/journal.hpp"
+#include "gecos/audit/line.hpp"
+
+namespace gecos::audit {
+
+/// Writes the audit of one server, on a thread of its own, so that no call waits for a disk.
+///
+/// If lines come faster than the disk takes them, or the disk is full or missing, lines are lost.
+/// The log says so once, and a line of the audit counts them as soon as it can be written again.
+/// Thread-safe.
+class Audit {
+ public:
+  /// Number of lines that wait at most. Further ones are lost.
+  static constexpr std::size_t most_waiting = 4096;
+
+  explicit Audit(Journal journal);
+  ~Audit() { end(); }
+  Audit(const Audit&) = delete;
+  Audit& operator=(const Audit&) = delete;
+
+  /// Adds a line. Does no input or output.
+  void add(Line line);
+  /// Wakes the thread if lines wait. Called again and again by the server, so that `add` need not
+  /// wake it for each line. The first call that finds a line starts the thread.
+  void flush();
+  /// Writes the lines that wait and ends the thread. Waits for the disk at most a second. Lines
+  /// that are added later are not written.
+  void end();
+
+ private:
+  struct Shared;
+  void start();
+
+  const std::shared_ptr<Shared> shared_;  ///< with the thread, which may outlive this object
+};
+
+}  // namespace gecos::audit

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "gecos/base/descriptor.hpp"
+#include "gecos/base/result.hpp"
+
+namespace gecos::audit {
+
+/// The files of an audit: `audit.jsonl`, and the older `audit.1.jsonl`, `audit.2.jsonl` and so on.
+/// They belong to the user of the process, and no other user may read them.
+///
+/// Several processes may append to the same files at once. Functions may block, if the disk does.
+class Journal {
+ public:
+  struct Limits {
+    std::size_t bytes = std::size_t{16}
+                        << 20;  ///< when a file is as large as this, a new one begins
+    unsigned files = 4;         ///< the oldest one is removed
+  };
+  /// Creates the folder, and those above it, when the first line is appended.
+  explicit Journal(std::string folder) : Journal(std::move(folder), Limits()) {}
+  Journal(std::string folder, Limits limits);
+
+  /// Appends whole lines. When it fails, returns why; a part of the lines may have been written,
+  /// and what is appended later begins a new line.
+  tl::expected<void, std::string> append(std::string_view lines);
+
+ private:
+  tl::expected<void, std::string> open();
+  tl::expected<void, std::string> write(std::string_view bytes);
+  bool current() const;
+  /// Begins a new file if this one is full. Does nothing if another process just does that.
+  void rotate();
+  std::string path(unsigned age) const;
+
+  const std::string folder_;
+  const Limits limits_;
+  Descriptor file_;
+  bool torn_ = false;  ///< the last line in the file may have no end
+};
+
+}  // namespace gecos::audit

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+/// The audit of a server: who was admitted or refused and why, who held which status, and which
+/// commands moved what. It is a file of lines, each of which is one JSON object.
+///
+/// A line contains no argument of a call and no result, so that no password can be in it.
+namespace gecos::audit {
+
+/// The number of one request, as in CommandId: a call, or a connection that was refused. A refused
+/// connection has no session, so `session` is 0 and `counter` counts the refusals of the process.
+struct RequestId {
+  std::uint64_t incarnation = 0;  ///< of the server's process
+  std::uint64_t session = 0;
+  std::uint64_t counter = 0;  ///< 0: the line is about no request
+};
+
+/// Returns three hexadecimal numbers, as to_string(CommandId).
+std::string to_string(const RequestId& id);
+
+/// One event. A member that is empty or 0 does not occur in the text of the line.
+struct Line {
+  std::string_view event;  ///< for example "command"; a literal
+  std::int64_t time = 0;   ///< Unix time in ms
+  std::string object{};
+  RequestId request{};
+  std::string operation{};
+  std::string status{};
+  std::string outcome{};
+  std::string why{};
+  std::string user{};
+  std::string host{};
+  std::string program{};
+  std::int32_t pid = 0;  ///< of the client
+  std::string medium{};
+  std::uint64_t count = 0;  ///< how many events the line stands for, if it stands for several
+  std::uint64_t last = 0;   ///< the counter of the last of these requests
+};
+
+/// Returns the JSON text of the line, with a newline at its end and none before. Bytes that are not
+/// ASCII are copied: they must be UTF-8. Longer texts than 1 KiB are cut.
+std::string to_json(const Line& line);
+
+/// Returns the current time for Line::time. Its resolution is a few milliseconds, and reading it
+/// costs some nanoseconds.
+std::int64_t now();
+
+}  // namespace gecos::audit

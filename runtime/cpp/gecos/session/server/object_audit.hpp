@@ -1,0 +1,70 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "gecos/access/lease_table.hpp"
+#include "gecos/audit/audit.hpp"
+#include "gecos/audit/repeats.hpp"
+#include "gecos/session/server/server_call.hpp"
+#include "gecos/session/server/server_session.hpp"
+
+namespace gecos::session {
+
+/// What the audit says about one object: its sessions, its status and its actor commands. Readings
+/// occur only when they are refused. Without an Audit nothing is recorded. Not thread-safe: the
+/// object's mutex guards it.
+///
+/// Commands that one client repeats within a second share a line (audit::Repeats), so recording
+/// such a command costs one search in a short table.
+class ObjectAudit {
+ public:
+  /// `audit` may be null.
+  ObjectAudit(std::string object, std::shared_ptr<audit::Audit> audit)
+      : object_(std::move(object)), audit_(std::move(audit)) {}
+  ~ObjectAudit() { end(); }
+
+  void connected(ServerSession& session);
+  void disconnected(const ServerSession& session, std::string_view because);
+
+  /// `event`: "status_granted" or another literal. `counter`: the call that changed the status; 0
+  /// if no call did.
+  void status(std::string_view event, const ServerSession& session, std::uint64_t counter = 0,
+              std::string_view status = {});
+  void status_refused(const ServerSession& session, std::uint64_t counter, std::string_view status,
+                      const std::string& why);
+  void status_lost(const access::Client& holder, const std::string& why);
+
+  /// A client has stopped the object.
+  void stopped(const ServerSession& by, std::uint64_t counter);
+
+  /// A call, or the opening of a stream, that was refused before it was queued.
+  void refused(const ServerSession& session, std::uint64_t counter, std::string_view operation,
+               const Failure& failure);
+  /// The handler of a command that may take long begins.
+  void begins(const ServerCall& call);
+  void ended(const ServerCall& call, Detail detail, const std::string& text);
+
+  /// Writes the lines of commands that were repeated, and lets the audit write.
+  void on_tick();
+  /// Writes the lines of all commands that were repeated.
+  void end();
+
+ private:
+  audit::Line line(std::string_view event, const Caller& caller, std::uint64_t counter = 0) const;
+  /// Writes the line, and counts what is equal to it within the next second.
+  void begin(const audit::Repeats::Key& key, audit::Line entry);
+  void command(const ServerSession& session, std::uint64_t counter, FunctionCode code,
+               std::string_view operation, Detail detail, std::string_view why);
+
+  const std::string object_;
+  const std::shared_ptr<audit::Audit> audit_;
+  audit::Repeats repeats_;
+};
+
+/// Returns the text that a refusal ends with, for example " (request 1a2b-3c4d-7)"; an empty text
+/// if `counter` is 0. `gecos why` takes this number.
+std::string named_request(SessionId session, std::uint64_t counter);
+
+}  // namespace gecos::session
