@@ -77,6 +77,9 @@ TEST_P(AuditTrail, ExplainsARefusalByTheNumberInItsText) {
   ASSERT_FALSE(end);
   EXPECT_EQ(number_in(end.error().text), to_string(denied.id())) << end.error();
 
+  const auto moves = probe.move(1);
+  EXPECT_FALSE(moves.get());
+
   const auto other = connect(second_lab_);
   const auto lease = gecos::actor(other);
   const auto refused = gecos::actor(probe);
@@ -88,6 +91,10 @@ TEST_P(AuditTrail, ExplainsARefusalByTheNumberInItsText) {
   EXPECT_EQ(count(told, "\"request\":\"" + to_string(denied.id()) +
                             "\",\"operation\":\"set\",\"outcome\":\"DENIED\""),
             1u);
+  EXPECT_EQ(count(told, "\"request\":\"" + to_string(moves.id()) +
+                            "\",\"operation\":\"move\",\"outcome\":\"DENIED\""),
+            1u)
+      << "another operation does not share a line, even within a second";
   EXPECT_EQ(
       count(told, "\"event\":\"status_refused\",\"object\":\"PROBE\",\"request\":\"" + number), 1u);
 }

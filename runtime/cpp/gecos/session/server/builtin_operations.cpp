@@ -141,7 +141,7 @@ void BuiltinOperations::subscribe(ServerSession& session, std::uint64_t counter,
                              may.error().text + named_request(session.id(), counter),
                          {},
                          {}};
-    setup_.audit->refused(session, counter, stream->name, denied);
+    setup_.audit->refused(session, counter, stream->code, stream->name, denied);
     return session.reply(counter, denied);
   }
   const auto shared = session.share(*stream);

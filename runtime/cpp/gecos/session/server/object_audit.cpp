@@ -102,9 +102,9 @@ void ObjectAudit::command(const ServerSession& session, std::uint64_t counter, F
   begin(key, std::move(entry));
 }
 
-void ObjectAudit::refused(const ServerSession& session, std::uint64_t counter,
+void ObjectAudit::refused(const ServerSession& session, std::uint64_t counter, FunctionCode code,
                           std::string_view operation, const Failure& failure) {
-  if (audit_) command(session, counter, {}, operation, failure.detail, failure.text);
+  if (audit_) command(session, counter, code, operation, failure.detail, failure.text);
 }
 
 void ObjectAudit::begins(const ServerCall& call) {

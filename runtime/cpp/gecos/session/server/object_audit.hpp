@@ -40,8 +40,8 @@ class ObjectAudit {
   void stopped(const ServerSession& by, std::uint64_t counter);
 
   /// A call, or the opening of a stream, that was refused before it was queued.
-  void refused(const ServerSession& session, std::uint64_t counter, std::string_view operation,
-               const Failure& failure);
+  void refused(const ServerSession& session, std::uint64_t counter, FunctionCode code,
+               std::string_view operation, const Failure& failure);
   /// The handler of a command that may take long begins.
   void begins(const ServerCall& call);
   void ended(const ServerCall& call, Detail detail, const std::string& text);

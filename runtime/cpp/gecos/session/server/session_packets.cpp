@@ -252,7 +252,7 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
       calls_.outcomes().ended({session->id(), packet.header.counter, failure.detail, failure.text});
     }
     session->reply(packet.header.counter, failure);
-    setup_.audit->refused(*session, packet.header.counter, operation.name, failure);
+    setup_.audit->refused(*session, packet.header.counter, operation.code, operation.name, failure);
     if (log_enabled(level_of(operation)))
       log_refused(setup_.name, operation, session->caller(), failure);
   };
