@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shlex
 import sys
@@ -10,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from gecos.laboratory import read_laboratory
-from processes import Laboratory
+from processes import Laboratory, until
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "command-line.md").read_text()
 COMMANDS = re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)[0].splitlines()
@@ -63,6 +64,28 @@ def test_an_arm_that_another_program_moves_ends_with_5(lab_with_devices: Laborat
     offset = '{"position": {"z": 0.1}}'
     done = lab_with_devices.run(*GECOS, "set", "RX90", "tool_offset", offset)
     assert done.finish() == 5, str(done)
+
+
+def test_a_refusal_is_explained_from_the_audit_which_has_no_password(
+    lab_with_devices: Laboratory,
+) -> None:
+    holder = "import gecos; lab = gecos.Lab()\n"
+    holder += "with gecos.actor(lab.dynamic('RX90'), 's3cret'): print('holds', flush=True); input()"
+    lab_with_devices.start(sys.executable, "-c", holder, ready="holds", listens=True)
+    offset = '{"position": {"z": 0.1}}'
+    words = ["set", "RX90", "tool_offset", offset, "--password", "s3cret-guess"]
+    refused = lab_with_devices.run(*GECOS, *words)
+    assert refused.finish() == 5, str(refused)
+    (number,) = re.findall(r"\(request (\S+)\)", refused.output())
+
+    def explained() -> bool:
+        why = lab_with_devices.run(*GECOS, "why", number)
+        return why.finish() == 0 and "is refused ACTOR status: " in why.output()
+
+    until(explained, "a line about the refusal")
+    files = list(Path(os.environ["GECOS_AUDIT_DIR"]).iterdir())
+    assert "RX90" in "".join(file.read_text() for file in files)
+    assert not [file for file in files if "s3cret" in file.read_text()]
 
 
 def test_the_laboratory_of_the_page_is_read(tmp_path: Path) -> None:
