@@ -67,7 +67,8 @@ class MeanMotion {
   }
 
  private:
-  /// Returns the integral of s from the time 0 to `time`. Before the time 0, the motion is at rest.
+  /// Returns the integral of s from the time 0 to `time`. @pre `time` is not before 0, or the
+  /// motion begins at rest.
   double integral(double time) const {
     if (time <= 0) return time * law_.places().front();
     const double after = time - law_.duration();

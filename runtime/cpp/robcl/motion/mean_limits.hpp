@@ -12,7 +12,8 @@ namespace robcl::motion {
 /// time law has at other places, so that it may exceed limits that the time law keeps. Returns the
 /// factor by which `law` must be slowed in each interval of `path` so that its mean keeps the
 /// limits of the joints; 1 where the mean keeps them. `limits`: those of each interval. The mean
-/// is judged from the time at which `law` is at the knot `from_knot`.
+/// is judged from the time at which `law` is at the knot `from_knot`. @pre `law` begins at rest, or
+/// a window or more before this time.
 std::vector<double> excess_of_mean(const Path& path, const arm::ArmModel& model,
                                    const std::vector<IntervalLimits>& limits, const TimeLaw& law,
                                    std::size_t from_knot, const Smoothing& smoothing);

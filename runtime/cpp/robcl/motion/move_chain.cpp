@@ -85,8 +85,8 @@ std::optional<double> MoveChain::time_at(double s) const {
   return begins_ + plan_.law.time_at(s);
 }
 
-/// Returns the first knot that the motion passes after `time`; nullopt if it is behind
-/// `last_place`.
+/// Returns the first knot from the entry of plan_ on that the motion passes at `time` or later;
+/// nullopt if it is behind `last_place`.
 std::optional<std::size_t> MoveChain::first_knot_after(double time, double last_place) const {
   for (std::size_t i = plan_.entry; plan_.path.place(i) <= last_place; ++i) {
     if (begins_ + plan_.law.time(i) >= time) return i;
@@ -103,19 +103,20 @@ std::size_t MoveChain::first_in_window_before(std::size_t knot) const {
   return first;
 }
 
-/// Returns the part of the chain from the knot `lead` to the place `end`, where it has a knot, too.
-/// The path stays the same up to the knot `first`.
-MoveChain::Course MoveChain::course_between(std::size_t lead, std::size_t first, double end) const {
+/// Returns the part of the chain from the knot `start` to the place `end`, where it has a knot,
+/// too. The path stays the same up to the knot `entry`.
+MoveChain::Course MoveChain::course_between(std::size_t start, std::size_t entry,
+                                            double end) const {
   Course course;
-  course.knots.add(plan_.path.place(lead), plan_.path.knot(lead));
-  for (std::size_t i = lead; i <= first; ++i) {
+  course.knots.add(plan_.path.place(start), plan_.path.knot(start));
+  for (std::size_t i = start; i <= entry; ++i) {
     course.knots.first_slopes.push_back(plan_.path.slope(i));
   }
-  for (std::size_t i = lead; course.knots.places.back() < end; ++i) {
+  for (std::size_t i = start; course.knots.places.back() < end; ++i) {
     // A knot just before the end would make a very short interval.
-    const bool last = i >= first && plan_.path.place(i + 1) > end - plan_.path.step(i) / 4;
+    const bool last = i >= entry && plan_.path.place(i + 1) > end - plan_.path.step(i) / 4;
     const bool joins = std::ranges::binary_search(course_.knots.joins, i);
-    if (i > lead && joins) course.knots.joins.push_back(i - lead);
+    if (i > start && joins) course.knots.joins.push_back(i - start);
     if (last) {
       course.knots.add(end, plan_.path.position(end));
     } else {
@@ -247,25 +248,25 @@ std::optional<MoveChain::Corner> MoveChain::extend(const Move& next, double afte
                                 braking_way(next, planner_.model(), tool));
   overlap.half = std::min({overlap.unhindered, last_.duration() / 2, next.duration() / 2});
   const double begin = overlap.corner - overlap.half;
-  const auto first = first_knot_after(after, begin);
-  if (!first) return std::nullopt;
+  const auto entry = first_knot_after(after, begin);
+  if (!entry) return std::nullopt;
   overlap.before = plan_.path.position(begin);
   overlap.after = next.path.position(overlap.half);
 
-  const std::size_t lead = first_in_window_before(*first);
-  Course course = course_between(lead, *first, begin);
+  const std::size_t start = first_in_window_before(*entry);
+  Course course = course_between(start, *entry, begin);
   if (!add_overlap(course, next, overlap)) return std::nullopt;
   add_move(course, next, overlap);
-  const auto knot = [&](std::size_t i) {
-    return plan_.law.squares().begin() + static_cast<std::ptrdiff_t>(i);
+  const auto square = [&](std::size_t knot) {
+    return plan_.law.squares().begin() + static_cast<std::ptrdiff_t>(knot);
   };
-  auto plan = plan_of(course, {{knot(lead), knot(*first + 1)}});
+  auto plan = plan_of(course, {.squares = {square(start), square(*entry + 1)}});
   if (!plan) return std::nullopt;
   const auto tool_at = [&](const JointValues& joints) {
     return planner_.base_from_tool(joints, next.flange_from_tool);
   };
   const Frame corner = tool_at(goal()), passed = tool_at(plan->path.position(overlap.corner));
-  begins_ += plan_.law.time(lead);
+  begins_ += plan_.law.time(start);
   course_ = std::move(course);
   plan_ = *std::move(plan);
   last_ = next;

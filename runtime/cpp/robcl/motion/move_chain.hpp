@@ -32,18 +32,22 @@ class MoveChain {
   };
   /// Lets the move `next` follow without a stop. `next` must start at goal().
   /// The motion stays as it is until the time `after`. Returns nullopt, and changes nothing, if the
-  /// arm can no longer go over into `next`: it is too late, the corner is beyond a limit, or a move
-  /// has no length.
+  /// arm can no longer go over into `next`: it is too late, the corner is beyond a limit, the
+  /// motion would have to be much slower, or a move has no length.
   std::optional<Corner> extend(const Move& next, double after);
 
-  /// All times are in s since the start of the chain, by the time laws of its plans.
+  // All times are in s since the start of the chain, by the time laws of its plans.
+
+  /// Returns the plan for the rest of the motion, from the knot `Plan::entry` on.
   const Plan& plan() const { return plan_; }
-  /// Returns the time at which the time law of plan() is at its time 0.
+  /// Returns the time at which the time law of plan() begins. The motion goes over into plan() at
+  /// or after this time.
   double begins() const { return begins_; }
   double ends() const { return begins_ + plan_.law.duration(); }
   double end() const { return plan_.path.end(); }  ///< s
   const JointValues& goal() const { return plan_.goal(); }
-  /// Returns the time at which the motion is at the place `s`; nullopt if plan() does not say.
+  /// Returns the time at which the motion is at the place `s`; nullopt if `s` is before the path of
+  /// plan().
   std::optional<double> time_at(double s) const;
 
  private:
@@ -61,7 +65,7 @@ class MoveChain {
   };
   std::optional<std::size_t> first_knot_after(double time, double last_place) const;
   std::size_t first_in_window_before(std::size_t knot) const;
-  Course course_between(std::size_t lead, std::size_t first, double end) const;
+  Course course_between(std::size_t start, std::size_t entry, double end) const;
   bool add_overlap(Course& course, const Move& next, const Overlap& overlap);
   void add_move(Course& course, const Move& next, const Overlap& overlap) const;
   std::optional<std::vector<JointValues>> overlap_joints(const Move& next, const Overlap& overlap,

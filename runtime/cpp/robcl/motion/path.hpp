@@ -24,7 +24,8 @@ class Path {
     std::vector<JointValues> joints;  ///< rad
     /// Indices of the knots, rising, at which the curvature jumps: the path is smooth between them.
     std::vector<std::size_t> joins{};
-    /// The first derivatives at the first knots, if the path has these knots from another one.
+    /// The slopes at the first knots, which the path takes over from another path. The path
+    /// computes the slopes at its other knots. There are at most as many as knots.
     std::vector<JointValues> first_slopes{};
 
     void add(double place, JointValues at) {

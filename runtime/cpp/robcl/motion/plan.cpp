@@ -13,8 +13,9 @@ namespace {
 // rounding.
 constexpr double content = 1.0003;
 constexpr int most_tries = 8;
-// A motion that does not start at rest cannot be slowed before its start. What it exceeds there
-// would make the rest of it slower with each try.
+// A motion that does not start at rest cannot be slowed before the last knot of its start. What it
+// exceeds because of its speed there would make the rest of it slower with each try. A motion that
+// takes more than this many times the duration of the first try is given up.
 constexpr double most_slowed = 3;
 double just_kept(const Smoothing& smoothing) { return smoothing.on() ? 1.005 : content; }
 

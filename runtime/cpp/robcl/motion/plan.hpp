@@ -15,8 +15,9 @@ struct Plan {
   PathBounds braking;  ///< for a stop on the path: the limits of the arm at full pace
   TimeLaw law;
   Smoothing smoothing{};
-  /// A motion that goes over into this plan does so at this knot. Before it, the plan is the one
-  /// that the motion had, for the length of the window of `smoothing`.
+  /// The knot of `path` at which a motion goes over into this plan; 0 if the motion begins with it.
+  /// Up to this knot, path and time law are those of the plan before. This part lasts for at least
+  /// the window of `smoothing`, or goes back to the start of the motion.
   std::size_t entry = 0;
 
   double duration() const {
@@ -33,8 +34,9 @@ struct CourseLimits {
 };
 
 /// Plans the fastest motion on `path` whose set points keep all limits. The motion begins as
-/// `start` says. Returns nullopt if the arm cannot keep the limits from this start; from rest it
-/// always can.
+/// `start` says; if it does not begin at rest, `start` has at least the window of `smoothing`.
+/// Returns nullopt if the arm cannot keep the limits from this start, or would have to be much
+/// slower for them; from rest it always can.
 std::optional<Plan> fastest_plan(Path path, const arm::ArmModel& model, CourseLimits limits,
                                  const Smoothing& smoothing, const TimeLaw::Start& start = {});
 

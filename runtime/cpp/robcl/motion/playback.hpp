@@ -18,12 +18,13 @@ namespace robcl::motion {
 /// memory, lock or log.
 class Playback final : public TrajectoryGenerator {
  public:
+  /// @pre `plan` begins at rest.
   explicit Playback(Plan plan);
 
   /// Makes the motion go over into `plan` at the knot `plan.entry`. Up to this knot, `plan` is a
-  /// part of the last plan. `begins` is the time in s at which the time law of `plan` is at its
-  /// time 0, by the time laws of all plans so far. If the motion has already passed the knot, or
-  /// brakes, it ends as if `append` had not been called. Any one thread may call this function.
+  /// part of the last plan. `begins` is the time in s at which the time law of `plan` begins, by
+  /// the time laws of all plans so far. If the motion has already passed the knot, or brakes, it
+  /// ends as if `append` had not been called. Any one thread may call this function.
   void append(Plan plan, double begins);
   /// Returns the number of the plan on whose path the set points are: 0 for the first one, 1 for
   /// the first one that was appended. Only the thread that appends may call this function.
@@ -51,7 +52,8 @@ class Playback final : public TrajectoryGenerator {
   bool standing() const override { return standing_; }
   bool stopping() const override { return traversal_.stopping(); }
   /// Returns the fraction of the plan's duration that has passed, from 0 to 1. It does not rise
-  /// after `stop`. It counts from the start of the plan that the motion follows now.
+  /// after `stop`. It is that of the plan that the motion follows now, with the part before
+  /// `Plan::entry`.
   double fraction() const override;
   /// Returns the remaining time to the goal in s; 0 after `stop` and at the goal. While the arm
   /// accelerates after `rest`, the returned time is too short. While the motion is paused, the time

@@ -89,7 +89,8 @@ class ForwardPass {
     const auto [before, limit] = in_window_before(knot);
     const double change = smoothing_.change(limit);
     const double lowest = std::max(allowed.lower, before.greatest - change);
-    // A motion that has braked need not brake until it stops.
+    // A motion that has braked hard may exceed the limit of jerk: it need not brake harder than
+    // would stop it within a window.
     const double still = -std::sqrt(squares_[knot]) / smoothing_.window;
     const double highest = std::min(allowed.upper, std::max(before.least + change, still));
     const Ceiling::State here{knot, bounds_.places()[knot], squares_[knot]};
@@ -107,8 +108,8 @@ class ForwardPass {
     TimeLaw::Range range{infinite, -infinite};
     double limit = 0;
   };
-  /// Returns the window before `knot`. Its limit counts the interval after `knot`, too. The arm
-  /// stands before the first knot.
+  /// Returns the window before `knot`. Its limit counts the interval after `knot`, too. Only a
+  /// motion that begins at rest has less than a window before a knot. The arm stands before it.
   Window in_window_before(std::size_t knot) const {
     double since = 0;
     Window window{.limit = limits_[knot]};

@@ -38,16 +38,16 @@ class TimeLaw {
       greatest = std::max(greatest, value);
     }
   };
-  /// How a motion begins that cannot be changed before a knot: (ds/dt)² at all knots up to this
-  /// one.
+  /// The part of a motion that is already decided: (ds/dt)² at the first knots, at least one. From
+  /// the last of these knots on, the motion is planned.
   struct Start {
     std::vector<double> squares{0};
 
-    std::size_t knot() const { return squares.size() - 1; }
+    std::size_t knot() const { return squares.size() - 1; }  ///< the last of these knots
     bool at_rest() const { return squares.size() == 1 && squares.front() == 0; }
   };
-  /// Returns the fastest time law with this start; nullopt if no time law with this speed keeps all
-  /// limits, or if the arm would stop before the end.
+  /// Returns the fastest time law with this start; nullopt if no time law keeps all limits after
+  /// it, or if the arm would stop before the end.
   static std::optional<TimeLaw> fastest_from(const PathBounds& bounds, const Start& start,
                                              const Smoothing& smoothing);
   /// Returns the time law of a path without length.

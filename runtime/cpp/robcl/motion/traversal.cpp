@@ -60,8 +60,8 @@ void Traversal::advance_by_law(double seconds) {
   if (standing_) time_ = plan().law.duration();
 }
 
-/// Enters each stage that takes over at the present place of the motion. Several stages may begin
-/// at the same knot.
+/// Enters each stage that takes over at the present place of the motion. Several stages may take
+/// over at the same knot.
 void Traversal::enter_stages_here() {
   for (const Stage* next = stage_->next.load(); next != nullptr && next->place_of_entry() == s_;
        next = stage_->next.load()) {

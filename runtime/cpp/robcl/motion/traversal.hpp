@@ -15,10 +15,12 @@ struct Stage {
   Stage(Plan its_plan, double its_begin, std::size_t its_number)
       : plan(std::move(its_plan)), begins(its_begin), number(its_number) {}
   const Plan plan;
-  const double begins;  ///< time in s at which its time law is at 0, by those of the plans before
+  const double begins;  ///< time in s at which its time law begins, by those of the plans before
   const std::size_t number;
-  double place_of_entry() const { return plan.path.place(plan.entry); }  ///< s
   std::atomic<const Stage*> next{nullptr};
+
+  /// Returns s at the knot at which a motion goes over into this stage.
+  double place_of_entry() const { return plan.path.place(plan.entry); }
 };
 
 /// The path parameter s of a motion. The motion follows the time laws of its plans, or leaves them
@@ -39,8 +41,9 @@ class Traversal {
 
   const Stage& stage() const { return *stage_; }
   double s() const { return s_; }
-  /// Returns the time in s since the start of the stage, by the time law of its plan. It does not
-  /// rise while the motion brakes.
+  /// Returns the time in s by the time law of the stage's plan. A motion that goes over into the
+  /// stage does not begin at 0 but at the time of `Plan::entry`. The time does not rise while the
+  /// motion brakes.
   double time() const { return time_; }
   bool standing() const { return standing_; }
   bool stopping() const { return mode_ == Mode::Braking; }
