@@ -18,7 +18,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from itertools import cycle
+from itertools import cycle, product
 from pathlib import Path
 
 import crowd
@@ -150,7 +150,8 @@ def move(moves: int, build: Path, figures: Figures) -> None:
     env = {**os.environ, "MOTION_MOVES": str(moves)}
     tests = build / "tests" / "cpp" / "robcl"
 
-    def try_moves(name: str, arm: str) -> None:
+    def try_moves(test_of: tuple[str, str]) -> None:
+        name, arm = test_of
         asked = f"{name} with MOTION_MOVES={moves} of {arm}"
         began = time.monotonic()
         test = [tests / name, f"--gtest_filter=*Random*/{arm}*", "--gtest_brief=1"]
@@ -161,10 +162,10 @@ def move(moves: int, build: Path, figures: Figures) -> None:
             figures.failed.append(f"{asked}:\n{done.stdout}")
             print(f"WRONG {figures.failed[-1]}", flush=True)
 
+    names = ("robcl_random_moves_test", "robcl_move_chain_test")
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for name in ("robcl_random_moves_test", "robcl_move_chain_test"):
-            for arm in ("rx90", "puma560", "seven_axes"):
-                pool.submit(try_moves, name, arm)
+        # The list raises what a thread raised, such as that a test was not built.
+        list(pool.map(try_moves, product(names, ("rx90", "puma560", "seven_axes"))))
 
 
 def hand_over(times: int, build: Path, figures: Figures) -> None:
