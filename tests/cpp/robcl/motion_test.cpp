@@ -2,9 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <optional>
-#include <random>
-#include <sstream>
 #include <string>
 
 #include "allocations.hpp"

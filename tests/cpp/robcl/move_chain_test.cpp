@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <random>
 #include <string>
@@ -231,7 +231,7 @@ TEST_P(MoveChains, GoingOverAllocatesNothingInTheControlLoop) {
   EXPECT_TRUE(sum.allFinite());
 }
 
-/// Chains of random moves; MOTION_MOVES says how many of each arm with a limit of jerk. There are
+/// Chains of random moves; MOTION_MOVES says how many of each arm with a limit of jerk. There are a
 /// fifth as many without.
 class RandomChains : public ::testing::TestWithParam<Moving> {
  protected:

@@ -21,6 +21,7 @@ namespace robcl::motion {
 namespace {
 
 using arm::ArmModel;
+
 /// How far `joints` is from the path of `plan`, in rad. The path is searched from `s` on, which
 /// moves to the nearest place.
 double off_path(const Plan& plan, const JointValues& joints, double& s) {
@@ -37,7 +38,7 @@ double off_path(const Plan& plan, const JointValues& joints, double& s) {
 }
 
 /// Straight and joint moves in turn; MOTION_MOVES says how many of each arm with a limit of jerk.
-/// There are fifth as many without.
+/// There are a fifth as many without.
 class RandomMoves : public ::testing::TestWithParam<Moving> {
  protected:
   /// A move, planned for set points that are `period` s apart.

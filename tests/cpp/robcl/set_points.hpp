@@ -13,11 +13,10 @@ namespace robcl::motion {
 
 constexpr double slack = 1.001;
 
-/// `all`: the set points, one for each `period` in s. `of_acceleration`: how many times the limits
-/// of acceleration are allowed.
+/// `all`: the set points, one for each `period` in s.
 inline void expect_within_limits(const arm::ArmModel& model,
                                  const std::vector<arm::JointValues>& all, const Pace& pace,
-                                 double period, double of_acceleration = slack) {
+                                 double period) {
   for (std::size_t k = 1; k + 1 < all.size(); ++k) {
     for (Eigen::Index axis = 0; axis < model.axes(); ++axis) {
       const auto& limits = model.limits()[static_cast<std::size_t>(axis)];
@@ -25,7 +24,7 @@ inline void expect_within_limits(const arm::ArmModel& model,
       const double acceleration =
           std::abs(all[k + 1][axis] - 2 * all[k][axis] + all[k - 1][axis]) / (period * period);
       ASSERT_LE(speed, limits.speed * pace.speed * slack) << "joint " << axis + 1;
-      ASSERT_LE(acceleration, limits.acceleration * pace.acceleration * of_acceleration)
+      ASSERT_LE(acceleration, limits.acceleration * pace.acceleration * slack)
           << "joint " << axis + 1 << " in cycle " << k << " of " << all.size();
       ASSERT_GE(all[k][axis], limits.lower - 1e-9);
       ASSERT_LE(all[k][axis], limits.upper + 1e-9);
