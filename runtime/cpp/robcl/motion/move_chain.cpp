@@ -112,7 +112,10 @@ MoveChain::Course MoveChain::course_between(std::size_t start, std::size_t entry
   for (std::size_t i = start; i <= entry; ++i) {
     course.knots.first_slopes.push_back(plan_.path.slope(i));
   }
+  constexpr double rounding = 1e-6;  // of an interval
   for (std::size_t i = start; course.knots.places.back() < end; ++i) {
+    // Where the last overlap ends at `end`, its knot can be slightly before because of rounding.
+    if (i == entry && end - plan_.path.place(i) < rounding * plan_.path.step(i)) break;
     // A knot just before the end would make a very short interval.
     const bool last = i >= entry && plan_.path.place(i + 1) > end - plan_.path.step(i) / 4;
     const bool joins = std::ranges::binary_search(course_.knots.joins, i);
