@@ -297,7 +297,8 @@ void RandomChains::try_chains(bool small) {
     SCOPED_TRACE("chain until move " + std::to_string(made) + " at a period of " +
                  std::to_string(period) + (overridden ? ", overridden" : "") +
                  (stopped ? ", stopped" : ""));
-    ASSERT_LE(chained.chain().ends(), 2 * one_by_one + 0.1) << "much slower than with stops";
+    // Only a move that adds much more than its duration is compared with a stop.
+    ASSERT_LE(chained.chain().ends(), 1.5 * one_by_one + 0.5) << "slower than with stops";
     ASSERT_NO_FATAL_FAILURE(expect_within_limits(model_, chained.set_points(), {}, period));
     if (stopped) continue;
     ASSERT_EQ(chained.set_points().back(), chained.chain().goal());

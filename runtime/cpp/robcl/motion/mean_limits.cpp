@@ -6,7 +6,7 @@
 namespace robcl::motion {
 namespace {
 
-constexpr double most_reduced = 0.95;  // of a limit
+constexpr double most_reduced = 0.5;  // of a limit
 // A motion may leave its time law at any time. The mean over the window is then a mean of two
 // motions.
 constexpr double reserve = 0.014;          // of the limits of acceleration

@@ -242,6 +242,15 @@ std::optional<Plan> MoveChain::plan_of(const Course& course, const TimeLaw::Star
                       start);
 }
 
+/// Returns whether the motion would be over sooner if it stopped before `next`, which now adds
+/// `added` s to it.
+bool MoveChain::slower_than_a_stop(double added, const Move& next) const {
+  // Most moves add little more than their duration at full speed: these are not planned alone.
+  constexpr double usual = 1.5, at_least = 0.1;
+  if (added <= usual * next.duration() + at_least) return false;
+  return added > planner_.plan(next).duration();
+}
+
 std::optional<MoveChain::Corner> MoveChain::extend(const Move& next, double after) {
   if (last_.stands || next.stands) return std::nullopt;
   const ToolLimits& tool = planner_.tool_limits();
@@ -265,11 +274,13 @@ std::optional<MoveChain::Corner> MoveChain::extend(const Move& next, double afte
   };
   auto plan = plan_of(course, {.squares = {square(start), square(*entry + 1)}});
   if (!plan) return std::nullopt;
+  const double begins = begins_ + plan_.law.time(start);
+  if (slower_than_a_stop(begins + plan->law.duration() - ends(), next)) return std::nullopt;
   const auto tool_at = [&](const JointValues& joints) {
     return planner_.base_from_tool(joints, next.flange_from_tool);
   };
   const Frame corner = tool_at(goal()), passed = tool_at(plan->path.position(overlap.corner));
-  begins_ += plan_.law.time(start);
+  begins_ = begins;
   course_ = std::move(course);
   plan_ = *std::move(plan);
   last_ = next;

@@ -33,7 +33,7 @@ class MoveChain {
   /// Lets the move `next` follow without a stop. `next` must start at goal().
   /// The motion stays as it is until the time `after`. Returns nullopt, and changes nothing, if the
   /// arm can no longer go over into `next`: it is too late, the corner is beyond a limit, the
-  /// motion would have to be much slower, or a move has no length.
+  /// motion would be over sooner if it stopped, or a move has no length.
   std::optional<Corner> extend(const Move& next, double after);
 
   // All times are in s since the start of the chain, by the time laws of its plans.
@@ -70,6 +70,7 @@ class MoveChain {
   void add_move(Course& course, const Move& next, const Overlap& overlap) const;
   std::optional<std::vector<JointValues>> overlap_joints(const Move& next, const Overlap& overlap,
                                                          std::size_t intervals);
+  bool slower_than_a_stop(double added, const Move& next) const;
   std::optional<Plan> plan_of(const Course& course, const TimeLaw::Start& start) const;
 
   Planner& planner_;

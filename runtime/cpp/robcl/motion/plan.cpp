@@ -17,7 +17,7 @@ constexpr int most_tries = 8;
 // exceeds because of its speed there would make the rest of it slower with each try. A motion that
 // takes more than this many times the duration of the first try is given up.
 constexpr double most_slowed = 3;
-double just_kept(const Smoothing& smoothing) { return smoothing.on() ? 1.005 : content; }
+double just_kept(const Smoothing& smoothing) { return smoothing.on() ? 1.0008 : content; }
 
 /// Returns the factor by which `law` must be slowed in each interval so that its set points keep
 /// the limits of the joints; 1 where they keep them.
