@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import gecos
 import pytest
 from gecos.interface import OnDegraded, Quality, QualityClass
@@ -40,6 +42,25 @@ def test_a_connection_within_its_bound_is_measured_and_never_changes(lab: gecos.
 def test_without_a_bound_nothing_is_measured(lab: gecos.Lab) -> None:
     lamp = lab.create(Lamp, "LAMP", medium="shm")
     assert gecos.line_state(lamp) == gecos.LineState("shm", 0.0, None, False, 0)
+
+
+@pytest.mark.usefixtures("server")
+def test_a_latency_that_the_program_accepts_is_measured_by_create(lab: gecos.Lab) -> None:
+    state = gecos.line_state(lab.create(Lamp, "LAMP", medium="shm", latency=3600.0))
+    assert state.bound == 3600.0
+    assert state.round_trip is not None
+
+
+@pytest.mark.usefixtures("server")
+def test_a_medium_that_is_slower_than_the_program_accepts_is_refused(lab: gecos.Lab) -> None:
+    with pytest.raises(gecos.CreateError) as refused:
+        lab.create(Lamp, "LAMP", latency=1e-6)
+    assert re.search(
+        r"QOS_UNAVAILABLE: LAMP no medium meets the required quality; (latency=1us: \w+ was "
+        r"measured at [0-9.]+[mu]?s(; )?){2,3}",
+        str(refused.value),
+    ), str(refused.value)
+    assert re.search(r"latency=1us: lcm was measured at ", str(refused.value))
 
 
 @pytest.mark.usefixtures("server")

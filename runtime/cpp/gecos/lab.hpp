@@ -40,6 +40,17 @@ struct CreateOptions {
   /// The medium to use. `create` fails when this medium is not available, even if others are.
   /// Without a value, `create` uses the best available medium.
   std::optional<media::Kind> medium{};
+  /// The channel over which the samples and events of the object must come in. Without a value, it
+  /// is `medium`. `create` fails when this medium is impossible, even if others are possible. If it
+  /// is not the medium of the calls, the proxy has a second session with the object for it.
+  std::optional<media::Kind> in{};
+  /// The channel over which calls and inward samples must go out. The results of the calls come
+  /// back over it. Without a value, it is `medium`.
+  std::optional<media::Kind> out{};
+  /// The longest round trip that the program accepts, also of a simulated device. Zero: only the
+  /// interface bounds the round trip. Where one of them does, `create` measures each medium by a
+  /// few pings before it takes the medium, for at most 2 s and at most `patience`.
+  Duration latency{};
   /// Longest wait for an answer of the broker and of the server.
   Duration patience = std::chrono::seconds(2);
   /// The time for which `create` keeps trying while none of the named objects is online, or while

@@ -3,6 +3,7 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
@@ -41,19 +42,27 @@ nb::list attempts_of(const CreateError& error) {
   return attempts;
 }
 
+/// The media that a program names: for both directions, in and out.
+using Channels =
+    std::tuple<std::optional<std::string>, std::optional<std::string>, std::optional<std::string>>;
+
+std::optional<media::Kind> medium_called(const std::optional<std::string>& name) {
+  if (!name) return std::nullopt;
+  if (const auto kind = media::kind_from(*name)) return kind;
+  throw nb::value_error(("no medium is called '" + *name + "'; choose inproc, shm or lcm").c_str());
+}
+
 nb::object create(LabHandle& self, nb::handle interface, const std::vector<std::string>& names,
-                  const std::optional<std::string>& medium, double patience,
+                  const Channels& channels, double latency, double patience,
                   std::uint64_t incarnation, double wait) {
   CreateOptions options;
+  options.latency = patience_of(latency);
   options.incarnation = incarnation;
   options.patience = patience_of(patience);
-  if (medium) {
-    options.medium = media::kind_from(*medium);
-    if (!options.medium) {
-      throw nb::value_error(
-          ("no medium is called '" + *medium + "'; choose inproc, shm or lcm").c_str());
-    }
-  }
+  const auto& [medium, in, out] = channels;
+  options.medium = medium_called(medium);
+  options.in = medium_called(in);
+  options.out = medium_called(out);
   const InterfaceDescription& wanted = description_of(interface);
   const auto attempt = [&] {
     return run_interruptibly([lab = self.get(), &wanted, names, options] {
@@ -358,8 +367,8 @@ void bind_client(nb::module_& module) {
           },
           nb::arg("broker"), nb::arg("program"))
       .def("explain", &explain, nb::arg("interface"), nb::arg("name"), nb::arg("patience"))
-      .def("create", &create, nb::arg("interface"), nb::arg("names"), nb::arg("medium").none(),
-           nb::arg("patience"), nb::arg("incarnation"), nb::arg("wait"))
+      .def("create", &create, nb::arg("interface"), nb::arg("names"), nb::arg("channels"),
+           nb::arg("latency"), nb::arg("patience"), nb::arg("incarnation"), nb::arg("wait"))
       .def("broker", &broker, nb::arg("interface"), nb::arg("patience"))
       .def("objects", &objects, nb::arg("interface_name"), nb::arg("patience"))
       .def("watch", &watch, nb::arg("interface_name"))

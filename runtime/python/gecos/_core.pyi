@@ -14,12 +14,14 @@ class Lab:
         self,
         interface: Interface,
         names: Sequence[str],
-        medium: str | None,
+        channels: tuple[str | None, str | None, str | None],
+        latency: float,
         patience: float,
         incarnation: int,
         wait: float,
     ) -> Session | list[tuple[str, int, str]]:
-        """Returns a session, or the name, detail and reason of each failed attempt."""
+        """Returns a session, or the name, detail and reason of each failed attempt. `channels`: the
+        media for both directions, in and out."""
     def explain(
         self, interface: Interface, name: str, patience: float
     ) -> (

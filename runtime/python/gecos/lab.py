@@ -43,16 +43,24 @@ class Lab:
         names: str | Sequence[str] | ObjectRef,
         *,
         medium: str | None = None,
+        in_: str | None = None,
+        out: str | None = None,
+        latency: float | None = None,
         patience: float = 2.0,
         wait: float = 0.0,
     ) -> P:
         """Connects to the first of `names` that is online and of the right type.
 
         `medium` names the medium to use ("inproc", "shm", "lcm"). The default is the best one that
-        fulfils the interface's quality. `patience` is the longest wait in s for an answer of the
-        broker and of each server. `wait` says for how many s to try again while none of the objects
-        is online or no broker answers; `math.inf` means without limit. An object of another type is
-        not waited for. Raises CreateError with a reason for each name.
+        fulfils the interface's quality. `in_` and `out` name a medium for one direction: samples
+        and events of the object come in over `in_`; calls and inward samples go out over `out`, and
+        results come back over it. A named medium that is impossible is an error, even if others are
+        possible. `latency` is the longest round trip in s that the program accepts, also of a
+        simulated device; the interface may demand a shorter one. Where one of them bounds it, each
+        medium is measured by a few pings before it is taken. `patience` is the longest wait in s
+        for an answer of the broker and of each server. `wait` says for how many s to try again
+        while none of the objects is online or no broker answers; `math.inf` means without limit. An
+        object of another type is not waited for. Raises CreateError with a reason for each name.
 
         Instead of names, a reference may be given (`lab.create(Tool, changer.current().result())`).
         A reference is valid only while the server process that it refers to serves the object,
@@ -65,7 +73,9 @@ class Lab:
             wanted = list(names)
         else:
             wanted, incarnation = [names.name], names.boot
-        created = self._core.create(table, wanted, medium, patience, incarnation, wait)
+        created = self._core.create(
+            table, wanted, (medium, in_, out), latency or 0.0, patience, incarnation, wait
+        )
         if isinstance(created, list):
             raise CreateError([Attempt(name, Detail(d), reason) for name, d, reason in created])
         return interface(created)

@@ -17,7 +17,7 @@ const LineCapabilities lcm{.name = "lcm",
                            .reports_death = false};
 
 LineCapabilities measured(LineCapabilities line, Duration latency) {
-  line.latency = latency;
+  line.latency = {latency};
   return line;
 }
 
@@ -77,6 +77,17 @@ TEST(Match, MeasuredLatencyIsHeldAgainstASoftRealtimeLine) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].term, "latency=5ms");
   EXPECT_EQ(found[0].why, "lcm was measured at 7ms");
+}
+
+TEST(Match, NoAnswerIsHeldAgainstALineOnceItTookLongerThanTheBound) {
+  LineCapabilities line = lcm;
+  line.latency = {2s, false};
+  const auto found = violations({.line = Class::SoftRealtime, .latency = 100us}, line);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].term, "latency=100us");
+  EXPECT_EQ(found[0].why, "lcm gave no answer within 2s");
+  EXPECT_TRUE(violations({.line = Class::SoftRealtime, .latency = 3s}, line).empty())
+      << "it may still come in time";
 }
 
 TEST(Match, WhatIsNotMeasuredIsNotHeldAgainstIt) {

@@ -163,7 +163,9 @@ TEST_F(Create, TellsAnotherRuntimeDirectoryOfThisHostFromAnotherHost) {
   gecos::Entry entry;
   entry.hostname = "robots";
   entry.addresses = {"shm:/tmp/theirs/PROBE.12.1.sock"};
-  const auto why = [&] { return gecos::session::select(runtime, entry, {}, std::nullopt).error(); };
+  const auto why = [&] {
+    return gecos::session::Selection(runtime, entry, {}, std::nullopt).why_none();
+  };
   entry.host = runtime.host_identity() + "0";
   EXPECT_EQ(why(),
             "cannot be reached (shm: it is on this host, in another runtime directory "
@@ -177,16 +179,23 @@ TEST_F(Create, RefusesHardRealtimeOnAMediumThatCannotUnlessSimulated) {
   gecos::Entry entry;
   entry.host = LabAccess::context(lab_).value()->runtime()->host_identity();
   entry.addresses = {"lcm:239.255.76.67:20017/x"};
-  gecos::qos::Quality hard;
-  hard.line = gecos::qos::Class::HardRealtime;
-  const auto refused = gecos::session::select(*LabAccess::context(lab_).value()->runtime(), entry,
-                                              hard, std::nullopt);
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().find("lcm"), std::string::npos);
-  EXPECT_NE(refused.error().find("HARD_REALTIME"), std::string::npos) << refused.error();
-  entry.simulated = true;
-  EXPECT_TRUE(gecos::session::select(*LabAccess::context(lab_).value()->runtime(), entry, hard,
-                                     std::nullopt));
+  const gecos::qos::Quality hard{.line = gecos::qos::Class::HardRealtime};
+  const auto selection = [&](bool simulated) {
+    return gecos::session::Selection(*LabAccess::context(lab_).value()->runtime(), entry,
+                                     gecos::session::demanded_of(hard, simulated), std::nullopt);
+  };
+  EXPECT_TRUE(selection(false).best_first().empty());
+  EXPECT_EQ(selection(false).why_none(),
+            "no medium meets the required quality; class=HARD_REALTIME: lcm shares a queue with "
+            "other programs and may lose packets");
+  EXPECT_EQ(selection(true).best_first().size(), 1u);
+}
+
+TEST(Demanded, OfASimulatedDeviceIsNoLatency) {
+  const gecos::qos::Quality asked{.line = gecos::qos::Class::SoftRealtime,
+                                  .latency = std::chrono::milliseconds(5)};
+  EXPECT_EQ(gecos::session::demanded_of(asked, false).latency, asked.latency);
+  EXPECT_EQ(gecos::session::demanded_of(asked, true).latency, gecos::Duration::zero());
 }
 
 TEST_F(Create, TakesOnlyMediaThatTheInterfaceNames) {

@@ -115,6 +115,16 @@ TEST_P(Lines, PingsAreNoCallsOfTheProgramAndKeepNoSessionOpen) {
   EXPECT_TRUE(settles([&] { return session.expired(); }));
 }
 
+TEST_P(Lines, ALatencyThatTheProgramAcceptsIsMeasuredBeforeTheObjectIsUsed) {
+  const gecos::CreateOptions accepting{.medium = kind_, .latency = 1h, .patience = 20s};
+  const auto robot = far_.create<probe::Probe>("PROBE", accepting);
+  ASSERT_TRUE(robot) << robot.error();
+  const LineState state = gecos::line_state(*robot);
+  EXPECT_EQ(state.bound, 1h);
+  EXPECT_TRUE(state.round_trip);
+  EXPECT_EQ(robot->session()->issued(), 0u) << "pings are no calls of the program";
+}
+
 TEST_P(Lines, WithoutABoundNothingIsMeasured) {
   auto robot = far_.create<probe::Probe>("PROBE", {.medium = kind_});
   ASSERT_TRUE(robot) << robot.error();

@@ -8,6 +8,7 @@
 #include "gecos/binding.hpp"
 #include "gecos/media/lcm/lcm.hpp"
 #include "gecos/media/shm/shm.hpp"
+#include "gecos/session/client/select.hpp"
 #include "over_media.hpp"
 
 namespace {
@@ -62,7 +63,7 @@ TEST(RefusedOperations, AreThoseWhoseQualityTheMediumDoesNotMeet) {
     for (const auto& [medium, why] : {std::pair(gecos::media::shm_capabilities, row.over_shm),
                                       std::pair(gecos::media::lcm_capabilities, row.over_lcm)}) {
       RefusedOperations refused({});
-      refused.check_quality(lift, medium, row.simulated);
+      refused.check_quality(lift, gecos::session::line_of(medium), row.simulated);
       const auto failure = refused.why(gecos::FunctionCode{7}, "turn", server);
       if (why.empty()) {
         EXPECT_FALSE(failure) << failure->text;
@@ -81,7 +82,7 @@ TEST(RefusedOperations, ThatDifferAreRefusedWhateverTheyDemand) {
   const std::array operations = {asking(7, {.media = Media::Can})};
   const gecos::InterfaceDescription lift{.name = "lab::Lift", .operations = operations};
   RefusedOperations refused({gecos::FunctionCode{7}});
-  refused.check_quality(lift, gecos::media::shm_capabilities, false);
+  refused.check_quality(lift, gecos::session::line_of(gecos::media::shm_capabilities), false);
   const auto failure = refused.why(gecos::FunctionCode{7}, "turn", {});
   ASSERT_TRUE(failure);
   EXPECT_EQ(failure->detail, Detail::Refused);

@@ -7,11 +7,29 @@
 namespace gecos::qos {
 namespace {
 
-std::string milliseconds(Duration duration) {
+/// "250us", "5ms", "1.2s"
+std::string with_unit(Duration duration) {
+  const double seconds = std::chrono::duration<double>(duration).count();
   char text[32];
-  std::snprintf(text, sizeof text, "%.3gms",
-                std::chrono::duration<double, std::milli>(duration).count());
+  if (duration >= std::chrono::seconds(1)) {
+    std::snprintf(text, sizeof text, "%.4gs", seconds);
+  } else if (duration >= std::chrono::milliseconds(1)) {
+    std::snprintf(text, sizeof text, "%.3gms", seconds * 1e3);
+  } else {
+    std::snprintf(text, sizeof text, "%.3gus", seconds * 1e6);
+  }
   return text;
+}
+
+/// "shm was measured at 3ms"
+std::string measured(const LineCapabilities& line) {
+  const auto& [round_trip, answered] = *line.latency;
+  return line.name + (answered ? " was measured at " : " gave no answer within ") +
+         with_unit(round_trip);
+}
+
+bool too_slow(const Quality& asked, const LineCapabilities& line) {
+  return binds_latency(asked) && line.latency && line.latency->round_trip > asked.latency;
 }
 
 }  // namespace
@@ -29,10 +47,8 @@ std::vector<Violation> violations(const Quality& asked, const LineCapabilities& 
   if (!allows(asked.media, line.name)) {
     found.push_back({"media=" + to_string(asked.media), line.name + " is not one of these media"});
   }
-  const bool latency_binds = asked.line != Class::TimeIndependent && asked.latency > Duration{};
-  if (latency_binds && line.latency && *line.latency > asked.latency) {
-    found.push_back({"latency=" + milliseconds(asked.latency),
-                     line.name + " was measured at " + milliseconds(*line.latency)});
+  if (too_slow(asked, line)) {
+    found.push_back({"latency=" + with_unit(asked.latency), measured(line)});
   }
   return found;
 }
@@ -49,7 +65,10 @@ std::vector<std::size_t> rank(const Quality& asked, std::span<const LineCapabili
       return std::tuple(!line.real_time, !line.reliable, !line.reports_death, line.between_hosts);
     };
     if (promises(a) != promises(b)) return promises(a) < promises(b);
-    return a.latency.value_or(Duration::max()) < b.latency.value_or(Duration::max());
+    const auto round_trip = [](const LineCapabilities& line) {
+      return line.latency ? line.latency->round_trip : Duration::max();
+    };
+    return round_trip(a) < round_trip(b);
   });
   return fitting;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gecos/base/result.hpp"
+#include "gecos/qos/latency_sample.hpp"
 #include "gecos/qos/quality.hpp"
 
 /// Checks media against a required quality of service and selects the best medium. Pure functions.
@@ -20,7 +21,7 @@ struct LineCapabilities {
   bool real_time = true;       ///< the medium loses no packet and shares no queue with others
   bool reports_death = true;   ///< the death of a peer is reported at once, not only found by its
                                ///< silence
-  std::optional<Duration> latency{};  ///< 99th percentile of a round trip, once it is measured
+  std::optional<LatencySample::Latency> latency{};  ///< once it is measured
 };
 
 /// One term of the required quality that a medium does not meet.

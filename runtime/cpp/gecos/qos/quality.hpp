@@ -48,4 +48,9 @@ struct Quality {
   OnDegraded on_degraded = OnDegraded::Event;  ///< of an interface
 };
 
+/// Returns whether `asked` bounds the latency: `latency` binds with a class of real time only.
+inline bool binds_latency(const Quality& asked) {
+  return asked.line != Class::TimeIndependent && asked.latency > Duration{};
+}
+
 }  // namespace gecos::qos

@@ -76,8 +76,24 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
   return command;
 }
 
+void ClientConnection::close(Duration patience) {
+  if (inbound_) inbound_->close(patience);
+  end_.close(patience);
+}
+
 tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::subscribe(
     const StreamDescription& stream) {
+  if (inbound_ && stream.status != access::Status::Sensor) {
+    return tl::unexpected(Failure{
+        Detail::QosUnavailable,
+        "'" + std::string(stream.name) + "' of " + object_name() +
+            " was not opened over its own channel, " + std::string(inbound_->capabilities().name) +
+            ": it demands a status, which the session of the calls has; create the proxy "
+            "with one medium for both directions",
+        {},
+        {}});
+  }
+  if (inbound_) return inbound_->subscribe(stream);
   if (auto refused = refusal(stream.code, stream.name, "was not opened")) {
     return tl::unexpected(std::move(*refused));
   }

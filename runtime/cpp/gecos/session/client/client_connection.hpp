@@ -25,8 +25,9 @@
 namespace gecos::session {
 
 /// Client side of a session over one connection of a medium. Owns the parts of the session and
-/// connects them to each other. This class has more methods than other classes, because it
-/// implements the interface of a session and gives each part access to the others.
+/// connects them to each other. This class has more methods than other classes and more members
+/// than other classes, because it implements the interface of a session and gives each part access
+/// to the others.
 ///
 /// A lost session stays lost: every later call ends as CONNECTION_FAILED, and the program must
 /// create a new session with `Lab::create`. Only `@idempotent` readings continue, in a successor
@@ -63,7 +64,7 @@ class ClientConnection final : public ClientSession,
   }
 
   /// See SessionEnd::close.
-  void close(Duration patience) override { end_.close(patience); }
+  void close(Duration patience) override;
   bool lost() const { return calls_.lost(); }
   /// True when this program has closed the session or is closing it.
   bool closed() const { return end_.closed(); }
@@ -76,12 +77,15 @@ class ClientConnection final : public ClientSession,
   /// session.
   void found_at(std::string address) { place_ = std::move(address); }
   const std::string& place() const { return place_; }
-  /// Checks the `@qos` that single operations and streams of `wanted` have, and begins to measure
-  /// the latency if `wanted` demands one. Must be called before other threads know the session.
-  void check_quality(const InterfaceDescription& wanted, bool simulated) {
-    refused_.check_quality(wanted, connection_->capabilities(), simulated);
-    line_.bound_by(wanted, simulated);
+  /// Checks the `@qos` that single operations and streams of `wanted` have. Must be called before
+  /// the program knows the session.
+  void check_quality(const InterfaceDescription& wanted, const qos::LineCapabilities& line,
+                     bool simulated) {
+    refused_.check_quality(wanted, line, simulated);
   }
+  /// Makes `inbound`, another session with the same object, the one that receives the streams and
+  /// events. Must be called before the program knows the session.
+  void receive_over(std::shared_ptr<ClientConnection> inbound) { inbound_ = std::move(inbound); }
   /// Returns a failure when no call or subscription of `name` may be sent. `outcome`: see
   /// RefusedOperations::why.
   std::optional<Failure> refusal(FunctionCode code, std::string_view name,
@@ -94,6 +98,7 @@ class ClientConnection final : public ClientSession,
 
   CallSender& calls() { return calls_; }
   ConnectionReader& reader() { return reader_; }
+  LineProbe& line_probe() { return line_; }
   SessionFailover& failover() { return failover_; }
   Subscriptions& subscriptions() { return subscriptions_; }
   Writers& writers() { return writers_; }
@@ -105,6 +110,7 @@ class ClientConnection final : public ClientSession,
   const Welcome welcome_;
   RefusedOperations refused_;
   std::string place_;
+  std::shared_ptr<ClientConnection> inbound_;  ///< null: this session receives the streams itself
 
   ServerWatch server_;
   LeaseState leases_;

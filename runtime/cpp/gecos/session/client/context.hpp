@@ -61,6 +61,9 @@ class Context : public std::enable_shared_from_this<Context> {
   bool closed_ GECOS_GUARDED_BY(keeping_) = false;
 };
 
+/// Returns the failure of every attempt of a lab that was closed.
+CreateError::Attempt closed_lab(const std::string& name);
+
 /// Returns what the broker knows of the object `name`, which must have the interface `wanted`; or
 /// why it cannot be used.
 tl::expected<Entry, CreateError::Attempt> find_entry(Context& lab,

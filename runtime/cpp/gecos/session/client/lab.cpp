@@ -56,16 +56,16 @@ namespace {
 
 using Attempt = CreateError::Attempt;
 
-Attempt closed_lab(const std::string& name) {
-  return {name, Detail::NoServer, "this Lab is closed; make a new one"};
-}
-
 bool entry_is_a(const Entry& entry, std::string_view interface_name) {
   return entry.interface_name == interface_name ||
          std::find(entry.bases.begin(), entry.bases.end(), interface_name) != entry.bases.end();
 }
 
 }  // namespace
+
+CreateError::Attempt closed_lab(const std::string& name) {
+  return {name, Detail::NoServer, "this Lab is closed; make a new one"};
+}
 
 tl::expected<Entry, CreateError::Attempt> find_entry(Context& lab,
                                                      const InterfaceDescription& wanted,
@@ -90,33 +90,6 @@ tl::expected<Entry, CreateError::Attempt> find_entry(Context& lab,
                                          "reference, or create the proxy by name"});
   }
   return *std::move(entry);
-}
-
-tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_object(
-    Context& lab, const InterfaceDescription& wanted, const std::string& name,
-    const CreateOptions& options) {
-  const TimePoint deadline = deadline_after(options.patience);
-  const auto entry = find_entry(lab, wanted, name, options);
-  if (!entry) return tl::unexpected(entry.error());
-  const auto addresses = select(*lab.runtime(), *entry, wanted.quality, options.medium);
-  if (!addresses) {
-    return tl::unexpected(Attempt{name, Detail::QosUnavailable, name + " " + addresses.error()});
-  }
-  const auto prepare = [&](ClientConnection& session) {
-    session.failover().set(lab.failover(), {name, wanted, options});
-    session.check_quality(wanted, entry->simulated);
-  };
-  Attempt failed{name, Detail::NoServer, {}};
-  for (const auto& address : *addresses) {
-    auto session = connect(*lab.runtime(), address, wanted, deadline, &failed.detail, prepare);
-    if (session && lab.keep(*session)) return std::move(*session);
-    if (session) return tl::unexpected(closed_lab(name));  // the lab was closed meanwhile
-    failed.reason += (failed.reason.empty() ? "" : "; ") + session.error();
-    if (failed.detail == Detail::Refused) break;
-  }
-  if (failed.detail == Detail::NoServer)
-    failed.reason = name + " is offline (" + failed.reason + ")";
-  return tl::unexpected(std::move(failed));
 }
 
 tl::expected<Created, CreateError> create(const LabOrWhyNot& lab,

@@ -6,6 +6,7 @@
 #include "gecos/base/log.hpp"
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/client/client_connection.hpp"
+#include "gecos/session/client/own_call.hpp"
 
 namespace gecos::session {
 namespace {
@@ -21,20 +22,6 @@ std::string in_milliseconds(Duration duration) {
   return text;
 }
 
-/// Returns the smallest latency that `wanted` demands in real time; zero when it demands none.
-Duration smallest_bound(const InterfaceDescription& wanted) {
-  Duration bound = Duration::max();
-  const auto look_at = [&](const qos::Quality& asked) {
-    const bool binds = asked.line != qos::Class::TimeIndependent && asked.latency > Duration{};
-    if (binds) bound = std::min(bound, asked.latency);
-  };
-  look_at(wanted.quality);
-  for (const auto* each : wanted.all_operations()) look_at(each->quality);
-  for (const auto* each : wanted.all_streams()) look_at(each->quality);
-  for (const auto* each : wanted.all_inward_streams()) look_at(each->quality);
-  return bound == Duration::max() ? Duration::zero() : bound;
-}
-
 }  // namespace
 
 LineProbe::LineProbe(ClientConnection& session)
@@ -45,14 +32,30 @@ LineProbe::LineProbe(ClientConnection& session)
 
 LineProbe::~LineProbe() = default;
 
-void LineProbe::bound_by(const InterfaceDescription& wanted, bool simulated) {
-  const Duration bound = smallest_bound(wanted);
+void LineProbe::bound_by(Duration bound, const InterfaceDescription& wanted, bool simulated) {
   if (bound <= Duration{}) return;
   watch_.emplace(bound);
   on_degraded_ = wanted.quality.on_degraded;
   simulated_ = simulated;
   const MutexLock lock(mutex_);
   state_.bound = bound;
+}
+
+std::optional<qos::LatencySample::Latency> LineProbe::measure(Duration longest) {
+  const auto now = [] { return TimePoint(std::chrono::steady_clock::now()); };
+  qos::LatencySample sample(now(), longest);
+  while (sample.wants_another(now())) {
+    const TimePoint sent = now();
+    pings_.fetch_add(1, std::memory_order_relaxed);
+    const auto ping = own_call(session_, GecosObjectInterface::ping);
+    if (!ping->wait_until(sample.gives_up())) break;
+    if (ping->progress().detail != Detail::Done) return std::nullopt;
+    sample.answered(now() - sent);
+  }
+  const auto found = sample.latency(now());
+  const MutexLock lock(mutex_);
+  state_.round_trip = found.round_trip;
+  return found;
 }
 
 void LineProbe::on_tick(TimePoint now) {

@@ -7,6 +7,7 @@
 
 #include "gecos/base/mutex.hpp"
 #include "gecos/object.hpp"
+#include "gecos/qos/latency_sample.hpp"
 #include "gecos/qos/latency_watch.hpp"
 #include "gecos/session/protocol/suspend_aware_clock.hpp"
 
@@ -25,10 +26,13 @@ class LineProbe {
   LineProbe(const LineProbe&) = delete;
   LineProbe& operator=(const LineProbe&) = delete;
 
-  /// Takes the bound of `wanted`: the smallest latency that the interface or a member demands in
-  /// real time. `simulated`: whether the object is a simulated device. Its delays do no harm and
-  /// cause no warnings in the log. Must be called before other threads know the session.
-  void bound_by(const InterfaceDescription& wanted, bool simulated);
+  /// Sets the bound of the round trip; zero: none. `simulated`: whether the object is a simulated
+  /// device. Its delays do no harm and cause no warnings in the log. Must be called before other
+  /// threads know the session.
+  void bound_by(Duration bound, const InterfaceDescription& wanted, bool simulated);
+  /// Measures the latency by pings, for at most `longest`. Blocks. Returns nullopt when the session
+  /// is lost. Must not be called on the maintenance thread.
+  std::optional<qos::LatencySample::Latency> measure(Duration longest);
   /// Called by the maintenance thread.
   void on_tick(TimePoint now);
   LineState state() const;

@@ -7,8 +7,7 @@
 namespace gecos::session {
 
 void RefusedOperations::check_quality(const InterfaceDescription& wanted,
-                                      const media::Capabilities& medium, bool simulated) {
-  const qos::LineCapabilities line = line_of(medium);
+                                      const qos::LineCapabilities& line, bool simulated) {
   medium_ = line.name;
   for (const auto& [code, name, violations] : unsuited_members(wanted, line, simulated)) {
     unsuited_.push_back({code, to_string(violations)});

@@ -8,7 +8,7 @@
 
 #include "gecos/command.hpp"
 #include "gecos/description.hpp"
-#include "gecos/media/medium.hpp"
+#include "gecos/qos/match.hpp"
 #include "gecos/session/protocol/handshake.hpp"
 
 namespace gecos::session {
@@ -22,9 +22,9 @@ class RefusedOperations {
   explicit RefusedOperations(std::vector<FunctionCode> differing)
       : differing_(std::move(differing)) {}
 
-  /// Also refuses the operations and streams of `wanted` whose `@qos` demands more than `medium`
+  /// Also refuses the operations and streams of `wanted` whose `@qos` demands more than `line`
   /// promises. `simulated`: whether the object is a simulated device.
-  void check_quality(const InterfaceDescription& wanted, const media::Capabilities& medium,
+  void check_quality(const InterfaceDescription& wanted, const qos::LineCapabilities& line,
                      bool simulated);
 
   /// Returns why the operation or stream `name` is refused; nullopt if it may be used. `outcome`:

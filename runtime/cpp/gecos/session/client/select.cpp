@@ -18,7 +18,9 @@ qos::LineCapabilities line_of(const media::Capabilities& capabilities) {
 }
 
 qos::Quality demanded_of(qos::Quality asked, bool simulated) {
-  if (simulated && asked.line == qos::Class::HardRealtime) asked.line = qos::Class::SoftRealtime;
+  if (!simulated) return asked;
+  if (asked.line == qos::Class::HardRealtime) asked.line = qos::Class::SoftRealtime;
+  asked.latency = {};
   return asked;
 }
 
@@ -62,6 +64,12 @@ std::string offered(const Entry& entry) {
   return media.empty() ? "none" : media;
 }
 
+std::vector<qos::LineCapabilities> lines_of(const std::vector<Route>& routes) {
+  std::vector<qos::LineCapabilities> lines;
+  for (const Route& route : routes) lines.push_back(route.line);
+  return lines;
+}
+
 }  // namespace
 
 tl::expected<qos::LineCapabilities, std::string> line_to(Runtime& runtime, const Entry& entry,
@@ -94,39 +102,64 @@ std::vector<UnsuitedMember> unsuited_members(const InterfaceDescription& interfa
   return found;
 }
 
-tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, const Entry& entry,
-                                                           const qos::Quality& asked,
-                                                           std::optional<media::Kind> only) {
-  std::vector<std::string> addresses;
-  std::vector<qos::LineCapabilities> lines;
-  std::string reasons;
-  const auto pass_over = [&](std::string_view medium, const std::string& why) {
-    reasons += (reasons.empty() ? "" : "; ") + std::string(medium) + ": " + why;
+Duration smallest_latency(const InterfaceDescription& wanted) {
+  Duration smallest = Duration::max();
+  const auto look_at = [&](const qos::Quality& asked) {
+    if (qos::binds_latency(asked)) smallest = std::min(smallest, asked.latency);
   };
+  look_at(wanted.quality);
+  for (const auto* each : wanted.all_operations()) look_at(each->quality);
+  for (const auto* each : wanted.all_streams()) look_at(each->quality);
+  for (const auto* each : wanted.all_inward_streams()) look_at(each->quality);
+  return smallest == Duration::max() ? Duration::zero() : smallest;
+}
+
+Selection::Selection(Runtime& runtime, const Entry& entry, const qos::Quality& demanded,
+                     std::optional<media::Kind> only)
+    : demanded_(demanded),
+      asked_for_(only ? " over " + std::string(media::to_string(*only)) : ""),
+      offered_(offered(entry)) {
   for (const auto& address : entry.addresses) {
     const auto kind = media::kind_of(address);
     if (only && kind && *kind != *only) continue;
     if (auto line = line_to(runtime, entry, address)) {
-      addresses.push_back(address);
-      lines.push_back(*std::move(line));
+      routes_.push_back({address, *std::move(line)});
     } else {
-      pass_over(medium_of(address), line.error());
+      pass_over(address, line.error());
     }
   }
-  if (addresses.empty()) {
-    const std::string asked_for = only ? " over " + std::string(media::to_string(*only)) : "";
-    return tl::unexpected("cannot be reached" + asked_for +
-                          (reasons.empty()
-                               ? ": its server does not offer this medium; use " + offered(entry)
-                               : " (" + reasons + ")"));
+}
+
+std::vector<Route> Selection::best_first() const {
+  std::vector<Route> ranked;
+  for (const std::size_t index : qos::rank(demanded_, lines_of(routes_))) {
+    ranked.push_back(routes_[index]);
   }
-  const qos::Quality demanded = demanded_of(asked, entry.simulated);
-  if (const auto chosen = qos::choose(demanded, lines); !chosen) {
-    return tl::unexpected(chosen.error() + (reasons.empty() ? "" : "; " + reasons));
-  }
-  std::vector<std::string> ranked;
-  for (const std::size_t index : qos::rank(demanded, lines)) ranked.push_back(addresses[index]);
   return ranked;
+}
+
+bool Selection::measured(const Route& route) {
+  std::ranges::find(routes_, route.address, &Route::address)->line = route.line;
+  return qos::violations(demanded_, route.line).empty();
+}
+
+void Selection::not_reached(const Route& route, const std::string& why) {
+  std::erase_if(routes_, [&](const Route& each) { return each.address == route.address; });
+  pass_over(route.address, why);
+}
+
+void Selection::pass_over(const std::string& address, const std::string& why) {
+  passed_over_ += (passed_over_.empty() ? "" : "; ") + medium_of(address) + ": " + why;
+}
+
+std::string Selection::why_none() const {
+  if (routes_.empty()) {
+    return "cannot be reached" + asked_for_ +
+           (passed_over_.empty() ? ": its server does not offer this medium; use " + offered_
+                                 : " (" + passed_over_ + ")");
+  }
+  const auto chosen = qos::choose(demanded_, lines_of(routes_));
+  return (chosen ? "" : chosen.error()) + (passed_over_.empty() ? "" : "; " + passed_over_);
 }
 
 }  // namespace gecos::session

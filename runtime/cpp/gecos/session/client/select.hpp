@@ -15,8 +15,12 @@ namespace gecos::session {
 qos::LineCapabilities line_of(const media::Capabilities& capabilities);
 
 /// Returns the quality that `asked` demands of a medium. A late packet does no harm in a simulated
-/// device, so that soft real time is enough for it.
+/// device, so that soft real time is enough for it, and its latency is not bounded.
 qos::Quality demanded_of(qos::Quality asked, bool simulated);
+
+/// Returns the smallest latency that `wanted`, or a member of it, demands in real time; zero when
+/// none is demanded.
+Duration smallest_latency(const InterfaceDescription& wanted);
 
 /// Returns the name of the medium of an address: "shm".
 std::string medium_of(const std::string& address);
@@ -31,11 +35,39 @@ tl::expected<qos::LineCapabilities, std::string> line_to(Runtime& runtime, const
 std::vector<UnsuitedMember> unsuited_members(const InterfaceDescription& interface,
                                              const qos::LineCapabilities& line, bool simulated);
 
-/// Returns the addresses of the object `entry` whose media meet the quality `asked`, best first. If
-/// there is none, returns a text that says of each medium why it is not suitable. `only`: the only
-/// medium to consider. No other function decides which medium a client uses.
-tl::expected<std::vector<std::string>, std::string> select(Runtime& runtime, const Entry& entry,
-                                                           const qos::Quality& asked,
-                                                           std::optional<media::Kind> only);
+/// A medium that may lead to an object: an address of the object, and what a session promises
+/// there.
+struct Route {
+  std::string address;
+  qos::LineCapabilities line;
+};
+
+/// Decides which medium a client uses for the object `entry`; nothing else decides it. Reads no
+/// clock and sends nothing.
+class Selection {
+ public:
+  /// `demanded`: what the medium must meet. `only`: the only medium to consider.
+  Selection(Runtime& runtime, const Entry& entry, const qos::Quality& demanded,
+            std::optional<media::Kind> only);
+
+  /// Returns the routes that meet the demanded quality, best first.
+  std::vector<Route> best_first() const;
+  /// Must be called when the latency of `route` was measured. Returns whether the route still meets
+  /// the demanded quality.
+  bool measured(const Route& route);
+  /// Must be called when no session could be opened over `route`.
+  void not_reached(const Route& route, const std::string& why);
+  /// Returns why no route is suitable: each medium with the terms that it violates.
+  std::string why_none() const;
+
+ private:
+  void pass_over(const std::string& address, const std::string& why);
+
+  const qos::Quality demanded_;
+  const std::string asked_for_;  ///< " over lcm" when only lcm is considered
+  const std::string offered_;    ///< the media that the server offers, "inproc, shm"
+  std::vector<Route> routes_;    ///< that this program can reach
+  std::string passed_over_;      ///< the other media, each with the reason
+};
 
 }  // namespace gecos::session

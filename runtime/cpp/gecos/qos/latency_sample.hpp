@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "gecos/base/clock.hpp"
+
+namespace gecos::qos {
+
+/// Measures the latency of a connection before it is used: the median of at most `most` round
+/// trips, which are made one after another within a bounded time. Reads no clock. Not thread-safe.
+class LatencySample {
+ public:
+  static constexpr std::size_t most = 5;
+
+  struct Latency {
+    Duration round_trip{};
+    bool answered = true;  ///< false: no answer came within `round_trip`
+  };
+
+  /// The measurement takes at most `longest`.
+  LatencySample(TimePoint now, Duration longest) : begun_(now), longest_(longest) {}
+
+  /// Returns whether another round trip should be made. None begins in the second half of the time,
+  /// so that a slow connection is judged by round trips that have ended.
+  bool wants_another(TimePoint now) const {
+    return round_trips_.size() < most && now < begun_ + longest_ / 2;
+  }
+  /// Returns when to stop waiting for the answer that is under way.
+  TimePoint gives_up() const { return begun_ + longest_; }
+  void answered(Duration round_trip) { round_trips_.push_back(round_trip); }
+  /// Returns the median; of an even number of round trips, the shorter one in the middle. If no
+  /// answer came at all, returns how long the connection was watched.
+  Latency latency(TimePoint now) const;
+
+ private:
+  const TimePoint begun_;
+  const Duration longest_;
+  std::vector<Duration> round_trips_;
+};
+
+}  // namespace gecos::qos

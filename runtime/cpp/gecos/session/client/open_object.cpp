@@ -1,0 +1,129 @@
+#include <algorithm>
+
+#include "gecos/session/client/connect.hpp"
+#include "gecos/session/client/context.hpp"
+#include "gecos/session/client/select.hpp"
+
+namespace gecos::session {
+namespace {
+
+using Attempt = CreateError::Attempt;
+using Opened = tl::expected<std::shared_ptr<ClientConnection>, Attempt>;
+
+/// The longest measurement of the latency of one medium.
+constexpr Duration longest_measurement = std::chrono::seconds(2);
+
+/// "RX90 (in=lcm)"; "RX90" when the program did not name the channel.
+std::string channel_name(const std::string& object, std::string_view channel,
+                         std::optional<media::Kind> named) {
+  if (!named) return object;
+  return object + " (" + std::string(channel) + "=" + std::string(media::to_string(*named)) + ")";
+}
+
+/// Opens the session of one `create`, over the best medium that meets what the interface and the
+/// program demand.
+class ObjectConnector {
+ public:
+  ObjectConnector(Context& lab, const InterfaceDescription& wanted, const Entry& entry,
+                  const std::string& name, const CreateOptions& options)
+      : lab_(lab), wanted_(wanted), entry_(entry), name_(name), options_(options) {}
+
+  /// Opens a session over the channel `only`. `channel` names the object and the channel in the
+  /// reasons of a failure: "RX90 (in=lcm)".
+  Opened over(std::optional<media::Kind> only, const std::string& channel,
+              TimePoint deadline) const {
+    Selection selection(*lab_.runtime(), entry_, demanded(), only);
+    const std::vector<Route> routes = selection.best_first();
+    Attempt failed{name_, Detail::NoServer, {}};
+    bool unsuitable = routes.empty();
+    for (Route route : routes) {
+      auto session = connect(*lab_.runtime(), route.address, wanted_, deadline, &failed.detail,
+                             [this](ClientConnection& opened) { prepare(opened); });
+      if (!session) {
+        failed.reason += (failed.reason.empty() ? "" : "; ") + session.error();
+        selection.not_reached(route, session.error());
+        if (failed.detail == Detail::Refused) return tl::unexpected(std::move(failed));
+        continue;
+      }
+      if (!suits(**session, route, selection)) {
+        unsuitable = true;
+        continue;
+      }
+      if (lab_.keep(*session)) return *std::move(session);
+      return tl::unexpected(closed_lab(name_));  // the lab was closed meanwhile
+    }
+    if (unsuitable) {
+      return tl::unexpected(
+          Attempt{name_, Detail::QosUnavailable, channel + " " + selection.why_none()});
+    }
+    failed.reason = channel + " is offline (" + failed.reason + ")";
+    return tl::unexpected(std::move(failed));
+  }
+
+ private:
+  /// Returns what the medium must meet as a whole. What the program demands holds for a simulated
+  /// device too.
+  qos::Quality demanded() const {
+    qos::Quality demanded = demanded_of(wanted_.quality, entry_.simulated);
+    if (options_.latency <= Duration{}) return demanded;
+    demanded.line = std::max(demanded.line, qos::Class::SoftRealtime);
+    const bool stricter = demanded.latency <= Duration{} || options_.latency < demanded.latency;
+    if (stricter) demanded.latency = options_.latency;
+    return demanded;
+  }
+  /// Returns the smallest latency that the connection is held to while it lives; zero: none.
+  Duration bound() const {
+    const Duration of_interface = smallest_latency(wanted_);
+    if (options_.latency <= Duration{}) return of_interface;
+    if (of_interface <= Duration{}) return options_.latency;
+    return std::min(of_interface, options_.latency);
+  }
+  bool measures() const {
+    const bool by_interface = !entry_.simulated && smallest_latency(wanted_) > Duration{};
+    return by_interface || options_.latency > Duration{};
+  }
+  void prepare(ClientConnection& session) const {
+    session.failover().set(lab_.failover(), {name_, wanted_, options_});
+    session.line_probe().bound_by(bound(), wanted_, entry_.simulated);
+  }
+  /// Measures the latency of `session` where one is demanded, and closes the session if the
+  /// connection is too slow.
+  bool suits(ClientConnection& session, Route& route, Selection& selection) const {
+    if (measures()) {
+      route.line.latency =
+          session.line_probe().measure(std::min(longest_measurement, options_.patience));
+    }
+    if (!selection.measured(route)) {
+      session.close(Duration{});
+      return false;
+    }
+    session.check_quality(wanted_, route.line, entry_.simulated);
+    return true;
+  }
+
+  Context& lab_;
+  const InterfaceDescription& wanted_;
+  const Entry& entry_;
+  const std::string& name_;
+  const CreateOptions& options_;
+};
+
+}  // namespace
+
+Opened open_object(Context& lab, const InterfaceDescription& wanted, const std::string& name,
+                   const CreateOptions& options) {
+  const TimePoint deadline = deadline_after(options.patience);
+  const auto entry = find_entry(lab, wanted, name, options);
+  if (!entry) return tl::unexpected(entry.error());
+  const ObjectConnector connector(lab, wanted, *entry, name, options);
+  const auto in = options.in ? options.in : options.medium;
+  auto session = connector.over(options.out ? options.out : options.medium,
+                                channel_name(name, "out", options.out), deadline);
+  if (!session || !in || *in == media::kind_of((*session)->place())) return session;
+  auto inbound = connector.over(in, channel_name(name, "in", options.in), deadline);
+  if (!inbound) return inbound;
+  (*session)->receive_over(*std::move(inbound));
+  return session;
+}
+
+}  // namespace gecos::session
