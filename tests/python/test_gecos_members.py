@@ -731,3 +731,20 @@ def publishing(arm: Arm) -> Iterator[None]:
     finally:
         ended.set()
         thread.join()
+
+
+def test_explain_measures_the_media_on_request(arm: Arm, run: Run) -> None:
+    code, out, _ = run("explain", "ARM")
+    assert code == 0
+    assert "measured" not in out
+    code, out, _ = run("explain", "ARM", "--measure")
+    assert code == 0
+    measured = [line.split() for line in out.splitlines() if line.startswith("  measured over ")]
+    assert {"shm:", "lcm:"} <= {words[2] for words in measured}
+    assert all(float(words[3]) > 0 and words[4] == "ms" for words in measured)
+    for flags in ([], ["--measure"]):
+        code, out, _ = run("explain", "ARM", "--json", *flags)
+        assert code == 0
+        assert valid(out, "explain")
+        for medium in json.loads(out)["media"]:
+            assert (medium["round_trip"] is not None) == (bool(flags) and medium["suitable"])

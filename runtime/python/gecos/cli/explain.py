@@ -2,16 +2,37 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
 from gecos.cli.options import broker_option, json_option, name_argument, print_json
+
+if TYPE_CHECKING:
+    from gecos import Explanation, Lab, Object
+
+_ANY_LATENCY = 3600.0  # s; asks `create` for a measurement, and refuses no medium
+
+
+def round_trips(lab: Lab, interface: type[Object], told: Explanation) -> dict[str, float]:
+    """Measures the suitable media of an object: the round trip of each in s. A medium over which no
+    session can be opened, or that is too slow for the interface, raises CreateError."""
+    import gecos
+
+    measured = {}
+    for each in told.media:
+        if each.suitable:
+            proxy = lab.create(interface, told.name, medium=each.medium, latency=_ANY_LATENCY)
+            measured[each.medium] = gecos.line_state(proxy).round_trip or 0.0
+    return measured
 
 
 @click.command()
 @name_argument
 @broker_option
+@click.option("--measure", is_flag=True, help="Also measure the round trip over each medium.")
 @json_option
-def explain(name: str, broker: str | None, as_json: bool) -> None:
+def explain(name: str, broker: str | None, measure: bool, as_json: bool) -> None:
     """Says over which medium a program on this host reaches an object, and why it does not use the
     other media: they do not reach the object, or lack the quality that the interface or a member
     demands."""
@@ -19,7 +40,9 @@ def explain(name: str, broker: str | None, as_json: bool) -> None:
     from gecos.dynamic_client.connect import find, interface_of
 
     with gecos.Lab(broker) as lab:
-        told = lab.explain(interface_of(find(lab, name)), name)
+        interface = interface_of(find(lab, name))
+        told = lab.explain(interface, name)
+        measured = round_trips(lab, interface, told) if measure else {}
     if as_json:
         print_json(
             {
@@ -33,6 +56,7 @@ def explain(name: str, broker: str | None, as_json: bool) -> None:
                         "address": each.address,
                         "suitable": each.suitable,
                         "reason": each.reason,
+                        "round_trip": measured.get(each.medium),
                         "members": [
                             {"name": member.name, "reason": member.reason}
                             for member in each.members
@@ -46,3 +70,5 @@ def explain(name: str, broker: str | None, as_json: bool) -> None:
         from gecos.cli import report
 
         print(report.printable(str(told)))
+        for medium, round_trip in measured.items():
+            print(f"  measured over {medium}: {round_trip * 1e3:.3g} ms")
