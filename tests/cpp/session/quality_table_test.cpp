@@ -64,11 +64,16 @@ const std::vector<Row>& satellite_rows() {
   return all;
 }
 
-gecos::Lab delayed_lab() {
+/// Delays every medium, or only the one that is called `only`.
+gecos::Lab delayed_lab(const std::string& only = "") {
   static const gecos::SystemClock clock;
+  static const std::atomic<gecos::Duration::rep> satellite{gecos::Duration(600ms).count()};
   return gecos::session::LabAccess::with_media(
-      probe::patient(), [](std::unique_ptr<gecos::media::Medium> inner) {
-        return gecos::media::make_faulty(std::move(inner), {.delay = 600ms}, clock);
+      probe::patient(), [only](std::unique_ptr<gecos::media::Medium> inner) {
+        const bool delayed = only.empty() || inner->capabilities().name == only;
+        if (!delayed) return inner;
+        // `more_delay`, because with a `delay` the medium itself promises no real time.
+        return gecos::media::make_faulty(std::move(inner), {.more_delay = &satellite}, clock);
       });
 }
 
@@ -153,6 +158,14 @@ TEST_F(QualityTable, IsWhatEachTermAndMediumGive) {
   std::ostringstream expected;
   expected << std::ifstream(QUALITY_TABLE).rdbuf();
   EXPECT_EQ(table, expected.str());
+}
+
+TEST_F(QualityTable, HasNoSlowMediumWhereTheNextOneIsFastEnough) {
+  gecos::Lab slow_inproc = delayed_lab("inproc");
+  client_ = &slow_inproc;
+  const Quality asked{.line = Class::SoftRealtime, .latency = 500ms};
+  EXPECT_EQ(of_interface({}, std::nullopt), "inproc");
+  EXPECT_EQ(of_interface(asked, std::nullopt), "shm");
 }
 
 }  // namespace
