@@ -54,13 +54,13 @@ def test_a_latency_that_the_program_accepts_is_measured_by_create(lab: gecos.Lab
 @pytest.mark.usefixtures("server")
 def test_a_medium_that_is_slower_than_the_program_accepts_is_refused(lab: gecos.Lab) -> None:
     with pytest.raises(gecos.CreateError) as refused:
-        lab.create(Lamp, "LAMP", latency=1e-6)
+        lab.create(Lamp, "LAMP", latency=1e-9)
     assert re.search(
-        r"QOS_UNAVAILABLE: LAMP no medium meets the required quality; (latency=1us: \w+ was "
+        r"QOS_UNAVAILABLE: LAMP no medium meets the required quality; (latency=0.001us: \w+ was "
         r"measured at [0-9.]+[mu]?s(; )?){2,3}",
         str(refused.value),
     ), str(refused.value)
-    assert re.search(r"latency=1us: lcm was measured at ", str(refused.value))
+    assert re.search(r"latency=0.001us: lcm was measured at ", str(refused.value))
 
 
 @pytest.mark.usefixtures("server")
