@@ -161,6 +161,22 @@ def test_stop_stops_whoever_moves_it(
     assert burning.progress().detail is gecos.Detail.STOPPED
 
 
+def test_break_takes_the_status_away_and_says_who_and_why(
+    held: Lamp,
+    servant: PlainLamp,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    burning = held.burn_in()
+    servant.burning.wait()
+    assert run(monkeypatch, "break", "LAMP", "--why", "nobody is here") == 0
+    assert capsys.readouterr().out == "LAMP: nobody holds its status any more\n"
+    with pytest.raises(gecos.CommandFailed, match=r"an administrator, .* nobody is here$") as lost:
+        burning.result()
+    assert lost.value.detail is gecos.Detail.LEASE_LOST
+    assert gecos.holders(held).result() == []
+
+
 def test_an_unknown_name_names_those_that_are_online(
     server: gecos.Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import os
+from concurrent.futures import ThreadPoolExecutor
+
 import gecos
 import pytest
 from gecos import Detail, State, wire
@@ -57,6 +60,16 @@ def test_status_is_shared_by_password(lamp: Lamp, other: Lamp) -> None:
         with gecos.actor(other, password="sesame"):
             other.dim(1.0).result()
             lamp.dim(1.0).result()
+
+
+def test_a_password_cannot_be_guessed_by_trying_many(lamp: Lamp, other: Lamp) -> None:
+    with gecos.actor(lamp, password="sesame"):
+        for guess in range(5):
+            with pytest.raises(gecos.LeaseRefused, match="the given password is wrong"):
+                gecos.actor(other, password=f"open {guess}")
+        with pytest.raises(gecos.LeaseRefused, match=r"5 wrong passwords.*try again in") as refused:
+            gecos.actor(other, password="sesame")
+        assert len(refused.value.holders) == 1
 
 
 def test_releasing_drains_what_was_issued(lamp: Lamp, other: Lamp, servant: PlainLamp) -> None:
@@ -154,6 +167,31 @@ def test_a_server_that_dies_while_others_wait_is_a_failed_connection(lab: gecos.
         with pytest.raises(gecos.ConnectionFailed, match="the server was lost while the request"):
             gecos.actor(waiting, timeout=None, on_position=lambda before: server.kill())
         lease.release()
+
+
+def test_a_holder_is_told_who_asks_and_grants_by_releasing(lamp: Lamp, other: Lamp) -> None:
+    lease = gecos.actor(lamp)
+    asked = gecos.requests(lamp, timeout=None)
+    asked.add_done_callback(lambda told: lease.release())
+    with gecos.actor(other, timeout=None):
+        other.dim(1.0).result()
+    (request,) = asked.result()
+    assert request.pid == os.getpid()
+    assert request.wanted.name == "ACTOR"
+
+
+def test_a_holder_denies_a_request_with_its_reason(held: Lamp, other: Lamp) -> None:
+    def deny() -> None:
+        (request,) = gecos.requests(held, timeout=None).result()
+        assert gecos.deny(held, request.id, "hot").result()
+        assert not gecos.deny(held, request.id).result()
+
+    with ThreadPoolExecutor() as pool:
+        denied = pool.submit(deny)
+        with pytest.raises(gecos.LeaseRefused, match=r"refused by its holder, .*: hot$") as refused:
+            gecos.actor(other, timeout=None)
+        denied.result()
+    assert len(refused.value.holders) == 1
 
 
 def test_holders_lists_who_has_status(held: Lamp, other: Lamp) -> None:

@@ -41,6 +41,9 @@ CASES: list[tuple[str, str, Any]] = [
     ("gecos::Holder", "somebody", {
         "status": "ACTOR", "user": "ada", "host": "lab", "program": "02_grip_block", "pid": 4711,
         "held_for": 12.5, "expires_in": 0.25, "releasing": True}),
+    ("gecos::WaitingRequest", "somebody", {
+        "id": 3, "wanted": "ACTOR", "user": "ada", "host": "lab", "program": "02_grip_block",
+        "pid": 4711, "waited_for": 1.5, "expires_in": 58.5}),
     ("gecos::RunningHandler", "one that waits", {
         "operation": "label", "running_for": 0.5, "user": "ada", "host": "lab",
         "program": "lift.py", "pid": 4711, "waits_for": "RX90.move"}),

@@ -93,6 +93,40 @@ struct GecosObject_feed_report_arguments {
   static bool gecos_members(auto& each, auto& self) { return each("feed_report.code", self.code); }
 };
 
+/// The arguments of `requests`.
+struct GecosObject_requests_arguments {
+  std::uint64_t after = 0;
+  double patience = 0;  ///< [s, at least 0.0]
+
+  static bool gecos_members(auto& each, auto& self) {
+    return each("requests.after", self.after) &&
+           each(
+               "requests.patience",
+               self.patience,
+               gecos::layout::Ranged<double>{{.low = 0.0}, "[0.0, inf] s"});
+  }
+};
+
+/// The arguments of `deny`.
+struct GecosObject_deny_arguments {
+  std::uint64_t request = 0;
+  std::string why{};  ///< [at most 256]
+
+  static bool gecos_members(auto& each, auto& self) {
+    return each("deny.request", self.request) &&
+           each("deny.why", self.why, gecos::layout::Text<256>{});
+  }
+};
+
+/// The arguments of `break_status`.
+struct GecosObject_break_status_arguments {
+  std::string why{};  ///< [at most 256]
+
+  static bool gecos_members(auto& each, auto& self) {
+    return each("break_status.why", self.why, gecos::layout::Text<256>{});
+  }
+};
+
 using GecosObject_holders_result = gecos::layout::Result<
     std::vector<::gecos::Holder>,
     gecos::layout::Items<gecos::layout::Block>>;
@@ -109,5 +143,9 @@ using GecosObject_feed_result = gecos::layout::Result<bool>;
 using GecosObject_feed_report_result = gecos::layout::Result<
     ::gecos::FeedReport,
     gecos::layout::Block>;
+using GecosObject_requests_result = gecos::layout::Result<
+    std::vector<::gecos::WaitingRequest>,
+    gecos::layout::Items<gecos::layout::Block>>;
+using GecosObject_deny_result = gecos::layout::Result<bool>;
 
 }  // namespace gecos

@@ -34,12 +34,18 @@ constinit const gecos::OperationDescription GecosObjectInterface::operations[] =
         {.status = gecos::access::Status::Sensor, .presence = false}),
     gecos::operation(0x0000000f, "give_back", 0x57135a9a77c7d758U,
         {.status = gecos::access::Status::Sensor, .presence = false}),
+    gecos::operation(0x00000010, "requests", 0xc4ed4324833be2ceU,
+        {.status = gecos::access::Status::Sensor, .presence = false}),
+    gecos::operation(0x00000011, "deny", 0xdefb1970d128d9e3U,
+        {.status = gecos::access::Status::Sensor, .presence = false}),
+    gecos::operation(0x00000012, "break_status", 0xa479222bcb83301bU,
+        {.status = gecos::access::Status::Sensor, .presence = false}),
 };
 
 constinit const gecos::InterfaceDescription GecosObjectInterface::description{
     .name = "gecos::GecosObject",
-    .version = "1.2",
-    .hash = 0x48bef3cbb09f99afU,
+    .version = "1.3",
+    .hash = 0x970e814561b49626U,
     .operations = operations,
 };
 

@@ -9,7 +9,7 @@ namespace gecos {
 struct GecosObjectInterface {
   static const gecos::InterfaceDescription description;
 
-  static const gecos::OperationDescription operations[15];
+  static const gecos::OperationDescription operations[18];
   static constexpr const gecos::OperationDescription& holders = operations[0];
   static constexpr const gecos::OperationDescription& stop = operations[1];
   static constexpr const gecos::OperationDescription& ping = operations[2];
@@ -25,6 +25,9 @@ struct GecosObjectInterface {
   static constexpr const gecos::OperationDescription& feed_report = operations[12];
   static constexpr const gecos::OperationDescription& take_over = operations[13];
   static constexpr const gecos::OperationDescription& give_back = operations[14];
+  static constexpr const gecos::OperationDescription& requests = operations[15];
+  static constexpr const gecos::OperationDescription& deny = operations[16];
+  static constexpr const gecos::OperationDescription& break_status = operations[17];
 };
 
 }  // namespace gecos

@@ -74,6 +74,18 @@ bool JsonStruct<::gecos::Grant>::visit(JsonMembers& each, ::gecos::Grant& value)
 }
 
 template <>
+bool JsonStruct<::gecos::WaitingRequest>::visit(JsonMembers& each, ::gecos::WaitingRequest& value) {
+  return each.member("id", value.id) &&
+         each.member("wanted", value.wanted) &&
+         each.member("user", value.user) &&
+         each.member("host", value.host) &&
+         each.member("program", value.program) &&
+         each.member("pid", value.pid) &&
+         each.member("waited_for", value.waited_for) &&
+         each.member("expires_in", value.expires_in);
+}
+
+template <>
 bool JsonStruct<::gecos::Subscription>::visit(JsonMembers& each, ::gecos::Subscription& value) {
   return each.member("stream", value.stream) &&
          each.member("newest", value.newest);

@@ -37,6 +37,11 @@ template <>
 bool JsonStruct<::gecos::Grant>::visit(JsonMembers& each, ::gecos::Grant& value);
 
 template <>
+struct JsonShape<::gecos::WaitingRequest> : JsonStruct<::gecos::WaitingRequest> {};
+template <>
+bool JsonStruct<::gecos::WaitingRequest>::visit(JsonMembers& each, ::gecos::WaitingRequest& value);
+
+template <>
 struct JsonShape<::gecos::Subscription> : JsonStruct<::gecos::Subscription> {};
 template <>
 bool JsonStruct<::gecos::Subscription>::visit(JsonMembers& each, ::gecos::Subscription& value);

@@ -279,6 +279,59 @@ std::ostream& operator<<(std::ostream& out, const Grant& value) {
       "Grant{status=", value.status, ", epoch=", value.epoch, "}");
 }
 
+std::size_t WaitingRequest::encoded_size() const {
+  return 47 + user.size() + host.size() + program.size();
+}
+
+void WaitingRequest::encode(gecos::wire::Encoder& to) const {
+  to.put(id, static_cast<std::int32_t>(wanted));
+  to.put_string(user);
+  to.put_string(host);
+  to.put_string(program);
+  to.put(pid, waited_for, expires_in);
+}
+
+bool WaitingRequest::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(id, "WaitingRequest.id") &&
+         ::gecos::decode_enum(from, wanted, "WaitingRequest.wanted") &&
+         from.get_string(user, 64, "WaitingRequest.user") &&
+         from.get_string(host, 64, "WaitingRequest.host") &&
+         from.get_string(program, 128, "WaitingRequest.program") &&
+         from.get(pid, "WaitingRequest.pid") &&
+         from.get(waited_for, "WaitingRequest.waited_for") &&
+         from.get(expires_in, "WaitingRequest.expires_in") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const WaitingRequest& value) {
+  if (value.user.size() > 64) {
+    return gecos::wire::over_bound("WaitingRequest.user", value.user.size(), 64, "bytes");
+  }
+  if (!gecos::wire::valid_text(value.user)) {
+    return gecos::wire::bad_text("WaitingRequest.user");
+  }
+  if (value.host.size() > 64) {
+    return gecos::wire::over_bound("WaitingRequest.host", value.host.size(), 64, "bytes");
+  }
+  if (!gecos::wire::valid_text(value.host)) {
+    return gecos::wire::bad_text("WaitingRequest.host");
+  }
+  if (value.program.size() > 128) {
+    return gecos::wire::over_bound("WaitingRequest.program", value.program.size(), 128, "bytes");
+  }
+  if (!gecos::wire::valid_text(value.program)) {
+    return gecos::wire::bad_text("WaitingRequest.program");
+  }
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const WaitingRequest& value) {
+  return gecos::wire::print_all(out,
+      "WaitingRequest{id=", value.id, ", wanted=", value.wanted, ", user=", value.user, ", host=",
+      value.host, ", program=", value.program, ", pid=", value.pid, ", waited_for=",
+      value.waited_for, " s, expires_in=", value.expires_in, " s}");
+}
+
 std::size_t Subscription::encoded_size() const { return 12; }
 
 void Subscription::encode(gecos::wire::Encoder& to) const { to.put(stream, newest); }

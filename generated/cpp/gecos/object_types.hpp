@@ -148,6 +148,35 @@ struct Grant {
 };
 std::ostream& operator<<(std::ostream& out, const Grant& value);
 
+/// A request for actor or master status that waits in line.
+struct WaitingRequest {
+  /// a later request has a larger one
+  std::uint64_t id = 0;
+  ::gecos::Status wanted = ::gecos::Status::SENSOR;
+  /// [at most 64]
+  std::string user{};
+  /// [at most 64]
+  std::string host{};
+  /// [at most 128]
+  std::string program{};
+  std::int32_t pid = 0;
+  /// [s]
+  double waited_for = 0;
+  /// until it is refused if nobody grants it [s]
+  double expires_in = 0;
+
+  static constexpr std::string_view type_name() { return "gecos::WaitingRequest"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x99bdbe303ab99a70U); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const WaitingRequest&, const WaitingRequest&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const WaitingRequest& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const WaitingRequest& value);
+
 /// A stream that is open for the caller.
 struct Subscription {
   /// its id on the connection

@@ -25,6 +25,7 @@ from gecos_idl.object_types import (
     Status,
     StatusRefused,
     Subscription,
+    WaitingRequest,
 )
 
 __all__ = [
@@ -39,6 +40,7 @@ __all__ = [
     "Status",
     "StatusRefused",
     "Subscription",
+    "WaitingRequest",
 ]
 
 _GECOS_OBJECT_HOLDERS: _Method[list[Holder], None] = _method(
@@ -159,10 +161,26 @@ _GECOS_OBJECT_TAKE_OVER: _Method[None, None] = _method(
 _GECOS_OBJECT_GIVE_BACK: _Method[None, None] = _method(
     _Operation(0x0000000F, "give_back", _Access.SENSOR, presence=False, hash=0x57135A9A77C7D758),
 )
+_GECOS_OBJECT_REQUESTS: _Method[list[WaitingRequest], None] = _method(
+    _Operation(0x00000010, "requests", _Access.SENSOR, presence=False, hash=0xC4ED4324833BE2CE),
+    takes=_values("after patience", "Q", _layout.ranged("d", 0.0, unit="s")),
+    gives=_layout.items(WaitingRequest),
+)
+_GECOS_OBJECT_DENY: _Method[bool, None] = _method(
+    _Operation(0x00000011, "deny", _Access.SENSOR, presence=False, hash=0xDEFB1970D128D9E3),
+    takes=_values("request why", "Q", _layout.text(256)),
+    gives="?",
+    raises=(StatusRefused,),
+)
+_GECOS_OBJECT_BREAK_STATUS: _Method[None, None] = _method(
+    _Operation(0x00000012, "break_status", _Access.SENSOR, presence=False, hash=0xA479222BCB83301B),
+    takes=_values("why", _layout.text(256)),
+    raises=(StatusRefused,),
+)
 _GECOS_OBJECT = _interface(
     "gecos::GecosObject",
-    "1.2",
-    0x48BEF3CBB09F99AF,
+    "1.3",
+    0x970E814561B49626,
     (),
     (
         _GECOS_OBJECT_HOLDERS,
@@ -180,6 +198,9 @@ _GECOS_OBJECT = _interface(
         _GECOS_OBJECT_FEED_REPORT,
         _GECOS_OBJECT_TAKE_OVER,
         _GECOS_OBJECT_GIVE_BACK,
+        _GECOS_OBJECT_REQUESTS,
+        _GECOS_OBJECT_DENY,
+        _GECOS_OBJECT_BREAK_STATUS,
     ),
 )
 
@@ -297,6 +318,39 @@ class GecosObject(_Object):
         """
         return self._gecos_call(_GECOS_OBJECT_GIVE_BACK, [])
 
+    def requests(self, after: int, patience: float) -> _Command[list[WaitingRequest]]:
+        """The requests for a status that wait in line, in the order of arrival. The answer waits
+        for a request with a larger
+        id than `after`, at most `patience`. A holder grants a request by releasing the
+        status.
+        Since 1.3.
+
+        patience: [s, at least 0.0]
+        """
+        return self._gecos_call(
+            _GECOS_OBJECT_REQUESTS,
+            _GECOS_OBJECT_REQUESTS.request(after, patience),
+        )
+
+    def deny(self, request: int, why: str) -> _Command[bool]:
+        """Refuses a request that waits, in the name of the caller, which must hold the status.
+        FALSE: it waits no longer.
+        Since 1.3.
+
+        May raise StatusRefused.
+        """
+        return self._gecos_call(_GECOS_OBJECT_DENY, _GECOS_OBJECT_DENY.request(request, why))
+
+    def break_status(self, why: str) -> _Command[None]:
+        """Ends every status, for an administrator: queued commands end LEASE_LOST, and a running
+        one follows its `@on_loss`.
+        Requests that wait are served next. `why` is told to the holders and logged.
+        Since 1.3.
+
+        May raise StatusRefused.
+        """
+        return self._gecos_call(_GECOS_OBJECT_BREAK_STATUS, _GECOS_OBJECT_BREAK_STATUS.request(why))
+
 
 class GecosObjectServant(_Servant):
     """What every object answers."""
@@ -396,4 +450,34 @@ class GecosObjectServant(_Servant):
         """Ends the caller's take-over: the other holders may command again. Nothing that ended
         is started again.
         Since 1.2.
+        """
+
+    @_abstractmethod
+    def requests(self, after: int, patience: float) -> list[WaitingRequest]:
+        """The requests for a status that wait in line, in the order of arrival. The answer waits
+        for a request with a larger
+        id than `after`, at most `patience`. A holder grants a request by releasing the
+        status.
+        Since 1.3.
+
+        patience: [s, at least 0.0]
+        """
+
+    @_abstractmethod
+    def deny(self, request: int, why: str) -> bool:
+        """Refuses a request that waits, in the name of the caller, which must hold the status.
+        FALSE: it waits no longer.
+        Since 1.3.
+
+        May raise StatusRefused.
+        """
+
+    @_abstractmethod
+    def break_status(self, why: str) -> None:
+        """Ends every status, for an administrator: queued commands end LEASE_LOST, and a running
+        one follows its `@on_loss`.
+        Requests that wait are served next. `why` is told to the holders and logged.
+        Since 1.3.
+
+        May raise StatusRefused.
         """

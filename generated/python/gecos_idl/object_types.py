@@ -20,6 +20,7 @@ __all__ = [
     "Status",
     "StatusRefused",
     "Subscription",
+    "WaitingRequest",
 ]
 
 
@@ -154,6 +155,36 @@ class Grant(_layout.Struct):
 
     status: Status = Status.SENSOR
     epoch: int = 0
+
+
+@_layout.struct(
+    0x99BDBE303AB99A70,
+    "Q",
+    Status,
+    _layout.text(64),
+    _layout.text(64),
+    _layout.text(128),
+    "idd",
+    open=True,
+)
+@_dataclass(slots=True)
+class WaitingRequest(_layout.Struct):
+    """A request for actor or master status that waits in line."""
+
+    id: int = 0
+    """a later request has a larger one"""
+    wanted: Status = Status.SENSOR
+    user: str = ""
+    """[at most 64]"""
+    host: str = ""
+    """[at most 64]"""
+    program: str = ""
+    """[at most 128]"""
+    pid: int = 0
+    waited_for: float = 0.0
+    """[s]"""
+    expires_in: float = 0.0
+    """until it is refused if nobody grants it [s]"""
 
 
 @_layout.struct(0x3B4166F3CAD74759, "IQ")

@@ -99,6 +99,22 @@ Command<void> take_over(const Object& object);
 /// Ends the take-over of this session: the others may command again. No command that ended is
 /// started again. Does nothing without a take-over.
 Command<void> give_back(const Object& object);
+/// Returns the requests for a status that wait in line (LeaseOptions::timeout), in the order of
+/// their arrival. The command ends when one of them has a larger id than `after`, at the latest
+/// after `timeout`, so that a holder can be called when another program asks:
+/// `gecos::requests(*robot, last, 60s).then(…)`. To grant a request, release the lease: the first
+/// in line gets the status when the last command has ended.
+Command<std::vector<WaitingRequest>> requests(const Object& object, std::uint64_t after = 0,
+                                              Duration timeout = {});
+/// Refuses the request with the id `request`, which waits. Its program gets a LeaseRefusal that
+/// names this program and says `why`. Finishes with false when the request waits no longer. Fails
+/// as FAULT (StatusRefused) when this session does not hold the status.
+Command<bool> deny(const Object& object, std::uint64_t request, const std::string& why = {});
+/// Ends every status of the object, as an administrator: the user of the server, root, or a user
+/// whom `[admin]` of the lab file names. The commands of the holders end LEASE_LOST, with `why` and
+/// the name of this program; the first request in line gets the status. A program must not do this
+/// by itself: `gecos break` is for persons. Fails as FAULT (StatusRefused) for all others.
+Command<void> break_status(const Object& object, const std::string& why);
 Command<void> ping(const Object& object);
 Command<Description> describe(const Object& object);
 Command<std::vector<Holder>> holders(const Object& object);

@@ -29,12 +29,15 @@ _check_python()
 if TYPE_CHECKING:
     from gecos.broker import Broker as Broker
     from gecos.builtin_operations import Outcome as Outcome
+    from gecos.builtin_operations import break_status as break_status
+    from gecos.builtin_operations import deny as deny
     from gecos.builtin_operations import describe as describe
     from gecos.builtin_operations import give_back as give_back
     from gecos.builtin_operations import holders as holders
     from gecos.builtin_operations import model as model
     from gecos.builtin_operations import outcome as outcome
     from gecos.builtin_operations import ping as ping
+    from gecos.builtin_operations import requests as requests
     from gecos.builtin_operations import stop as stop
     from gecos.builtin_operations import take_over as take_over
     from gecos.command import Command as Command
@@ -98,7 +101,8 @@ _NAMES = {
     "line": "LineState LineWatch line_state",
     "object_watch": "ObjectWatch",
     "proxy": "Event Object StreamAttribute reference with_deadline",
-    "builtin_operations": "Outcome describe give_back holders model outcome ping stop take_over",
+    "builtin_operations": "Outcome break_status deny describe give_back holders model outcome ping "
+    "requests stop take_over",
     "servant": "Servant",
     "server": "Server serve",
     "stream": "Sample Stream StreamCounts",

@@ -3,6 +3,7 @@ same names."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,7 @@ from gecos.wire import Decoder
 
 if TYPE_CHECKING:
     from gecos_idl.object import GecosObject
-    from gecos_idl.object_types import Description, FeedReport, Holder
+    from gecos_idl.object_types import Description, FeedReport, Holder, WaitingRequest
 
     from gecos import _core
 
@@ -40,6 +41,37 @@ def give_back(robot: Object) -> Command[None]:
     """Ends the take-over of this program: the others may command again. No command that ended is
     started again. Does nothing without a take-over."""
     return _answers_of(robot).give_back()
+
+
+def requests(
+    robot: Object, after: int = 0, timeout: float | None = 0.0
+) -> Command[list[WaitingRequest]]:
+    """Asks for the requests for a status that wait in line (`timeout` of `gecos.actor`), in the
+    order of their arrival.
+
+    The command ends when one of them has a larger id than `after`, at the latest after `timeout` s;
+    None waits without limit. So a holder can be called when another program asks. To grant a
+    request, release the lease: the first in line gets the status when the last command has ended.
+    """
+    return _answers_of(robot).requests(after, math.inf if timeout is None else timeout)
+
+
+def deny(robot: Object, request: int, why: str = "") -> Command[bool]:
+    """Refuses the request with the id `request`, which waits. Its program gets LeaseRefused, which
+    names this program and says `why`. The result is False when the request waits no longer. The
+    command fails with StatusRefused if this program does not hold the status."""
+    return _answers_of(robot).deny(request, why)
+
+
+def break_status(robot: Object, why: str) -> Command[None]:
+    """Ends every status of the device, as an administrator: the user of the server, root, or a user
+    whom `[admin]` of the lab file names.
+
+    The commands of the holders end LEASE_LOST, with `why` and the name of this program; the first
+    request in line gets the status. A program must not do this by itself: `gecos break` is for
+    persons. The command fails with StatusRefused for all others.
+    """
+    return _answers_of(robot).break_status(why)
 
 
 def ping(robot: Object) -> Command[None]:

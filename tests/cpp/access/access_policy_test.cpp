@@ -49,6 +49,18 @@ TEST(AccessPolicy, RefusesWithWordsThatSayWhatToChangeWhere) {
             "RX90 admits user anna of host cell: named by [allow] in lab.toml:3");
 }
 
+TEST(AccessPolicy, NamesAdministrators) {
+  const UserAtHost user_elsewhere{"gecos", "bench1"};
+  const AccessPolicy nobody{.lab = {.file = "lab.toml", .general = list_for({"anna"})}};
+  EXPECT_TRUE(nobody.administers(lab_user, lab_user));
+  EXPECT_FALSE(nobody.administers(lab_user, user_elsewhere));
+  EXPECT_FALSE(nobody.administers(lab_user, anna_here)) << "who may connect is no administrator";
+  const AccessPolicy anna{.lab = {.file = "lab.toml", .admin = list_for({"anna"})}};
+  EXPECT_TRUE(anna.administers(lab_user, anna_here));
+  EXPECT_FALSE(anna.administers(lab_user, {"anna", "bench1"})) << "of this host alone";
+  EXPECT_FALSE(anna.administers(lab_user, bob_here));
+}
+
 TEST(AccessPolicy, NeedsTheListOfTheProgramAndThatOfTheLabFileIfBothExist) {
   const AccessPolicy policy{.program = list_for({"anna", "bob"}, {}, "Server::allow"),
                             .lab = {.file = "lab.toml", .general = list_for({"bob", "eve"})}};

@@ -37,7 +37,12 @@ hosts = ["bench1"]
 
 [objects.RX90.allow]
 users = ["anna"]
+
+[admin]
+users = ["eve"]
 )");
+  ASSERT_TRUE(lists.admin);
+  EXPECT_EQ(lists.admin->users, std::vector<std::string>{"eve"});
   ASSERT_TRUE(lists.general);
   EXPECT_EQ(lists.general->users, (std::vector<std::string>{"anna", "bob"}));
   EXPECT_EQ(lists.general->hosts, std::vector<std::string>{"bench1"});

@@ -1,7 +1,7 @@
-// 100,000 random schedules of a lease table: acquire, release, take over, give back, stop, silence
-// and death, compared step by step with a model of its own. The model knows no epochs as numbers:
-// it keeps for each session the set of moments at which a command must have been issued to start.
-// SCHEDULES and SCHEDULES_SEED ask for others.
+// 100,000 random schedules of a lease table: acquire, release, take over, give back, stop, break,
+// silence and death, compared step by step with a model of its own. The model knows no epochs as
+// numbers: it keeps for each session the set of moments at which a command must have been issued to
+// start. SCHEDULES and SCHEDULES_SEED ask for others.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -22,7 +22,14 @@ using Commands = LeaseTable::Commands;
 constexpr Duration ttl = 500ms;
 
 /// What the model forgets, so that a test shows that the schedules find it.
-enum class Mutant { None, FenceForgotten, TakerOutlivesDeath, TakerOutlivesGiveBack, AnyoneJoins };
+enum class Mutant {
+  None,
+  FenceForgotten,
+  TakerOutlivesDeath,
+  TakerOutlivesGiveBack,
+  AnyoneJoins,
+  BreakSparesAHolder
+};
 
 /// Era: the number of times that everything issued before was fenced for at least one session.
 using Era = int;
@@ -95,6 +102,16 @@ class Model {
       if (taker == who) taker.reset();
       shares.erase(who);
     }
+  }
+  void break_all() {
+    taker.reset();
+    if (mutant_ != Mutant::BreakSparesAHolder || shares.empty()) {
+      shares.clear();
+    } else {
+      shares.erase(shares.begin());
+    }
+    for (auto& [who, moments] : issued_in) moments.clear();
+    ++era;
   }
   bool take_over(SessionId who) {
     if (!shares.contains(who) || shares[who].releasing) return false;
@@ -172,7 +189,7 @@ class Schedule {
     const SessionId who = any();
     const std::string name = std::to_string(number(who));
     const bool pending = draw(2) == 0;
-    switch (draw(12)) {
+    switch (draw(25) / 2) {  // breaks are half as frequent
       case 0:
       case 1:
       case 2: {
@@ -207,6 +224,10 @@ class Schedule {
         table_.stop(who, "stopped");
         model_.stop(who);
         return name + " stops";
+      case 12:
+        table_.stop(SessionId{}, "broken", Denial::Reason::LeaseEnded);
+        model_.break_all();
+        return "an administrator breaks it";
       case 8:
         table_.give_back(who);
         model_.give_back(who);
@@ -320,7 +341,8 @@ TEST(LeaseSchedules, StartOnlyWhatTheModelStartsAndOnlyTheTakersCommandsWhileTak
 class LeaseMutants : public ::testing::TestWithParam<Mutant> {};
 INSTANTIATE_TEST_SUITE_P(Of, LeaseMutants,
                          ::testing::Values(Mutant::FenceForgotten, Mutant::TakerOutlivesDeath,
-                                           Mutant::TakerOutlivesGiveBack, Mutant::AnyoneJoins));
+                                           Mutant::TakerOutlivesGiveBack, Mutant::AnyoneJoins,
+                                           Mutant::BreakSparesAHolder));
 
 TEST_P(LeaseMutants, AreFound) {
   const Found found = search(1'000, GetParam());

@@ -37,6 +37,16 @@ TEST_F(LeaseTableTest, EverybodyMayReadWithoutALease) {
   EXPECT_TRUE(table.may_queue(kBob, Epoch{}, Status::Sensor, now));
 }
 
+TEST_F(LeaseTableTest, ACommandThatArrivesAfterItsStatusWasBrokenIsDeniedWithTheReason) {
+  const Grant broken = give(kAda, Status::Actor);
+  table.stop(SessionId{}, "eve broke it", Denial::Reason::LeaseEnded);
+  EXPECT_TRUE(table.roster().empty());
+  const auto denied = table.may_queue(kAda, broken.epoch, Status::Actor, now);
+  ASSERT_FALSE(denied);
+  EXPECT_EQ(denied.error().reason, Denial::Reason::LeaseEnded);
+  EXPECT_NE(denied.error().text.find("eve broke it"), std::string::npos) << denied.error().text;
+}
+
 TEST_F(LeaseTableTest, MovingWithoutALeaseIsDeniedAndSaysHowToGetOne) {
   const auto denied = table.may_queue(kAda, Epoch{}, Status::Actor, now);
   ASSERT_FALSE(denied);

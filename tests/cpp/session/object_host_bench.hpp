@@ -5,11 +5,14 @@
 
 #include <atomic>
 #include <functional>
+#include <semaphore>
 #include <vector>
 
+#include "gecos/object_calls.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/server/object_host.hpp"
 #include "gecos/wire/fields.hpp"
+#include "gecos/wire/layout.hpp"
 #include "probe.hpp"
 
 namespace gecos::session {
@@ -18,14 +21,15 @@ namespace gecos::session {
 class TestConnection final : public media::Connection {
  public:
   explicit TestConnection(bool reliable) { capabilities_.reliable = reliable, carry(64 * 1024); }
+  void prove_nobody() { capabilities_.authenticated = false; }
   void carry(std::size_t largest_packet) { capabilities_.largest_packet = largest_packet; }
 
   const media::Capabilities& capabilities() const override { return capabilities_; }
   const media::Peer& peer() const override { return peer_; }
   tl::expected<std::uint64_t, media::SendProblem> send(ByteView head, ByteView) override {
     if (full) return tl::unexpected(media::SendProblem::Full);
-    if (on_send) on_send();
     sent.emplace_back(head.begin(), head.end());
+    if (on_send) on_send();
     return sent.size();
   }
   std::optional<ByteView> receive() override { return std::nullopt; }
@@ -59,17 +63,19 @@ class TestConnection final : public media::Connection {
   std::uint64_t beats_ = 0;
 };
 
-/// The system's clock on a machine that the test suspends.
+/// The system's clock on a machine that the test suspends, or for which it lets time pass.
 class SuspendedMachine final : public Clock {
  public:
-  TimePoint now() const override { return system_.now(); }
+  TimePoint now() const override { return system_.now() + passed_.load(); }
   TimePoint since_boot() const override { return system_.since_boot() + suspended_.load(); }
   double unix_seconds() const override { return system_.unix_seconds(); }
   void suspend(Duration length) { suspended_ = suspended_.load() + length; }
+  void pass(Duration time) { passed_ = passed_.load() + time; }
 
  private:
   const SystemClock system_;
   std::atomic<Duration> suspended_{Duration::zero()};  // publishes nothing but itself
+  std::atomic<Duration> passed_{Duration::zero()};     // publishes nothing but itself
 };
 
 class Servant final : public probe::ProbeServant {
@@ -166,6 +172,27 @@ class ServedObjects : public ::testing::Test {
     to.put(patience);
     call(counter, GecosObjectInterface::acquire.code, body);
   }
+  void send_password(std::uint64_t counter, const std::string& password, double patience = 0) {
+    const GecosObject_acquire_arguments asked{Status::ACTOR, password, patience};
+    call(counter, GecosObjectInterface::acquire.code, layout::to_bytes(asked));
+  }
+  /// Like send_password, but returns when the request has a reply: a thread of the object proves
+  /// the password.
+  void acquire_with(std::uint64_t counter, const std::string& password) {
+    await_reply(counter, [&] { send_password(counter, password); });
+  }
+  /// Returns when a thread of the object has replied to the request `counter`, which `send` sends.
+  template <class Send>
+  void await_reply(std::uint64_t counter, Send send) {
+    std::counting_semaphore replied(0);
+    connection_->on_send = [&] {
+      if (reply_to(counter)) replied.release();
+    };
+    send();
+    replied.acquire();
+    object_->closed();  // takes the mutex, under which the reply is sent
+    connection_->on_send = {};
+  }
   void release(std::uint64_t counter, Epoch epoch, bool now = false) {
     Bytes body(8 + 1);
     wire::Encoder to(body);
@@ -182,6 +209,13 @@ class ServedObjects : public ::testing::Test {
       }
     }
     return std::nullopt;
+  }
+  /// The text of the newest reply, a failure.
+  std::string failure() const {
+    const auto packet = wire::decode_packet(connection_->sent.back());
+    const auto body = wire::from_bytes<FailureBody>(packet->body);
+    EXPECT_TRUE(body);
+    return body ? body->text : "";
   }
   Epoch granted() const {
     Grant grant;

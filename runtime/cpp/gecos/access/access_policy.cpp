@@ -96,4 +96,8 @@ AccessDecision AccessPolicy::decide(const UserAtHost& server, const UserAtHost& 
   return admit(AccessRule::Named, who, object, "named by " + admitting);
 }
 
+bool AccessPolicy::administers(const UserAtHost& server, const UserAtHost& who) const {
+  return who == server || (lab.admin && !refusal_of(*lab.admin, server, who));
+}
+
 }  // namespace gecos::access

@@ -33,6 +33,7 @@ struct LabAccess {
   std::string file;                            ///< for messages; "" if there is no lab file
   std::optional<AllowList> general{};          ///< for the objects that have no list of their own
   std::map<std::string, AllowList> objects{};  ///< by the name of the object, in place of `general`
+  std::optional<AllowList> admin{};            ///< who may end the status of other users
 };
 
 enum class AccessRule {
@@ -63,6 +64,9 @@ struct AccessPolicy {
 
   AccessDecision decide(const UserAtHost& server, const UserAtHost& who,
                         std::string_view object) const;
+  /// Returns whether `who` may end the status of other users: the user of the server on its host,
+  /// and whom the lab file names in [admin].
+  bool administers(const UserAtHost& server, const UserAtHost& who) const;
 };
 
 }  // namespace gecos::access

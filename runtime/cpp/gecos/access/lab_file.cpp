@@ -16,8 +16,8 @@ namespace {
 
 using Keys = std::span<const std::string_view>;
 
-constexpr std::array<std::string_view, 5> known_tables = {"allow", "broker", "clock", "objects",
-                                                          "programs"};
+constexpr std::array<std::string_view, 6> known_tables = {"admin", "allow",   "broker",
+                                                          "clock", "objects", "programs"};
 constexpr std::array<std::string_view, 2> broker_keys = {"address", "start"};
 constexpr std::array<std::string_view, 1> clock_keys = {"speed"};
 constexpr std::array<std::string_view, 4> program_keys = {"environment", "ready", "restart", "run"};
@@ -70,6 +70,7 @@ class LabFileReader {
     for_each_table(root, "programs", [&](const auto&, const auto& table, const auto& place) {
       admit_only(table, place + ".", program_keys);
     });
+    if (const auto* admin = find(root, "admin", "admin")) lab.admin = list_of(*admin, "admin");
     if (const auto* allow = find(root, "allow", "allow")) lab.general = list_of(*allow, "allow");
     for_each_table(root, "objects", [&](const auto& name, const auto& table, const auto& place) {
       admit_only(table, place + ".", object_keys);

@@ -18,9 +18,9 @@ struct LabFileError {
 };
 std::string to_string(const LabFileError& error);
 
-/// Reads the text of a lab file, the `lab.toml` of a laboratory. Takes the tables [allow] and
-/// [objects.NAME.allow]. Of the tables that `gecos up` reads, [broker] and [programs.NAME], checks
-/// that each key is known. `file` is the path for messages.
+/// Reads the text of a lab file, the `lab.toml` of a laboratory. Takes the tables [admin], [allow]
+/// and [objects.NAME.allow]. Of the tables that `gecos up` reads, [broker] and [programs.NAME],
+/// checks that each key is known. `file` is the path for messages.
 tl::expected<LabAccess, LabFileError> parse_lab_file(const std::string& text,
                                                      const std::string& file);
 

@@ -131,6 +131,10 @@ tl::expected<Grant, LeaseRefusal> LeaseTable::acquire(SessionId session, const C
   return Grant{target, epoch()};
 }
 
+bool LeaseTable::compares_password(SessionId session) const {
+  return !members_.empty() && !members_.contains(session) && !password_.empty();
+}
+
 void LeaseTable::renew(SessionId session, TimePoint now) {
   const auto mine = members_.find(session);
   if (mine != members_.end()) mine->second.holder.expires = now + ttl_;
@@ -184,11 +188,11 @@ std::vector<Holder> LeaseTable::expire(TimePoint now) {
   return silent;
 }
 
-std::vector<Holder> LeaseTable::stop(SessionId by, const std::string& why) {
+std::vector<Holder> LeaseTable::stop(SessionId by, const std::string& why, Denial::Reason reason) {
   std::vector<Holder> ended;
   std::erase_if(members_, [&](const auto& entry) {
     const Holder& holder = entry.second.holder;
-    losses_[holder.session] = {entry.second.first, epoch(), Denial::Reason::Stopped, why};
+    losses_[holder.session] = {entry.second.first, epoch(), reason, why};
     if (holder.session == by && !holder.releasing) return false;
     ended.push_back(holder);
     return true;

@@ -93,6 +93,10 @@ class LeaseTable {
   tl::expected<Grant, LeaseRefusal> acquire(SessionId session, const Client& client, Status wanted,
                                             const Proof& password, TimePoint now);
 
+  /// Returns whether `acquire` for `session` compares the password that it is given with that of
+  /// the holders.
+  bool compares_password(SessionId session) const;
+
   /// Returns the refusal for a session that has released its status and requests `wanted` again
   /// while other clients wait for it.
   LeaseRefusal refusal_to_return(Status wanted, TimePoint now) const;
@@ -116,8 +120,9 @@ class LeaseTable {
   std::vector<Holder> expire(TimePoint now);
   /// Ends every lease except the lease of `by`, which continues under the new epoch. Returns the
   /// holders that lost their leases. A call that was issued before the stop but arrives after it is
-  /// denied as Stopped, with the reason `why`.
-  std::vector<Holder> stop(SessionId by, const std::string& why);
+  /// denied with `reason` and the text `why`.
+  std::vector<Holder> stop(SessionId by, const std::string& why,
+                           Denial::Reason reason = Denial::Reason::Stopped);
   /// Gives `session` sole command of the status that it shares, until `give_back` or the end of its
   /// lease. Does nothing when the session has taken over already. Fails when the session holds no
   /// status or has released it, or when another holder has taken over.

@@ -22,6 +22,7 @@ class Proof {
   ~Proof();
 
   bool empty() const { return bytes_.empty(); }
+  ByteView bytes() const { return bytes_; }
   bool proves_the_same_as(const Proof& other) const;
 
  private:
@@ -29,9 +30,8 @@ class Proof {
   Bytes bytes_;
 };
 
-/// Returns the password itself as a proof. Use it only for a password that arrives over an
-/// authenticated channel of a session. A caller that derives a key from the password passes that
-/// key to Proof instead.
+/// Returns the password itself as a proof. The runtime derives a key from it (crypto/password.hpp)
+/// and compares the proofs that are made of such keys.
 Proof plain_proof(std::string_view password);
 
 }  // namespace gecos::access

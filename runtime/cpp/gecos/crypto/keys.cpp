@@ -13,15 +13,13 @@ namespace {
 
 static_assert(key_bytes == crypto_scalarmult_BYTES && key_bytes == crypto_scalarmult_SCALARBYTES);
 
-/// Initializes libsodium: chooses the code for this processor and opens the source of random
-/// numbers.
+}  // namespace
+
 void start_sodium() {
   static const bool started = ::sodium_init() >= 0;
   if (!started)
     throw std::runtime_error("libsodium cannot start: the system has no source of random numbers");
 }
-
-}  // namespace
 
 void wipe(std::span<std::byte> bytes) { ::sodium_memzero(bytes.data(), bytes.size()); }
 

@@ -17,6 +17,7 @@ from gecos.cli.options import print_json
 
 _VERBS = {
     "approve": "enrol.approve",
+    "break": "break_status.break_status",
     "broker": "broker.broker",
     "call": "members.call",
     "completion": "completion.completion",

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <chrono>
 #include <ostream>
 
 #include "gecos/base/log.hpp"
@@ -136,6 +138,26 @@ Command<void> take_over(const Object& object) {
 
 Command<void> give_back(const Object& object) {
   return Command<void>(own_call(*session_of(object), GecosObjectInterface::give_back));
+}
+
+Command<std::vector<WaitingRequest>> requests(const Object& object, std::uint64_t after,
+                                              Duration timeout) {
+  const double patience =
+      std::chrono::duration<double>(std::max(timeout, Duration::zero())).count();
+  return {own_call(*session_of(object), GecosObjectInterface::requests,
+                   GecosObject_requests_arguments{after, patience}),
+          read_result<GecosObject_requests_result, std::vector<WaitingRequest>>};
+}
+
+Command<bool> deny(const Object& object, std::uint64_t request, const std::string& why) {
+  return {own_call(*session_of(object), GecosObjectInterface::deny,
+                   GecosObject_deny_arguments{request, why}),
+          read_result<GecosObject_deny_result, bool>};
+}
+
+Command<void> break_status(const Object& object, const std::string& why) {
+  return Command<void>(own_call(*session_of(object), GecosObjectInterface::break_status,
+                                GecosObject_break_status_arguments{why}));
 }
 
 Command<void> ping(const Object& object) {

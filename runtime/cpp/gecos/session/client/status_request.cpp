@@ -12,6 +12,14 @@ namespace gecos::session {
 
 std::shared_ptr<CommandCore> ask_for_status(ClientSession& session, Status wanted,
                                             const std::string& password, Duration timeout) {
+  const media::Capabilities& line = session.capabilities();
+  if (!password.empty() && !line.authenticated) {
+    return ended({Detail::BadParameter,
+                  session.object_name() + ": the password was not sent over " +
+                      std::string(line.name) + ", because nothing proves who receives it",
+                  {},
+                  {}});
+  }
   GecosObject_acquire_arguments arguments{wanted};
   if (!password.empty()) arguments.password = password;
   arguments.patience = std::chrono::duration<double>(std::max(timeout, Duration::zero())).count();

@@ -26,6 +26,12 @@ constexpr const char* of_this_host = "/etc/gecos/lab.toml";
 // The parser recurses over the parts of a key: one of 200,000 parts ended the process.
 constexpr std::size_t largest_file = 1 << 16;
 
+/// Returns whether `peer` is of the user of the server or of root. A client whose user nothing
+/// proves as another one is of the user of the server.
+bool is_of_server(const media::Peer& peer) {
+  return peer.uid ? peer.uid == ::geteuid() || peer.uid == 0u : peer.user.empty();
+}
+
 /// Returns the file that a setting names; an empty text when none does.
 std::string named_file(const std::string& option) {
   const char* const variable = std::getenv("GECOS_LAB_FILE");
@@ -110,6 +116,25 @@ std::string AccessControl::name_of(std::uint32_t uid) {
   return names_.emplace(uid, std::move(name)).first->second;
 }
 
+access::UserAtHost AccessControl::user_of(const media::Peer& peer, const std::string& host) {
+  if (peer.uid) return {name_of(*peer.uid), host};
+  return {peer.user, peer.host};
+}
+
+bool AccessControl::administers(const media::Peer& peer) noexcept {
+  if (is_of_server(peer)) return true;
+  try {
+    const std::string host = host_name();
+    const access::UserAtHost server{name_of(::geteuid()), host};
+    const access::UserAtHost who = user_of(peer, host);
+    const MutexLock lock(mutex_);
+    return !read_file() && policy_.administers(server, who);
+  } catch (const std::exception& failed) {
+    log_error("session", std::string("nobody is an administrator: ") + failed.what());
+    return false;
+  }
+}
+
 std::string AccessControl::refusal(const std::string& object, const media::Peer& peer) noexcept {
   Judgement judgement = judge(object, peer);
   return judgement.admitted ? std::string() : std::move(judgement.text);
@@ -117,13 +142,11 @@ std::string AccessControl::refusal(const std::string& object, const media::Peer&
 
 AccessControl::Judgement AccessControl::judge(const std::string& object,
                                               const media::Peer& peer) noexcept {
-  const bool of_this_host = peer.uid.has_value();
-  if (of_this_host ? peer.uid == ::geteuid() || peer.uid == 0u : peer.user.empty()) return {};
+  if (is_of_server(peer)) return {};
   try {
     const std::string host = host_name();
     const access::UserAtHost server{name_of(::geteuid()), host};
-    const auto who = of_this_host ? access::UserAtHost{name_of(*peer.uid), host}
-                                  : access::UserAtHost{peer.user, peer.host};
+    const access::UserAtHost who = user_of(peer, host);
     const MutexLock lock(mutex_);
     if (const auto error = read_file()) {
       log_error("session", to_string(*error) +

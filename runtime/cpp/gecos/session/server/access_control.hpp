@@ -40,8 +40,12 @@ class AccessControl {
   /// Returns why `peer` may not connect to the object, or may not stay connected; an empty text
   /// when it may.
   std::string refusal(const std::string& object, const media::Peer& peer) noexcept;
+  /// Returns whether `peer` may end the status of other clients: it is of the user of the server or
+  /// of root, or the lab file names it as an administrator.
+  bool administers(const media::Peer& peer) noexcept;
 
  private:
+  access::UserAtHost user_of(const media::Peer& peer, const std::string& host);
   std::optional<access::LabFileError> read_file() GECOS_REQUIRES(mutex_);
   std::string name_of(std::uint32_t uid);
 

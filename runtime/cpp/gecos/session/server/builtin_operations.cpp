@@ -37,6 +37,9 @@ void BuiltinOperations::answer(const std::shared_ptr<ServerSession>& session,
   if (asked == &BuiltIn::release) return release(*session, counter, arguments);
   if (asked == &BuiltIn::take_over) return take_over(*session, counter);
   if (asked == &BuiltIn::give_back) return give_back(*session, counter);
+  if (asked == &BuiltIn::requests) return requests(session, counter, arguments);
+  if (asked == &BuiltIn::deny) return deny(*session, counter, arguments);
+  if (asked == &BuiltIn::break_status) return break_status(*session, counter, arguments);
   if (asked == &BuiltIn::subscribe) return subscribe(*session, counter, arguments);
   if (asked == &BuiltIn::unsubscribe) return unsubscribe(*session, counter, arguments);
   if (asked == &BuiltIn::feed) return feed(session, counter, arguments);
@@ -105,6 +108,48 @@ void BuiltinOperations::take_over(ServerSession& session, std::uint64_t counter)
 void BuiltinOperations::give_back(ServerSession& session, std::uint64_t counter) {
   statuses_.give_back(session);
   session.reply(counter, ByteView{});
+}
+
+void BuiltinOperations::requests(const std::shared_ptr<ServerSession>& session,
+                                 std::uint64_t counter, ByteView arguments) {
+  const auto asked = layout::from_bytes<GecosObject_requests_arguments>(arguments);
+  if (!asked) return session->reply(counter, undecodable(asked.error()));
+  statuses_.line().ask(session, counter, *asked);
+}
+
+void BuiltinOperations::deny(ServerSession& session, std::uint64_t counter, ByteView arguments) {
+  const auto asked = layout::from_bytes<GecosObject_deny_arguments>(arguments);
+  if (!asked) return session.reply(counter, undecodable(asked.error()));
+  const access::LeaseTable& leases = statuses_.leases();
+  if (leases.status_of(session.id()) == access::Status::Sensor || leases.releasing(session.id())) {
+    return session.reply(
+        counter,
+        status_refusal(setup_.name + ": only a client that holds the status may deny it to others",
+                       statuses_.holders()));
+  }
+  const std::string denial = setup_.name + ": the status is refused by its holder, " +
+                             who(session.caller()) + (asked->why.empty() ? "" : ": " + asked->why);
+  const bool waited =
+      statuses_.line().end(asked->request, status_refusal(denial, statuses_.holders()));
+  if (waited) log_info("server", denial);
+  session.reply(counter, layout::to_bytes(GecosObject_deny_result{waited}));
+}
+
+void BuiltinOperations::break_status(ServerSession& by, std::uint64_t counter, ByteView arguments) {
+  const auto asked = layout::from_bytes<GecosObject_break_status_arguments>(arguments);
+  if (!asked) return by.reply(counter, undecodable(asked.error()));
+  if (!setup_.administers(by.connection().peer())) {
+    return by.reply(
+        counter, status_refusal(setup_.name + ": only an administrator may break a status: the "
+                                              "user of the server, root, and whom [admin] of the "
+                                              "lab file names",
+                                statuses_.holders()));
+  }
+  const std::string why = "an administrator, " + who(by.caller()) + ", broke it" +
+                          (asked->why.empty() ? "" : ": " + asked->why);
+  log_warning("server", setup_.name + ": " + why);
+  statuses_.break_all(why);
+  by.reply(counter, ByteView{});
 }
 
 /// A stop takes effect at once even if handlers hang, because it changes only the leases, the queue

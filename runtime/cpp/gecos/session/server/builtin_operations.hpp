@@ -39,6 +39,10 @@ class BuiltinOperations {
   void release(ServerSession& session, std::uint64_t counter, ByteView arguments);
   void take_over(ServerSession& session, std::uint64_t counter);
   void give_back(ServerSession& session, std::uint64_t counter);
+  void requests(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
+                ByteView arguments);
+  void deny(ServerSession& session, std::uint64_t counter, ByteView arguments);
+  void break_status(ServerSession& by, std::uint64_t counter, ByteView arguments);
   void subscribe(ServerSession& session, std::uint64_t counter, ByteView arguments);
   void unsubscribe(ServerSession& session, std::uint64_t counter, ByteView arguments);
   void stop(ServerSession& by, std::uint64_t counter);

@@ -12,7 +12,7 @@ bool Executor::post(std::function<void()> job) {
   const MutexLock lock(mutex_);
   if (ended_) return false;
   jobs_.push_back(std::move(job));
-  if (jobs_.size() > idle_ && threads_.size() < most_threads) {
+  if (jobs_.size() > idle_ && threads_.size() < most_threads_) {
     try {
       threads_.push_back(start_thread(name_, [this] { run(); }));
       without_thread_ = false;

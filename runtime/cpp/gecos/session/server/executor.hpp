@@ -10,15 +10,14 @@
 
 namespace gecos::session {
 
-/// The thread pool for one object's long handlers. An idle thread takes the next job. When no
-/// thread is idle, a new one is created, up to `most_threads`. No thread exists before the first
-/// job.
+/// A thread pool of one object, for example for its long handlers. An idle thread takes the next
+/// job. When no thread is idle, a new one is created, up to the number that the constructor is
+/// given. No thread exists before the first job.
 class Executor {
  public:
-  /// When all these threads are busy, further handlers wait until another handler returns.
-  static constexpr std::size_t most_threads = 256;
-
-  explicit Executor(std::string name) : name_(std::move(name)) {}
+  /// When `most_threads` are busy, further jobs wait until a job has returned.
+  explicit Executor(std::string name, std::size_t most_threads = 256)
+      : name_(std::move(name)), most_threads_(most_threads) {}
   ~Executor() { join(); }
   Executor(const Executor&) = delete;
   Executor& operator=(const Executor&) = delete;
@@ -33,6 +32,7 @@ class Executor {
   void run();
 
   const std::string name_;
+  const std::size_t most_threads_;
   Mutex mutex_;
   ConditionVariable work_;
   std::deque<std::function<void()>> jobs_ GECOS_GUARDED_BY(mutex_);

@@ -10,9 +10,10 @@ HostState::HostState(ObjectSetup its_setup)
     : setup(std::move(its_setup)),
       user_callbacks(setup.runtime->maintenance(), setup.name),
       calls(setup, ready, *this),
-      statuses(setup, claim, calls),
+      statuses(setup, claim, calls, *this),
       starts(setup, ready, claim, statuses, calls),
-      packets(setup, claim, calls, statuses, user_callbacks) {}
+      packets(setup, claim, calls, statuses, user_callbacks),
+      passwords(setup.name) {}
 
 void HostState::commands_ended(SessionId client) {
   mutex.assert_held();
@@ -26,6 +27,14 @@ void HostState::finished(ServerCall& call) {
   if (--session.unreturned != 0 || !session.closed) return;
   user_callbacks.post(
       [&servant = setup.servant, id = number(session.id())] { servant.gecos_session_ended(id); });
+}
+
+bool HostState::prove(SessionId session, std::uint64_t counter, access::Proof password) {
+  mutex.assert_held();
+  return passwords.prove(std::move(password), [this, session, counter](auto proof) {
+    const MutexLock lock(mutex);
+    statuses.proved(session, counter, std::move(proof));
+  });
 }
 
 }  // namespace gecos::session

@@ -16,7 +16,7 @@ namespace gecos::session {
 /// The parts of one object of a server, and the mutex that guards these parts. ObjectHost,
 /// CallRunner, HandlerWaits and NameConfirmation are called from several threads and lock the
 /// mutex. The parts do not lock it.
-struct HostState final : private ObjectCalls::Observer {
+struct HostState final : private ObjectCalls::Observer, private StatusGrants::Prover {
   explicit HostState(ObjectSetup its_setup);
 
   const ObjectSetup setup;
@@ -31,10 +31,12 @@ struct HostState final : private ObjectCalls::Observer {
   StatusGrants statuses GECOS_GUARDED_BY(mutex);
   StartGate starts GECOS_GUARDED_BY(mutex);
   SessionPackets packets GECOS_GUARDED_BY(mutex);
+  PasswordProver passwords;  ///< last, so that its thread ends first
 
  private:
   void commands_ended(SessionId client) override;
   void finished(ServerCall& call) override;
+  bool prove(SessionId session, std::uint64_t counter, access::Proof password) override;
 };
 
 }  // namespace gecos::session

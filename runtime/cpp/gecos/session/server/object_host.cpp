@@ -10,9 +10,10 @@
 namespace gecos::session {
 
 ObjectHost::ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
-                       ObjectOptions options, std::shared_ptr<audit::Audit> audit)
+                       ObjectOptions options, std::shared_ptr<audit::Audit> audit,
+                       std::function<bool(const media::Peer&)> administers)
     : state_({std::move(runtime), name, servant, servant.gecos_interface(), std::move(options),
-              std::make_shared<ObjectAudit>(name, std::move(audit))}),
+              std::make_shared<ObjectAudit>(name, std::move(audit)), std::move(administers)}),
       waits_(state_),
       name_confirmation_(state_),
       streams_(state_.setup.name, state_.setup.interface),
@@ -142,6 +143,7 @@ bool ObjectHost::closed() {
 
 void ObjectHost::join() {
   runner_.join();
+  state_.passwords.join();
   state_.user_callbacks.end();
 }
 

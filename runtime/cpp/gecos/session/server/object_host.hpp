@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -25,8 +26,10 @@ namespace gecos::session {
 class ObjectHost final : public Publisher {
  public:
   /// `audit`: null if nothing is recorded.
-  ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
-             ObjectOptions options, std::shared_ptr<audit::Audit> audit = nullptr);
+  ObjectHost(
+      std::shared_ptr<Runtime> runtime, std::string name, Servant& servant, ObjectOptions options,
+      std::shared_ptr<audit::Audit> audit = nullptr,
+      std::function<bool(const media::Peer&)> administers = [](const auto&) { return false; });
   /// Ends the user callbacks first, so that no callback uses destroyed members.
   ~ObjectHost() override { state_.user_callbacks.end(); }
   ObjectHost(const ObjectHost&) = delete;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -18,6 +19,8 @@ struct ObjectSetup {
   const InterfaceDescription& interface;
   ObjectOptions options;
   std::shared_ptr<ObjectAudit> audit;  ///< guarded by the object's mutex
+  /// Returns whether the user of a client may end the status of others.
+  std::function<bool(const media::Peer&)> administers;
 
   const Clock& clock() const { return runtime->clock(); }
   PauseWatch& pauses() const { return runtime->maintenance().pauses(); }

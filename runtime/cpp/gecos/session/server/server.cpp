@@ -219,8 +219,9 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
   }
   auto opened = open_places(name, options);
   if (!opened) return tl::unexpected(opened.error());
-  auto object =
-      std::make_shared<ObjectHost>(lab_->runtime(), name, servant, std::move(options), audit_);
+  auto object = std::make_shared<ObjectHost>(
+      lab_->runtime(), name, servant, std::move(options), audit_,
+      [access = access_](const media::Peer& peer) { return access->administers(peer); });
   // Another thread may have added the servant meanwhile.
   if (!servant.gecos_attach(object)) return served_already(name, servant);
   for (auto& acceptor : opened->acceptors) io_.serve(object, std::move(acceptor));

@@ -102,7 +102,8 @@ void SessionPackets::withdraw(ServerSession& session) {
 }
 
 void SessionPackets::cancel(ServerSession& session, std::uint64_t counter) {
-  if (statuses_.cancel(session, counter)) return;
+  const Failure left_line{Detail::Canceled, "canceled while the request waited", {}, {}};
+  if (statuses_.line().end(session.id(), counter, left_line)) return;
   if (session.intake.is_aside(counter)) {
     return end_early(session, counter, Detail::Canceled, "canceled before it started");
   }
@@ -144,7 +145,7 @@ void SessionPackets::cancel_running(ServerSession& session, ServerCall& call) {
 
 void SessionPackets::answer_again(ServerSession& session, std::uint64_t counter) {
   if (const Bytes* kept = session.replies->find(counter)) return session.sender().send_again(*kept);
-  if (const auto before = statuses_.place_in_line(session, counter)) {
+  if (const auto before = statuses_.line().place_of(session.id(), counter)) {
     session.report_queued(counter, *before);
     return;
   }

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <span>
 #include <utility>
 
 #include "gecos/base/log.hpp"
+#include "gecos/crypto/secret.hpp"
 #include "gecos/session/server/call_log.hpp"
 #include "gecos/wire/layout.hpp"
 
@@ -14,9 +16,6 @@ namespace {
 
 /// How long a request for a status without patience waits for a handler to return.
 constexpr Duration longest_wait_for_handler = std::chrono::seconds(1);
-/// Maximum number of requests for a status that wait at one object. A correct client has one such
-/// request at a time.
-constexpr std::size_t longest_line = 64;
 
 access::Status status_of(Status status) { return static_cast<access::Status>(status); }
 Status status_of(access::Status status) { return static_cast<Status>(status); }
@@ -28,18 +27,12 @@ Duration duration(double seconds) {
       std::chrono::duration<double>(std::min(seconds, 1e9)));
 }
 
-std::string cut(std::string text, std::size_t longest) {
-  while (text.size() > longest) text.pop_back();
-  while (!wire::valid_utf8(text)) text.pop_back();
-  return text;
-}
-
 Holder shown(const access::Holder& holder, TimePoint now) {
   Holder line;
   line.status = status_of(holder.status);
-  line.user = cut(holder.client.user, 64);
-  line.host = cut(holder.client.host, 64);
-  line.program = cut(holder.client.program, 128);
+  line.user = cut_to(holder.client.user, 64);
+  line.host = cut_to(holder.client.host, 64);
+  line.program = cut_to(holder.client.program, 128);
   line.pid = holder.client.pid;
   line.held_for = seconds(now - holder.since);
   line.expires_in = std::max(0.0, seconds(holder.expires - now));
@@ -55,6 +48,13 @@ std::vector<Holder> shown(const std::vector<access::Holder>& roster, TimePoint n
   return lines;
 }
 
+/// Returns the password as a proof, and wipes the text.
+access::Proof taken_from(std::optional<std::string>& password) {
+  access::Proof proof = access::plain_proof(password.value_or(""));
+  if (password) crypto::wipe(std::as_writable_bytes(std::span(*password)));
+  return proof;
+}
+
 /// Returns the text that a refusal contains in addition when the request waited.
 std::string waited_in_vain(double patience, std::size_t before) {
   if (patience <= 0) return {};
@@ -64,20 +64,13 @@ std::string waited_in_vain(double patience, std::size_t before) {
   return text;
 }
 
-Failure refusal(std::string reason, std::vector<Holder> holders) {
-  StatusRefused refused;
-  refused.reason = std::move(reason);
-  refused.holders = std::move(holders);
-  return {Detail::Fault, refused.reason, std::string(StatusRefused::type_name()),
-          wire::to_bytes(refused)};
-}
-
 /// Refuses the request `counter` of `session` for the status `wanted`, and records this.
 void refuse(const ObjectSetup& setup, ServerSession& session, std::uint64_t counter, Status wanted,
             const std::string& why, std::vector<Holder> holders) {
   setup.audit->status_refused(session, counter, to_string(wanted), why);
-  session.reply(counter, refusal(setup.name + ": " + why + named_request(session.id(), counter),
-                                 std::move(holders)));
+  session.reply(counter,
+                status_refusal(setup.name + ": " + why + named_request(session.id(), counter),
+                               std::move(holders)));
 }
 
 /// Returns a command that still runs although the status under which it was issued has ended,
@@ -96,12 +89,15 @@ const ServerCall* outlives_its_status(const access::LeaseTable& leases, const Ob
 
 }  // namespace
 
-StatusGrants::StatusGrants(const ObjectSetup& setup, const NameClaim& claim, ObjectCalls& calls)
+StatusGrants::StatusGrants(const ObjectSetup& setup, const NameClaim& claim, ObjectCalls& calls,
+                           Prover& prover)
     : setup_(setup),
       claim_(claim),
       calls_(calls),
       leases_(process_incarnation(), setup.runtime->options().lease_ttl),
-      clock_(setup.clock().now(), setup.runtime->options().heartbeat * 2) {}
+      clock_(setup.clock().now(), setup.runtime->options().heartbeat * 2),
+      line_(setup.name, setup.clock()),
+      prover_(prover) {}
 
 std::vector<Holder> StatusGrants::holders() const { return shown(leases_.roster(), clock_.now()); }
 
@@ -119,46 +115,118 @@ void StatusGrants::request(const std::shared_ptr<ServerSession>& session, std::u
   Duration patience = duration(asked.patience);
   const bool handler_runs = outlives_its_status(leases_, calls_.queue()) != nullptr;
   if (handler_runs) patience = std::max(patience, longest_wait_for_handler);
-  Request request{session, counter, std::move(asked), setup_.clock().now() + patience};
-  if (!handler_runs && answer(request, line_.size())) return;
-  if (line_.size() >= longest_line) {
-    return session->reply(counter,
-                          Failure{Detail::QueueFull,
-                                  setup_.name + ": " + std::to_string(line_.size()) +
-                                      " requests for a status already wait; try again later",
-                                  {},
-                                  {}});
+  access::Proof password = taken_from(asked.password);
+  StatusRequest request{session, counter, asked.wanted, asked.patience,
+                        setup_.clock().now() + patience};
+  if (!password.empty()) return prove(std::move(request), std::move(password));
+  request.proof.emplace();
+  if (!handler_runs && !line_.proving() && answer(request, line_.size())) return;
+  if (line_.add(std::move(request))) line_.tell_places();
+}
+
+void StatusGrants::prove(StatusRequest request, access::Proof password) {
+  const auto session = request.session;
+  const std::uint64_t counter = request.counter;
+  const media::Capabilities& line = session->connection().capabilities();
+  if (!line.authenticated) {
+    return session->reply(
+        counter, Failure{Detail::Denied,
+                         setup_.name + ": no password is taken over " + std::string(line.name) +
+                             ", because nothing proves who sends it",
+                         {},
+                         {}});
   }
-  line_.push_back(std::move(request));
-  tell_places();
+  if (const auto refused = too_many_wrong(*session, status_of(request.wanted))) {
+    return session->reply(counter, status_refusal(setup_.name + ": " + refused->text,
+                                                  shown(refused->holders, clock_.now())));
+  }
+  if (!line_.add(std::move(request))) return;
+  if (prover_.prove(session->id(), counter, std::move(password))) return;
+  proved(session->id(), counter, std::nullopt);
+}
+
+void StatusGrants::proved(SessionId session, std::uint64_t counter,
+                          std::optional<access::Proof> proof) {
+  StatusRequest* const request = line_.find(session, counter);
+  if (request == nullptr) return;
+  if (!proof) {
+    line_.end(session, counter,
+              Failure{Detail::Rejected,
+                      setup_.name + ": the server has no memory or no thread to check a password; "
+                                    "try again later",
+                      {},
+                      {}});
+  } else {
+    request->proof = std::move(proof);
+    if (outlives_its_status(leases_, calls_.queue()) != nullptr) {
+      request->give_up =
+          std::max(request->give_up, setup_.clock().now() + longest_wait_for_handler);
+    }
+  }
+  serve_line();
+}
+
+/// Returns the refusal for a client whose password would be compared, when its user has given too
+/// many wrong ones.
+std::optional<access::LeaseRefusal> StatusGrants::too_many_wrong(ServerSession& session,
+                                                                 access::Status wanted) const {
+  if (!leases_.compares_password(session.id())) return std::nullopt;
+  const std::string why = passwords_.refusal(session, setup_.clock().now());
+  if (why.empty()) return std::nullopt;
+  return access::LeaseRefusal{access::LeaseRefusal::Reason::WrongPassword,
+                              std::string(to_string(wanted)) + " status refused: " + why,
+                              leases_.roster()};
+}
+
+/// Acquires the status for `request`. Its password is compared only while its user has not given
+/// too many wrong ones.
+tl::expected<access::Grant, access::LeaseRefusal> StatusGrants::try_to_acquire(
+    StatusRequest& request, std::size_t before, TimePoint now) {
+  using Reason = access::LeaseRefusal::Reason;
+  ServerSession& session = *request.session;
+  const access::Status wanted = status_of(request.wanted);
+  // A client that has released the status must not get it again before the clients that wait for
+  // it.
+  if (before > 0 && leases_.releasing(session.id())) {
+    return tl::unexpected(leases_.refusal_to_return(wanted, now));
+  }
+  const bool compares = !request.proof->empty() && leases_.compares_password(session.id());
+  if (compares && !request.compared) {
+    if (auto refused = too_many_wrong(session, wanted)) {
+      request.patience = 0;
+      request.give_up = setup_.clock().now();
+      return tl::unexpected(*std::move(refused));
+    }
+  }
+  auto granted = leases_.acquire(session.id(), session.client(), wanted, *request.proof, now);
+  if (compares && !granted && granted.error().reason == Reason::WrongPassword &&
+      !std::exchange(request.compared, true)) {
+    passwords_.count_wrong(session, setup_.clock().now());
+  }
+  return granted;
 }
 
 /// Grants or refuses `request` and returns true, or returns false when the request must continue to
 /// wait. `before`: the number of requests that wait before this request and could not be granted.
-bool StatusGrants::answer(const Request& request, std::size_t before) {
-  const auto& [session, counter, asked, give_up, reported] = request;
+bool StatusGrants::answer(StatusRequest& request, std::size_t before) {
+  const auto& session = request.session;
+  const std::uint64_t counter = request.counter;
   if (claim_.standing() == NameClaim::Standing::Taken) {
-    session->reply(counter, refusal(setup_.name + ": " + claim_.text(), {}));
+    session->reply(counter, status_refusal(setup_.name + ": " + claim_.text(), {}));
     return true;
   }
   const TimePoint now = clock_.now();
-  const access::Status wanted = status_of(asked.wanted);
   const bool held_before = leases_.status_of(session->id()) != access::Status::Sensor;
-  // A client that has released the status must not get it again before the clients that wait for
-  // it.
-  const bool returns = before > 0 && leases_.releasing(session->id());
-  auto granted = returns ? tl::unexpected(leases_.refusal_to_return(wanted, now))
-                         : leases_.acquire(session->id(), session->client(), wanted,
-                                           access::plain_proof(asked.password.value_or("")), now);
-  if (!granted && setup_.clock().now() < give_up) return false;
+  auto granted = try_to_acquire(request, before, now);
+  if (!granted && setup_.clock().now() < request.give_up) return false;
   if (log_enabled(LogLevel::Info)) {
     log_info("server", setup_.name + ": " + who(session->caller()) +
                            (granted ? " has " : " is refused ") +
-                           std::string(to_string(asked.wanted)) + " status" +
+                           std::string(to_string(request.wanted)) + " status" +
                            (granted ? "" : ": " + granted.error().text));
   }
   if (granted) {
-    setup_.audit->status("status_granted", *session, counter, to_string(asked.wanted));
+    setup_.audit->status("status_granted", *session, counter, to_string(request.wanted));
     if (!held_before) {
       session->held_from = number(granted->epoch);
       standings_.add_holder(session);
@@ -167,66 +235,34 @@ bool StatusGrants::answer(const Request& request, std::size_t before) {
     const Grant given{status_of(granted->status), number(granted->epoch)};
     session->reply(counter, layout::to_bytes(GecosObject_acquire_result{given}));
   } else {
-    refuse(setup_, *session, counter, asked.wanted,
-           granted.error().text + waited_in_vain(asked.patience, before),
+    refuse(setup_, *session, counter, request.wanted,
+           granted.error().text + waited_in_vain(request.patience, before),
            shown(granted.error().holders, now));
   }
   return true;
 }
 
-StatusGrants::Line::const_iterator StatusGrants::find(const ServerSession& session,
-                                                      std::uint64_t counter) const {
-  return std::ranges::find_if(line_, [&](const Request& request) {
-    return request.session.get() == &session && request.counter == counter;
-  });
-}
-
-std::optional<std::size_t> StatusGrants::place_in_line(const ServerSession& session,
-                                                       std::uint64_t counter) const {
-  const auto found = find(session, counter);
-  if (found == line_.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - line_.begin());
-}
-
-bool StatusGrants::cancel(ServerSession& session, std::uint64_t counter) {
-  const auto found = find(session, counter);
-  if (found == line_.end()) return false;
-  session.reply(counter, Failure{Detail::Canceled, "canceled while the request waited", {}, {}});
-  line_.erase(found);
-  tell_places();
-  return true;
-}
-
 void StatusGrants::serve_line() {
   if (line_.empty() || outlives_its_status(leases_, calls_.queue()) != nullptr) return;
-  std::size_t before = 0;
-  std::erase_if(line_, [&](const Request& request) {
-    if (answer(request, before)) return true;
-    ++before;
-    return false;
+  bool proving = false;  // requests behind one that is being proved keep their place
+  line_.remove_if([&](StatusRequest& request, std::size_t before) {
+    proving = proving || !request.proof;
+    return !proving && answer(request, before);
   });
-  tell_places();
-}
-
-void StatusGrants::tell_places() {
-  for (std::size_t before = 0; before < line_.size(); ++before) {
-    Request& request = line_[before];
-    if (request.reported == before) continue;
-    if (request.session->report_queued(request.counter, before)) request.reported = before;
-  }
+  line_.tell_places();
 }
 
 void StatusGrants::refuse_late(TimePoint now) {
   const ServerCall* const runs = outlives_its_status(leases_, calls_.queue());
   if (runs == nullptr) return serve_line();
-  std::erase_if(line_, [&](const Request& waiting) {
+  line_.remove_if([&](const StatusRequest& waiting, std::size_t /*before*/) {
     if (now < waiting.give_up) return false;
     access::Holder last;
     last.client = runs->session->client();
     last.since = last.expires = clock_.now();
     last.releasing = true;
-    refuse(setup_, *waiting.session, waiting.counter, waiting.asked.wanted,
-           std::string(access::to_string(status_of(waiting.asked.wanted))) +
+    refuse(setup_, *waiting.session, waiting.counter, waiting.wanted,
+           std::string(access::to_string(status_of(waiting.wanted))) +
                " status refused: the handler of '" + std::string(runs->operation().name) +
                "' still runs (issued by " + who(runs->caller()) +
                "), although the status under which it was issued has ended; the handler was told "
@@ -234,17 +270,13 @@ void StatusGrants::refuse_late(TimePoint now) {
            shown(std::vector{last}, clock_.now()));
     return true;
   });
-  tell_places();
-}
-
-void StatusGrants::end_line(const Failure& failure) {
-  for (const auto& waiting : std::exchange(line_, {})) {
-    waiting.session->reply(waiting.counter, failure);
-  }
+  line_.tell_places();
 }
 
 void StatusGrants::close() {
-  end_line(Failure{Detail::Rejected, "the server is about to end", {}, {}});
+  const Failure ends{Detail::Rejected, "the server is about to end", {}, {}};
+  line_.end_all(ends);
+  line_.end_questions(ends);
 }
 
 // The end of a status
@@ -290,7 +322,8 @@ void StatusGrants::release_all(ServerSession& session) {
 std::optional<Failure> StatusGrants::take_over(ServerSession& session) {
   const TimePoint now = clock_.now();
   if (const auto taken = leases_.take_over(session.id(), now); !taken) {
-    return refusal(setup_.name + ": " + taken.error().text, shown(taken.error().holders, now));
+    return status_refusal(setup_.name + ": " + taken.error().text,
+                          shown(taken.error().holders, now));
   }
   log_info("server", setup_.name + ": " + who(session.caller()) + " takes over");
   setup_.audit->status("taken_over", session);
@@ -319,7 +352,7 @@ void StatusGrants::commands_ended(SessionId session) {
 }
 
 void StatusGrants::stop(SessionId by, const std::string& why) {
-  end_line(
+  line_.end_all(
       Failure{Detail::Stopped, "the request for the status ended while it waited: " + why, {}, {}});
   for (const auto& holder : leases_.roster()) {
     if (holder.session != by) setup_.audit->status_lost(holder.client, why);
@@ -329,17 +362,27 @@ void StatusGrants::stop(SessionId by, const std::string& why) {
   standings_.note_newer_epoch(leases_);
 }
 
+void StatusGrants::break_all(const std::string& why) {
+  std::vector<SessionId> lost;
+  for (const access::Holder& holder :
+       leases_.stop(SessionId{}, why, access::Denial::Reason::LeaseEnded)) {
+    lost.push_back(holder.session);
+  }
+  lose(lost, why);
+  standings_.note_newer_epoch(leases_);
+  serve_line();
+}
+
 void StatusGrants::depart(ServerSession& session, bool in_order) {
   leases_.forget(session.id());
   session.standing->clear();  // before another client gets the status
   standings_.remove(session);
-  std::erase_if(line_, [&](const Request& waiting) { return waiting.session.get() == &session; });
-  tell_places();
+  line_.forget(session.id());
   if (in_order) return release_all(session);
   if (!leases_.lose(session.id())) return;
   setup_.audit->status_lost(session.client(), session.parted_because);
-  lose(session.id(), "its holder (" + session.caller().program + ", pid " +
-                         std::to_string(session.caller().pid) + ") " + session.parted_because);
+  lose({session.id()}, "its holder (" + session.caller().program + ", pid " +
+                           std::to_string(session.caller().pid) + ") " + session.parted_because);
   serve_line();
 }
 
@@ -347,9 +390,10 @@ void StatusGrants::on_tick(TimePoint now) {
   for (const auto& holder : leases_.expire(clock_.advance(now))) {
     const auto ttl = setup_.runtime->options().lease_ttl / std::chrono::milliseconds(1);
     setup_.audit->status_lost(holder.client, "silent for " + std::to_string(ttl) + " ms");
-    lose(holder.session, "its holder has been silent for " + std::to_string(ttl) + " ms");
+    lose({holder.session}, "its holder has been silent for " + std::to_string(ttl) + " ms");
   }
   if (!line_.empty()) refuse_late(now);
+  line_.on_tick();
 }
 
 void StatusGrants::note_feeder(const std::shared_ptr<ServerSession>& session) {
@@ -357,14 +401,15 @@ void StatusGrants::note_feeder(const std::shared_ptr<ServerSession>& session) {
   note_standings();
 }
 
-void StatusGrants::lose(SessionId session, const std::string& why) {
+void StatusGrants::lose(const std::vector<SessionId>& sessions, const std::string& why) {
   note_standings();
   log_info("server", setup_.name + ": a status ended: " + why);
   const Failure failure{
       Detail::LeaseLost, "the status under which the command was issued ended: " + why, {}, {}};
   calls_.end_commands(
       [&](const ServerCall& call) {
-        return call.client == session && call.operation().status != access::Status::Sensor &&
+        return std::ranges::find(sessions, call.client) != sessions.end() &&
+               call.operation().status != access::Status::Sensor &&
                (call.state.queued() || call.operation().on_loss != OnLoss::Finish);
       },
       failure);

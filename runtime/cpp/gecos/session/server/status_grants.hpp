@@ -12,17 +12,31 @@
 #include "gecos/session/server/name_claim.hpp"
 #include "gecos/session/server/object_calls.hpp"
 #include "gecos/session/server/object_setup.hpp"
+#include "gecos/session/server/password_check.hpp"
 #include "gecos/session/server/server_session.hpp"
 #include "gecos/session/server/session_standings.hpp"
+#include "gecos/session/server/status_line.hpp"
 
 namespace gecos::session {
 
 /// Grants the actor and master status of one object on request, and ends a status when its holder
 /// releases it, falls silent or is lost. When a status is lost, the commands issued under it end
-/// too. Not thread-safe: the object's mutex guards it.
+/// too. It has more methods than other classes, because each way in which a status begins or ends
+/// is a method. Not thread-safe: the object's mutex guards it.
 class StatusGrants {
  public:
-  StatusGrants(const ObjectSetup& setup, const NameClaim& claim, ObjectCalls& calls);
+  /// Derives the proof of a password on another thread.
+  class Prover {
+   public:
+    /// `proved` must be called with the proof, later. Returns false when there is no thread for it.
+    virtual bool prove(SessionId session, std::uint64_t counter, access::Proof password) = 0;
+
+   protected:
+    ~Prover() = default;
+  };
+
+  StatusGrants(const ObjectSetup& setup, const NameClaim& claim, ObjectCalls& calls,
+               Prover& prover);
 
   const access::LeaseTable& leases() const { return leases_; }
   /// Returns the current time by the clock of the leases. This clock does not advance while this
@@ -37,15 +51,15 @@ class StatusGrants {
   /// the status. Any request also waits briefly while a handler still runs whose command was issued
   /// under a status that has ended, because two clients must not command the object at the same
   /// time.
+  /// A request with a password waits, too, while its proof is derived, and those behind it wait
+  /// with it.
   void request(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
                GecosObject_acquire_arguments asked);
-  /// Returns the number of waiting requests before the request `counter` of `session`; nullopt when
-  /// that request does not wait.
-  std::optional<std::size_t> place_in_line(const ServerSession& session,
-                                           std::uint64_t counter) const;
-  /// Cancels the waiting request `counter` of `session`. Returns false when that request does not
-  /// wait.
-  bool cancel(ServerSession& session, std::uint64_t counter);
+  /// Goes on with a request whose proof has been derived; nullopt when that failed. Does nothing
+  /// when the request no longer waits.
+  void proved(SessionId session, std::uint64_t counter, std::optional<access::Proof> proof);
+  /// The requests that wait.
+  StatusLine& line() { return line_; }
   /// Grants the waiting requests that can be granted now, in the order of their arrival. Must be
   /// called when a handler has returned. The functions below that end a status call it themselves.
   void serve_line();
@@ -75,27 +89,22 @@ class StatusGrants {
   /// requests, so that after a stop no program may command the object because of an earlier
   /// request.
   void stop(SessionId by, const std::string& why);
+  /// Ends every status as lost, and serves the waiting requests.
+  void break_all(const std::string& why);
   /// Ends the status of holders that were silent for too long, and refuses requests that have
   /// waited for too long.
   void on_tick(TimePoint now);
 
  private:
-  struct Request {
-    std::shared_ptr<ServerSession> session;
-    std::uint64_t counter = 0;
-    GecosObject_acquire_arguments asked;
-    TimePoint give_up{};
-    std::optional<std::size_t> reported{};  ///< the number of earlier requests that was last sent
-                                            ///< to the client
-  };
-  using Line = std::vector<Request>;
-
-  Line::const_iterator find(const ServerSession& session, std::uint64_t counter) const;
-  bool answer(const Request& request, std::size_t before);
-  void end_line(const Failure& failure);
-  void tell_places();
+  void prove(StatusRequest request, access::Proof password);
+  std::optional<access::LeaseRefusal> too_many_wrong(ServerSession& session,
+                                                     access::Status wanted) const;
+  bool answer(StatusRequest& request, std::size_t before);
+  tl::expected<access::Grant, access::LeaseRefusal> try_to_acquire(StatusRequest& request,
+                                                                   std::size_t before,
+                                                                   TimePoint now);
   void refuse_late(TimePoint now);
-  void lose(SessionId session, const std::string& why);
+  void lose(const std::vector<SessionId>& sessions, const std::string& why);
   void note_standings() { standings_.note_change(leases_, clock_.now()); }
 
   const ObjectSetup& setup_;
@@ -103,7 +112,9 @@ class StatusGrants {
   ObjectCalls& calls_;
   access::LeaseTable leases_;
   SuspendAwareClock clock_;  ///< for leases and peer time-outs
-  Line line_;                ///< the waiting requests, in order of arrival
+  StatusLine line_;
+  Prover& prover_;
+  PasswordCheck passwords_;
   SessionStandings standings_;
 };
 

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "gecos/base/clock.hpp"
+
+namespace gecos::access {
+
+/// Limits how many wrong passwords each user may give for one object, so that nobody finds a
+/// password by trying many. The caller passes the current time. Reads no clock.
+class PasswordLimit {
+ public:
+  static constexpr std::size_t most_wrong = 5;
+  static constexpr Duration within = std::chrono::minutes(1);
+
+  /// Returns how long `user` must wait before its next password is compared; zero when it need not
+  /// wait.
+  Duration wait(const std::string& user, TimePoint now) const;
+  /// Must be called when `user` has given a wrong password.
+  void count_wrong(const std::string& user, TimePoint now);
+
+ private:
+  /// For each user, the times of its latest wrong passwords, at most `most_wrong`, oldest first.
+  std::map<std::string, std::vector<TimePoint>> wrong_;
+};
+
+}  // namespace gecos::access

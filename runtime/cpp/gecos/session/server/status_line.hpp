@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gecos/access/proof.hpp"
+#include "gecos/object_calls.hpp"  // generated from idl/gecos/object.gidl
+#include "gecos/session/server/server_session.hpp"
+
+namespace gecos::session {
+
+/// A request for the status of one object that has no reply yet.
+struct StatusRequest {
+  std::shared_ptr<ServerSession> session;
+  std::uint64_t counter = 0;
+  Status wanted = Status::ACTOR;
+  double patience = 0;  ///< as the client gave it, in s
+  TimePoint give_up{};
+  TimePoint arrived{};
+  std::uint64_t id = 0;                   ///< by which holders deny it; set by StatusLine::add
+  std::optional<access::Proof> proof{};   ///< nullopt while it is derived from the password
+  bool compared = false;                  ///< its password was wrong and has been counted
+  std::optional<std::size_t> reported{};  ///< the number of earlier requests that was last sent to
+                                          ///< the client
+};
+
+/// Returns the beginning of `text` that is at most `longest` bytes long and valid UTF-8.
+std::string cut_to(std::string text, std::size_t longest);
+/// Returns the failure StatusRefused.
+Failure status_refusal(std::string reason, std::vector<Holder> holders);
+
+/// The requests for the status of one object that wait, in the order of their arrival, and the
+/// clients that want to be told of them. Not thread-safe: the object's mutex guards it.
+class StatusLine {
+ public:
+  StatusLine(std::string object, const Clock& clock) : object_(std::move(object)), clock_(clock) {}
+
+  /// Maximum number of requests. A correct client has one request at a time.
+  static constexpr std::size_t longest = 64;
+
+  bool empty() const { return requests_.empty(); }
+  std::size_t size() const { return requests_.size(); }
+  /// Returns whether the proof of a request is still being derived from its password.
+  bool proving() const;
+
+  /// Appends `request`. When the line is full, replies to the request that it is refused, and
+  /// returns false.
+  bool add(StatusRequest request);
+  /// Returns the request `counter` of `session`; null when it does not wait.
+  StatusRequest* find(SessionId session, std::uint64_t counter);
+  /// Returns how many requests are before the request `counter` of `session`; 0 for a question
+  /// about the line; nullopt when neither waits.
+  std::optional<std::size_t> place_of(SessionId session, std::uint64_t counter) const;
+  /// Removes the request `counter` of `session`, or its question about the line, and replies with
+  /// `failure`. Returns false when it does not wait.
+  bool end(SessionId session, std::uint64_t counter, const Failure& failure);
+  /// Ends the request with this id. Returns false when it does not wait.
+  bool end(std::uint64_t id, const Failure& failure);
+  /// Removes all requests and replies with `failure` to each.
+  void end_all(const Failure& failure);
+  /// Removes the requests and questions of `session` without a reply.
+  void forget(SessionId session);
+
+  /// Replies with the requests that wait. While none has a larger id than `asked.after`, the
+  /// question waits, at most `asked.patience`.
+  void ask(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
+           const GecosObject_requests_arguments& asked);
+  /// Replies to the questions that have waited for too long.
+  void on_tick();
+  /// Replies to all questions with `failure`.
+  void end_questions(const Failure& failure);
+
+  /// Calls `answer(request, before)` for each request in order, where `before` is the number of
+  /// requests before it that stay, and removes those for which it returns true.
+  template <class Answer>
+  void remove_if(Answer answer) {
+    std::vector<StatusRequest> stay;
+    for (StatusRequest& request : std::exchange(requests_, {})) {
+      if (!answer(request, stay.size())) stay.push_back(std::move(request));
+    }
+    requests_ = std::move(stay);
+  }
+
+  /// Tells each client how many requests are before its own, when that number has changed, and
+  /// replies to the questions to which there is an answer now.
+  void tell_places();
+
+ private:
+  /// A question about the line that has no reply yet.
+  struct Question {
+    std::shared_ptr<ServerSession> session;
+    std::uint64_t counter = 0;
+    std::uint64_t after = 0;
+    TimePoint give_up{};
+  };
+
+  bool waits(const StatusRequest& request) const;
+  void reply(const Question& question) const;
+  void reply_to_questions();
+  bool end(std::vector<StatusRequest>::iterator request, const Failure& failure);
+
+  const std::string object_;
+  const Clock& clock_;
+  std::vector<StatusRequest> requests_;
+  std::vector<Question> questions_;
+  std::uint64_t last_id_ = 0;
+};
+
+}  // namespace gecos::session
