@@ -188,7 +188,9 @@ def test_a_holder_denies_a_request_with_its_reason(held: Lamp, other: Lamp) -> N
 
     with ThreadPoolExecutor() as pool:
         denied = pool.submit(deny)
-        with pytest.raises(gecos.LeaseRefused, match=r"refused by its holder, .*: hot$") as refused:
+        with pytest.raises(
+            gecos.LeaseRefused, match=r"refused by its holder, .*: hot \(request "
+        ) as refused:
             gecos.actor(other, timeout=None)
         denied.result()
     assert len(refused.value.holders) == 1

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <fstream>
+#include <future>
 
 #include "../media/scratch_directory.hpp"
 #include "../session/over_media.hpp"
 
 namespace {
 
+using namespace std::chrono_literals;
 using gecos::State;
 
 /// Tells GECOS_AUDIT_DIR before the servers of the bench exist.
@@ -97,6 +99,63 @@ TEST_P(AuditTrail, ExplainsARefusalByTheNumberInItsText) {
       << "another operation does not share a line, even within a second";
   EXPECT_EQ(
       count(told, "\"event\":\"status_refused\",\"object\":\"PROBE\",\"request\":\"" + number), 1u);
+}
+
+TEST_P(AuditTrail, TellsWhoDeniedARequestAndWhoBrokeTheStatusAndWhy) {
+  const auto holder = connect(lab_);
+  const auto lease = gecos::actor(holder);
+  ASSERT_TRUE(lease) << lease.error();
+  const auto other = connect(second_lab_);
+  auto asking =
+      std::async(std::launch::async, [&] { return gecos::actor(other, {.timeout = 60s}); });
+  const auto waiting = gecos::requests(holder, 0, 60s).get();
+  ASSERT_TRUE(waiting) << waiting.error();
+  ASSERT_TRUE(gecos::deny(holder, waiting->front().id, "a part is in the gripper").get());
+  const auto denied = asking.get();
+  ASSERT_FALSE(denied);
+  const std::string number = number_in(denied.error().failure.text);
+  EXPECT_NE(number, "") << denied.error();
+  const auto stranger = gecos::deny(other, 1).get();
+  ASSERT_FALSE(stranger);
+  EXPECT_NE(number_in(stranger.error().text), "") << stranger.error();
+  const auto broken = gecos::break_status(other, "its program hangs").get();
+  ASSERT_TRUE(broken) << broken.error();
+
+  const auto told = lines();
+  const auto refused = std::ranges::find_if(told, [&](const auto& line) {
+    return line.find("\"event\":\"status_refused\",\"object\":\"PROBE\",\"request\":\"" + number) !=
+           std::string::npos;
+  });
+  ASSERT_NE(refused, told.end());
+  EXPECT_NE(refused->find(": a part is in the gripper\""), std::string::npos) << *refused;
+  EXPECT_EQ(count(told, "\"request\":\"" + number_in(stranger.error().text) +
+                            "\",\"operation\":\"deny\",\"outcome\":\"FAULT\""),
+            1u);
+  const auto lost = std::ranges::find_if(told, [&](const auto& line) {
+    return line.find("\"event\":\"status_lost\"") != std::string::npos;
+  });
+  ASSERT_NE(lost, told.end());
+  EXPECT_NE(lost->find("an administrator, "), std::string::npos) << *lost;
+  EXPECT_NE(lost->find(" broke it: its program hangs\""), std::string::npos) << *lost;
+}
+
+TEST_P(AuditTrail, TellsThatTooManyPasswordsWereWrong) {
+  const auto holder = connect(lab_);
+  const auto lease = gecos::actor(holder, "sesame");
+  ASSERT_TRUE(lease) << lease.error();
+  const auto other = connect(second_lab_);
+  for (int guess = 0; guess < 5; ++guess) EXPECT_FALSE(gecos::actor(other, "open"));
+  gecos::Lab third_lab(probe::patient());
+  const auto refused = gecos::actor(connect(third_lab), "sesame");
+  ASSERT_FALSE(refused);
+  const std::string number = number_in(refused.error().failure.text);
+  EXPECT_NE(number, "") << refused.error();
+  const auto told = lines();
+  const auto line = std::ranges::find_if(told, [&](const auto& one) {
+    return one.find(number) != std::string::npos && one.find("status_refused") != std::string::npos;
+  });
+  ASSERT_NE(line, told.end());
+  EXPECT_NE(line->find("5 wrong passwords within a minute"), std::string::npos) << *line;
 }
 
 TEST_P(AuditTrail, CountsCommandsThatAreRepeatedWithinASecond) {

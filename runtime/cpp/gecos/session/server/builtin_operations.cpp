@@ -110,6 +110,14 @@ void BuiltinOperations::give_back(ServerSession& session, std::uint64_t counter)
   session.reply(counter, ByteView{});
 }
 
+void BuiltinOperations::refuse(ServerSession& session, std::uint64_t counter,
+                               const OperationDescription& asked, const std::string& why) {
+  const Failure refused = status_refusal(
+      setup_.name + ": " + why + named_request(session.id(), counter), statuses_.holders());
+  setup_.audit->refused(session, counter, asked.code, asked.name, refused);
+  session.reply(counter, refused);
+}
+
 void BuiltinOperations::requests(const std::shared_ptr<ServerSession>& session,
                                  std::uint64_t counter, ByteView arguments) {
   const auto asked = layout::from_bytes<GecosObject_requests_arguments>(arguments);
@@ -122,16 +130,13 @@ void BuiltinOperations::deny(ServerSession& session, std::uint64_t counter, Byte
   if (!asked) return session.reply(counter, undecodable(asked.error()));
   const access::LeaseTable& leases = statuses_.leases();
   if (leases.status_of(session.id()) == access::Status::Sensor || leases.releasing(session.id())) {
-    return session.reply(
-        counter,
-        status_refusal(setup_.name + ": only a client that holds the status may deny it to others",
-                       statuses_.holders()));
+    return refuse(session, counter, GecosObjectInterface::deny,
+                  "only a client that holds the status may deny it to others");
   }
-  const std::string denial = setup_.name + ": the status is refused by its holder, " +
-                             who(session.caller()) + (asked->why.empty() ? "" : ": " + asked->why);
-  const bool waited =
-      statuses_.line().end(asked->request, status_refusal(denial, statuses_.holders()));
-  if (waited) log_info("server", denial);
+  const std::string denial = "the status is refused by its holder, " + who(session.caller()) +
+                             (asked->why.empty() ? "" : ": " + asked->why);
+  const bool waited = statuses_.deny(asked->request, denial);
+  if (waited) log_info("server", setup_.name + ": " + denial);
   session.reply(counter, layout::to_bytes(GecosObject_deny_result{waited}));
 }
 
@@ -139,11 +144,9 @@ void BuiltinOperations::break_status(ServerSession& by, std::uint64_t counter, B
   const auto asked = layout::from_bytes<GecosObject_break_status_arguments>(arguments);
   if (!asked) return by.reply(counter, undecodable(asked.error()));
   if (!setup_.administers(by.connection().peer())) {
-    return by.reply(
-        counter, status_refusal(setup_.name + ": only an administrator may break a status: the "
-                                              "user of the server, root, and whom [admin] of the "
-                                              "lab file names",
-                                statuses_.holders()));
+    return refuse(by, counter, GecosObjectInterface::break_status,
+                  "only an administrator may break a status: the user of the server, root, and "
+                  "whom [admin] of the lab file names");
   }
   const std::string why = "an administrator, " + who(by.caller()) + ", broke it" +
                           (asked->why.empty() ? "" : ": " + asked->why);

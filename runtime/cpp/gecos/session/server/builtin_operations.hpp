@@ -39,6 +39,9 @@ class BuiltinOperations {
   void release(ServerSession& session, std::uint64_t counter, ByteView arguments);
   void take_over(ServerSession& session, std::uint64_t counter);
   void give_back(ServerSession& session, std::uint64_t counter);
+  /// Refuses the operation `asked` of a client that may not use it, and records this.
+  void refuse(ServerSession& session, std::uint64_t counter, const OperationDescription& asked,
+              const std::string& why);
   void requests(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
                 ByteView arguments);
   void deny(ServerSession& session, std::uint64_t counter, ByteView arguments);

@@ -64,13 +64,21 @@ std::string waited_in_vain(double patience, std::size_t before) {
   return text;
 }
 
+/// Records that the request `counter` of `session` for the status `wanted` is refused, and returns
+/// the reply.
+Failure recorded_refusal(const ObjectSetup& setup, const ServerSession& session,
+                         std::uint64_t counter, Status wanted, const std::string& why,
+                         std::vector<Holder> holders) {
+  setup.audit->status_refused(session, counter, to_string(wanted), why);
+  return status_refusal(setup.name + ": " + why + named_request(session.id(), counter),
+                        std::move(holders));
+}
+
 /// Refuses the request `counter` of `session` for the status `wanted`, and records this.
 void refuse(const ObjectSetup& setup, ServerSession& session, std::uint64_t counter, Status wanted,
             const std::string& why, std::vector<Holder> holders) {
-  setup.audit->status_refused(session, counter, to_string(wanted), why);
   session.reply(counter,
-                status_refusal(setup.name + ": " + why + named_request(session.id(), counter),
-                               std::move(holders)));
+                recorded_refusal(setup, session, counter, wanted, why, std::move(holders)));
 }
 
 /// Returns a command that still runs although the status under which it was issued has ended,
@@ -137,8 +145,8 @@ void StatusGrants::prove(StatusRequest request, access::Proof password) {
                          {}});
   }
   if (const auto refused = too_many_wrong(*session, status_of(request.wanted))) {
-    return session->reply(counter, status_refusal(setup_.name + ": " + refused->text,
-                                                  shown(refused->holders, clock_.now())));
+    return refuse(setup_, *session, counter, request.wanted, refused->text,
+                  shown(refused->holders, clock_.now()));
   }
   if (!line_.add(std::move(request))) return;
   if (prover_.prove(session->id(), counter, std::move(password))) return;
@@ -273,6 +281,15 @@ void StatusGrants::refuse_late(TimePoint now) {
   line_.tell_places();
 }
 
+bool StatusGrants::deny(std::uint64_t id, const std::string& why) {
+  const StatusRequest* const denied = line_.find(id);
+  if (denied == nullptr) return false;
+  const auto session = denied->session;
+  const std::uint64_t counter = denied->counter;
+  return line_.end(session->id(), counter,
+                   recorded_refusal(setup_, *session, counter, denied->wanted, why, holders()));
+}
+
 void StatusGrants::close() {
   const Failure ends{Detail::Rejected, "the server is about to end", {}, {}};
   line_.end_all(ends);
@@ -367,6 +384,7 @@ void StatusGrants::break_all(const std::string& why) {
   for (const access::Holder& holder :
        leases_.stop(SessionId{}, why, access::Denial::Reason::LeaseEnded)) {
     lost.push_back(holder.session);
+    setup_.audit->status_lost(holder.client, why);
   }
   lose(lost, why);
   standings_.note_newer_epoch(leases_);

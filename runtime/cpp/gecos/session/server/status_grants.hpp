@@ -63,6 +63,9 @@ class StatusGrants {
   /// Grants the waiting requests that can be granted now, in the order of their arrival. Must be
   /// called when a handler has returned. The functions below that end a status call it themselves.
   void serve_line();
+  /// Refuses the waiting request with this id, as its holder wants. Returns false when it does not
+  /// wait.
+  bool deny(std::uint64_t id, const std::string& why);
   /// Refuses all waiting requests, because the server is about to end.
   void close();
 

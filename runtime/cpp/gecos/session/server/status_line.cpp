@@ -82,6 +82,12 @@ StatusRequest* StatusLine::find(SessionId session, std::uint64_t counter) {
   return found == requests_.end() ? nullptr : &*found;
 }
 
+const StatusRequest* StatusLine::find(std::uint64_t id) const {
+  const auto found = std::ranges::find_if(
+      requests_, [&](const StatusRequest& request) { return request.id == id && waits(request); });
+  return found == requests_.end() ? nullptr : &*found;
+}
+
 std::optional<std::size_t> StatusLine::place_of(SessionId session, std::uint64_t counter) const {
   if (std::ranges::any_of(questions_, is(session, counter))) return 0;
   const auto found = std::ranges::find_if(requests_, is(session, counter));
@@ -95,13 +101,6 @@ bool StatusLine::end(std::vector<StatusRequest>::iterator request, const Failure
   requests_.erase(request);
   tell_places();
   return true;
-}
-
-bool StatusLine::end(std::uint64_t id, const Failure& failure) {
-  return end(std::ranges::find_if(
-                 requests_,
-                 [&](const StatusRequest& request) { return request.id == id && waits(request); }),
-             failure);
 }
 
 bool StatusLine::end(SessionId session, std::uint64_t counter, const Failure& failure) {

@@ -52,14 +52,14 @@ class StatusLine {
   bool add(StatusRequest request);
   /// Returns the request `counter` of `session`; null when it does not wait.
   StatusRequest* find(SessionId session, std::uint64_t counter);
+  /// Returns the request with this id; null when none waits that holders are shown.
+  const StatusRequest* find(std::uint64_t id) const;
   /// Returns how many requests are before the request `counter` of `session`; 0 for a question
   /// about the line; nullopt when neither waits.
   std::optional<std::size_t> place_of(SessionId session, std::uint64_t counter) const;
   /// Removes the request `counter` of `session`, or its question about the line, and replies with
   /// `failure`. Returns false when it does not wait.
   bool end(SessionId session, std::uint64_t counter, const Failure& failure);
-  /// Ends the request with this id. Returns false when it does not wait.
-  bool end(std::uint64_t id, const Failure& failure);
   /// Removes all requests and replies with `failure` to each.
   void end_all(const Failure& failure);
   /// Removes the requests and questions of `session` without a reply.
