@@ -741,7 +741,8 @@ def test_explain_measures_the_media_on_request(arm: Arm, run: Run) -> None:
     assert code == 0
     measured = [line.split() for line in out.splitlines() if line.startswith("  measured over ")]
     assert {"shm:", "lcm:"} <= {words[2] for words in measured}
-    assert all(float(words[3]) > 0 and words[4] == "ms" for words in measured)
+    # Within one process the answer can come in the moment of the ping.
+    assert all(float(words[3]) >= 0 and words[4] == "ms" for words in measured)
     for flags in ([], ["--measure"]):
         code, out, _ = run("explain", "ARM", "--json", *flags)
         assert code == 0
