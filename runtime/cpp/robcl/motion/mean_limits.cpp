@@ -12,8 +12,6 @@ constexpr double most_reduced = 0.5;  // of a limit
 constexpr double reserve = 0.014;          // of the limits of acceleration
 constexpr double braking_reserve = 0.014;  // the same, for a motion that is not known beforehand
 constexpr int samples = 30;                // in a window
-constexpr int finer = 4;                   // times as many, where the motion is close to a limit
-constexpr double close = 0.98;             // of the greatest speed
 // The maximum for a motion that takes minutes or days. Such a motion changes little within a
 // window.
 constexpr int most_samples = 20'000;
@@ -151,10 +149,7 @@ std::vector<double> excess_of_mean(const Path& path, const arm::ArmModel& model,
   TimeLaw::State mean = motion.at(law.time(from_knot));
   for (double time = law.time(from_knot); time < law.duration() + window; time += step) {
     const TimeLaw::State next = motion.at(time + step);
-    double factor = std::max(judge.excess_at(mean), judge.excess_at_knots(mean, next));
-    for (int part = 1; factor > close && part < finer; ++part) {
-      factor = std::max(factor, judge.excess_at(motion.at(time + part * step / finer)));
-    }
+    const double factor = std::max(judge.excess_at(mean), judge.excess_at_knots(mean, next));
     mean = next;
     const double begin = law.at(time - window).s, end = law.at(time + step).s;
     while (first + 1 < path.intervals() && path.place(first + 1) < begin) ++first;
