@@ -10,25 +10,11 @@ from pathlib import Path
 import gecos
 import pytest
 from command_output import Run, valid
-from robcl.device import DeviceServant
-from robcl.frames import Frame
+from shelf import Shelf
 
 KEY = "9f3c21aa" * 8
 OTHER = "71e0bb04" * 8
 HOST = socket.gethostname()
-
-
-class Shelf(DeviceServant):
-    """A device that stays where it is."""
-
-    def base(self) -> Frame:
-        return Frame()
-
-    def parent(self) -> str:
-        return ""
-
-    def mount(self, carrier: str, offset: Frame) -> None:
-        pass
 
 
 @pytest.fixture

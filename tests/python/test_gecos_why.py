@@ -10,21 +10,8 @@ from pathlib import Path
 import gecos
 import pytest
 from command_output import Run, valid
-from robcl.device import DeviceServant
 from robcl.frames import Frame
-
-
-class Shelf(DeviceServant):
-    """A device that stays where it is."""
-
-    def base(self) -> Frame:
-        return Frame()
-
-    def parent(self) -> str:
-        return ""
-
-    def mount(self, carrier: str, offset: Frame) -> None:
-        pass
+from shelf import Shelf
 
 
 @pytest.fixture

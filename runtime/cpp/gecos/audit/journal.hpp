@@ -25,7 +25,7 @@ class Journal {
   Journal(std::string folder, Limits limits);
 
   /// Appends whole lines. When it fails, returns why; a part of the lines may have been written,
-  /// and what is appended later begins a new line.
+  /// and the next call begins a new line.
   tl::expected<void, std::string> append(std::string_view lines);
 
  private:

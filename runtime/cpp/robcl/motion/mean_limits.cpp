@@ -9,9 +9,8 @@ namespace {
 constexpr double most_reduced = 0.5;  // of a limit
 // A motion may leave its time law at any time. The mean over the window is then a mean of two
 // motions.
-constexpr double reserve = 0.014;          // of the limits of acceleration
-constexpr double braking_reserve = 0.014;  // the same, for a motion that is not known beforehand
-constexpr int samples = 30;                // in a window
+constexpr double reserve = 0.014;  // of the limits of acceleration
+constexpr int samples = 30;        // in a window
 // The maximum for a motion that takes minutes or days. Such a motion changes little within a
 // window.
 constexpr int most_samples = 20'000;
@@ -178,7 +177,7 @@ std::vector<IntervalLimits> narrowed(const Path& path, const arm::ArmModel& mode
     const double change = std::min(smoothing.change(bounds.acceleration_limit(i)), 2 * u);
     // How far the mean of second * (ds/dt)² + first * d²s/dt² may exceed the limit, from the
     // covariances and variances within a window.
-    const double by = braking_reserve +
+    const double by = reserve +
                       bend.second * (travel * change / 4 + squared(u * smoothing.window) / 12) +
                       bend.third * travel * (travel * u * 5 / 24 + squared(speed) / 6) +
                       bend.jump * squared(speed) * 2 / 3;
