@@ -84,6 +84,16 @@ TEST_P(Lines, ADelayGivesOneEventAndItsEndAnother) {
   EXPECT_EQ(recovered->changes, 2u) << "there was one event of each kind";
 }
 
+TEST_P(Lines, TheMeasurementOfCreateStandsUntilAProbeIsAnswered) {
+  const auto robot = far_.create<probe::Probe>("PROBE", {.medium = kind_, .latency = 2h});
+  ASSERT_TRUE(robot) << robot.error();
+  delay = gecos::Duration(1h).count();  // a probe that is sent from now on is never answered
+  const auto judged = std::chrono::steady_clock::now() + 300ms;
+  do {
+    ASSERT_TRUE(gecos::line_state(*robot).round_trip);
+  } while (std::chrono::steady_clock::now() < judged);
+}
+
 TEST_P(Lines, WithFailTheSessionIsLostAndSaysWhy) {
   const auto robot = connect<OnDegraded::Fail>();
   auto level = robot.level(gecos::stream);

@@ -98,7 +98,8 @@ void LineProbe::note(qos::LatencyWatch::Change change) {
   std::string text;
   {
     const MutexLock lock(mutex_);
-    state_.round_trip = watch_->round_trip();
+    // Until the first probe is answered, the measurement of `measure` stands.
+    if (const auto last = watch_->round_trip()) state_.round_trip = last;
     if (change == qos::LatencyWatch::Change::None) return;
     state_.degraded = watch_->degraded();
     ++state_.changes;
