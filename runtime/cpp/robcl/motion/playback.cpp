@@ -47,7 +47,8 @@ void Playback::rest() {
 
 double Playback::fraction() const {
   const Plan& plan = traversal_.stage().plan;
-  if (plan.duration() <= 0) return standing_ ? 1 : 0;
+  if (standing_ && !stopping()) return 1;  // a little before the end, all places may be equal
+  if (plan.duration() <= 0) return 0;
   return std::min(1.0, (traversal_.time() + tail_) / plan.duration());
 }
 
