@@ -58,3 +58,9 @@ def test_the_types_units_and_defaults_of_members(capsys: pytest.CaptureFixture[s
     assert "jaws: sequence" in text
     assert r"\x9b2J" in text
     assert r'= "a\u001b[2J\u009b2J\u007f"' in text
+
+
+def test_a_number_without_a_unit_is_printed_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    report.value(0.5, "1")
+    report.value(0.5, "m")
+    assert capsys.readouterr().out.splitlines() == ["0.5", "0.5 m"]

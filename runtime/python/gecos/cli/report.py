@@ -241,7 +241,8 @@ def value(of: Any, unit: str) -> None:
 
 def _with_unit(of: Any, unit: str, indent: int | None = None) -> str:
     """Returns the text of a value. A single number or text is followed by its unit."""
-    shown = f" {printable(unit)}" if unit and not isinstance(of, dict | list) else ""
+    named = unit and unit != "1" and not isinstance(of, dict | list)  # "1": a number without a unit
+    shown = f" {printable(unit)}" if named else ""
     return _text(of, indent) + shown
 
 
