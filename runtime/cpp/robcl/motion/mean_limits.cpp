@@ -6,7 +6,8 @@
 namespace robcl::motion {
 namespace {
 
-constexpr double most_reduced = 0.5;  // of a limit
+// Of a limit. In the sharpest corners of short moves, less than 0.7 was not enough.
+constexpr double most_reduced = 0.8;
 // A motion may leave its time law at any time. The mean over the window is then a mean of two
 // motions.
 constexpr double reserve = 0.014;  // of the limits of acceleration
