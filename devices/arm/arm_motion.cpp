@@ -22,6 +22,10 @@ DriverFault stalled_loop() {
   return {"the control loop has stalled: a call of the driver does not return"};
 }
 
+Refused refused_because(const std::exception& why) {
+  return {std::string("the motion cannot be planned: ") + why.what()};
+}
+
 std::string not_settled(const ArmController::Outcome& outcome) {
   std::ostringstream text;
   text << "joint " << outcome.axis + 1 << " does not reach its goal: it stands "
@@ -88,7 +92,13 @@ ArmMotion::Result ArmMotion::while_claimed(const std::function<void()>& start,
   Result result = tl::unexpected(Interrupted{});
   bool stalled = false;
   if (!watcher.interrupted()) {
-    start();
+    try {
+      start();
+    } catch (const std::exception& why) {  // nothing moves yet: others may have the arm again
+      const Lock lock(mutex_);
+      busy_ = false;
+      return tl::unexpected(refused_because(why));
+    }
     OutcomeWatch outcome(controller_);
     std::optional<ArmController::Outcome> ended;
     while (!ended && !outcome.stalled()) {
@@ -163,7 +173,7 @@ std::optional<MoveFailure> ArmMotion::plan(Link& link) {
   try {
     return begin_or_follow(link);
   } catch (const std::exception& why) {
-    return Refused{std::string("the motion cannot be planned: ") + why.what()};
+    return refused_because(why);
   }
 }
 

@@ -220,6 +220,23 @@ TEST(ArmMotions, AMoveWhosePlanningThrowsIsRefusedAndTheNextOneGoesOn) {
   EXPECT_TRUE(motion.while_standing([] {}));
 }
 
+TEST(ArmMotions, AFollowWhoseBeginningThrowsLeavesTheArmToOthers) {
+  const auto model = rx90();
+  Recorder driver(ready);
+  ArmController controller(model, {}, driver);
+  ArmMotion motion(controller, robcl::motion::Planner(model, {}));
+  Caller caller;
+  const auto throws = [](const JointValues&) -> ArmMotion::Generator {
+    throw std::runtime_error("no memory for it");
+  };
+  for (int i = 0; i < 2; ++i) {
+    const auto refused = motion.alone(throws, caller);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(to_string(refused.error()), "the motion cannot be planned: no memory for it");
+  }
+  EXPECT_TRUE(motion.while_standing([] {}));
+}
+
 TEST(ArmMotions, AStopActsWhileTheNextMoveIsBeingMade) {
   const auto model = rx90();
   Recorder driver(ready);
