@@ -20,6 +20,19 @@ robcl::motion::ToolLimits lower_of(const robcl::motion::ToolLimits& one,
           .turn_acceleration = std::min(one.turn_acceleration, other.turn_acceleration)};
 }
 
+// Further away, the coordinates of a frame have no digits left for the motions of an arm.
+constexpr double furthest_base = 1e7, furthest_tool = 1000;  // m
+
+/// Returns why `what` cannot be at `frame`; nullopt if it can.
+std::optional<Refused> too_far(const char* what, const Frame& frame, double furthest) {
+  const double away = frame.position().stableNorm();
+  if (away <= furthest) return std::nullopt;
+  std::ostringstream text;
+  text << what << " is " << away << " m away, but it can be at most " << furthest
+       << " m away: is its place in millimetres?";
+  return Refused{text.str()};
+}
+
 template <typename Choice>
 bool has(const std::optional<Choice>& present, const std::optional<Choice>& wanted) {
   return !wanted || present == wanted;
@@ -119,6 +132,9 @@ robcl::arm::Configuration ArmDevice::configuration() const {
 }
 
 tl::expected<void, Refused> ArmDevice::mount(const Frame& world_from_base) {
+  if (auto far = too_far("the base", world_from_base, furthest_base)) {
+    return tl::unexpected(*std::move(far));
+  }
   const bool mounted = motion_.while_standing([&] {
     const gecos::MutexLock lock(reading_);
     world_from_base_ = world_from_base;
@@ -129,6 +145,9 @@ tl::expected<void, Refused> ArmDevice::mount(const Frame& world_from_base) {
 }
 
 tl::expected<void, Refused> ArmDevice::set_tool_offset(const Frame& flange_from_tool) {
+  if (auto far = too_far("the tool", flange_from_tool, furthest_tool)) {
+    return tl::unexpected(*std::move(far));
+  }
   const bool set = motion_.while_standing([&] {
     const gecos::MutexLock lock(reading_);
     flange_from_tool_ = flange_from_tool;

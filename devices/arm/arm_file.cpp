@@ -47,6 +47,7 @@ std::size_t line_of(const toml::node& value) {
 }
 
 constexpr double least = 1e-6, most = 1e6;  // no arm has a limit of speed or acceleration beyond
+constexpr double furthest_mm = 1e6;         // no tool is further from its flange
 
 /// One key of a TOML file.
 struct Key {
@@ -280,6 +281,10 @@ robcl::Frame offset_of(const Table& table) {
   using robcl::deg;
   using robcl::mm;
   const std::vector<double> at = three(table, offset_mm);
+  for (const double coordinate : at) {
+    if (std::abs(coordinate) <= furthest_mm) continue;
+    table.refuse(offset_mm, words(coordinate) + " is beyond 1e6 mm; give " + offset_mm.wanted);
+  }
   const std::vector<double> turned =
       table.has(offset_zyz_deg) ? three(table, offset_zyz_deg) : std::vector<double>{0, 0, 0};
   return robcl::Frame::from_euler_zyz(mm(at[0]), mm(at[1]), mm(at[2]), deg(turned[0]),

@@ -182,6 +182,9 @@ const std::vector<Bad> bad{
     {"offset_mm", "offset_mm = [0, 150]",
      "arm.toml:11: tool.offset_mm: the list has 2 values; give a list of x, y and z of the tool "
      "frame, seen from the flange, in mm"},
+    {"offset_mm", "offset_mm = [0, -1e308, 0]",
+     "arm.toml:11: tool.offset_mm: -1e+308 is beyond 1e6 mm; give a list of x, y and z of the tool "
+     "frame, seen from the flange, in mm"},
     {"offset_mm", "offset = [0, 0, 0.15]",
      "arm.toml:11: tool.offset: this key is unknown; the keys here are tool.offset_mm, "
      "tool.offset_zyz_deg, tool.speed_m_per_s, tool.acceleration_m_per_s2, "

@@ -157,6 +157,23 @@ TEST_F(Arm, MountAndToolAreRefusedWhileItMoves) {
   EXPECT_TRUE(arm_.mount(translate(1, 0, 0)).has_value());
 }
 
+TEST_F(Arm, PlacesAtWhichCoordinatesHaveNoDigitsLeftAreRefused) {
+  const Frame base = arm_.base(), offset = arm_.tool_offset();
+  for (const double away : {2e7, 1e200, 1.7e308}) {
+    const auto mounted = arm_.mount(translate(away, 0, -away));
+    ASSERT_FALSE(mounted) << away;
+    EXPECT_NE(mounted.error().reason.find("but it can be at most 1e+07 m away"), std::string::npos)
+        << mounted.error().reason;
+    const auto tool = arm_.set_tool_offset(translate(0, away, away));
+    ASSERT_FALSE(tool) << away;
+    EXPECT_NE(tool.error().reason.find("but it can be at most 1000 m away"), std::string::npos)
+        << tool.error().reason;
+  }
+  EXPECT_EQ(arm_.base(), base);
+  EXPECT_EQ(arm_.tool_offset(), offset);
+  EXPECT_TRUE(arm_.mount(translate(5e6, 4e5, 0))) << "as in a grid of surveyors";
+}
+
 TEST_F(Arm, WhatCannotBeReachedFailsBeforeAnythingMoves) {
   const Frame before = arm_.sample().flange;
   const auto moved = arm_.move(translate(500, 0, 300), PathKind::Joint, {}, silent_);
