@@ -14,10 +14,11 @@ import rampage
 
 _generated = tempfile.TemporaryDirectory(prefix="workbench-")
 atexit.register(_generated.cleanup)
-rampage.generate_python(Path(_generated.name))  # now: test modules import it when collected
-sys.path.insert(0, f"{_generated.name}/python")
-
 TREE = Path(__file__).resolve().parents[2]
+# Now: test modules import what is generated when they are collected.
+rampage.generate_python(Path(_generated.name))
+rampage.generate_python(Path(_generated.name), TREE / "tests/idl/inward/feeder.gidl")
+sys.path.insert(0, f"{_generated.name}/python")
 
 
 @pytest.fixture(scope="session")

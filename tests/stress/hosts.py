@@ -63,6 +63,13 @@ class Hosts:
         self._ip(self._between, "link set end0 nomaster")
         return now_ns()
 
+    def between(self) -> list[str]:
+        """Takes the link away. A program with these words in front stands between the hosts: it
+        receives what they send at the interfaces end0 and end1, and may send to them there."""
+        for end in range(2):
+            self._ip(self._between, f"link set end{end} nomaster")
+        return self._enter(self._between, "-n")
+
     def mend(self) -> int:
         now = now_ns()
         self._ip(self._between, "link set end0 master line")

@@ -446,11 +446,14 @@ def freezing(freezes: int, longest_s: float, seeds: random.Random) -> list[Plan]
     ]
 
 
-def generate_python(out: Path) -> None:
-    """Makes the Python of the workbench importable by programs that are started."""
+WORKBENCH = HERE / "idl" / "stress" / "workbench.gidl"
+
+
+def generate_python(out: Path, interface: Path = WORKBENCH) -> None:
+    """Makes the Python of an interface of the tests importable by programs that are started."""
     words = ["-m", "gidl", "gen", "--lang", "python", "-I", HERE / "idl", "--out", out]
     subprocess.run(
-        [sys.executable, *words, HERE / "idl" / "stress" / "workbench.gidl"],
+        [sys.executable, *words, interface],
         check=True,
         stdout=subprocess.DEVNULL,
     )
