@@ -50,6 +50,20 @@ def test_policy_decides_for_a_server_of_this_user_or_another(file: Path, run: Ru
     assert run("policy", "test", "eve", HOST, "RX90", "--server-user", "eve")[0] == 0
 
 
+def test_policy_says_who_may_serve_an_object(file: Path, run: Run) -> None:
+    file.write_text('[names]\nRX90 = "robcl@cell"\n')
+    code, out, _ = run("policy", "test", "robcl", "cell", "RX90", "--serve")
+    bound = f"[names] in {file}:2 binds this name to user robcl of host cell"
+    assert (code, out) == (
+        0,
+        f"allowed: a server of user robcl of host cell may register RX90: {bound}\n",
+    )
+    code, out, _ = run("policy", "test", "anna", "cell", "RX90", "--serve")
+    assert code == 5
+    assert f"denied: a server of user anna of host cell may not register RX90: {bound}" in out
+    assert run("policy", "test", "anna", "cell", "LDS", "--serve")[0] == 0
+
+
 class Shelf(DeviceServant):
     """A device that stays where it is."""
 
@@ -96,6 +110,8 @@ def test_gecos_up_refuses_the_same_errors_of_the_lists(file: Path) -> None:
     file.write_text(programs)
     assert not read_laboratory(file).names_users
     file.write_text(programs + '[allow]\nusers = ["anna"]\n')
+    assert read_laboratory(file).names_users
+    file.write_text(programs + '[names]\nA = "anna@cell"\n')
     assert read_laboratory(file).names_users
     file.write_text(programs + '[allow]\nuser = ["anna"]\n')
     with pytest.raises(LaboratoryFileError) as refused:

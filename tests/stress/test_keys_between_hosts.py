@@ -5,6 +5,7 @@ nobody."""
 from __future__ import annotations
 
 import json
+import re
 import sys
 import tempfile
 import time
@@ -14,7 +15,7 @@ from pathlib import Path
 
 import pytest
 from hosts import Hosts
-from processes import Laboratory, Program
+from processes import Laboratory, Program, until
 
 GECOS = [sys.executable, "-m", "gecos.cli"]
 REVOKED_WITHIN = 5.0  # s, as promised
@@ -164,6 +165,58 @@ def test_a_server_of_another_host_that_was_not_reached_is_listed(two: TwoHosts) 
     told = two.gecos(CELL, "revoke", "ben@desk")
     assert told.finish() == 3, str(told)
     assert "RAIL was not reached: its server runs as" in told.output()
+
+
+def refused_at(two: TwoHosts, host: int) -> str:
+    """RAIL does not start on this host. Returns what it says."""
+    rail = two.rail(host)
+    assert rail.finish() != 0, "it may not have this name"
+    return rail.output()
+
+
+def test_a_name_that_the_lab_file_binds_goes_to_its_owner_alone(two: TwoHosts) -> None:
+    everyone = '[objects.BROKER.allow]\nusers = ["*"]\nhosts = ["*"]\n[names]\n'
+    two.lab_file.write_text(everyone + 'RAIL = "ann@cell"\n')
+    two.labs[DESK].env["GECOS_LAB_FILE"] = str(two.lab_file.with_name("desk.toml"))
+    two.lab_file.with_name("desk.toml").touch(mode=0o644)  # only the broker's file binds names
+    two.admits(DESK, CELL)
+    two.admits(CELL, DESK, "ben@desk")
+    two.broker(CELL)
+
+    told = refused_at(two, DESK)
+    rule = f"[names] in {two.lab_file}:5 binds this name to user ann of host cell"
+    assert f"a server of user ben of host desk may not register RAIL: {rule}" in told
+    assert 'serve the object as this user, or write RAIL = "ben@desk" there' in told
+    number = re.search(r"\(request ([0-9a-f-]+)\)", told)
+    assert number, told
+    explained: list[str] = []
+
+    def is_explained() -> bool:
+        explained.append(two.gecos(CELL, "why", number[1]).output())
+        return "RAIL: ben on desk: may not register the object" in explained[-1]
+
+    until(is_explained, "the audit of the broker has the refusal")
+    assert rule in explained[-1]
+    tested = two.gecos(CELL, "policy", "test", "ben", "desk", "RAIL", "--serve")
+    assert tested.finish() == 5 and rule in tested.output()
+
+    keyless = refused_at(two, CELL)  # the own key of the broker's user has no owner
+    assert "a server whose key has no owner may not register RAIL" in keyless
+    assert "gecos keys add FILE ann@cell" in keyless
+
+    two.lab_file.write_text(everyone + 'RAIL = "ben"\n')
+    broken = refused_at(two, DESK)
+    assert "no server may register RAIL while the lab file has an error" in broken
+    assert f"{two.lab_file}:5: names.RAIL: a user and a host are expected" in broken
+    two.lab_file.chmod(0o666)
+    assert "other users may write to the file" in refused_at(two, DESK), "nobody believes it"
+    two.lab_file.chmod(0o644)
+
+    two.lab_file.write_text(everyone + 'RAIL = "ben@desk"\n')
+    two.rail(DESK).wait_for("serving RAIL")
+    assert "a server whose key has no owner" in refused_at(two, CELL)
+    listed = json.loads(two.gecos(CELL, "ls", "--json").output())
+    assert [found["name"] for found in listed] == ["RAIL"]
 
 
 def test_a_rogue_broker_and_a_rogue_server_of_the_same_name_get_nobody(two: TwoHosts) -> None:

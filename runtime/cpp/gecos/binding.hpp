@@ -85,6 +85,13 @@ tl::expected<Lease, LeaseRefusal> lease_from(const std::shared_ptr<ClientSession
 void decline_status(const std::shared_ptr<ClientSession>& session,
                     const std::shared_ptr<CommandCore>& asked);
 
+class CallCore;
+
+/// Returns why the client that issued `call` may not register an object under `name`; an empty text
+/// when it may. For the broker: decides by [names] of the lab file, and writes a refusal to the
+/// audit.
+std::string refusal_to_register(const CallCore& call, const std::string& name);
+
 class HandlerHere;
 
 /// Records, while this object lives, that the handler on this thread waits for `command` without a

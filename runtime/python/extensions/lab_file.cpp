@@ -29,12 +29,22 @@ std::pair<bool, std::string> may_connect(const std::string& text, const std::str
   return {decision.allowed(), std::move(decision.text)};
 }
 
+std::pair<bool, std::string> may_register(const std::string& text, const std::string& file,
+                                          const User& who, const std::string& name) {
+  const auto lists = access::parse_lab_file(text, file);
+  if (!lists) throw nb::value_error(to_string(lists.error()).c_str());
+  auto decision = access::may_register(*lists, name, access::UserAtHost{who.first, who.second});
+  return {decision.allowed, std::move(decision.text)};
+}
+
 }  // namespace
 
 void bind_lab_file(nb::module_& module) {
   module.def("lab_file_problem", &lab_file_problem, nb::arg("text"), nb::arg("file"));
   module.def("may_connect", &may_connect, nb::arg("text"), nb::arg("file"), nb::arg("server"),
              nb::arg("who"), nb::arg("object"));
+  module.def("may_register", &may_register, nb::arg("text"), nb::arg("file"), nb::arg("who"),
+             nb::arg("name"));
 }
 
 }  // namespace gecos::python

@@ -210,6 +210,10 @@ def may_connect(
     """Returns whether a server of `server` (user and host) admits `who` to `object` by this text of
     a lab file, and the rule as a sentence. Raises ValueError like lab_file_problem."""
 
+def may_register(text: str, file: str, who: tuple[str, str], name: str) -> tuple[bool, str]:
+    """Returns whether a server of `who` (user and host) may register an object under `name` by this
+    text of a lab file, and the rule as a sentence. Raises ValueError like lab_file_problem."""
+
 def key_directory() -> str:
     """Returns the folder of this user's keys."""
 

@@ -49,6 +49,32 @@ TEST(AccessPolicy, RefusesWithWordsThatSayWhatToChangeWhere) {
             "RX90 admits user anna of host cell: named by [allow] in lab.toml:3");
 }
 
+TEST(MayRegister, OnlyTheOwnerOfANameThatTheFileBinds) {
+  const LabAccess lab{.file = "lab.toml",
+                      .names = {{"RX90", {{"robcl", "cell"}, "[names] in lab.toml:3"}}}};
+  EXPECT_TRUE(may_register(lab, "RX90", UserAtHost{"robcl", "cell"}).allowed);
+  for (const UserAtHost& other :
+       {UserAtHost{"robcl", "desk"}, {"anna", "cell"}, {"root", "cell"}, lab_user, {"", ""}}) {
+    EXPECT_FALSE(may_register(lab, "RX90", other).allowed) << other.user << "@" << other.host;
+    EXPECT_TRUE(may_register(lab, "LDS", other).allowed);
+  }
+  EXPECT_FALSE(may_register(lab, "RX90", std::nullopt).allowed);
+  EXPECT_TRUE(may_register(lab, "LDS", std::nullopt).allowed);
+}
+
+TEST(MayRegister, SaysTheRuleAndWhatToDo) {
+  const LabAccess lab{.file = "lab.toml",
+                      .names = {{"RX90", {{"robcl", "cell"}, "[names] in lab.toml:3"}}}};
+  EXPECT_EQ(may_register(lab, "RX90", UserAtHost{"ben", "desk"}).text,
+            "a server of user ben of host desk may not register RX90: [names] in lab.toml:3 binds "
+            "this name to user robcl of host cell; serve the object as this user, or write RX90 = "
+            "\"ben@desk\" there");
+  EXPECT_EQ(may_register(lab, "RX90", std::nullopt).text,
+            "a server whose key has no owner may not register RX90: [names] in lab.toml:3 binds "
+            "this name to user robcl of host cell; name the owner of the key at the broker: gecos "
+            "keys add FILE robcl@cell");
+}
+
 TEST(AccessPolicy, NamesAdministrators) {
   const UserAtHost user_elsewhere{"gecos", "bench1"};
   const AccessPolicy nobody{.lab = {.file = "lab.toml", .general = list_for({"anna"})}};

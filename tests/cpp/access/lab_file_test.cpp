@@ -53,6 +53,27 @@ users = ["eve"]
   EXPECT_EQ(lists.objects.at("RX90").place, "[objects.RX90.allow] in lab.toml:13");
 }
 
+TEST(LabFile, BindsNamesOfObjectsToUsers) {
+  const LabAccess lab = lists_in("[names]\nRX90 = \"robcl@cell\"\n\"a b\" = \"uid 7@desk.lab\"\n");
+  ASSERT_EQ(lab.names.size(), 2u);
+  EXPECT_EQ(lab.names.at("RX90").owner, (UserAtHost{"robcl", "cell"}));
+  EXPECT_EQ(lab.names.at("RX90").place, "[names] in lab.toml:2");
+  EXPECT_EQ(lab.names.at("a b").owner, (UserAtHost{"uid 7", "desk.lab"}));
+}
+
+TEST(LabFile, RefusesAnOwnerThatIsNotOneUserOfOneHost) {
+  for (const char* owner : {"7", "\"robcl\"", "\"@cell\"", "\"robcl@\"", "\"a@b@c\"", "\"*@cell\"",
+                            "[\"robcl@cell\"]", "{ user = \"robcl\" }", "\"\""}) {
+    EXPECT_EQ(error_in("[names]\nRX90 = " + std::string(owner)),
+              "lab.toml:2: names.RX90: a user and a host are expected, for example RX90 = "
+              "\"robcl@cell\"");
+  }
+  EXPECT_EQ(error_in("names = 1"), "lab.toml:1: names: a table is expected");
+  EXPECT_EQ(error_in("[names]\nBROKER = \"robcl@cell\""),
+            "lab.toml:2: names.BROKER: the broker is not registered, so nobody can be kept from "
+            "this name; a client takes only brokers whose key or user it admits");
+}
+
 TEST(LabFile, WithoutListsAdmitsNobodyBeyondTheUserOfTheServer) {
   EXPECT_FALSE(lists_in("").general);
   EXPECT_TRUE(lists_in("[programs.A]\nrun = [\"a\"]\n").objects.empty());
@@ -109,14 +130,18 @@ TEST(EditedLabFile, KeepsTheListsOfTheLastTextWithoutAnError) {
   EXPECT_FALSE(file.known());
   EXPECT_FALSE(file.take("[allow]\nusers = [\"anna\"]"));
   EXPECT_TRUE(file.known());
+  EXPECT_FALSE(file.error());
   const auto broken = file.take("[allow]\nusers = [\"bob\"");
   ASSERT_TRUE(broken);
+  EXPECT_TRUE(file.error());
   EXPECT_EQ(broken->line, 2u);
   EXPECT_EQ(file.lists().general->users, std::vector<std::string>{"anna"});
   EXPECT_FALSE(file.take("[allow]\nusers = [\"bob\"")) << "reported already";
+  EXPECT_TRUE(file.error()) << "it is still there";
   ASSERT_TRUE(file.take(tl::unexpected(missing())));
   EXPECT_EQ(file.lists().general->users, std::vector<std::string>{"anna"});
   EXPECT_FALSE(file.take("[allow]\nusers = [\"bob\"]"));
+  EXPECT_FALSE(file.error());
   EXPECT_EQ(file.lists().general->users, std::vector<std::string>{"bob"});
 }
 

@@ -5,8 +5,6 @@
 namespace gecos::access {
 namespace {
 
-constexpr std::string_view broker_object = "BROKER";
-
 bool names(const std::vector<std::string>& list, const std::string& name) {
   return std::ranges::any_of(list, [&](const auto& one) { return one == name || one == everyone; });
 }
@@ -75,6 +73,27 @@ AccessDecision nobody_named(const LabAccess& lab, const UserAtHost& server, cons
 }
 
 }  // namespace
+
+NameDecision may_register(const LabAccess& lab, const std::string& name,
+                          const std::optional<UserAtHost>& who) {
+  const auto bound = lab.names.find(name);
+  if (bound == lab.names.end()) {
+    return {true, "any server that the broker admits may register " + name +
+                      ": no [names] of a lab file binds this name"};
+  }
+  const auto& [owner, place] = bound->second;
+  const std::string rule = place + " binds this name to " + words(owner);
+  if (!who) {
+    return {false, "a server whose key has no owner may not register " + name + ": " + rule +
+                       "; name the owner of the key at the broker: gecos keys add FILE " +
+                       owner.user + "@" + owner.host};
+  }
+  const std::string server = "a server of " + words(*who);
+  if (*who == owner) return {true, server + " may register " + name + ": " + rule};
+  return {false, server + " may not register " + name + ": " + rule +
+                     "; serve the object as this user, or write " + name + " = \"" + who->user +
+                     "@" + who->host + "\" there"};
+}
 
 AccessDecision AccessPolicy::decide(const UserAtHost& server, const UserAtHost& who,
                                     std::string_view object) const {

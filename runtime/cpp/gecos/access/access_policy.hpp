@@ -10,6 +10,9 @@
 /// decided by its status (lease_table.hpp) and is not lowered here.
 namespace gecos::access {
 
+/// The name of the broker, which is found without being registered.
+inline constexpr std::string_view broker_object = "BROKER";
+
 /// A user on a host. Both names are proved by the medium: on this host the kernel names the user.
 struct UserAtHost {
   std::string user;  ///< the name, or "uid 1234" of a user without a name
@@ -28,12 +31,19 @@ struct AllowList {
   std::string place;  ///< for messages, for example "[allow] in /etc/gecos/lab.toml:3"
 };
 
-/// What a lab file says about who may connect.
+/// The only user who may register an object under a name.
+struct NameOwner {
+  UserAtHost owner;
+  std::string place;  ///< for messages, for example "[names] in /etc/gecos/lab.toml:3"
+};
+
+/// What a lab file says about who may connect, and who may serve objects.
 struct LabAccess {
   std::string file;                            ///< for messages; "" if there is no lab file
   std::optional<AllowList> general{};          ///< for the objects that have no list of their own
   std::map<std::string, AllowList> objects{};  ///< by the name of the object, in place of `general`
   std::optional<AllowList> admin{};            ///< who may end the status of other users
+  std::map<std::string, NameOwner> names{};    ///< by the name of the object
 };
 
 enum class AccessRule {
@@ -45,12 +55,23 @@ enum class AccessRule {
   HostNotNamed,
 };
 
+struct NameDecision {
+  bool allowed = true;
+  std::string text;  ///< a sentence, as in AccessDecision
+};
+
 struct AccessDecision {
   AccessRule rule;
   std::string text;  ///< a sentence that names the object, user, host and rule; a refusal also says
                      ///< what to change where
   bool allowed() const { return rule <= AccessRule::Named; }
 };
+
+/// Decides whether a server of `who` may register an object under `name`. Anyone may, unless the
+/// lab file binds the name: then only its owner may, and neither root nor the user of the broker.
+/// @param who no value if nothing proves the user and the host of the server
+NameDecision may_register(const LabAccess& lab, const std::string& name,
+                          const std::optional<UserAtHost>& who);
 
 /// Who may connect to the objects of one server. The user of the server and root may always connect
 /// on the server's host. Others may connect when the list of the program, if there is one, and the

@@ -16,8 +16,8 @@ namespace {
 
 using Keys = std::span<const std::string_view>;
 
-constexpr std::array<std::string_view, 6> known_tables = {"admin", "allow",   "broker",
-                                                          "clock", "objects", "programs"};
+constexpr std::array<std::string_view, 7> known_tables = {"admin", "allow",   "broker",  "clock",
+                                                          "names", "objects", "programs"};
 constexpr std::array<std::string_view, 2> broker_keys = {"address", "start"};
 constexpr std::array<std::string_view, 1> clock_keys = {"speed"};
 constexpr std::array<std::string_view, 4> program_keys = {"environment", "ready", "restart", "run"};
@@ -81,6 +81,11 @@ class LabFileReader {
       }
       lab.objects.emplace(name, list_of(*allow, place + ".allow"));
     });
+    if (const auto* names = find(root, "names", "names")) {
+      for (const auto& [name, owner] : *names) {
+        lab.names.emplace(name.str(), owner_of(std::string(name.str()), name.source(), owner));
+      }
+    }
     return lab;
   }
 
@@ -125,6 +130,25 @@ class LabFileReader {
     }
     return {names_of(table, place, "users"), names_of(table, place, "hosts"),
             "[" + place + "] in " + file_ + ":" + std::to_string(line_of(table.source()))};
+  }
+
+  NameOwner owner_of(const std::string& name, const toml::source_region& key,
+                     const toml::node& value) const {
+    const std::string place = "names." + name;
+    const std::string text = value.value_or(std::string());
+    const std::size_t at = text.find('@');
+    if (at == 0 || at >= text.size() - 1 || text.find('@', at + 1) != std::string::npos ||
+        text.find(everyone) != std::string::npos) {
+      refuse(value.source(), place,
+             "a user and a host are expected, for example " + name + " = \"robcl@cell\"");
+    }
+    if (name == broker_object) {
+      refuse(key, place,
+             "the broker is not registered, so nobody can be kept from this name; a client takes "
+             "only brokers whose key or user it admits");
+    }
+    return {{text.substr(0, at), text.substr(at + 1)},
+            "[names] in " + file_ + ":" + std::to_string(line_of(key))};
   }
 
   std::vector<std::string> names_of(const toml::table& table, const std::string& of,
@@ -183,8 +207,9 @@ std::optional<LabFileError> EditedLabFile::take(const Text& now) {
   if (taken_ == text && readable_ == now.has_value()) return std::nullopt;
   taken_ = std::move(text);
   readable_ = now.has_value();
+  error_.reset();
   auto lists = now.and_then([&](const std::string& it) { return parse_lab_file(it, lists_.file); });
-  if (!lists) return std::move(lists.error());
+  if (!lists) return error_ = std::move(lists.error());
   lists_ = *std::move(lists);
   known_ = true;
   return std::nullopt;

@@ -18,9 +18,9 @@ struct LabFileError {
 };
 std::string to_string(const LabFileError& error);
 
-/// Reads the text of a lab file, the `lab.toml` of a laboratory. Takes the tables [admin], [allow]
-/// and [objects.NAME.allow]. Of the tables that `gecos up` reads, [broker] and [programs.NAME],
-/// checks that each key is known. `file` is the path for messages.
+/// Reads the text of a lab file, the `lab.toml` of a laboratory. Takes the tables [admin], [allow],
+/// [names] and [objects.NAME.allow]. Of the tables that `gecos up` reads, [broker] and
+/// [programs.NAME], checks that each key is known. `file` is the path for messages.
 tl::expected<LabAccess, LabFileError> parse_lab_file(const std::string& text,
                                                      const std::string& file);
 
@@ -40,11 +40,14 @@ class EditedLabFile {
   const LabAccess& lists() const { return lists_; }
   /// Whether a text without an error was taken.
   bool known() const { return known_; }
+  /// What is wrong in the text that was taken last, if anything is.
+  const std::optional<LabFileError>& error() const { return error_; }
 
  private:
   std::optional<std::string> taken_{};  ///< the last text, or the error as a text
   bool readable_ = false;               ///< whether `taken_` is a text
   bool known_ = false;
+  std::optional<LabFileError> error_{};
   LabAccess lists_;
 };
 

@@ -172,11 +172,16 @@ tl::expected<void, ServeError> Broker::serve(Server& server, std::vector<media::
 }
 
 void Broker::gecos_dispatch(IncomingCall call) {
-  calling_ = {call.caller().session, call.caller().incarnation};
+  calling_ = {call.caller().session, call.caller().incarnation, call.core()};
   BrokerServant::gecos_dispatch(std::move(call));
+  calling_.call.reset();
 }
 
 Result<std::optional<double>> Broker::enlist(const Entry& what, double served_for) {
+  if (std::string why = session::refusal_to_register(*calling_.call, what.name); !why.empty()) {
+    log_warning("broker", why);
+    return tl::unexpected(Fault::rejected(std::move(why)));
+  }
   const MutexLock lock(mutex_);
   remove_ended();
   const bool here = session::sees_process(what) && processes_->watch(what.pid);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -74,6 +75,7 @@ class Broker final : public BrokerServant {
   struct {
     std::uint64_t session = 0;
     std::uint64_t incarnation = 0;
+    std::shared_ptr<const session::CallCore> call;
   } calling_;    ///< the client of the current call; handlers run one at a time
   Mutex mutex_;  ///< needed because calls run on one thread and sessions end on another
   Directory directory_ GECOS_GUARDED_BY(mutex_);

@@ -34,6 +34,7 @@ def policy() -> None:
     help="Lab file; default: GECOS_LAB_FILE, else /etc/gecos/lab.toml if it exists.",
 )
 @click.option("--server-user", metavar="USER", help="User of the server; default: yours.")
+@click.option("--serve", is_flag=True, help="Whether USER may serve OBJECT, by [names].")
 @broker_option
 @json_option
 def test(
@@ -43,6 +44,7 @@ def test(
     operation: str | None,
     file: Path | None,
     server_user: str | None,
+    serve: bool,
     broker: str | None,
     as_json: bool,
 ) -> int:
@@ -60,7 +62,11 @@ def test(
     text = "" if path is None else text_of(path)
     server = (server_user or key_folder.this_user(), socket.gethostname())
     try:
-        allowed, rule = _core.may_connect(text, str(path or ""), server, (user, host), object_name)
+        who, shown = (user, host), str(path or "")
+        if serve:
+            allowed, rule = _core.may_register(text, shown, who, object_name)
+        else:
+            allowed, rule = _core.may_connect(text, shown, server, who, object_name)
     except ValueError as error:
         raise UsageFailure(str(error)) from None
     status = None if operation is None else _status_of(broker, object_name, operation)

@@ -118,6 +118,7 @@ def _decoded(line: str) -> Iterator[dict[str, Any]]:
 
 _SAYS = {
     "refused": "may not connect",
+    "name_refused": "may not register the object",
     "status_refused": "is refused {status} status",
     "status_granted": "has {status} status",
     "command_begins": "begins {operation}",

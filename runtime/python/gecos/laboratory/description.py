@@ -98,7 +98,7 @@ class _Reader:
             address,
             self._path.resolve().parent,
             str(self._path),
-            "allow" in data or "objects" in data,
+            any(table in data for table in ("admin", "allow", "names", "objects")),
             clock_speed,
         )
 

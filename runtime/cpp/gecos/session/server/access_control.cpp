@@ -140,6 +140,25 @@ std::string AccessControl::refusal(const std::string& object, const media::Peer&
   return judgement.admitted ? std::string() : std::move(judgement.text);
 }
 
+AccessControl::Judgement AccessControl::judge_registration(const std::string& name,
+                                                           const media::Peer& peer) noexcept {
+  try {
+    const access::UserAtHost who = user_of(peer, host_name());
+    const MutexLock lock(mutex_);
+    if (const auto error = read_file()) log_error("session", to_string(*error));
+    if (file_.error()) {
+      return {false, false, who,
+              "no server may register " + name +
+                  " while the lab file has an error; correct it: " + to_string(*file_.error())};
+    }
+    const auto proved = who.user.empty() ? std::nullopt : std::optional(who);
+    auto decision = access::may_register(policy_.lab, name, proved);
+    return {decision.allowed, false, who, std::move(decision.text)};
+  } catch (const std::exception& failed) {
+    return {false, false, {}, "no server may register " + name + ": " + failed.what()};
+  }
+}
+
 AccessControl::Judgement AccessControl::judge(const std::string& object,
                                               const media::Peer& peer) noexcept {
   if (is_of_server(peer)) return {};

@@ -43,6 +43,10 @@ class AccessControl {
   /// Returns whether `peer` may end the status of other clients: it is of the user of the server or
   /// of root, or the lab file names it as an administrator.
   bool administers(const media::Peer& peer) noexcept;
+  /// Whether the server `peer` may register an object under `name` with the broker of this process
+  /// (access::may_register). While the lab file has an error, nobody may: a name that it binds
+  /// could go to another server.
+  Judgement judge_registration(const std::string& name, const media::Peer& peer) noexcept;
 
  private:
   access::UserAtHost user_of(const media::Peer& peer, const std::string& host);

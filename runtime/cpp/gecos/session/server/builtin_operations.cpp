@@ -143,7 +143,7 @@ void BuiltinOperations::deny(ServerSession& session, std::uint64_t counter, Byte
 void BuiltinOperations::break_status(ServerSession& by, std::uint64_t counter, ByteView arguments) {
   const auto asked = layout::from_bytes<GecosObject_break_status_arguments>(arguments);
   if (!asked) return by.reply(counter, undecodable(asked.error()));
-  if (!setup_.administers(by.connection().peer())) {
+  if (!setup_.rights.administers(by.connection().peer())) {
     return refuse(by, counter, GecosObjectInterface::break_status,
                   "only an administrator may break a status: the user of the server, root, and "
                   "whom [admin] of the lab file names");

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "gecos/audit/audit.hpp"
 #include "gecos/audit/repeats.hpp"
@@ -11,7 +12,8 @@
 namespace gecos::session {
 
 /// What the audit says about the connections of other users than the server's own: who was
-/// admitted or refused, and by which rule. Thread-safe.
+/// admitted or refused, and by which rule. At a broker, also which servers may not register an
+/// object. Thread-safe.
 class ConnectionAudit {
  public:
   explicit ConnectionAudit(std::shared_ptr<audit::Audit> audit) : audit_(std::move(audit)) {}
@@ -19,6 +21,9 @@ class ConnectionAudit {
   /// Records the judgement about a client that connects to `object`. Returns what the client is
   /// told: why it may not connect, with the number of this refusal; an empty text if it may.
   std::string judged(const std::string& object, const AccessControl::Judgement& judgement);
+  /// Records a refusal. `event`: a literal. Returns what the client is told, as `judged`.
+  std::string refused(std::string_view event, const std::string& object,
+                      const AccessControl::Judgement& judgement);
   /// Must be called again and again: writes the lines of refusals that were repeated.
   void on_tick();
 

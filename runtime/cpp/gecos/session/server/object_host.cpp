@@ -11,9 +11,9 @@ namespace gecos::session {
 
 ObjectHost::ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
                        ObjectOptions options, std::shared_ptr<audit::Audit> audit,
-                       std::function<bool(const media::Peer&)> administers)
+                       UserRights rights)
     : state_({std::move(runtime), name, servant, servant.gecos_interface(), std::move(options),
-              std::make_shared<ObjectAudit>(name, std::move(audit)), std::move(administers)}),
+              std::make_shared<ObjectAudit>(name, std::move(audit)), std::move(rights)}),
       waits_(state_),
       name_confirmation_(state_),
       streams_(state_.setup.name, state_.setup.interface),

@@ -26,10 +26,9 @@ namespace gecos::session {
 class ObjectHost final : public Publisher {
  public:
   /// `audit`: null if nothing is recorded.
-  ObjectHost(
-      std::shared_ptr<Runtime> runtime, std::string name, Servant& servant, ObjectOptions options,
-      std::shared_ptr<audit::Audit> audit = nullptr,
-      std::function<bool(const media::Peer&)> administers = [](const auto&) { return false; });
+  ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
+             ObjectOptions options, std::shared_ptr<audit::Audit> audit = nullptr,
+             UserRights rights = {});
   /// Ends the user callbacks first, so that no callback uses destroyed members.
   ~ObjectHost() override { state_.user_callbacks.end(); }
   ObjectHost(const ObjectHost&) = delete;
@@ -37,7 +36,7 @@ class ObjectHost final : public Publisher {
 
   const std::string& name() const { return state_.setup.name; }
   const InterfaceDescription& interface() const { return state_.setup.interface; }
-  const ObjectOptions& options() const { return state_.setup.options; }
+  const ObjectSetup& setup() const { return state_.setup; }
   PeerLiveness::Bounds bounds_of_clients() const;
   CallRunner& runner() { return runner_; }
   HandlerWaits& waits() { return waits_; }

@@ -11,6 +11,15 @@
 
 namespace gecos::session {
 
+/// What the user of a client may do beyond calls: decisions of the server about all its objects.
+struct UserRights {
+  /// Returns whether the user may end the status of others.
+  std::function<bool(const media::Peer&)> administers = [](const auto&) { return false; };
+  /// Returns why the user may not register an object under a name; an empty text when it may.
+  std::function<std::string(const std::string& name, const media::Peer&)> refusal_to_register =
+      [](const auto&, const auto&) { return std::string(); };
+};
+
 /// The settings of one object of a server, constant while it is served.
 struct ObjectSetup {
   std::shared_ptr<Runtime> runtime;
@@ -19,8 +28,7 @@ struct ObjectSetup {
   const InterfaceDescription& interface;
   ObjectOptions options;
   std::shared_ptr<ObjectAudit> audit;  ///< guarded by the object's mutex
-  /// Returns whether the user of a client may end the status of others.
-  std::function<bool(const media::Peer&)> administers;
+  UserRights rights;
 
   const Clock& clock() const { return runtime->clock(); }
   PauseWatch& pauses() const { return runtime->maintenance().pauses(); }

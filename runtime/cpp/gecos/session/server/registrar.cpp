@@ -97,11 +97,11 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
   entry.host = lab_->runtime()->host_identity();
   entry.hostname = self.host;
   entry.addresses = std::move(addresses);
-  entry.simulated = object->options().simulated;
+  entry.simulated = object->setup().options.simulated;
   registration.object = object;
 
-  const auto enlisted =
-      register_first(registration, deadline_after(std::max(patience, object->options().patience)));
+  const auto enlisted = register_first(
+      registration, deadline_after(std::max(patience, object->setup().options.patience)));
   if (!enlisted) return tl::unexpected(entry.name + " is not served: " + enlisted.error());
   const MutexLock lock(mutex_);
   registrations_.push_back(std::move(registration));

@@ -88,6 +88,7 @@ class Server::Core {
   };
   tl::expected<Opened, ServeError> open_places(const std::string& name,
                                                const ObjectOptions& options);
+  session::UserRights rights() const;
 
   const pid_t owner_ = getpid();
   const std::shared_ptr<Context> lab_;
@@ -144,6 +145,16 @@ Server::Core::~Core() {
   io_.end();
   for (const auto& object : objects_) object->streams().close();
   audit_->end();  // others may keep it: a connection that is being closed, a call
+}
+
+session::UserRights Server::Core::rights() const {
+  return {[access = access_](const media::Peer& peer) { return access->administers(peer); },
+          [access = access_, recorded = connections_](const std::string& object,
+                                                      const media::Peer& peer) {
+            const auto judgement = access->judge_registration(object, peer);
+            return judgement.admitted ? std::string()
+                                      : recorded->refused("name_refused", object, judgement);
+          }};
 }
 
 tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
@@ -219,9 +230,8 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
   }
   auto opened = open_places(name, options);
   if (!opened) return tl::unexpected(opened.error());
-  auto object = std::make_shared<ObjectHost>(
-      lab_->runtime(), name, servant, std::move(options), audit_,
-      [access = access_](const media::Peer& peer) { return access->administers(peer); });
+  auto object = std::make_shared<ObjectHost>(lab_->runtime(), name, servant, std::move(options),
+                                             audit_, rights());
   // Another thread may have added the servant meanwhile.
   if (!servant.gecos_attach(object)) return served_already(name, servant);
   for (auto& acceptor : opened->acceptors) io_.serve(object, std::move(acceptor));

@@ -1,5 +1,6 @@
 #include "gecos/session/server/server_call.hpp"
 
+#include "gecos/binding.hpp"
 #include "gecos/session/server/object_host.hpp"
 #include "gecos/session/server/server_session.hpp"
 
@@ -18,6 +19,13 @@ ObjectHost& ServerCall::object() const { return *session->object(); }
 
 std::string ServerCall::title() const {
   return "'" + std::string(operation().name) + "' of " + object().name();
+}
+
+std::string refusal_to_register(const CallCore& call, const std::string& name) {
+  const auto* const served = dynamic_cast<const ServerCall*>(&call);
+  if (served == nullptr) return {};  // a test's own call
+  ServerSession& client = *served->session;
+  return client.object()->setup().rights.refusal_to_register(name, client.connection().peer());
 }
 
 const Caller& ServerCall::caller() const { return session->caller(); }
