@@ -46,6 +46,16 @@ TEST(Directory, FindsWhatWasEnlisted) {
   EXPECT_EQ(directory.list().size(), 1u);
 }
 
+TEST(Directory, ASessionHasWhatItEnlistedUntilItEnds) {
+  OldDirectory directory;
+  ASSERT_TRUE(directory.enlist(ada, 7, named("RX90")));
+  EXPECT_TRUE(directory.has(ada, "RX90"));
+  EXPECT_FALSE(directory.has(bob, "RX90")) << "whatever it says of itself";
+  EXPECT_FALSE(directory.has(ada, "LASER"));
+  directory.end_session(ada);
+  EXPECT_FALSE(directory.has(ada, "RX90"));
+}
+
 TEST(Directory, NamesWhatItKnowsWhenAskedForSomethingElse) {
   OldDirectory directory;
   ASSERT_TRUE(directory.enlist(ada, 7, named("RX90")));

@@ -178,11 +178,11 @@ void Broker::gecos_dispatch(IncomingCall call) {
 }
 
 Result<std::optional<double>> Broker::enlist(const Entry& what, double served_for) {
-  if (std::string why = session::refusal_to_register(*calling_.call, what.name); !why.empty()) {
-    log_warning("broker", why);
-    return tl::unexpected(Fault::rejected(std::move(why)));
-  }
   const MutexLock lock(mutex_);
+  if (!directory_.has(calling_.session, what.name)) {
+    std::string why = session::refusal_to_register(*calling_.call, what.name);
+    if (!why.empty()) return tl::unexpected(Fault::rejected(std::move(why)));
+  }
   remove_ended();
   const bool here = session::sees_process(what) && processes_->watch(what.pid);
   const Claim claim{calling_.session, calling_.incarnation, duration_of(served_for),

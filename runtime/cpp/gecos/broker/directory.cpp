@@ -122,6 +122,11 @@ std::vector<std::string> Directory::end_session(std::uint64_t session, TimePoint
   return dropped;
 }
 
+bool Directory::has(std::uint64_t session, const std::string& name) const {
+  const auto found = places_.find(name);
+  return found != places_.end() && found->second.session == session;
+}
+
 bool Directory::is_of_this_host(std::uint64_t session) const {
   return std::ranges::any_of(places_, [&](const auto& named) {
     return named.second.session == session && named.second.host == Host::Same;

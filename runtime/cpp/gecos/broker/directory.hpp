@@ -90,6 +90,8 @@ class Directory {
   /// Makes all objects silent that the session enlisted, and returns their names. `heard` is the
   /// time of the last sign of life of the server.
   std::vector<std::string> end_session(std::uint64_t session, TimePoint heard);
+  /// Returns true when the session enlisted the object and still has the name.
+  bool has(std::uint64_t session, const std::string& name) const;
   /// Returns true when the session enlisted an object whose process is on the broker's host.
   bool is_of_this_host(std::uint64_t session) const;
   /// Removes the objects of a process of the broker's host that has ended, and returns their names.

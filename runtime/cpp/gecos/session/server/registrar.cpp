@@ -200,6 +200,7 @@ Duration Registrar::ask(const std::vector<Registration>& registrations) {
 
   Duration rest = answers.missing.empty() ? Duration::max() : between_tries;
   std::string unreported;
+  std::string news;  // `unreported` without the number of each refusal
   for (std::size_t i = 0; i < registrations.size(); ++i) {
     ObjectHost& object = *registrations[i].object;
     const auto& enlisted = answers.of_each[i];
@@ -216,11 +217,11 @@ Duration Registrar::ask(const std::vector<Registration>& registrations) {
       object.name_confirmation().unanswered(questions[i], enlisted.error().text);
       unreported += (unreported.empty() ? "" : "; ") + object.name() +
                     " continues to run, but clients cannot find it: " + enlisted.error().text;
+      news += enlisted.error().text.substr(0, enlisted.error().text.rfind(" (request "));
     }
   }
-  if (!answers.missing.empty()) unreported.clear();  // note_broker has logged it
-  if (unreported != std::exchange(reported_, unreported) && !unreported.empty())
-    log_warning("session", unreported);
+  if (!answers.missing.empty()) news.clear();  // note_broker has logged it
+  if (news != std::exchange(reported_, news) && !news.empty()) log_warning("session", unreported);
   return rest;
 }
 

@@ -83,7 +83,8 @@ class Registrar {
   std::string place_ GECOS_GUARDED_BY(mutex_);
   std::optional<TimePoint> missing_since_ GECOS_GUARDED_BY(mutex_);
   bool reported_missing_ GECOS_GUARDED_BY(mutex_) = false;
-  std::string reported_;  ///< the last warning that clients cannot find some objects; used by
+  std::string reported_;  ///< the last warning that clients cannot find some objects, without the
+                          ///< numbers of refusals; used by
                           ///< thread_ only
   bool wanted_ GECOS_GUARDED_BY(mutex_) = false;
   /// When `thread_` asks the broker again; TimePoint::max(): only when `wanted_` is set.
