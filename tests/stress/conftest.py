@@ -15,7 +15,7 @@ import rampage
 _generated = tempfile.TemporaryDirectory(prefix="workbench-")
 atexit.register(_generated.cleanup)
 TREE = Path(__file__).resolve().parents[2]
-# Now: test modules import what is generated when they are collected.
+# Generated before the tests are collected, because test modules import the generated code.
 rampage.generate_python(Path(_generated.name))
 rampage.generate_python(Path(_generated.name), TREE / "tests/idl/inward/feeder.gidl")
 sys.path.insert(0, f"{_generated.name}/python")

@@ -1,5 +1,5 @@
 """Two network namespaces as two hosts, and between them an attacker who hears, keeps and repeats
-each frame: what is played back executes nothing, and contains no password."""
+each frame. Frames that are played back execute nothing, and contain no password."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ class EditedLabFile {
   const LabAccess& lists() const { return lists_; }
   /// Whether a text without an error was taken.
   bool known() const { return known_; }
-  /// What is wrong in the text that was taken last, if anything is.
+  /// Returns the error of the last text; nullopt if it had none.
   const std::optional<LabFileError>& error() const { return error_; }
 
  private:
