@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import gecos
 import pytest
+from command_output import valid
 from gecos.cli import main
 from lamp import Lamp, PlainLamp
 
@@ -102,6 +103,31 @@ def test_holders_shows_who_moves_it(
     _, holder = capsys.readouterr().out.splitlines()
     assert holder.split()[0] == "actor"
     assert str(os.getpid()) in holder
+
+
+def test_stats_shows_the_calls_of_an_object_and_of_its_clients(
+    held: Lamp, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for _ in range(3):
+        held.label().result()
+    held.dim(0.25).result()
+    assert run(monkeypatch, "stats", "LAMP") == 0
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert ["label", "3", "3", "0"] in [row[:4] for row in rows]
+    assert ["dim", "1", "1", "0"] in [row[:4] for row in rows]
+    assert any(str(os.getpid()) in row for row in rows)
+    assert run(monkeypatch, "stats") == 0
+    (summary,) = [row.split() for row in capsys.readouterr().out.splitlines() if "LAMP" in row]
+    assert summary[-5:-2] == ["4", "4", "0"]
+
+    for words in (["stats", "LAMP"], ["stats"]):
+        assert run(monkeypatch, *words, "--json") == 0
+        said = capsys.readouterr().out
+        assert valid(said, "stats")
+        (told,) = json.loads(said)
+        counted = {each["operation"]: each for each in told["operations"]}
+        assert counted["label"]["ended"] == {"DONE": 3}
+        assert counted["label"]["worst"] > 0
 
 
 @pytest.mark.parametrize("form", ["--json", None])

@@ -44,6 +44,18 @@ CASES: list[tuple[str, str, Any]] = [
     ("gecos::WaitingRequest", "somebody", {
         "id": 3, "wanted": "ACTOR", "user": "ada", "host": "lab", "program": "02_grip_block",
         "pid": 4711, "waited_for": 1.5, "expires_in": 58.5}),
+    ("gecos::OutcomeCount", "done", {"detail": 5, "calls": 2**40}),
+    ("gecos::OperationStats", "moves", {
+        "operation": "move", "begun": 3, "ended": [{"detail": 5, "calls": 2}],
+        "deadline_missed": 1, "start_by_missed": 4, "median": 0.5, "percentile_99": 2.0,
+        "worst": 2.5}),
+    ("gecos::StreamStats", "one reader", {
+        "stream": "tool", "samples": 4, "bytes": 224, "dropped": 1, "readers": 1}),
+    ("gecos::InwardStats", "nothing came", {"stream": "alter", "samples": {}}),
+    ("gecos::SessionStats", "somebody", {
+        "user": "ada", "host": "lab", "program": "lift.py", "pid": 4711, "medium": "shm",
+        "connected_for": 1.5, "begun": 3, "ended": [{"detail": 9, "calls": 1}]}),
+    ("gecos::ObjectStats", "new", {"served_for": 0.25}),
     ("gecos::RunningHandler", "one that waits", {
         "operation": "label", "running_for": 0.5, "user": "ada", "host": "lab",
         "program": "lift.py", "pid": 4711, "waits_for": "RX90.move"}),

@@ -147,5 +147,6 @@ using GecosObject_requests_result = gecos::layout::Result<
     std::vector<::gecos::WaitingRequest>,
     gecos::layout::Items<gecos::layout::Block>>;
 using GecosObject_deny_result = gecos::layout::Result<bool>;
+using GecosObject_stats_result = gecos::layout::Result<::gecos::ObjectStats, gecos::layout::Block>;
 
 }  // namespace gecos

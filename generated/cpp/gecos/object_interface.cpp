@@ -40,12 +40,14 @@ constinit const gecos::OperationDescription GecosObjectInterface::operations[] =
         {.status = gecos::access::Status::Sensor, .presence = false}),
     gecos::operation(0x00000012, "break_status", 0xa479222bcb83301bU,
         {.status = gecos::access::Status::Sensor, .presence = false}),
+    gecos::operation(0x00000013, "stats", 0x75c51f0c961e74e2U,
+        {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
 };
 
 constinit const gecos::InterfaceDescription GecosObjectInterface::description{
     .name = "gecos::GecosObject",
-    .version = "1.3",
-    .hash = 0x970e814561b49626U,
+    .version = "1.4",
+    .hash = 0x2652282b7d45925cU,
     .operations = operations,
 };
 

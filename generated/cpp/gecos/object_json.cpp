@@ -112,4 +112,60 @@ bool JsonStruct<::gecos::FeedReport>::visit(JsonMembers& each, ::gecos::FeedRepo
          each.member("expired", value.expired);
 }
 
+template <>
+bool JsonStruct<::gecos::OutcomeCount>::visit(JsonMembers& each, ::gecos::OutcomeCount& value) {
+  return each.member("detail", value.detail) &&
+         each.member("calls", value.calls);
+}
+
+template <>
+bool JsonStruct<::gecos::OperationStats>::visit(JsonMembers& each, ::gecos::OperationStats& value) {
+  return each.member("operation", value.operation) &&
+         each.member("begun", value.begun) &&
+         each.member("ended", value.ended) &&
+         each.member("deadline_missed", value.deadline_missed) &&
+         each.member("start_by_missed", value.start_by_missed) &&
+         each.member("median", value.median) &&
+         each.member("percentile_99", value.percentile_99) &&
+         each.member("worst", value.worst);
+}
+
+template <>
+bool JsonStruct<::gecos::StreamStats>::visit(JsonMembers& each, ::gecos::StreamStats& value) {
+  return each.member("stream", value.stream) &&
+         each.member("samples", value.samples) &&
+         each.member("bytes", value.bytes) &&
+         each.member("dropped", value.dropped) &&
+         each.member("readers", value.readers);
+}
+
+template <>
+bool JsonStruct<::gecos::InwardStats>::visit(JsonMembers& each, ::gecos::InwardStats& value) {
+  return each.member("stream", value.stream) &&
+         each.member("samples", value.samples);
+}
+
+template <>
+bool JsonStruct<::gecos::SessionStats>::visit(JsonMembers& each, ::gecos::SessionStats& value) {
+  return each.member("user", value.user) &&
+         each.member("host", value.host) &&
+         each.member("program", value.program) &&
+         each.member("pid", value.pid) &&
+         each.member("medium", value.medium) &&
+         each.member("connected_for", value.connected_for) &&
+         each.member("begun", value.begun) &&
+         each.member("ended", value.ended) &&
+         each.member("deadline_missed", value.deadline_missed) &&
+         each.member("start_by_missed", value.start_by_missed);
+}
+
+template <>
+bool JsonStruct<::gecos::ObjectStats>::visit(JsonMembers& each, ::gecos::ObjectStats& value) {
+  return each.member("served_for", value.served_for) &&
+         each.member("operations", value.operations) &&
+         each.member("streams", value.streams) &&
+         each.member("inward", value.inward) &&
+         each.member("sessions", value.sessions);
+}
+
 }  // namespace gecos::wire

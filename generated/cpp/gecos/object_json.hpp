@@ -56,4 +56,34 @@ struct JsonShape<::gecos::FeedReport> : JsonStruct<::gecos::FeedReport> {};
 template <>
 bool JsonStruct<::gecos::FeedReport>::visit(JsonMembers& each, ::gecos::FeedReport& value);
 
+template <>
+struct JsonShape<::gecos::OutcomeCount> : JsonStruct<::gecos::OutcomeCount> {};
+template <>
+bool JsonStruct<::gecos::OutcomeCount>::visit(JsonMembers& each, ::gecos::OutcomeCount& value);
+
+template <>
+struct JsonShape<::gecos::OperationStats> : JsonStruct<::gecos::OperationStats> {};
+template <>
+bool JsonStruct<::gecos::OperationStats>::visit(JsonMembers& each, ::gecos::OperationStats& value);
+
+template <>
+struct JsonShape<::gecos::StreamStats> : JsonStruct<::gecos::StreamStats> {};
+template <>
+bool JsonStruct<::gecos::StreamStats>::visit(JsonMembers& each, ::gecos::StreamStats& value);
+
+template <>
+struct JsonShape<::gecos::InwardStats> : JsonStruct<::gecos::InwardStats> {};
+template <>
+bool JsonStruct<::gecos::InwardStats>::visit(JsonMembers& each, ::gecos::InwardStats& value);
+
+template <>
+struct JsonShape<::gecos::SessionStats> : JsonStruct<::gecos::SessionStats> {};
+template <>
+bool JsonStruct<::gecos::SessionStats>::visit(JsonMembers& each, ::gecos::SessionStats& value);
+
+template <>
+struct JsonShape<::gecos::ObjectStats> : JsonStruct<::gecos::ObjectStats> {};
+template <>
+bool JsonStruct<::gecos::ObjectStats>::visit(JsonMembers& each, ::gecos::ObjectStats& value);
+
 }  // namespace gecos::wire

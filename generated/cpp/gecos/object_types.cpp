@@ -411,4 +411,263 @@ std::ostream& operator<<(std::ostream& out, const FeedReport& value) {
       ", last_refusal=", value.last_refusal, ", expired=", value.expired, "}");
 }
 
+std::size_t OutcomeCount::encoded_size() const { return 9; }
+
+void OutcomeCount::encode(gecos::wire::Encoder& to) const { to.put(detail, calls); }
+
+bool OutcomeCount::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(detail, "OutcomeCount.detail") &&
+         from.get(calls, "OutcomeCount.calls");
+}
+
+std::ostream& operator<<(std::ostream& out, const OutcomeCount& value) {
+  return gecos::wire::print_all(out,
+      "OutcomeCount{detail=", value.detail, ", calls=", value.calls, "}");
+}
+
+std::size_t OperationStats::encoded_size() const {
+  return 57 + operation.size() + 9 * ended.size();
+}
+
+void OperationStats::encode(gecos::wire::Encoder& to) const {
+  to.put_string(operation);
+  to.put(begun);
+  to.put_count(ended.size());
+  for (const auto& item : ended) item.encode(to);
+  to.put(deadline_missed, start_by_missed, median, percentile_99, worst);
+}
+
+bool OperationStats::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get_string(operation, gecos::wire::npos, "OperationStats.operation") &&
+         from.get(begun, "OperationStats.begun") &&
+         gecos::wire::get_sequence(from, ended, 9, gecos::wire::npos, "OperationStats.ended",
+             [&](auto& item) {
+               return item.decode(from);
+             }) &&
+         from.get(deadline_missed, "OperationStats.deadline_missed") &&
+         from.get(start_by_missed, "OperationStats.start_by_missed") &&
+         from.get(median, "OperationStats.median") &&
+         from.get(percentile_99, "OperationStats.percentile_99") &&
+         from.get(worst, "OperationStats.worst") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const OperationStats& value) {
+  if (!gecos::wire::valid_text(value.operation)) {
+    return gecos::wire::bad_text("OperationStats.operation");
+  }
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const OperationStats& value) {
+  return gecos::wire::print_all(out,
+      "OperationStats{operation=", value.operation, ", begun=", value.begun, ", ended=",
+      value.ended, ", deadline_missed=", value.deadline_missed, ", start_by_missed=",
+      value.start_by_missed, ", median=", value.median, " s, percentile_99=", value.percentile_99,
+      " s, worst=", value.worst, " s}");
+}
+
+std::size_t StreamStats::encoded_size() const { return 33 + stream.size(); }
+
+void StreamStats::encode(gecos::wire::Encoder& to) const {
+  to.put_string(stream);
+  to.put(samples, bytes, dropped, readers);
+}
+
+bool StreamStats::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get_string(stream, gecos::wire::npos, "StreamStats.stream") &&
+         from.get(samples, "StreamStats.samples") &&
+         from.get(bytes, "StreamStats.bytes") &&
+         from.get(dropped, "StreamStats.dropped") &&
+         from.get(readers, "StreamStats.readers") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const StreamStats& value) {
+  if (!gecos::wire::valid_text(value.stream)) {
+    return gecos::wire::bad_text("StreamStats.stream");
+  }
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const StreamStats& value) {
+  return gecos::wire::print_all(out,
+      "StreamStats{stream=", value.stream, ", samples=", value.samples, ", bytes=", value.bytes,
+      ", dropped=", value.dropped, ", readers=", value.readers, "}");
+}
+
+std::size_t InwardStats::encoded_size() const {
+  return 9 + stream.size() + samples.encoded_size();
+}
+
+void InwardStats::encode(gecos::wire::Encoder& to) const {
+  to.put_string(stream);
+  to.put_count(samples.encoded_size());
+  samples.encode(to);
+}
+
+bool InwardStats::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get_string(stream, gecos::wire::npos, "InwardStats.stream") &&
+         gecos::wire::get_block(from, samples, "InwardStats.samples") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const InwardStats& value) {
+  if (!gecos::wire::valid_text(value.stream)) {
+    return gecos::wire::bad_text("InwardStats.stream");
+  }
+  if (auto why = ::gecos::gecos_violation(value.samples); !why.empty()) return why;
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const InwardStats& value) {
+  return gecos::wire::print_all(out,
+      "InwardStats{stream=", value.stream, ", samples=", value.samples, "}");
+}
+
+std::size_t SessionStats::encoded_size() const {
+  return 60 + user.size() + host.size() + program.size() + medium.size() + 9 * ended.size();
+}
+
+void SessionStats::encode(gecos::wire::Encoder& to) const {
+  to.put_string(user);
+  to.put_string(host);
+  to.put_string(program);
+  to.put(pid);
+  to.put_string(medium);
+  to.put(connected_for, begun);
+  to.put_count(ended.size());
+  for (const auto& item : ended) item.encode(to);
+  to.put(deadline_missed, start_by_missed);
+}
+
+bool SessionStats::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get_string(user, 64, "SessionStats.user") &&
+         from.get_string(host, 64, "SessionStats.host") &&
+         from.get_string(program, 128, "SessionStats.program") &&
+         from.get(pid, "SessionStats.pid") &&
+         from.get_string(medium, gecos::wire::npos, "SessionStats.medium") &&
+         from.get(connected_for, "SessionStats.connected_for") &&
+         from.get(begun, "SessionStats.begun") &&
+         gecos::wire::get_sequence(from, ended, 9, gecos::wire::npos, "SessionStats.ended",
+             [&](auto& item) {
+               return item.decode(from);
+             }) &&
+         from.get(deadline_missed, "SessionStats.deadline_missed") &&
+         from.get(start_by_missed, "SessionStats.start_by_missed") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const SessionStats& value) {
+  if (value.user.size() > 64) {
+    return gecos::wire::over_bound("SessionStats.user", value.user.size(), 64, "bytes");
+  }
+  if (!gecos::wire::valid_text(value.user)) {
+    return gecos::wire::bad_text("SessionStats.user");
+  }
+  if (value.host.size() > 64) {
+    return gecos::wire::over_bound("SessionStats.host", value.host.size(), 64, "bytes");
+  }
+  if (!gecos::wire::valid_text(value.host)) {
+    return gecos::wire::bad_text("SessionStats.host");
+  }
+  if (value.program.size() > 128) {
+    return gecos::wire::over_bound("SessionStats.program", value.program.size(), 128, "bytes");
+  }
+  if (!gecos::wire::valid_text(value.program)) {
+    return gecos::wire::bad_text("SessionStats.program");
+  }
+  if (!gecos::wire::valid_text(value.medium)) {
+    return gecos::wire::bad_text("SessionStats.medium");
+  }
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const SessionStats& value) {
+  return gecos::wire::print_all(out,
+      "SessionStats{user=", value.user, ", host=", value.host, ", program=", value.program,
+      ", pid=", value.pid, ", medium=", value.medium, ", connected_for=", value.connected_for,
+      " s, begun=", value.begun, ", ended=", value.ended, ", deadline_missed=",
+      value.deadline_missed, ", start_by_missed=", value.start_by_missed, "}");
+}
+
+std::size_t ObjectStats::encoded_size() const {
+  std::size_t size = 24 + 4 * operations.size();
+  for (const auto& item : operations) size += item.encoded_size();
+  size += 4 * streams.size();
+  for (const auto& item : streams) size += item.encoded_size();
+  size += 4 * inward.size();
+  for (const auto& item : inward) size += item.encoded_size();
+  size += 4 * sessions.size();
+  for (const auto& item : sessions) size += item.encoded_size();
+  return size;
+}
+
+void ObjectStats::encode(gecos::wire::Encoder& to) const {
+  to.put(served_for);
+  to.put_count(operations.size());
+  for (const auto& item : operations) {
+    to.put_count(item.encoded_size());
+    item.encode(to);
+  }
+  to.put_count(streams.size());
+  for (const auto& item : streams) {
+    to.put_count(item.encoded_size());
+    item.encode(to);
+  }
+  to.put_count(inward.size());
+  for (const auto& item : inward) {
+    to.put_count(item.encoded_size());
+    item.encode(to);
+  }
+  to.put_count(sessions.size());
+  for (const auto& item : sessions) {
+    to.put_count(item.encoded_size());
+    item.encode(to);
+  }
+}
+
+bool ObjectStats::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(served_for, "ObjectStats.served_for") &&
+         gecos::wire::get_sequence(from, operations, 4, gecos::wire::npos, "ObjectStats.operations",
+             [&](auto& item) {
+               return gecos::wire::get_block(from, item, "ObjectStats.operations");
+             }) &&
+         gecos::wire::get_sequence(from, streams, 4, gecos::wire::npos, "ObjectStats.streams",
+             [&](auto& item) {
+               return gecos::wire::get_block(from, item, "ObjectStats.streams");
+             }) &&
+         gecos::wire::get_sequence(from, inward, 4, gecos::wire::npos, "ObjectStats.inward",
+             [&](auto& item) {
+               return gecos::wire::get_block(from, item, "ObjectStats.inward");
+             }) &&
+         gecos::wire::get_sequence(from, sessions, 4, gecos::wire::npos, "ObjectStats.sessions",
+             [&](auto& item) {
+               return gecos::wire::get_block(from, item, "ObjectStats.sessions");
+             }) &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const ObjectStats& value) {
+  for (const auto& item : value.operations) {
+    if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
+  }
+  for (const auto& item : value.streams) {
+    if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
+  }
+  for (const auto& item : value.inward) {
+    if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
+  }
+  for (const auto& item : value.sessions) {
+    if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
+  }
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const ObjectStats& value) {
+  return gecos::wire::print_all(out,
+      "ObjectStats{served_for=", value.served_for, " s, operations=", value.operations,
+      ", streams=", value.streams, ", inward=", value.inward, ", sessions=", value.sessions, "}");
+}
+
 }  // namespace gecos

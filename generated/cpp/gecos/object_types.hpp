@@ -251,4 +251,142 @@ std::ostream& operator<<(std::ostream& out, const FeedReport& value);
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const FeedReport& value);
 
+/// How many calls ended in one way.
+struct OutcomeCount {
+  /// as in the flags of a reply
+  std::uint8_t detail = 0;
+  std::uint64_t calls = 0;
+
+  static constexpr std::string_view type_name() { return "gecos::OutcomeCount"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x095b3daabe00a292U); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const OutcomeCount&, const OutcomeCount&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const OutcomeCount& value);
+
+/// The calls of one operation, from all clients, since the object is served.
+struct OperationStats {
+  std::string operation{};
+  /// handlers that have begun
+  std::uint64_t begun = 0;
+  /// calls that have ended, also those that were refused
+  std::vector<::gecos::OutcomeCount> ended{};
+  /// ended EXPIRED or TIMED_OUT because of the deadline of the caller
+  std::uint64_t deadline_missed = 0;
+  /// ended EXPIRED because of the start_by of the operation
+  std::uint64_t start_by_missed = 0;
+  /// of the times of handlers; 0 before the first handler has ended [s]
+  double median = 0;
+  /// [s]
+  double percentile_99 = 0;
+  /// [s]
+  double worst = 0;
+
+  static constexpr std::string_view type_name() { return "gecos::OperationStats"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x1d6e27f24565f889U); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const OperationStats&, const OperationStats&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const OperationStats& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const OperationStats& value);
+
+/// The samples of one stream or event that the object has published.
+struct StreamStats {
+  std::string stream{};
+  std::uint64_t samples = 0;
+  /// of their values
+  std::uint64_t bytes = 0;
+  /// too large for a medium on which the stream is read; counted for each such medium
+  std::uint64_t dropped = 0;
+  /// sessions that read the stream now
+  std::uint32_t readers = 0;
+
+  static constexpr std::string_view type_name() { return "gecos::StreamStats"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x11cedae1cb1f5c0aU); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const StreamStats&, const StreamStats&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const StreamStats& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const StreamStats& value);
+
+/// The samples of one inward stream, from all clients.
+struct InwardStats {
+  std::string stream{};
+  ::gecos::FeedReport samples{};
+
+  static constexpr std::string_view type_name() { return "gecos::InwardStats"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x2cc9107cff02bf20U); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const InwardStats&, const InwardStats&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const InwardStats& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const InwardStats& value);
+
+/// The calls of one session that is open.
+struct SessionStats {
+  /// [at most 64]
+  std::string user{};
+  /// [at most 64]
+  std::string host{};
+  /// [at most 128]
+  std::string program{};
+  std::int32_t pid = 0;
+  std::string medium{};
+  /// [s]
+  double connected_for = 0;
+  std::uint64_t begun = 0;
+  std::vector<::gecos::OutcomeCount> ended{};
+  std::uint64_t deadline_missed = 0;
+  std::uint64_t start_by_missed = 0;
+
+  static constexpr std::string_view type_name() { return "gecos::SessionStats"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x499250a81c550dfeU); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const SessionStats&, const SessionStats&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const SessionStats& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const SessionStats& value);
+
+/// What an object has counted since it is served. The counts of readers of streams are
+/// known to the readers alone.
+struct ObjectStats {
+  /// [s]
+  double served_for = 0;
+  /// that were called
+  std::vector<::gecos::OperationStats> operations{};
+  std::vector<::gecos::StreamStats> streams{};
+  std::vector<::gecos::InwardStats> inward{};
+  std::vector<::gecos::SessionStats> sessions{};
+
+  static constexpr std::string_view type_name() { return "gecos::ObjectStats"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x516f53c5bc75ca71U); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const ObjectStats&, const ObjectStats&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const ObjectStats& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const ObjectStats& value);
+
 }  // namespace gecos

@@ -20,10 +20,16 @@ from gecos_idl.object_types import (
     FeedReport,
     Grant,
     Holder,
+    InwardStats,
+    ObjectStats,
+    OperationStats,
+    OutcomeCount,
     OutcomeRecord,
     RunningHandler,
+    SessionStats,
     Status,
     StatusRefused,
+    StreamStats,
     Subscription,
     WaitingRequest,
 )
@@ -35,10 +41,16 @@ __all__ = [
     "GecosObjectServant",
     "Grant",
     "Holder",
+    "InwardStats",
+    "ObjectStats",
+    "OperationStats",
+    "OutcomeCount",
     "OutcomeRecord",
     "RunningHandler",
+    "SessionStats",
     "Status",
     "StatusRefused",
+    "StreamStats",
     "Subscription",
     "WaitingRequest",
 ]
@@ -177,10 +189,21 @@ _GECOS_OBJECT_BREAK_STATUS: _Method[None, None] = _method(
     takes=_values("why", _layout.text(256)),
     raises=(StatusRefused,),
 )
+_GECOS_OBJECT_STATS: _Method[ObjectStats, None] = _method(
+    _Operation(
+        0x00000013,
+        "stats",
+        _Access.SENSOR,
+        presence=False,
+        idempotent=True,
+        hash=0x75C51F0C961E74E2,
+    ),
+    gives=ObjectStats,
+)
 _GECOS_OBJECT = _interface(
     "gecos::GecosObject",
-    "1.3",
-    0x970E814561B49626,
+    "1.4",
+    0x2652282B7D45925C,
     (),
     (
         _GECOS_OBJECT_HOLDERS,
@@ -201,6 +224,7 @@ _GECOS_OBJECT = _interface(
         _GECOS_OBJECT_REQUESTS,
         _GECOS_OBJECT_DENY,
         _GECOS_OBJECT_BREAK_STATUS,
+        _GECOS_OBJECT_STATS,
     ),
 )
 
@@ -351,6 +375,13 @@ class GecosObject(_Object):
         """
         return self._gecos_call(_GECOS_OBJECT_BREAK_STATUS, _GECOS_OBJECT_BREAK_STATUS.request(why))
 
+    def stats(self) -> _Command[ObjectStats]:
+        """What the object has counted since it is served: calls by outcome, times of handlers,
+        samples of streams.
+        Since 1.4.
+        """
+        return self._gecos_call(_GECOS_OBJECT_STATS, [])
+
 
 class GecosObjectServant(_Servant):
     """What every object answers."""
@@ -480,4 +511,11 @@ class GecosObjectServant(_Servant):
         Since 1.3.
 
         May raise StatusRefused.
+        """
+
+    @_abstractmethod
+    def stats(self) -> ObjectStats:
+        """What the object has counted since it is served: calls by outcome, times of handlers,
+        samples of streams.
+        Since 1.4.
         """

@@ -15,10 +15,16 @@ __all__ = [
     "FeedReport",
     "Grant",
     "Holder",
+    "InwardStats",
+    "ObjectStats",
+    "OperationStats",
+    "OutcomeCount",
     "OutcomeRecord",
     "RunningHandler",
+    "SessionStats",
     "Status",
     "StatusRefused",
+    "StreamStats",
     "Subscription",
     "WaitingRequest",
 ]
@@ -238,3 +244,122 @@ class FeedReport(_layout.Struct):
     """why the last of them was refused; empty when none was"""
     expired: bool = False
     """the servant has taken no sample that is younger than the watchdog"""
+
+
+@_layout.struct(0x095B3DAABE00A292, "BQ")
+@_dataclass(slots=True)
+class OutcomeCount(_layout.Struct):
+    """How many calls ended in one way."""
+
+    detail: int = 0
+    """as in the flags of a reply"""
+    calls: int = 0
+
+
+@_layout.struct(
+    0x1D6E27F24565F889,
+    _layout.text(),
+    "Q",
+    _layout.items(OutcomeCount),
+    "QQddd",
+    open=True,
+)
+@_dataclass(slots=True)
+class OperationStats(_layout.Struct):
+    """The calls of one operation, from all clients, since the object is served."""
+
+    operation: str = ""
+    begun: int = 0
+    """handlers that have begun"""
+    ended: list[OutcomeCount] = _field(default_factory=list)
+    """calls that have ended, also those that were refused"""
+    deadline_missed: int = 0
+    """ended EXPIRED or TIMED_OUT because of the deadline of the caller"""
+    start_by_missed: int = 0
+    """ended EXPIRED because of the start_by of the operation"""
+    median: float = 0.0
+    """of the times of handlers; 0 before the first handler has ended [s]"""
+    percentile_99: float = 0.0
+    """[s]"""
+    worst: float = 0.0
+    """[s]"""
+
+
+@_layout.struct(0x11CEDAE1CB1F5C0A, _layout.text(), "QQQI", open=True, names={"bytes_": "bytes"})
+@_dataclass(slots=True)
+class StreamStats(_layout.Struct):
+    """The samples of one stream or event that the object has published."""
+
+    stream: str = ""
+    samples: int = 0
+    bytes_: int = 0
+    """of their values"""
+    dropped: int = 0
+    """too large for a medium on which the stream is read; counted for each such medium"""
+    readers: int = 0
+    """sessions that read the stream now"""
+
+
+@_layout.struct(0x2CC9107CFF02BF20, _layout.text(), FeedReport, open=True)
+@_dataclass(slots=True)
+class InwardStats(_layout.Struct):
+    """The samples of one inward stream, from all clients."""
+
+    stream: str = ""
+    samples: FeedReport = _field(default_factory=FeedReport)
+
+
+@_layout.struct(
+    0x499250A81C550DFE,
+    _layout.text(64),
+    _layout.text(64),
+    _layout.text(128),
+    "i",
+    _layout.text(),
+    "dQ",
+    _layout.items(OutcomeCount),
+    "QQ",
+    open=True,
+)
+@_dataclass(slots=True)
+class SessionStats(_layout.Struct):
+    """The calls of one session that is open."""
+
+    user: str = ""
+    """[at most 64]"""
+    host: str = ""
+    """[at most 64]"""
+    program: str = ""
+    """[at most 128]"""
+    pid: int = 0
+    medium: str = ""
+    connected_for: float = 0.0
+    """[s]"""
+    begun: int = 0
+    ended: list[OutcomeCount] = _field(default_factory=list)
+    deadline_missed: int = 0
+    start_by_missed: int = 0
+
+
+@_layout.struct(
+    0x516F53C5BC75CA71,
+    "d",
+    _layout.items(OperationStats),
+    _layout.items(StreamStats),
+    _layout.items(InwardStats),
+    _layout.items(SessionStats),
+    open=True,
+)
+@_dataclass(slots=True)
+class ObjectStats(_layout.Struct):
+    """What an object has counted since it is served. The counts of readers of streams are
+    known to the readers alone.
+    """
+
+    served_for: float = 0.0
+    """[s]"""
+    operations: list[OperationStats] = _field(default_factory=list)
+    """that were called"""
+    streams: list[StreamStats] = _field(default_factory=list)
+    inward: list[InwardStats] = _field(default_factory=list)
+    sessions: list[SessionStats] = _field(default_factory=list)

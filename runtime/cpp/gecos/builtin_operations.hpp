@@ -118,6 +118,12 @@ Command<void> break_status(const Object& object, const std::string& why);
 Command<void> ping(const Object& object);
 Command<Description> describe(const Object& object);
 Command<std::vector<Holder>> holders(const Object& object);
+/// Returns what the object has counted since it is served: the calls of each operation and of each
+/// open session by outcome, the times of handlers, and the samples of each stream. Its counts are
+/// those of the server: what a reader of a stream lost is in `Stream::counts`, and the latency of a
+/// connection in `line_state`. A server that was built before this operation existed answers
+/// UNKNOWN_OPERATION.
+Command<ObjectStats> stats(const Object& object);
 /// Returns the object's interface and each of its bases as JSON, for clients without generated
 /// code.
 Command<std::vector<std::string>> model(const Object& object);

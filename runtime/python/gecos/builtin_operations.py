@@ -16,7 +16,13 @@ from gecos.wire import Decoder
 
 if TYPE_CHECKING:
     from gecos_idl.object import GecosObject
-    from gecos_idl.object_types import Description, FeedReport, Holder, WaitingRequest
+    from gecos_idl.object_types import (
+        Description,
+        FeedReport,
+        Holder,
+        ObjectStats,
+        WaitingRequest,
+    )
 
     from gecos import _core
 
@@ -87,6 +93,17 @@ def describe(robot: Object) -> Command[Description]:
 def holders(robot: Object) -> Command[list[Holder]]:
     """Asks for the clients that hold actor or master status."""
     return _answers_of(robot).holders()
+
+
+def stats(robot: Object) -> Command[ObjectStats]:
+    """Asks for what the object has counted since it is served: the calls of each operation and of
+    each open session by outcome, the times of handlers, and the samples of each stream.
+
+    The counts are those of the server: what a reader of a stream lost is in `stream.counts`, and
+    the latency of a connection in `gecos.line_state`. A server that was built before this operation
+    existed answers UNKNOWN_OPERATION.
+    """
+    return _answers_of(robot).stats()
 
 
 def model(robot: Object) -> Command[list[str]]:

@@ -38,6 +38,7 @@ _VERBS = {
     "revoke": "revoke.revoke",
     "schema": "schema.schema",
     "set": "members.set_",
+    "stats": "stats.stats",
     "stop": "stop.stop",
     "up": "up.up",
     "wait": "wait.wait",

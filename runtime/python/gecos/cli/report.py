@@ -37,7 +37,7 @@ def objects(found: Sequence[Presence]) -> None:
         )
         for one in found
     ]
-    _table(("name", "type", "served by", "pid", "media", ""), rows)
+    table(("name", "type", "served by", "pid", "media", ""), rows)
 
 
 def change(of: dict[str, Any]) -> None:
@@ -108,7 +108,7 @@ def holders(name: str, who: Sequence[Holder]) -> None:
         for holder in who
     ]
     heads = ("status", "client", "program", "pid", "held for", "ends if silent", "take-over")
-    _table(heads, rows)
+    table(heads, rows)
 
 
 def members(model: Model) -> None:
@@ -326,7 +326,7 @@ class Samples:
         self._lines = len(lines)
 
 
-def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text

@@ -132,7 +132,7 @@ Schedule::Schedule(std::shared_ptr<Runtime> runtime, ScheduleClock& clock, std::
       pauses_(runtime_->maintenance().pauses()),
       handlers_(std::make_unique<Handlers>(*this)) {
   clock_.after_reading = [this] {
-    if (acts_ == Side::Server) read_ = clock_.now();
+    readings_.emplace(clock_.seen_by_server(), clock_.now());
     touched(acts_);
   };
   line_.touched = [this](Side side) { touched(side); };
@@ -385,7 +385,8 @@ void Schedule::server_finishes() {
 void Schedule::began(const IncomingCall& call) {
   if (!runs(Side::Server)) return;
   if (closes_ && line_.goodbye_heard()) judge_.drains();
-  judge_.began(Handlers::number_of(call), read_, clock_.now(), freezes_);
+  const TimePoint marked = readings_.at(call.marked_at().value());
+  judge_.began(Handlers::number_of(call), marked, clock_.now(), freezes_);
 }
 
 // Time

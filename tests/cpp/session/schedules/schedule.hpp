@@ -3,6 +3,7 @@
 
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -90,7 +91,9 @@ class Schedule {
   TimePoint client_due_{};
   TimePoint server_due_{};
   TimePoint server_beat_due_{};
-  TimePoint read_{};          ///< when the server asked last whether it had stood still
+  /// When the clock was read, by what it said: a server that cannot know that it stood still reads
+  /// less.
+  std::map<TimePoint, TimePoint> readings_;
   Side acts_ = Side::Server;  ///< takes the step
   int freezes_ = 0;
   bool closes_ = false;  ///< the client has said goodbye, or tried to

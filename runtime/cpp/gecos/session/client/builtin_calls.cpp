@@ -174,6 +174,11 @@ Command<std::vector<Holder>> holders(const Object& object) {
           read_result<GecosObject_holders_result, std::vector<Holder>>};
 }
 
+Command<ObjectStats> stats(const Object& object) {
+  return {own_call(*session_of(object), GecosObjectInterface::stats),
+          read_result<GecosObject_stats_result, ObjectStats>};
+}
+
 Command<std::vector<std::string>> model(const Object& object) {
   return {own_call(*session_of(object), GecosObjectInterface::model),
           read_result<GecosObject_model_result, std::vector<std::string>>};

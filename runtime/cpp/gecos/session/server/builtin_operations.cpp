@@ -11,6 +11,7 @@
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/server/call_log.hpp"
 #include "gecos/session/server/object_host.hpp"
+#include "gecos/session/server/object_stats.hpp"
 #include "gecos/wire/layout.hpp"
 
 namespace gecos::session {
@@ -33,6 +34,7 @@ void BuiltinOperations::answer(const std::shared_ptr<ServerSession>& session,
   if (asked == &BuiltIn::ping) return session->reply(counter, ByteView{});
   if (asked == &BuiltIn::describe) return describe(*session, counter);
   if (asked == &BuiltIn::model) return model(*session, counter);
+  if (asked == &BuiltIn::stats) return stats(*session, counter);
   if (asked == &BuiltIn::acquire) return acquire(session, counter, arguments);
   if (asked == &BuiltIn::release) return release(*session, counter, arguments);
   if (asked == &BuiltIn::take_over) return take_over(*session, counter);
@@ -84,6 +86,11 @@ void BuiltinOperations::model(ServerSession& session, std::uint64_t counter) {
   const std::vector<std::string_view> models = setup_.interface.all_models();
   session.reply(counter,
                 layout::to_bytes(GecosObject_model_result{{models.begin(), models.end()}}));
+}
+
+void BuiltinOperations::stats(ServerSession& session, std::uint64_t counter) {
+  session.reply(counter, layout::to_bytes(GecosObject_stats_result{
+                             stats_of(*session.object(), calls_, setup_.clock().now())}));
 }
 
 void BuiltinOperations::acquire(const std::shared_ptr<ServerSession>& session,

@@ -34,6 +34,7 @@ class BuiltinOperations {
   void holders(ServerSession& session, std::uint64_t counter);
   void describe(ServerSession& session, std::uint64_t counter);
   void model(ServerSession& session, std::uint64_t counter);
+  void stats(ServerSession& session, std::uint64_t counter);
   void acquire(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
                ByteView arguments);
   void release(ServerSession& session, std::uint64_t counter, ByteView arguments);

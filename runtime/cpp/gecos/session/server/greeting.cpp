@@ -35,6 +35,7 @@ void open(const std::shared_ptr<ServerSession>& session, const Hello& hello,
   session->greet(id, std::move(caller));
   session->intake.accept_within(hello.accept_within);
   session->heartbeats.liveness.heard(now);
+  session->greeted_at = setup.clock().now();
   outcomes.opened(id, session);
   note_session(id, session->object());
   if (log_enabled(LogLevel::Info)) log_arrival(setup.name, *session);

@@ -59,6 +59,7 @@ void tell_positions(const ObjectQueue& queue) {
 
 tl::expected<void, ObjectQueue::Full> ObjectCalls::add(const std::shared_ptr<ServerCall>& call) {
   if (auto queued = queue_.push(call); !queued) return queued;
+  statistics_.queued(*call);
   ServerSession& session = *call->session;
   session.calls.insert(call->counter, call);
   ++session.unreturned;
@@ -86,6 +87,7 @@ bool ObjectCalls::mark(ServerCall& call, TimePoint since_boot) {
   if (!withdrawn(call)) {
     call.state.on(CallState::Event::Begin, since_boot);
     handlers_.add(call);
+    statistics_.begins(call, since_boot, setup_.runs_long(call.operation()));
     if (log_enabled(LogLevel::Debug)) log_begin(call);
     setup_.audit->begins(call);
     return true;
@@ -120,6 +122,7 @@ void ObjectCalls::returned(const std::shared_ptr<ServerCall>& call) {
 void ObjectCalls::finished(ServerCall& call) {
   queue_.ended(call);
   handlers_.remove(call);
+  statistics_.finished(call);
   if (std::exchange(call.listed, false)) {
     open_.erase(std::find_if(open_.begin(), open_.end(),
                              [&](const auto& other) { return other.get() == &call; }));
@@ -145,6 +148,7 @@ void ObjectCalls::tell_outcome(ServerCall& call, const Failure& failure) {
 void ObjectCalls::settle(ServerCall& call, Detail detail, const std::string& text) {
   if (log_enabled(level_of(call.operation()))) log_end(call, detail, text, setup_.clock().now());
   setup_.audit->ended(call, detail, text);
+  statistics_.ended(call, detail);
   call.session->calls.take(call.counter);
   if (call.resumed_in) call.resumed_in->calls.take(call.resumed_counter);
   if (call.lane != CallLane::Actor) return;
@@ -208,6 +212,7 @@ void ObjectCalls::on_tick(TimePoint now) {
     tell_progress(*call, now);
   }
   tell_positions(queue_);
+  for (ServerCall* const running : handlers_.calls()) statistics_.runs_long(*running);
 }
 
 void ObjectCalls::end_overdue(ServerCall& call, bool missed_start) {

@@ -8,6 +8,7 @@
 
 #include "gecos/base/function_ref.hpp"
 #include "gecos/base/mutex.hpp"
+#include "gecos/session/server/call_statistics.hpp"
 #include "gecos/session/server/object_queue.hpp"
 #include "gecos/session/server/object_setup.hpp"
 #include "gecos/session/server/outcome_log.hpp"
@@ -18,7 +19,8 @@ namespace gecos::session {
 
 /// The calls of one object, from the queue until they have ended and their handlers have returned.
 /// Sends each caller the outcome of its call exactly once, and keeps the outcomes of commands. Not
-/// thread-safe: the object's mutex guards it.
+/// thread-safe: the object's mutex guards it. It has more methods than other classes, because all
+/// ways in which a call can end are here.
 class ObjectCalls {
  public:
   /// The interface of an observer that is notified when calls end. The object's mutex is held
@@ -38,11 +40,13 @@ class ObjectCalls {
       : setup_(setup),
         ready_(ready),
         observer_(observer),
-        queue_(setup.options.thread_safe ? LaneThreads::Many : LaneThreads::One) {}
+        queue_(setup.options.thread_safe ? LaneThreads::Many : LaneThreads::One),
+        statistics_(setup.clock()) {}
 
   const ObjectQueue& queue() const { return queue_; }
   OutcomeLog& outcomes() { return outcomes_; }
   RunningHandlers& handlers() { return handlers_; }
+  CallStatistics& statistics() { return statistics_; }
   /// True when no call is open and no handler runs.
   bool idle() const { return queue_.idle() && open_.empty(); }
   void note_ready() { ready_.store(true, std::memory_order_release); }
@@ -112,6 +116,7 @@ class ObjectCalls {
   ObjectQueue queue_;
   OutcomeLog outcomes_;
   RunningHandlers handlers_;
+  CallStatistics statistics_;
   std::vector<std::shared_ptr<ServerCall>> open_;  ///< the calls that on_tick() checks, see list()
   std::condition_variable_any interrupted_;
 };

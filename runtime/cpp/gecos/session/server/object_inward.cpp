@@ -39,4 +39,12 @@ void ObjectInward::depart(SessionId session) const {
   for (const auto& port : ports_) port->depart(session);
 }
 
+std::vector<InwardStats> ObjectInward::stats() const {
+  std::vector<InwardStats> all;
+  for (const auto& port : ports_) {
+    all.push_back({std::string(port->stream().name), port->report()});
+  }
+  return all;
+}
+
 }  // namespace gecos::session

@@ -28,6 +28,8 @@ class ObjectInward {
                                        std::uint32_t id) const;
   /// Must be called when the session has ended.
   void depart(SessionId session) const;
+  /// Returns the counts of the samples of all sessions, for each stream.
+  std::vector<InwardStats> stats() const;
 
  private:
   std::vector<std::unique_ptr<InwardPort>> ports_;  ///< sorted by stream code; constant

@@ -53,6 +53,12 @@ void ObjectStreams::exclude(media::Connection& connection) {
   }
 }
 
+std::vector<StreamStats> ObjectStreams::stats() const {
+  std::vector<StreamStats> all;
+  for (const auto& port : ports_) all.push_back(port->stats());
+  return all;
+}
+
 void ObjectStreams::publish(const StreamDescription& stream, ByteView sample,
                             const SampleTime& time) {
   if (const std::size_t index = index_of(stream); index < ports_.size()) {

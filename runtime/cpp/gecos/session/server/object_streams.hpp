@@ -29,6 +29,9 @@ class ObjectStreams {
   void exclude(media::Connection& connection);
   /// Publishes `sample`; does nothing when the interface has no such stream.
   void publish(const StreamDescription& stream, ByteView sample, const SampleTime& time);
+  /// Returns what was published on each stream, in the order of their ids on connections; `readers`
+  /// is not counted here.
+  std::vector<StreamStats> stats() const;
 
  private:
   /// Returns the index of the port of `stream`; the number of ports when the interface has no such

@@ -36,6 +36,14 @@ std::shared_ptr<ServerSession> OutcomeLog::open(SessionId id) const {
   return found == open_.end() ? nullptr : found->second.lock();
 }
 
+std::vector<std::shared_ptr<ServerSession>> OutcomeLog::all_open() const {
+  std::vector<std::shared_ptr<ServerSession>> all;
+  for (const auto& [id, weak] : open_) {
+    if (auto session = weak.lock()) all.push_back(std::move(session));
+  }
+  return all;
+}
+
 void OutcomeLog::closed(SessionId id, const ReceiveWindow& arrived,
                         const std::shared_ptr<ServerSession>& lost) {
   open_.erase(id);

@@ -32,6 +32,8 @@ class OutcomeLog {
 
   void opened(SessionId id, std::weak_ptr<ServerSession> session);
   std::shared_ptr<ServerSession> open(SessionId id) const;
+  /// Returns the sessions that are open.
+  std::vector<std::shared_ptr<ServerSession>> all_open() const;
   /// Must be called when the session `id` receives no more packets, so that calls that have not
   /// arrived will never start. `arrived`: the calls that have arrived. `lost`: the session itself
   /// if its client may still request replies in another session, else null.

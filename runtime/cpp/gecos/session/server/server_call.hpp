@@ -9,6 +9,7 @@
 #include "gecos/servant.hpp"
 #include "gecos/session/process/handler_here.hpp"
 #include "gecos/session/server/call_state.hpp"
+#include "gecos/session/server/call_statistics.hpp"
 #include "gecos/session/server/object_queue.hpp"
 
 namespace gecos::session {
@@ -79,7 +80,9 @@ class ServerCall final : public CallCore,
   std::size_t position_sent = 0;
   TimePoint arrived{};  ///< set only when the end of the call will be logged
   std::optional<HandlerWait> waits_for;
-  bool listed = false;  ///< the call is in ObjectCalls::open_
+  bool listed = false;                ///< the call is in ObjectCalls::open_
+  OperationCounts* counts = nullptr;  ///< of its operation; set when the call is queued
+  HandlerTiming timing{};
 
  private:
   const ShortBytes arguments_;

@@ -12,6 +12,7 @@
 #include "gecos/session/protocol/handshake.hpp"
 #include "gecos/session/protocol/peer_liveness.hpp"
 #include "gecos/session/protocol/receive_window.hpp"
+#include "gecos/session/server/call_statistics.hpp"
 #include "gecos/session/server/feed_standing.hpp"
 #include "gecos/session/server/intake.hpp"
 #include "gecos/session/server/packet_sender.hpp"
@@ -95,6 +96,8 @@ class ServerSession {
   Epoch renewed{};
   /// For each lane, the highest counter that was marked as started (start_words.hpp).
   std::array<std::uint64_t, media::shared_word_count> marked{};
+  CallCounts counts;
+  TimePoint greeted_at{};        ///< when the session was opened
   std::size_t commands = 0;      ///< number of actor commands that have not ended
   std::size_t unreturned = 0;    ///< number of calls whose phase is not Finished (CallState)
   bool left = false;             ///< the client said goodbye

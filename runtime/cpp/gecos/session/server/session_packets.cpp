@@ -187,7 +187,7 @@ void SessionPackets::arrive(const Session& session, const wire::PacketView& pack
     case Intake::Verdict::Ignore:
       return;
     case Intake::Verdict::TooLate:
-      return refuse_late(*session, counter);
+      return refuse_late(*session, packet.header);
   }
   wire::PacketView aged = packet;
   if (Duration& left = aged.header.deadline; left > Duration{}) {
@@ -199,13 +199,16 @@ void SessionPackets::arrive(const Session& session, const wire::PacketView& pack
 
 /// Refuses a call that was unread for too long, for example while this process was suspended. By
 /// then its client has reported OUTCOME_UNKNOWN, or it still queries the outcome.
-void SessionPackets::refuse_late(ServerSession& session, std::uint64_t counter) {
+void SessionPackets::refuse_late(ServerSession& session, const wire::PacketHeader& call) {
   const std::string why =
       "the call was not started: it was unread for more than " +
       std::to_string(session.intake.accepts_within() / std::chrono::milliseconds(1)) +
       " ms, because the server process or its machine did not run";
-  calls_.outcomes().ended({session.id(), counter, Detail::NotStarted, why});
-  session.reply(counter, Failure{Detail::NotStarted, why, {}, {}});
+  calls_.outcomes().ended({session.id(), call.counter, Detail::NotStarted, why});
+  if (!is_builtin(call.code)) {
+    calls_.statistics().refused(session, setup_.interface.find(call.code), Detail::NotStarted);
+  }
+  session.reply(call.counter, Failure{Detail::NotStarted, why, {}, {}});
 }
 
 void SessionPackets::take_call(const Session& session, const wire::PacketView& packet, Age age) {
@@ -223,6 +226,7 @@ void SessionPackets::take_call(const Session& session, const wire::PacketView& p
   }
   const OperationDescription* operation = setup_.interface.find(code);
   if (operation == nullptr) {
+    calls_.statistics().refused(*session, nullptr, Detail::UnknownOperation);
     return session->reply(
         counter,
         Failure{Detail::UnknownOperation,
@@ -237,6 +241,7 @@ void SessionPackets::take_call(const Session& session, const wire::PacketView& p
       ObjectQueue::most_of_object + (operation->safety ? ObjectQueue::most_of_object / 4 : 0);
   // A correct client never has so many calls in flight.
   if (session->calls.size() + session->intake.aside() >= most) {
+    calls_.statistics().refused(*session, operation, Detail::QueueFull);
     return session->reply(counter,
                           Failure{Detail::QueueFull,
                                   "the client has more unanswered calls than the server granted",
@@ -253,6 +258,7 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
       calls_.outcomes().ended({session->id(), packet.header.counter, failure.detail, failure.text});
     }
     session->reply(packet.header.counter, failure);
+    calls_.statistics().refused(*session, &operation, failure.detail);
     setup_.audit->refused(*session, packet.header.counter, operation.code, operation.name, failure);
     if (log_enabled(level_of(operation)))
       log_refused(setup_.name, operation, session->caller(), failure);
@@ -312,6 +318,7 @@ bool SessionPackets::too_early(ServerSession& session, const wire::PacketView& p
   if (!session.intake.put_aside(packet, setup_.clock().since_boot(),
                                 age.value_or(session.connection().age()))) {
     const auto why = text_of(ObjectQueue::Full::BytesOfClient, packet.body.size());
+    calls_.statistics().refused(session, &operation, Detail::QueueFull);
     end_early(session, packet.header.counter, Detail::QueueFull,
               "the command was not queued: " + why);
   }

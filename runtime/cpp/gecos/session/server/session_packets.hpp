@@ -53,7 +53,7 @@ class SessionPackets {
 
   // From the arrival of a call to the queue.
   void arrive(const Session& session, const wire::PacketView& packet);
-  void refuse_late(ServerSession& session, std::uint64_t counter);
+  void refuse_late(ServerSession& session, const wire::PacketHeader& call);
   void take_call(const Session& session, const wire::PacketView& packet, Age age = {});
   void admit(const Session& session, const wire::PacketView& packet,
              const OperationDescription& operation, Age age);

@@ -51,14 +51,23 @@ void StreamPort::publish(ByteView sample, const SampleTime& time) {
   append_measured(latest_, time.measured);
   latest_stamp_ns_ = time.stamp_ns;
   kept_ = !stream_.event;
+  ++samples_;
+  bytes_ += sample.size();
   for (const auto& [medium, writer] : writers_) {
-    if (writer->publish(latest_, time.stamp_ns) || complained_) continue;
+    if (writer->publish(latest_, time.stamp_ns)) continue;
+    ++dropped_;
+    if (complained_) continue;
     complained_ = !stream_.event;
     log_error("session", object_ + ": a sample of '" + std::string(stream_.name) + "' takes " +
                              std::to_string(sample.size()) + " bytes, more than " +
                              std::string(medium) +
                              " can send for this stream; the sample is dropped");
   }
+}
+
+StreamStats StreamPort::stats() {
+  const MutexLock lock(mutex_);
+  return {std::string(stream_.name), samples_, bytes_, dropped_, 0};
 }
 
 void StreamPort::move_on(std::string_view medium) {

@@ -9,6 +9,7 @@
 #include "gecos/base/mutex.hpp"
 #include "gecos/description.hpp"
 #include "gecos/media/medium.hpp"
+#include "gecos/object_types.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/protocol/sample_time.hpp"
 
 namespace gecos::session {
@@ -27,6 +28,8 @@ class StreamPort {
 
   const StreamDescription& stream() const { return stream_; }
   void publish(ByteView sample, const SampleTime& time);
+  /// Returns what was published; `readers` is not counted here.
+  StreamStats stats();
   /// Lets the client of `connection` read the stream under `id`. `acceptor`: the acceptor of
   /// `connection`. Returns the sequence number of the newest sample, 0 before the first one. On
   /// failure returns the reason.
@@ -53,6 +56,9 @@ class StreamPort {
   std::int64_t latest_stamp_ns_ GECOS_GUARDED_BY(mutex_) = 0;
   bool kept_ GECOS_GUARDED_BY(mutex_) = false;  ///< `latest_` is for readers that come later
   bool complained_ GECOS_GUARDED_BY(mutex_) = false;
+  std::uint64_t samples_ GECOS_GUARDED_BY(mutex_) = 0;
+  std::uint64_t bytes_ GECOS_GUARDED_BY(mutex_) = 0;    ///< of the values of all samples
+  std::uint64_t dropped_ GECOS_GUARDED_BY(mutex_) = 0;  ///< samples too large for a medium
 };
 
 }  // namespace gecos::session

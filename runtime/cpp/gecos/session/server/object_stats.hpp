@@ -1,0 +1,15 @@
+#pragma once
+
+#include "gecos/base/clock.hpp"
+#include "gecos/object_types.hpp"  // generated from idl/gecos/object.gidl
+
+namespace gecos::session {
+
+class ObjectCalls;
+class ObjectHost;
+
+/// Returns what `object` has counted since it is served. `calls`: its calls; requires the object's
+/// mutex. `now`: the current time of Clock::now.
+ObjectStats stats_of(ObjectHost& object, ObjectCalls& calls, TimePoint now);
+
+}  // namespace gecos::session
