@@ -227,6 +227,13 @@ TEST_F(TwoUsersOfOneHost, AnEditThatNoLongerNamesAUserEndsTheSessionOfThatUserAl
   EXPECT_EQ(sample->value, 9);
 }
 
+TEST_F(TwoUsersOfOneHost, AFileThatAnEditorHasJustEmptiedChangesNothing) {
+  place.write("[allow]\nusers = [\"daemon\"]\n");
+  const Laboratory laboratory;
+  place.write("");
+  EXPECT_EQ(use(daemon), "read 8");
+}
+
 TEST_F(TwoUsersOfOneHost, ABrokenEditChangesNothingAndIsReportedOnceWithItsLine) {
   place.write("[allow]\nusers = [\"daemon\"]\n");
   const Laboratory laboratory;

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
@@ -56,20 +57,31 @@ std::string distrust(const struct stat& file, const std::string& path) {
   return "";
 }
 
+/// Returns whether the file was emptied just now: most editors empty a file before they write it.
+bool is_being_written(const struct stat& file) {
+  using std::chrono::system_clock;
+  const auto changed = system_clock::time_point(std::chrono::duration_cast<system_clock::duration>(
+      std::chrono::seconds(file.st_mtim.tv_sec) + std::chrono::nanoseconds(file.st_mtim.tv_nsec)));
+  const auto age = system_clock::now() - changed;
+  return file.st_size == 0 && std::chrono::abs(age) < std::chrono::seconds(1);
+}
+
 /// Reads the file, and sets `must_exist` when it exists. A file that need not exist has no text.
-EditedLabFile::Text text_of(const std::string& path, bool& must_exist) {
+/// Returns nullopt while the file is being written.
+std::optional<EditedLabFile::Text> text_of(const std::string& path, bool& must_exist) {
   const auto failed = [&](const std::string& why) {
     return tl::unexpected(LabFileError{path, 0, "", why});
   };
   // O_NONBLOCK: a named pipe must not block the server
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!file && errno == ENOENT && !must_exist) return "";
+  if (!file && errno == ENOENT && !must_exist) return std::string();
   must_exist = true;
   struct stat attributes {};
   if (!file || ::fstat(file.get(), &attributes) != 0) {
     return failed("the file cannot be read: " + system_text(errno));
   }
   if (const std::string why = distrust(attributes, path); !why.empty()) return failed(why);
+  if (is_being_written(attributes)) return std::nullopt;
   std::string text;
   std::array<char, 4096> part;
   ssize_t count = 0;
@@ -88,9 +100,17 @@ AccessControl::AccessControl(const std::string& lab_file)
       file_(must_exist_ ? named_file(lab_file) : of_this_host) {}
 
 std::optional<LabFileError> AccessControl::read_file() {
-  auto error = file_.take(text_of(file_.lists().file, must_exist_));
+  const auto text = text_of(file_.lists().file, must_exist_);
+  auto error = text ? file_.take(*text) : std::nullopt;
   policy_.lab = file_.lists();
   return error;
+}
+
+void AccessControl::reread_file() {
+  if (const auto error = read_file()) {
+    log_error("session", to_string(*error) +
+                             "; the earlier lists of this file stay in force, correct the file");
+  }
 }
 
 tl::expected<void, std::string> AccessControl::read() {
@@ -128,7 +148,8 @@ bool AccessControl::administers(const media::Peer& peer) noexcept {
     const access::UserAtHost server{name_of(::geteuid()), host};
     const access::UserAtHost who = user_of(peer, host);
     const MutexLock lock(mutex_);
-    return !read_file() && policy_.administers(server, who);
+    reread_file();
+    return policy_.administers(server, who);
   } catch (const std::exception& failed) {
     log_error("session", std::string("nobody is an administrator: ") + failed.what());
     return false;
@@ -145,7 +166,7 @@ AccessControl::Judgement AccessControl::judge_registration(const std::string& na
   try {
     const access::UserAtHost who = user_of(peer, host_name());
     const MutexLock lock(mutex_);
-    if (const auto error = read_file()) log_error("session", to_string(*error));
+    reread_file();
     if (file_.error()) {
       return {false, false, who,
               "no server may register " + name +
@@ -167,10 +188,7 @@ AccessControl::Judgement AccessControl::judge(const std::string& object,
     const access::UserAtHost server{name_of(::geteuid()), host};
     const access::UserAtHost who = user_of(peer, host);
     const MutexLock lock(mutex_);
-    if (const auto error = read_file()) {
-      log_error("session", to_string(*error) +
-                               "; the earlier lists of this file stay in force, correct the file");
-    }
+    reread_file();
     const access::AccessDecision decision = policy_.decide(server, who, object);
     return {decision.allowed(), false, who, decision.text};
   } catch (const std::exception& failed) {

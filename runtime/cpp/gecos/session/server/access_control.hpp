@@ -15,7 +15,8 @@ namespace gecos::session {
 
 /// Decides which users may connect to the objects of one server (access::AccessPolicy). Reads the
 /// lab file again for each client of another user than the server's own, so that an edit acts on
-/// the next connection. An edit with an error is logged once and changes nothing. Thread-safe.
+/// the next connection. An edit with an error is logged once and changes nothing; nor
+/// does a file that an editor has just emptied, until it has been empty for a second. Thread-safe.
 class AccessControl {
  public:
   /// @param lab_file as LabOptions::lab_file
@@ -51,6 +52,7 @@ class AccessControl {
  private:
   access::UserAtHost user_of(const media::Peer& peer, const std::string& host);
   std::optional<access::LabFileError> read_file() GECOS_REQUIRES(mutex_);
+  void reread_file() GECOS_REQUIRES(mutex_);
   std::string name_of(std::uint32_t uid);
 
   Mutex mutex_;
