@@ -74,8 +74,9 @@ class Manipulator : public virtual ::robcl::Device {
   /// Factor of `override_speed`. [1]
   gecos::Command<double> speed_override() const;
 
-  /// Whether the arm stands, by its measured joint positions. After a stop, a command ends
-  /// before the arm stands.
+  /// Whether the arm makes no motion and stands, by its measured joint positions. False
+  /// during a pause, because the motion may go on. After a stop, a command ends before the
+  /// arm stands.
   gecos::Command<bool> standing() const;
 
   /// Cycles that the control loop has missed since the start of the server. A missed cycle

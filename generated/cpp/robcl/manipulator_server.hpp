@@ -78,8 +78,9 @@ class ManipulatorServant : public virtual ::robcl::DeviceServant {
   /// Factor of `override_speed`. [1]
   virtual gecos::Result<double> speed_override() = 0;
 
-  /// Whether the arm stands, by its measured joint positions. After a stop, a command ends
-  /// before the arm stands.
+  /// Whether the arm makes no motion and stands, by its measured joint positions. False
+  /// during a pause, because the motion may go on. After a stop, a command ends before the
+  /// arm stands.
   virtual gecos::Result<bool> standing() = 0;
 
   /// Cycles that the control loop has missed since the start of the server. A missed cycle

@@ -228,7 +228,7 @@ _MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::
 {"kind":"operation","name":"set_configuration","doc":"Configuration in which the next joint move of the same session ends that asks for none itself. Moves nothing. Rejected if the arm has no configurations.","parameters":[{"name":"wanted","direction":"in","type":"robcl::Configuration"}],"access":"actor","needs_presence":true,"cancelable":true,"on_new":"blend","on_loss":"stop","code":2917175470,"hash":"0x214642d141946a53"},
 {"kind":"operation","name":"override_speed","doc":"Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as planned, 0 pauses it on its path. The factor stays until it is set again.","parameters":[{"name":"factor","direction":"in","type":"double","unit":"1","range":{"min":0.0,"max":1.0}}],"access":"actor","needs_presence":true,"on_new":"queue","on_loss":"stop","parallel":true,"code":3837748681,"hash":"0xf909515cb9f6d463"},
 {"kind":"attribute","name":"speed_override","doc":"Factor of `override_speed`.","type":"double","readonly":true,"unit":"1","read_access":"sensor","codes":{"get":34307637},"hash":"0x78256f74e6a4faff"},
-{"kind":"attribute","name":"standing","doc":"Whether the arm stands, by its measured joint positions. After a stop, a command ends before the arm stands.","type":"boolean","readonly":true,"read_access":"sensor","codes":{"get":1808856709},"hash":"0x1031d81d03f43ec5"},
+{"kind":"attribute","name":"standing","doc":"Whether the arm makes no motion and stands, by its measured joint positions. False during a pause, because the motion may go on. After a stop, a command ends before the arm stands.","type":"boolean","readonly":true,"read_access":"sensor","codes":{"get":1808856709},"hash":"0x1031d81d03f43ec5"},
 {"kind":"event","name":"stood","doc":"The arm has come to rest, with its tool there.","type":"robcl::Manipulator::stood","readonly":true,"stream":{"direction":"out","largest":60},"read_access":"sensor","codes":{"stream":3505985172},"hash":"0xcd7e2a4c2a3acb27"},
 {"kind":"attribute","name":"missed_cycles","doc":"Cycles that the control loop has missed since the start of the server. A missed cycle delays the motion.","type":"uint64","readonly":true,"read_access":"sensor","codes":{"get":791224718},"hash":"0xd882759adbc634bd"},
 {"kind":"operation","name":"follow","doc":"Moves the tool by the samples of `alter`, from where it stands, until it is cancelled. What the limits of the arm do not allow in one cycle follows in the next ones.","parameters":[{"name":"axes","direction":"in","type":"robcl::FollowMode"},{"name":"limits","direction":"in","type":"robcl::FollowLimits","optional":true}],"raises":["robcl::CorrectionsStopped"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::FollowState","on_new":"queue","on_loss":"stop","qos":{"quality_class":"HARD_REALTIME","media":["shm","can"]},"code":3270902176,"hash":"0x83451582d3f132ad"},
@@ -374,8 +374,9 @@ class Manipulator(Device):
         return self._gecos_call(_MANIPULATOR_SPEED_OVERRIDE, [])
 
     def standing(self) -> _Command[bool]:
-        """Whether the arm stands, by its measured joint positions. After a stop, a command ends
-        before the arm stands.
+        """Whether the arm makes no motion and stands, by its measured joint positions. False
+        during a pause, because the motion may go on. After a stop, a command ends before the
+        arm stands.
         """
         return self._gecos_call(_MANIPULATOR_STANDING, [])
 
@@ -517,8 +518,9 @@ class ManipulatorServant(DeviceServant):
 
     @_abstractmethod
     def standing(self) -> bool:
-        """Whether the arm stands, by its measured joint positions. After a stop, a command ends
-        before the arm stands.
+        """Whether the arm makes no motion and stands, by its measured joint positions. False
+        during a pause, because the motion may go on. After a stop, a command ends before the
+        arm stands.
         """
 
     @_abstractmethod

@@ -137,6 +137,9 @@ TEST(ArmModel, RefusesWhatIsNoArmAndSaysWhy) {
   EXPECT_EQ(refusal(robot("type='revolute'><limit lower='1' upper='1' velocity='1' effort='1'/>"),
                     "a", "b"),
             "joint 'j': its lower limit must be below its upper limit");
+  EXPECT_EQ(refusal(robot("type='revolute'><limit lower='0' upper='1e7' velocity='1' effort='1'/>"),
+                    "a", "b"),
+            "joint 'j' needs limits of its travel from -1e6 to 1e6 rad");
   EXPECT_EQ(refusal(robot("type='revolute'><limit lower='0' upper='1' velocity='1' effort='1'/>"
                           "<mimic joint='i'/>"),
                     "a", "b"),

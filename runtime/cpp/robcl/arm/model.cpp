@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <limits>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -67,6 +66,9 @@ std::vector<urdf::JointConstSharedPtr> joints_between(const urdf::ModelInterface
   return joints;
 }
 
+// In rad. Beyond it, the steps of a motion are lost in the rounding of its positions.
+constexpr double furthest_turned = 1e6;
+
 tl::expected<JointLimits, ModelError> limits_of(const urdf::Joint& joint,
                                                 double seconds_to_full_speed) {
   const bool endless = joint.type == urdf::Joint::CONTINUOUS;
@@ -78,9 +80,12 @@ tl::expected<JointLimits, ModelError> limits_of(const urdf::Joint& joint,
   if (!endless && !(given.lower < given.upper)) {
     return refuse("joint '" + joint.name + "': its lower limit must be below its upper limit");
   }
-  constexpr double infinite = std::numeric_limits<double>::infinity();
-  return JointLimits{endless ? -infinite : given.lower, endless ? infinite : given.upper,
-                     given.velocity, given.velocity / seconds_to_full_speed};
+  if (!endless && !(given.lower >= -furthest_turned && given.upper <= furthest_turned)) {
+    return refuse("joint '" + joint.name + "' needs limits of its travel from -1e6 to 1e6 rad");
+  }
+  return JointLimits{endless ? -furthest_turned : given.lower,
+                     endless ? furthest_turned : given.upper, given.velocity,
+                     given.velocity / seconds_to_full_speed};
 }
 
 }  // namespace
