@@ -72,9 +72,10 @@ class ArmController {
   /// Runs one control cycle. `seconds` is the time since the last one: `cycle()`, or a
   /// multiple of it after missed cycles.
   ///
-  /// A missed cycle delays the motion by one cycle, so that no command moves a joint further than a
-  /// cycle may. After more than `most_delayed` missed cycles in a row, the joints have stopped at
-  /// the last set point, and the motion starts again from rest on its path.
+  /// A missed cycle delays the motion by one cycle. The motion does not catch up, because two set
+  /// points may differ only by the distance that a joint may move in one cycle. After more than
+  /// `most_delayed` missed cycles in a row, the joints have stopped at the last set point, and the
+  /// motion starts again from rest on its path.
   void step(double seconds);
   static constexpr std::uint64_t most_delayed = 5;
 

@@ -120,9 +120,9 @@ class Invitation:
 
     def _refusal(self, said: dict[str, str], party: Party, owner: str) -> str | None:
         if not _proved(said, self.url, party, "join"):
-            return f"the invitation of this link is not known here; {ANOTHER}"
+            return f"this link does not belong to an invitation of this laboratory; {ANOTHER}"
         if party.key == self.url.key:
-            return "this is the key of the laboratory itself, which needs no link"
+            return "you have the laboratory's own key, which needs no invitation"
         if not _core.is_key_owner(party.owner):
             return "say whose key it is by --as USER@HOST"
         if party.owner == owner or key_folder.is_own_user(party.owner):

@@ -126,7 +126,8 @@ class DeclaredError(CommandFailed):
     else:
 
         def __new__(cls, *members: object, **named: object) -> Self:
-            # No arguments are passed on, because `args` would show secret members.
+            # The base class gets no arguments: it would keep them in `args`, where secret members
+            # would be visible.
             return super().__new__(cls)
 
     @property

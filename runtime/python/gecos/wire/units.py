@@ -45,7 +45,7 @@ def outside(value: Any, limits: Range) -> str:
 
 
 def _bound(value: Any, low: Any, high: Any, unit: str) -> str:
-    """The bound that `value` exceeds, as an instruction."""
+    """Returns advice that names the bound that `value` violates, such as "; give at least 5 mm"."""
     unit = f" {unit}" if unit else ""
     if value < low:
         return f"; give at least {low}{unit}"

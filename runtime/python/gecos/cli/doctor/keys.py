@@ -20,8 +20,8 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A path and the file or folder there. `ours`: this user owns it. `shared`: other users may
-    read or write it."""
+    """A path and what is there: nothing, a folder, a file or something else. `ours`: this user owns
+    the file or folder. `shared`: other users may read or write the file or folder."""
 
     path: str
     kind: Kind
