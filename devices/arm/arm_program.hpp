@@ -20,11 +20,13 @@ struct ArmProgram {
   /// the arm.
   std::optional<ArmFiles> files{};
   /// Makes the driver of the real joints of `arm`. If this function is empty, the program simulates
-  /// the joints. What it throws ends the program with the text of the exception.
+  /// the joints. An exception of this function ends the program, which prints the text of the
+  /// exception.
   std::function<std::unique_ptr<JointDriver>(const ArmDescription& arm)> connect{};
 };
 
-/// Makes the servant of an arm. `place`: see ManipulatorServant.
+/// A function that makes the servant of an arm. `place` is a sentence that says where the arm
+/// stands; see ManipulatorServant.
 using MakeServant =
     std::function<std::unique_ptr<ManipulatorServant>(ArmDevice& arm, std::string place)>;
 

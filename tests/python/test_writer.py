@@ -192,7 +192,7 @@ def test_a_sample_for_a_command_that_was_never_sent_is_refused(dancer: Any, feed
         late = gecos.with_deadline(dancer, 0).follow()
         assert late.progress().detail is gecos.Detail.EXPIRED
         alter.feeds(late)
-        with pytest.raises(gecos.CommandFailed, match="the command that it feeds was not sent"):
+        with pytest.raises(gecos.CommandFailed, match="the command that the sample feeds was not sent"):
             alter.send(feeder.Step(x=0.0, count=0))
         alter.feeds(None)
         alter.send(feeder.Step(x=0.0, count=0))

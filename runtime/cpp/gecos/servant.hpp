@@ -259,7 +259,8 @@ class Publisher {
     static_cast<void>(stream);
     return nullptr;
   }
-  /// The name under which the servant is served now; empty when it is not.
+  /// Returns the name under which the servant is served now; an empty text while no server serves
+  /// it.
   virtual std::string served_as() { return {}; }
 };
 

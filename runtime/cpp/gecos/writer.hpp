@@ -17,8 +17,8 @@
 namespace gecos {
 
 /// The type of `gecos::writer`, an argument that opens an inward stream. Example:
-/// `robot.alter(gecos::writer)`. Only an attribute with the annotation @stream(dir="in") takes it;
-/// for another one the compiler names this type in its error.
+/// `robot.alter(gecos::writer)`. Only attributes with the annotation @stream(dir="in") accept this
+/// argument. For any other attribute, the error of the C++ compiler contains the name of this type.
 struct InwardStreamAnnotation {};
 inline constexpr InwardStreamAnnotation writer{};
 

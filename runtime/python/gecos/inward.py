@@ -85,9 +85,9 @@ class Inward(Generic[T]):
 
     @property
     def expired(self) -> bool:
-        """True if every sample that was read is older than the watchdog of the stream. After a
-        command has begun to take samples (`feeds`), the value stays False for the time of one
-        watchdog. Always False for a stream without a watchdog."""
+        """True if every sample that was read is older than the watchdog time of the stream. When a
+        command begins to take samples (`feeds`), the value is False for one watchdog time. Always
+        False for a stream without a watchdog."""
         core = self._servant._gecos_core
         if core is None:
             return self._inward.stream.watchdog_ns > 0

@@ -301,7 +301,7 @@ TEST_P(InwardStreams, OfAnotherSessionDoNotFeedACommand) {
   theirs->feeds(follow);
   const auto sent = theirs->send(Step{0.1, -1});
   ASSERT_FALSE(sent);
-  EXPECT_TRUE(sent.error().text.ends_with("the command that it feeds belongs to another session"))
+  EXPECT_TRUE(sent.error().text.ends_with("the command that the sample feeds belongs to another session"))
       << sent.error().text;
   theirs->feeds_no_command();
   ASSERT_TRUE(theirs->send(Step{0.1, -1}));

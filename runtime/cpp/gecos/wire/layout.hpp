@@ -158,7 +158,8 @@ template <class T>
 struct StepOf {
   using type = Plain;
 };
-/// The step of a member of type T that has no bound, no range and no appendable value inside.
+/// The encoding of a member of type T, if the member has no bound, no range and contains no
+/// @appendable value.
 template <class T>
 using DefaultStep = typename StepOf<T>::type;
 

@@ -92,8 +92,8 @@ def _silent(one: SilentObject) -> Presence:
 
 
 def _problem(lab: gecos.Lab, entry: Entry) -> str | None:
-    """Returns why a server does not answer, for example because only its own process can reach it.
-    Returns None if it answers; refusing this program counts as an answer."""
+    """Returns why the server of an object does not answer, for example because no other process can
+    reach the object. Returns None if the server answers, even if it refuses this program."""
     began = time.monotonic()
     try:
         connect_to(lab, entry, patience=ASKED_FOR)

@@ -116,13 +116,14 @@ tl::expected<void, Failure> ClientWriter::send(std::size_t size,
   }
   if (fed_ && fed_->session != number(header.session)) {
     return not_sent(Detail::BadParameter,
-                    fed_->counter == 0 ? "the command that it feeds was not sent"
-                                       : "the command that it feeds belongs to another session");
+                    fed_->counter == 0
+                        ? "the command that the sample feeds was not sent"
+                        : "the command that the sample feeds belongs to another session");
   }
   const auto lent = writer_->lend(inward_header_size + size + measured_bytes);
   if (!lent) {
     return not_sent(Detail::BadParameter,
-                    "it takes " + std::to_string(size) + " bytes, more than " +
+                    "the sample takes " + std::to_string(size) + " bytes, more than " +
                         std::string(session_->capabilities().name) + " can send for this stream");
   }
   const SampleTime time = sample_time(stamp_ns, session_->runtime().clock());

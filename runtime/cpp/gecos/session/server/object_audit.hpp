@@ -46,14 +46,15 @@ class ObjectAudit {
   void begins(const ServerCall& call);
   void ended(const ServerCall& call, Detail detail, const std::string& text);
 
-  /// Writes the lines of commands that were repeated, and lets the audit write.
+  /// Writes one line, with a count, for equal lines that followed each other within the last
+  /// second. Then lets the audit write to its files.
   void on_tick();
-  /// Writes the lines of all commands that were repeated.
+  /// Writes the lines that are still being counted. Must be called when the object ends.
   void end();
 
  private:
   audit::Line line(std::string_view event, const Caller& caller, std::uint64_t counter = 0) const;
-  /// Writes the line, and counts what is equal to it within the next second.
+  /// Writes the line. Equal lines within the next second are only counted.
   void begin(const audit::Repeats::Key& key, audit::Line entry);
   void command(const ServerSession& session, std::uint64_t counter, FunctionCode code,
                std::string_view operation, Detail detail, std::string_view why);
