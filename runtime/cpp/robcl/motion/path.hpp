@@ -1,4 +1,4 @@
-// The geometric path of the joints. It has no times.
+// The geometric path of the joints, without times.
 #pragma once
 
 #include <cstddef>
