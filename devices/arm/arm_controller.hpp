@@ -24,8 +24,9 @@ namespace devices {
 /// joint positions. A fault of the drives ends the motion. The fault lasts until `reset_drives` is
 /// called, so that the arm does not start to move when the cause of the fault disappears.
 ///
-/// It has more members than other classes: half of them are the orders and results that pass
-/// between two threads, which it exists to keep apart.
+/// This class has more members than other classes. Half of the members are orders and results that
+/// one thread passes to another thread, and to separate these two threads is the purpose of this
+/// class.
 class ArmController {
  public:
   struct Settings {
@@ -85,12 +86,12 @@ class ArmController {
 
   /// Hands a motion to the control loop. @pre `wait` returned the outcome of the last motion, and
   /// `generator` starts at the joint positions `standing_at()`. Until `wait` returns the outcome of
-  /// this motion, other threads use only what the generator permits them. Returns the number of the
-  /// motion.
+  /// this motion, other threads may call only the functions of the generator that any thread may
+  /// call. Returns the number of the motion.
   std::uint64_t start(std::shared_ptr<robcl::motion::TrajectoryGenerator> generator);
   /// Makes the control loop clear a fault of the drives, enable them, and wait until they are on
   /// and their brakes are released. `wait` returns the outcome: Arrived, or a Fault if the drives
-  /// have a fault or are not on in time. @pre As for `start`.
+  /// have a fault or are not on in time. @pre `wait` returned the outcome of the last motion.
   void reset_drives();
   /// Decelerates the running motion until the arm stands, or ends the wait for the drives. May be
   /// called at any time, even when no motion runs.
@@ -135,7 +136,7 @@ class ArmController {
 
   // From the call of start() or reset_drives() to the outcome, only the control loop uses
   // generator_, motion_ and outcome_. At other times, only the thread that moves the arm uses them.
-  std::shared_ptr<robcl::motion::TrajectoryGenerator> generator_;  // nothing: a reset of the drives
+  std::shared_ptr<robcl::motion::TrajectoryGenerator> generator_;  // null: a reset of the drives
   std::uint64_t motion_ = 0;  // number of the motion in generator_
   Outcome outcome_;
 
