@@ -95,7 +95,7 @@ class CommandFailed(RuntimeError):
         return f"{self.detail.name}: {self.text}"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Makes copies and pickles keep all attributes, whatever the parameters of the constructor
+        """Lets copies and pickles keep all attributes, whatever the parameters of the constructor
         are."""
         return _made_again, (type(self), self.args, {}), vars(self) or None
 

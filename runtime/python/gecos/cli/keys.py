@@ -22,7 +22,8 @@ and compare the fingerprints in another way, for example by telephone:
 @json_option
 @click.pass_context
 def keys(context: click.Context, as_json: bool) -> None:
-    """Shows the key of this user, and the admitted keys of other users. lcm needs these keys.
+    """Shows the key of this user, and the admitted keys of other users. The medium lcm uses these
+    keys.
 
     Ends with 1 if the file of an admitted key cannot be used.
     """
@@ -78,8 +79,8 @@ def _state(of: Any) -> dict[str, Any]:
 def add(file: Path, owner: str | None, as_json: bool) -> None:
     """Admits the user to whom the given .public file belongs.
 
-    USER@HOST says whose key it is: the lists of a lab file and of Server.allow then decide to which
-    objects that user may connect. Without it, the key counts as one more key of yours.
+    USER@HOST is the owner of the key: the lists of a lab file and of Server.allow then decide to
+    which objects that user may connect. Without USER@HOST, the key counts as another key of yours.
     """
     from gecos import key_folder
 

@@ -55,7 +55,8 @@ def _remove(name: str) -> list[Admitted]:
 
 
 def _servers(broker: str | None, name: str) -> tuple[list[str], list[str]]:
-    """Returns the objects whose servers apply the revocation, and why others do not."""
+    """Returns the objects whose servers apply the revocation, and the reasons why other servers do
+    not."""
     import gecos
     from gecos.cli.presence import presences
 

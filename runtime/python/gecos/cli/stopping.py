@@ -69,9 +69,9 @@ def _failure(lab: gecos.Lab, name: str, online: dict[str, Entry]) -> Exception |
 
 
 def _find_silent(lab: gecos.Lab, stopping: Stopping, every: bool) -> None:
-    """Adds to each object that could not be reached the time since when it is silent. With `every`,
-    also adds the objects that the broker no longer lists: they cannot be stopped, but the user must
-    know of them."""
+    """For each object that could not be reached, adds the time since when it is silent. With
+    `every`, also adds the silent objects that the broker no longer lists, because the user must
+    know that they cannot be stopped."""
     try:
         silent = silent_objects(lab)
     except (ConnectionError, RuntimeError) as error:

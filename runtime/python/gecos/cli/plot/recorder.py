@@ -72,9 +72,9 @@ def record(
     robot: DynamicObject, patience: float, seconds: float | None, tell: Callable[[str], None]
 ) -> tuple[Recording, Exception | None]:
     """Waits for the next motion of an arm, and records it until the arm stands, for `seconds`, or
-    until Ctrl-C. All times but `patience` are those of the arm, by its lab clock. Prints a line
-    when the waiting begins and when the recording begins. If the server is lost while the arm
-    moves, returns what was recorded and the failure.
+    until Ctrl-C. All times except `patience` are simulated time, by the lab clock of the arm.
+    Prints a line when the waiting begins and when the recording begins. If the server is lost while
+    the arm moves, returns what was recorded and the failure.
 
     Raises UsageFailure if the object is no arm, TimeoutError if it does not move within `patience`,
     and KeyboardInterrupt for Ctrl-C before the arm moves.
