@@ -4,13 +4,13 @@
 
 namespace devices {
 
-/// Tells when the cycles of a device begin. Time is passed in. It has two rules for cycles that are
-/// late:
+/// Decides when the cycles of a device begin. The caller passes the current time. There are two
+/// rules for late cycles:
 ///
 /// In real time, at speed 1, a late cycle does not delay the following cycles: missed cycles are
 /// skipped, and the next cycle gets their number. At any other speed no cycle is skipped. A device
-/// that is late makes its next cycles without a pause, until it has caught up or is late by
-/// `most_behind`: then simulated time passes more slowly than asked.
+/// that is late begins its next cycles without a pause until it has caught up. If it is late by
+/// `most_behind`, simulated time passes more slowly than requested.
 class Pace {
  public:
   static constexpr gecos::Duration most_behind = std::chrono::milliseconds(20);

@@ -87,7 +87,7 @@ void Journal::rotate() {
   if (static_cast<std::size_t>(ours.st_size) < limits_.bytes) return;
   const Descriptor lock(
       ::open((folder_ + "/audit.lock").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
-  // Not waited for: the process that holds the lock may be suspended.
+  // The lock is only tried, because the process that holds it may be suspended.
   if (!lock || ::flock(lock.get(), LOCK_EX | LOCK_NB) != 0 || !current()) return;
   for (unsigned age = limits_.files - 1; age > 0; --age) {
     ::rename(path(age - 1).c_str(), path(age).c_str());

@@ -10,16 +10,19 @@ namespace gecos::audit {
 
 /// Counts events that one client repeats, so that a program that sends a thousand commands per
 /// second adds two lines per second to the audit, and not a thousand. The first event gets a line
-/// of its own; those that follow within a second are counted, and together get one more line.
+/// of its own. Equal events within the next second are only counted, and together get one more
+/// line.
 ///
-/// Time is passed in. Used by one thread at a time. `count` allocates and formats nothing.
+/// The caller passes the time. Only one thread at a time may use this class. `count` allocates and
+/// formats nothing.
 class Repeats {
  public:
   static constexpr std::int64_t window_ms = 1000;
-  /// More kinds of events than this are not counted: each gets a line of its own.
+  /// The number of kinds of events that are counted at the same time. Each event of a further kind
+  /// gets a line of its own.
   static constexpr std::size_t most = 64;
 
-  /// What makes two events of one object equal.
+  /// The members in which two events of one object must agree to count as equal.
   struct Key {
     std::uint64_t session = 0;
     std::uint64_t code = 0;

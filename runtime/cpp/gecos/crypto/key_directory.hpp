@@ -16,7 +16,7 @@ struct KeyError {
 };
 
 /// The user to whom a key belongs, and the host on which that user has it. Only the user of the
-/// directory decides this: it does not depend on what a peer says.
+/// directory decides this; the claims of a peer have no influence.
 struct KeyOwner {
   static constexpr std::size_t longest = 255;  ///< characters of "user@host"
   std::string user;

@@ -177,8 +177,8 @@ std::vector<IntervalLimits> narrowed(const Path& path, const arm::ArmModel& mode
     }
     const double u = bounds.over_interval(i, 0).upper;
     const double change = std::min(smoothing.change(bounds.acceleration_limit(i)), 2 * u);
-    // How far the mean of second * (ds/dt)² + first * d²s/dt² may exceed the limit, from the
-    // covariances and variances within a window.
+    // The greatest excess of the mean of second * (ds/dt)² + first * d²s/dt² over the limit, from
+    // the covariances and variances within a window.
     const double by = reserve +
                       bend.second * (travel * change / 4 + squared(u * smoothing.window) / 12) +
                       bend.third * travel * (travel * u * 5 / 24 + squared(speed) / 6) +

@@ -25,9 +25,9 @@ class ListView {
 
   /// The revision up to which this view is complete.
   const ListRevision& revision() const { return revision_; }
-  /// Takes over an answer to a question for the changes since `revision()`. Returns what is new. If
-  /// the whole list of another broker does not contain an object, the object is reported as gone
-  /// only after its server has had enough time to register again.
+  /// Takes over the broker's answer to a request for the changes since `revision()`. Returns the
+  /// changes that are new. If the whole list of another broker does not contain an object, the
+  /// object is reported as gone only after its server has had enough time to register again.
   std::vector<Registration> take(const ListChanges& answer, TimePoint now);
   /// Reports the objects whose servers have not returned in time as gone, and returns these
   /// changes.

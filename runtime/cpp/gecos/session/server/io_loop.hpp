@@ -51,7 +51,8 @@ class IoLoop {
     std::shared_ptr<ObjectHost> object;
     std::shared_ptr<media::Acceptor> acceptor;
   };
-  /// What ended the last sleep. `rang_at`: when the client sent the wake-up that ended the sleep.
+  /// The event that ended the last sleep. `rang_at`: when the client sent the wake-up that ended
+  /// the sleep.
   struct Wake {
     media::Woken by = media::Woken::Early;
     TimePoint rang_at{};

@@ -12,8 +12,8 @@
 
 namespace gecos::session {
 
-/// What the audit says about one object: its sessions, its status and its actor commands. Readings
-/// occur only when they are refused. Without an Audit nothing is recorded. Not thread-safe: the
+/// The audit of one object: its sessions, its status and its actor commands. A reading is recorded
+/// only when it is refused. If the server has no Audit, nothing is recorded. Not thread-safe: the
 /// object's mutex guards it.
 ///
 /// Commands that one client repeats within a second share a line (audit::Repeats), so recording
@@ -46,10 +46,10 @@ class ObjectAudit {
   void begins(const ServerCall& call);
   void ended(const ServerCall& call, Detail detail, const std::string& text);
 
-  /// Writes one line, with a count, for equal lines that followed each other within the last
-  /// second. Then lets the audit write to its files.
+  /// Writes a line with a count for each command that was repeated, after the second in which it
+  /// was repeated. Then lets the audit write to its files.
   void on_tick();
-  /// Writes the lines that are still being counted. Must be called when the object ends.
+  /// Writes the lines of all repeated commands that on_tick has not written yet.
   void end();
 
  private:
