@@ -12,7 +12,10 @@ from gecos.cli.options import Number, json_option, print_json
 
 _MINUTE = 60.0
 _OWNER = click.option(
-    "--as", "owner", metavar="USER@HOST", help="Who you are; default: this user and host."
+    "--as",
+    "owner",
+    metavar="USER@HOST",
+    help="Owner of your key; default: this user, this host.",
 )
 
 
@@ -22,7 +25,7 @@ def lab() -> None:
 
 
 @lab.command()
-@click.option("--address", metavar="HOST", help="Where others reach this host; default: its name.")
+@click.option("--address", metavar="HOST", help="Address for other hosts; default: the hostname.")
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="TCP; default: any.")
 @click.option("--minutes", type=Number(0.001), default=10.0, help="How long it is valid.")
 @_OWNER

@@ -61,7 +61,8 @@ def _failure(lab: gecos.Lab, name: str, online: dict[str, Entry]) -> Exception |
         gecos.stop(connect_to(lab, online[name])).result(_STOP_WITHIN)
     except TimeoutError:
         return TimeoutError(
-            f"its server has not confirmed the stop within {_STOP_WITHIN:g} s; it may still move"
+            f"its server has not confirmed the stop within {_STOP_WITHIN:g} s; "
+            "the object may still move"
         )
     except (ConnectionError, RuntimeError) as error:
         return error

@@ -109,7 +109,7 @@ tl::expected<void, Failure> ClientWriter::send(std::size_t size,
   const InwardHeader header{writers.session(), writers.epoch(), fed_ ? fed_->counter : 0};
   if (header.epoch == Epoch{} && stream_.status != access::Status::Sensor) {
     const auto status = std::string(access::to_string(stream_.status));
-    return not_sent(Detail::Denied, "it needs " + status +
+    return not_sent(Detail::Denied, "the stream needs " + status +
                                         " status; hold a lease while you send: `const auto "
                                         "lease = gecos::" +
                                         status + "(*robot);`");
