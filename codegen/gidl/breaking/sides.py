@@ -1,4 +1,4 @@
-"""Pairs old declarations with new ones, and compares types by their encoding."""
+"""Pairs old declarations with new declarations, and compares types by their encoding."""
 
 from __future__ import annotations
 

@@ -157,7 +157,7 @@ def join(url: JoinUrl, owner: str) -> Party:
 
 def admit(party: Party) -> None:
     """Admits a key that came over the network. Raises EnrolmentError if the owner is this user, or
-    already has another admitted key."""
+    if the owner already has another admitted key."""
     for one in key_folder.admitted():
         if one.owner == party.owner and one.key != party.key:
             raise EnrolmentError(

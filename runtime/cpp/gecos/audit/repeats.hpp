@@ -33,7 +33,7 @@ class Repeats {
   /// Counts the event and returns true, if an equal event had a line less than a second ago.
   /// Otherwise returns false: the caller then writes a line, and passes it to `begin`.
   bool count(const Key& key, std::uint64_t counter);
-  /// Counts the events that are equal to the one of `line` from now on.
+  /// Begins to count the events that are equal to the event of `line`.
   void begin(const Key& key, const Line& line);
   /// Returns a line for all events whose second is over and that were repeated.
   std::vector<Line> due(std::int64_t now);

@@ -13,9 +13,9 @@ from gecos.cli.exit_codes import ExitCode, UsageFailure
 from gecos.cli.options import json_option, print_json
 
 _EXCHANGE = """\
-To reach objects of another user over lcm, give your file to that user, add the file that you get,
-and compare the fingerprints in another way, for example by telephone:
-  gecos keys add FILE USER@HOST"""
+To reach objects of another user over lcm, exchange key files: send your file to the other user, and
+add the file of that user by `gecos keys add FILE USER@HOST`. Then compare both fingerprints over
+another channel, for example by telephone."""
 
 
 @click.group(invoke_without_command=True)

@@ -162,7 +162,7 @@ class _Process:
 
 
 class RunningLaboratory:
-    """The processes of a laboratory. They run in `folder`."""
+    """The processes of a laboratory, whose working directory is `folder`."""
 
     def __init__(self, environment: Mapping[str, str], folder: Path, report: Report) -> None:
         self._report = report

@@ -9,7 +9,7 @@
 
 namespace gecos::media::shm {
 
-/// The memory in which a stream is now, and how often it has moved. Thread-safe.
+/// The present memory of a stream, and how often the stream has moved to other memory. Thread-safe.
 class StreamPlace {
  public:
   struct Now {

@@ -22,11 +22,11 @@ namespace gecos::session {
 /// handlers between two polls.
 ///
 /// Only active connections are polled. A connection that was silent for 10 ms is put to sleep and
-/// costs nothing until its descriptor reports a packet. One thread polls at a time. It releases
-/// `polling_` while it runs a handler. When the handler takes longer than a maintenance tick, a
-/// standby thread polls instead, so only the callers of a slow handler wait for that handler. This
-/// class has more members than other classes, because they belong to three threads; comments say
-/// which thread uses a member.
+/// costs nothing until its descriptor reports a packet. One thread polls at a time. The thread
+/// releases `polling_` while it runs a handler. When the handler takes longer than a maintenance
+/// tick, a standby thread polls instead, so only the callers of a slow handler wait for that
+/// handler. This class has more members than other classes, because they belong to three threads;
+/// comments say which thread uses a member.
 class IoLoop {
  public:
   /// `access` says of each session whether its client is still admitted.
