@@ -301,7 +301,8 @@ TEST_F(Port, ASampleThatNamesAnotherSessionIsRefused) {
   port_.add(ada_.feeder());
   ada_.send({SessionId{8}, Epoch{3}, 0}, 1, clock_.since_boot());
   EXPECT_EQ(next(), std::nullopt);
-  EXPECT_EQ(in_words(port_.report()), "admitted 0, other_session 1; it names another session");
+  EXPECT_EQ(in_words(port_.report()),
+            "admitted 0, other_session 1; the sample names another session");
 }
 
 TEST_F(Port, WhatASessionLeavesUnreadIsRefusedAndCounted) {
