@@ -75,8 +75,8 @@ NameDecision may_register(const LabAccess& lab, const std::string& name,
                           const std::optional<UserAtHost>& who);
 
 /// Who may connect to the objects of one server. The user of the server and root may always connect
-/// on the server's host. Other users may connect when every existing list admits them: the list of
-/// the program, and the list of the lab file for the object.
+/// on the server's host. Other users may connect when there is a list of the program or a list of
+/// the lab file for the object, and every such list admits them.
 ///
 /// Everyone whom any list of the lab file admits to an object may also connect to the broker,
 /// unless the file has a list for the broker itself.

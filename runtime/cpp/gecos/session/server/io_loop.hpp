@@ -70,8 +70,8 @@ class IoLoop {
   bool poll_active() GECOS_REQUIRES(polling_);
   void activate(const std::shared_ptr<ServerSession>& session) GECOS_REQUIRES(polling_);
   void take_events(int milliseconds) GECOS_REQUIRES(polling_);
-  /// Waits at most `milliseconds` for events and handles them. Returns whether a new client may
-  /// wait at an acceptor.
+  /// Waits at most `milliseconds` for events and handles them. Returns whether one of these events
+  /// came from an acceptor.
   bool handle_events(int milliseconds) GECOS_REQUIRES(polling_);
   void add_endpoints() GECOS_REQUIRES(polling_);
   void accept(Endpoint& endpoint) GECOS_REQUIRES(polling_);
