@@ -107,7 +107,7 @@ def _no_stream(kind: type[Object], name: str) -> NoReturn:
     getters = [each.name for each in about.operations if each.kind is Kind.GETTER]
     if name in getters:
         why = "is not published as a stream"
-        advice = f"read the attribute with `.{name}().result()`, or add @stream to the attribute"
+        advice = f"get the value with `.{name}().result()`, or add @stream to the attribute"
     else:
         why = "is an operation and has no stream"
         advice = f"call it with `.{name}(…).result()`"
