@@ -131,7 +131,7 @@ void ArmController::take(tl::expected<JointState, DriverFault> answer, bool moti
     publish();
     return;
   }
-  // The readers still see the driver's last answer. Its time stamp tells how old the answer is.
+  // Readers still see the last answer of the driver. The time stamp of the answer shows its age.
   loop_.silent = true;
   loop_.command = loop_.state.position;
   loop_.last.commanded = loop_.last.joints;

@@ -24,8 +24,9 @@ namespace devices {
 /// joint positions. A fault of the drives ends the motion. The fault lasts until `reset_drives` is
 /// called, so that the arm does not start to move when the cause of the fault disappears.
 ///
-/// It has more members than other classes: half of them are the orders and results that pass
-/// between two threads, which it exists to keep apart.
+/// This class has more members than other classes. Half of the members are orders and results that
+/// one thread passes to another thread, and to separate these two threads is the purpose of this
+/// class.
 class ArmController {
  public:
   struct Settings {
@@ -72,9 +73,10 @@ class ArmController {
   /// Runs one control cycle. `seconds` is the time since the last one: `cycle()`, or a
   /// multiple of it after missed cycles.
   ///
-  /// A missed cycle delays the motion by one cycle, so that no command moves a joint further than a
-  /// cycle may. After more than `most_delayed` missed cycles in a row, the joints have stopped at
-  /// the last set point, and the motion starts again from rest on its path.
+  /// A missed cycle delays the motion by one cycle. The motion does not catch up, because two set
+  /// points may differ only by the distance that a joint may move in one cycle. After more than
+  /// `most_delayed` missed cycles in a row, the joints have stopped at the last set point, and the
+  /// motion starts again from rest on its path.
   void step(double seconds);
   static constexpr std::uint64_t most_delayed = 5;
 
@@ -84,12 +86,12 @@ class ArmController {
 
   /// Hands a motion to the control loop. @pre `wait` returned the outcome of the last motion, and
   /// `generator` starts at the joint positions `standing_at()`. Until `wait` returns the outcome of
-  /// this motion, other threads use only what the generator permits them. Returns the number of the
-  /// motion.
+  /// this motion, other threads may call only the functions of the generator that any thread may
+  /// call. Returns the number of the motion.
   std::uint64_t start(std::shared_ptr<robcl::motion::TrajectoryGenerator> generator);
   /// Makes the control loop clear a fault of the drives, enable them, and wait until they are on
   /// and their brakes are released. `wait` returns the outcome: Arrived, or a Fault if the drives
-  /// have a fault or are not on in time. @pre As for `start`.
+  /// have a fault or are not on in time. @pre `wait` returned the outcome of the last motion.
   void reset_drives();
   /// Decelerates the running motion until the arm stands, or ends the wait for the drives. May be
   /// called at any time, even when no motion runs.
@@ -134,7 +136,7 @@ class ArmController {
 
   // From the call of start() or reset_drives() to the outcome, only the control loop uses
   // generator_, motion_ and outcome_. At other times, only the thread that moves the arm uses them.
-  std::shared_ptr<robcl::motion::TrajectoryGenerator> generator_;  // nothing: a reset of the drives
+  std::shared_ptr<robcl::motion::TrajectoryGenerator> generator_;  // null: a reset of the drives
   std::uint64_t motion_ = 0;  // number of the motion in generator_
   Outcome outcome_;
 

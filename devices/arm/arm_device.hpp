@@ -49,15 +49,15 @@ class ArmDevice {
   Sample sample() const;
 
   Frame base() const;
-  /// Stands for the present base: each mount changes it. It begins with the time of the Unix clock
-  /// in ms, so that a restarted program has another one.
+  /// Returns a number that changes whenever the base of the arm is mounted elsewhere. The first
+  /// number is the Unix time in ms, so that a restarted program has another number.
   std::uint64_t pose_epoch() const;
   Frame tool_offset() const;                            ///< tool seen from the flange
   double cycle() const { return controller_.cycle(); }  ///< period of the control loop, s
-  /// Returns the time in s in which a stop brings the slowest joint from full speed to rest or, if
-  /// that is longer, the tool on a straight line. With a limit of jerk, the arm may still
-  /// accelerate when the stop comes. Where a line bends the path of the joints, a stop takes
-  /// longer.
+  /// Returns the time in s in which a stop brings the slowest joint from full speed to rest, or the
+  /// tool on a straight line if that takes longer. The time includes that the arm may still
+  /// accelerate when the stop begins, if there is a limit of jerk. Where a straight line of the
+  /// tool bends the path of the joints, a stop takes longer.
   double braking_time() const;
   bool moving() const { return controller_.now().moving; }
   /// Returns the number of control cycles that were missed so far.
@@ -86,7 +86,7 @@ class ArmDevice {
   /// Moves the tool to the frame `world_from_goal` and returns when the arm has arrived there by
   /// its measured joint positions. A joint move ends in a configuration that `wanted` admits.
   /// Without `wanted`, and on a straight line, the arm keeps its configuration; a straight move to
-  /// another one is Refused. With `goes_over`, see ArmMotion::Request.
+  /// another configuration is Refused. With `goes_over`, see ArmMotion::Request.
   tl::expected<void, MoveFailure> move(
       const Frame& world_from_goal, PathKind path, const robcl::motion::Pace& pace,
       MotionWatcher& watcher, const std::optional<robcl::arm::Configuration>& wanted = std::nullopt,
@@ -98,9 +98,10 @@ class ArmDevice {
                                               const robcl::motion::Pace& pace,
                                               MotionWatcher& watcher, bool goes_over = false);
 
-  /// Moves the tool by the corrections of `source`, until it fails: with Interrupted when `watcher`
-  /// interrupts it, or with CorrectionsStopped. The speeds and accelerations of `limits` are
-  /// lowered to the arm's own. A control loop that stalls may use `source` also later.
+  /// Moves the tool by the corrections of `source`, until the motion fails: with Interrupted when
+  /// `watcher` interrupts it, or with CorrectionsStopped. Speeds and accelerations in `limits` that
+  /// the arm cannot reach are lowered to the limits of the arm. If the control loop stalls, it may
+  /// use `source` after this function has returned.
   tl::expected<void, MoveFailure> follow(robcl::motion::CorrectionAxes axes,
                                          robcl::motion::FollowLimits limits,
                                          std::shared_ptr<robcl::motion::CorrectionSource> source,

@@ -217,7 +217,7 @@ ArmModel model_of(const Table& table, const ReadUrdf& read_urdf) {
   auto model = ArmModel::from_urdf(*xml, base, flange, 1.0);
   if (!model) {
     table.refuse(urdf, "'" + path + "': " + model.error().text +
-                           "; correct that file, or base_link and flange_link in this one");
+                           "; correct that file, or base_link and flange_link in this file");
   }
   const auto joints = static_cast<std::size_t>(model->axes());
   const std::vector<double> seconds = table.positive_of_each(seconds_to_full_speed, joints);

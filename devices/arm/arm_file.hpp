@@ -15,7 +15,7 @@
 
 namespace devices {
 
-/// An arm as its two files describe it.
+/// The description of an arm in its TOML file and its URDF file.
 struct ArmDescription {
   std::string name;               ///< name under which clients find the arm
   std::string description;        ///< name of the arm for people, for example "Staeubli RX90"
@@ -24,7 +24,7 @@ struct ArmDescription {
   robcl::motion::ToolLimits tool_limits;
   double seconds_to_full_acceleration = 0;  ///< limit of jerk (robcl::motion::Smoothing); 0: none
   robcl::Frame tool_offset;                 ///< tool frame seen from the flange
-  /// Tells where the arm stands. The text becomes the start of an error of `mount`; see
+  /// A sentence that says where the arm stands. Errors of `mount` begin with it; see
   /// ManipulatorServant.
   std::string place;
 };
@@ -32,7 +32,8 @@ struct ArmDescription {
 /// A mistake in the files of an arm.
 struct ArmFileError {
   std::string file;  ///< the TOML file
-  /// From 1. Of a missing key: the line on which its table begins. 0: the file cannot be read.
+  /// The number of the line with the mistake, from 1. For a missing key, the line on which its
+  /// table begins; 0 if the file cannot be read.
   std::size_t line = 0;
   std::string key;   ///< for example "tool.offset_mm"; empty if the file is not TOML
   std::string text;  ///< the mistake, and how to mend it
@@ -53,8 +54,8 @@ tl::expected<ArmDescription, ArmFileError> parse_arm(const std::string& toml,
 /// Reads the TOML file `file` and its URDF file.
 tl::expected<ArmDescription, ArmFileError> read_arm(const std::filesystem::path& file);
 
-/// The texts of the two files of an arm. The build makes them a part of the program that serves
-/// exactly this arm; see Arm.cmake.
+/// The texts of the two files of an arm. The build compiles these texts into the program that
+/// serves this arm; see Arm.cmake.
 struct ArmFiles {
   const char* file;  ///< name of the TOML file
   const char* toml;  ///< its text

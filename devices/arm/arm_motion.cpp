@@ -131,7 +131,7 @@ ArmMotion::Result ArmMotion::move(const Request& request, MotionWatcher& watcher
   return await(lock, link);
 }
 
-/// Waits for the result of `link`. The thread of the first link looks after all of them.
+/// Waits for the result of `link`. The thread of the first link watches the motion for all links.
 ArmMotion::Result ArmMotion::await(Lock& lock, Link& link) {
   while (!link.result) {
     if (link.joined && link.request.goes_over && !link.told && links_.size() < most_links) {
@@ -237,7 +237,7 @@ void ArmMotion::set_times() {
   }
 }
 
-/// Ends the moves whose corners are passed, and reports the progress of the first of the others.
+/// Ends the moves whose corners are passed, and reports the progress of the first remaining move.
 void ArmMotion::look_after_links() {
   const double now = playback_->elapsed(), shown = now - playback_->lag();
   const std::size_t entered = playback_->entered();

@@ -1,4 +1,4 @@
-// Which motion an arm makes, and what becomes of the moves of its callers.
+// Runs the motions of an arm, and reports to each caller the outcome of its move.
 #pragma once
 
 #include <cstdint>
@@ -37,8 +37,8 @@ class OutcomeWatch {
 };
 
 /// Runs the motions of an arm, one at a time. A motion is one move, or several moves that go over
-/// into each other: then several threads are in `move`, each until its own move has ended. The
-/// thread whose move ends next watches the motion. Thread-safe.
+/// into each other. In the second case, several threads wait in `move`, each until its own move has
+/// ended. The thread whose move ends first watches the motion. Thread-safe.
 class ArmMotion {
  public:
   using Result = tl::expected<void, MoveFailure>;
@@ -50,7 +50,7 @@ class ArmMotion {
     std::function<tl::expected<robcl::motion::Move, MoveFailure>(robcl::motion::Planner& planner,
                                                                  const JointValues& from)>
         make;
-    /// The arm need not stand at the goal if the next move comes in time.
+    /// True if the arm need not stop at the goal when the next move is requested in time.
     bool goes_over = false;
   };
 
@@ -59,14 +59,14 @@ class ArmMotion {
   ArmMotion(ArmController& controller, robcl::motion::Planner planner, double clock_speed = 1)
       : controller_(controller), clock_speed_(clock_speed), planner_(std::move(planner)) {}
 
-  /// Returns when the arm has arrived at the goal by its measured joint positions or, if it goes
-  /// over into the next move, when it is on the path of that one. Refused while the arm makes
-  /// another motion, unless that goes over into this one. If the arm cannot go over, it stands
-  /// before this move begins.
+  /// Returns when the arm has arrived at the goal by its measured joint positions. If the arm goes
+  /// over into the next move, returns when the arm is on the path of that move. Refused while the
+  /// arm makes another motion, unless that motion goes over into this move. If the arm cannot go
+  /// over, it stops before this move begins.
   Result move(const Request& request, MotionWatcher& watcher);
 
-  /// Makes a motion that no other one follows, by the generator that `make` returns for the joint
-  /// positions at which the arm stands. Returns when the arm stands.
+  /// Makes a motion that does not go over into another one. `make` gets the joint positions at
+  /// which the arm stands, and returns the generator of the motion. Returns when the arm stands.
   Result alone(const std::function<Generator(const JointValues& from)>& make,
                MotionWatcher& watcher);
 
@@ -75,7 +75,8 @@ class ArmMotion {
   /// interrupts the wait, the drives may still turn on.
   Result reset_drives(MotionWatcher& watcher);
 
-  /// Calls `change` if the arm makes no motion, and while it makes none; else returns false.
+  /// Calls `change` if the arm makes no motion, and lets no motion begin before `change` returns.
+  /// Returns false, and does nothing, if the arm makes a motion.
   bool while_standing(const std::function<void()>& change);
 
  private:
@@ -88,7 +89,8 @@ class ArmMotion {
     std::size_t plan = 0;  // number of the first plan in `playback_` that leads to its goal
     double begins = 0;     // times in s by MoveChain
     double ends = 0;
-    /// Where the arm goes over into the next move; nothing if it will stand at the goal.
+    /// The place where the arm goes over into the next move; nullopt if the arm will stop at the
+    /// goal.
     std::optional<robcl::motion::MoveChain::Corner> corner{};
     std::size_t corner_plan = 0;  // number of the first plan that has the corner
     std::optional<Result> result{};
@@ -99,7 +101,8 @@ class ArmMotion {
   Result while_claimed(const std::function<void()>& start, MotionWatcher& watcher);
   Result await(Lock& lock, Link& link) GECOS_REQUIRES(mutex_);
   void watch(Lock& lock) GECOS_REQUIRES(mutex_);
-  /// Returns why `link` cannot be planned; it is not planned either if the arm must stand before.
+  /// Begins the motion of `link`, or lets the running motion go over into it. Returns the reason if
+  /// the move is impossible. Does nothing if the arm must stop first.
   std::optional<MoveFailure> plan(Link& link) GECOS_REQUIRES(mutex_);
   std::optional<MoveFailure> begin_or_follow(Link& link) GECOS_REQUIRES(mutex_);
   std::optional<MoveFailure> begin(Link& link) GECOS_REQUIRES(mutex_);

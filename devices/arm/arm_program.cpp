@@ -109,8 +109,9 @@ class Serving {
     return settings;
   }
 
-  /// Simulated joints need no punctual control loop, so that for them a warning would be too much.
-  /// Not in real time, the loop may need a whole core, which it must not take from other programs.
+  /// Simulated joints need no punctual control loop, so for them a missing real-time priority
+  /// causes no warning. A loop that does not run in real time may need a whole core; it gets no
+  /// real-time priority, so that it does not take the core from other programs.
   void begin_control() const {
     if (line_.clock() != 1) return;
     if (const auto missing = make_real_time()) {

@@ -13,18 +13,20 @@
 
 namespace devices {
 
-/// The settings in which the program of one arm differs from the programs of other arms.
+/// The settings of the program that serves one arm.
 struct ArmProgram {
   std::string program;  ///< name of the program, for example "robcl-rx90"
-  /// The description of the arm. Without it, the first argument of the program is the TOML file of
-  /// the arm.
+  /// The files that describe the arm. Without a value, the first argument on the command line is
+  /// the TOML file of the arm.
   std::optional<ArmFiles> files{};
   /// Makes the driver of the real joints of `arm`. If this function is empty, the program simulates
-  /// the joints. What it throws ends the program with the text of the exception.
+  /// the joints. An exception of this function ends the program, which prints the text of the
+  /// exception.
   std::function<std::unique_ptr<JointDriver>(const ArmDescription& arm)> connect{};
 };
 
-/// Makes the servant of an arm. `place`: see ManipulatorServant.
+/// A function that makes the servant of an arm. `place` is a sentence that says where the arm
+/// stands; see ManipulatorServant.
 using MakeServant =
     std::function<std::unique_ptr<ManipulatorServant>(ArmDevice& arm, std::string place)>;
 

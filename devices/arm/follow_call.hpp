@@ -13,7 +13,7 @@
 
 namespace devices {
 
-/// The samples of `alter`, for the control loop.
+/// Gives the samples of the inward stream `alter` to the control loop, as corrections.
 class StreamCorrections final : public robcl::motion::CorrectionSource {
  public:
   using Stream = gecos::Inward<Frame>;
@@ -25,7 +25,7 @@ class StreamCorrections final : public robcl::motion::CorrectionSource {
   void report(const robcl::motion::FollowState& state) override { state_.write(state); }
 
   robcl::motion::FollowState state() const { return state_.read(); }
-  /// Must be called before the stream ends. From then on there are no corrections.
+  /// Must be called before the stream ends. The source then returns no more corrections.
   void close() { stream_.store(nullptr); }
 
  private:
@@ -33,7 +33,7 @@ class StreamCorrections final : public robcl::motion::CorrectionSource {
   Latest<robcl::motion::FollowState> state_{{}};
 };
 
-/// A MotionWatcher for the handler of `follow`, which makes the reply, too.
+/// A MotionWatcher for the handler of `follow`. Also makes the reply of the handler.
 class FollowCall final : public MotionWatcher {
  public:
   using Progress = gecos::Execution<robcl::FollowState>;

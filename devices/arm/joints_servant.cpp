@@ -10,7 +10,7 @@
 namespace devices {
 namespace {
 
-/// Copies the joint positions to `joints`, and resizes it first if it is a sequence.
+/// Copies the joint positions to `joints`. If `joints` is a sequence, resizes it first.
 template <typename Joints>
 void write_to(Joints& joints, const JointValues& known) {
   const auto count = static_cast<std::size_t>(known.size());
@@ -25,7 +25,7 @@ Joints on_wire(const JointValues& known) {
   return joints;
 }
 
-/// Returns what is wrong with the joint positions that a caller gave to an arm of `axes` joints.
+/// Returns the error in the joint positions that a caller gave to an arm with `axes` joints.
 template <typename Positions>
 std::optional<std::string> problem_of(const Positions& given, std::size_t axes) {
   if (given.size() != axes) {

@@ -9,9 +9,9 @@
 
 namespace devices {
 
-/// Implements the operations of an interface that adds the joints to those of
-/// `robcl::Manipulator`, with an ArmDevice. `Interface` is the generated servant class, `Joints`
-/// the type of its joint positions. Thread-safe.
+/// Implements an interface that adds operations for the joints to `robcl::Manipulator`. Uses an
+/// ArmDevice. `Interface` is the generated servant class, `Joints` the type of its joint positions.
+/// Thread-safe.
 template <std::derived_from<robcl::ManipulatorServant> Interface, typename Joints>
 class JointsServant : public virtual Interface, public ManipulatorServant {
  public:

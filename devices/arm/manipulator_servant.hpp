@@ -13,8 +13,8 @@ namespace devices {
 /// Implements the operations of the interface `robcl::Manipulator` with an ArmDevice. Thread-safe.
 ///
 /// The servant of an arm with an interface of its own derives from the generated servant class of
-/// that interface, and from this class, SixAxisServant or ArticulatedArmServant. It implements what
-/// the interface adds.
+/// that interface, and from this class, SixAxisServant or ArticulatedArmServant. The servant
+/// implements only the operations that its interface adds.
 class ManipulatorServant : public virtual robcl::ManipulatorServant {
  public:
   /// `place` says where the arm stands, for example "an RX90 weighs 111 kg and stands on the

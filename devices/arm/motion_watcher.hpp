@@ -3,8 +3,8 @@
 namespace devices {
 
 /// The interface through which a running motion reports its progress to its caller, and asks
-/// whether the caller interrupts the motion. The arm calls these functions about every 5 ms, one at
-/// a time, on any thread that moves it.
+/// whether it must end. The arm calls these functions about every 5 ms, one at a time, on any of
+/// the threads that wait for the motion.
 class MotionWatcher {
  public:
   virtual ~MotionWatcher() = default;
@@ -14,10 +14,10 @@ class MotionWatcher {
   /// Receives the progress of the motion: `fraction` is the passed part of the motion's duration, 0
   /// to 1; `remaining` is the time in s until it ends.
   virtual void progress(double fraction, double remaining) = 0;
-  /// The arm has taken the move, and may get the next one.
+  /// Called when the arm has accepted the move. The caller may then request the next move.
   virtual void taken() {}
-  /// Tells that the arm will not stop at the goal, because it goes over into the next move. It
-  /// passes the goal at the distance `distance`, in m.
+  /// Called when the arm will not stop at the goal, because it goes over into the next move. The
+  /// tool passes the goal at the distance `distance`, in m.
   virtual void passes_goal(double distance) { static_cast<void>(distance); }
 };
 

@@ -1,4 +1,4 @@
-// Why an arm did not make a motion, or did not end it.
+// The reasons why an arm did not make or did not complete a motion.
 #pragma once
 
 #include <string>

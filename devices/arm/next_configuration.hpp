@@ -20,15 +20,16 @@ class NextConfiguration {
     if (wanted_.size() == most_sessions) wanted_.pop_front();
     wanted_.emplace_back(session, wanted);
   }
-  /// Returns the configuration for this joint move of the session, and forgets it; nullopt if the
-  /// session has set none.
+  /// Returns the configuration for the joint move that the session has just requested, and forgets
+  /// it. Returns nullopt if the session has set no configuration.
   std::optional<robcl::arm::Configuration> take(std::uint64_t session) {
     const gecos::MutexLock lock(mutex_);
     return take_held(session);
   }
 
  private:
-  // Sessions that set a configuration and never move are forgotten, the oldest first.
+  // The number of sessions that are remembered. Sessions that set a configuration and never move
+  // are forgotten, the oldest first.
   static constexpr std::size_t most_sessions = 64;
 
   std::optional<robcl::arm::Configuration> take_held(std::uint64_t session) GECOS_REQUIRES(mutex_) {

@@ -17,7 +17,7 @@ struct DriverFault {
   std::string text;
 };
 
-/// Tells which member of a JointCommand the drives follow. A driver may use the other one as
+/// The member of a JointCommand that the drives follow. A driver may use the other member as
 /// feed-forward.
 enum class ControlMode { Position, Velocity };
 

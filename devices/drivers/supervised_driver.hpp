@@ -29,7 +29,7 @@ class SupervisedDriver {
   tl::expected<void, DriverFault> enable();
   tl::expected<void, DriverFault> disable();
   tl::expected<void, DriverFault> reset();
-  /// Writes the command for the next `seconds`, and reads.
+  /// Writes the command for the next `seconds`, and reads the state of the joints.
   tl::expected<JointState, DriverFault> exchange(const JointCommand& command, double seconds);
 
  private:

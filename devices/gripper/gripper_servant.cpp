@@ -59,8 +59,7 @@ gecos::Result<robcl::Frame> GripperServant::grip_point() {
   return *world_from_base * base_from_grip_point_;
 }
 
-/// Returns the body that the jaws would touch if they closed now; nullopt if they would touch no
-/// body.
+/// Returns the body that the jaws would touch if they closed now; nullopt if there is no such body.
 gecos::Result<std::optional<SimulatedGripper::Contact>> GripperServant::contact() {
   if (world_.name().empty()) return std::nullopt;
   const auto point = grip_point();
@@ -87,9 +86,9 @@ gecos::Result<void> GripperServant::let_jaws_move(Run& run) {
   }
 }
 
-/// Waits until the simulated world shows that this gripper is, or is no longer, among those that
-/// hold the body `body`. Otherwise the next motion of the arm could start before the body is
-/// attached or released.
+/// Waits until the simulated world reports that this gripper holds, or no longer holds, the body
+/// `body`. Without this wait, the next motion of the arm could start before the body is attached or
+/// released.
 gecos::Result<void> GripperServant::wait_for_world(const std::string& body, WorldShows what,
                                                    Run& run) {
   const auto deadline = std::chrono::steady_clock::now() + world_takes_notice;

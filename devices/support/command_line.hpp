@@ -18,8 +18,9 @@ struct Option {
 };
 
 /// Reads the arguments of a device program. If `exit_status` has a value, `main` must return this
-/// value. Every device program has the option --clock, for the speed of its LabClock. Its default
-/// is the environment variable ROBCL_CLOCK, which all programs of a laboratory share, or 1.
+/// value. Every device program has the option --clock, for the speed of its LabClock. The default
+/// of --clock is the environment variable ROBCL_CLOCK, which all programs of a laboratory share, or
+/// 1.
 class CommandLine {
  public:
   /// Reads the arguments. Prints the usage if one of them is --help. Prints an error and the usage
@@ -40,7 +41,7 @@ class CommandLine {
   /// Returns the value of --clock: simulated seconds that are to pass in a second.
   double clock() const { return number("clock"); }
 
-  /// Refuses a clock other than 1. `why` says what there is that is not simulated.
+  /// Refuses a clock other than 1. `why` names the hardware that is not simulated.
   void need_real_time(const std::string& why);
 
   /// Prints the error `what` and the usage. `exit_status` is 2 from then on.

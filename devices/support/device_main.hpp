@@ -25,8 +25,8 @@ struct Served {
   std::string name;     ///< name under which clients find the object
   bool simulated = true;
   double clock = 1;  ///< speed of the device's LabClock
-  /// Whether handlers wait for other objects. If so, the handlers run on the object's executor and
-  /// not on the I/O loop.
+  /// True if handlers wait for other objects. The handlers then run on the executor of the object
+  /// and not on the I/O loop.
   bool blocking = false;
   std::vector<Beat> beats{};  ///< started once the object is served
 };

@@ -1,4 +1,5 @@
-// The clock of a simulated laboratory: how much simulated time passes in a second.
+// The clock of a simulated laboratory. Its speed says how much simulated time passes in a second of
+// real time.
 #pragma once
 
 #include <atomic>
@@ -10,8 +11,9 @@ namespace devices {
 /// Thread-safe.
 class LabClock {
  public:
-  /// At a lower speed, readers would take the samples of a control loop for lost. At a higher
-  /// speed, each cycle would begin when the previous one ends, as it already does at `fastest`.
+  /// At a lower speed than `slowest`, readers would consider the samples of a control loop as lost.
+  /// A higher speed than `fastest` would have no effect, because already at `fastest` each cycle
+  /// begins when the previous one ends.
   static constexpr double slowest = 0.1, fastest = 100'000;
 
   /// `speed`: simulated seconds that are to pass in a second. @pre `slowest` to `fastest`.
@@ -19,8 +21,8 @@ class LabClock {
 
   double speed() const { return speed_; }
   bool real_time() const { return speed_ == 1; }
-  /// Returns the speed that the device reached lately. It is below `speed()` if the machine is too
-  /// slow.
+  /// Returns the speed that the device has recently reached. This speed is below `speed()` if the
+  /// machine is too slow.
   double reached() const { return reached_.load(); }
   void set_reached(double speed) { reached_.store(speed); }
 

@@ -28,7 +28,8 @@ Pace::Cycle Pace::next(gecos::TimePoint now) {
   return cycle;
 }
 
-/// The first window tells what is known so far, because the asked speed may be far from the truth.
+/// During the first window, the mean over the time so far is reported, because the requested speed
+/// may be far from the real one.
 void Pace::measure(gecos::TimePoint now) {
   const gecos::Duration passed = now - measured_since_;
   const bool full = passed >= window;

@@ -4,31 +4,33 @@
 
 namespace devices {
 
-/// Tells when the cycles of a device begin. Time is passed in. It has two rules for cycles that are
-/// late:
+/// Decides when the cycles of a device begin. The caller passes the current time. There are two
+/// rules for late cycles:
 ///
 /// In real time, at speed 1, a late cycle does not delay the following cycles: missed cycles are
 /// skipped, and the next cycle gets their number. At any other speed no cycle is skipped. A device
-/// that is late makes its next cycles without a pause, until it has caught up or is late by
-/// `most_behind`: then simulated time passes more slowly than asked.
+/// that is late begins its next cycles without a pause until it has caught up. If it is late by
+/// `most_behind`, simulated time passes more slowly than requested.
 class Pace {
  public:
   static constexpr gecos::Duration most_behind = std::chrono::milliseconds(20);
-  /// The reached speed is the mean over this time.
+  /// The time over which `reached` takes the mean.
   static constexpr gecos::Duration window = std::chrono::milliseconds(200);
 
-  /// `period` is the simulated time from one cycle to the next, `speed` the simulated seconds that
-  /// are to pass in a second.
+  /// `period` is the simulated time from one cycle to the next, `speed` the number of simulated
+  /// seconds that are to pass in a second of real time.
   Pace(gecos::Duration period, double speed, gecos::TimePoint start);
 
   struct Cycle {
     gecos::TimePoint begins;
     double seconds = 0;  ///< simulated time since the last cycle
   };
-  /// Returns the cycle that follows the last one. Must be called once for each cycle.
+  /// Returns when the next cycle begins and how much simulated time it simulates. Must be called
+  /// once for each cycle.
   Cycle next(gecos::TimePoint now);
 
-  /// Returns the simulated seconds that passed in a second, lately.
+  /// Returns how many simulated seconds passed in a second of real time, as the mean over the last
+  /// `window`.
   double reached() const { return reached_; }
 
  private:

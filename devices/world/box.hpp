@@ -30,8 +30,9 @@ struct Between {
   double lower = 0, upper = 0;  ///< limits of the part along the jaws' y axis, m
 };
 
-/// Returns the part of the box that lies between jaws at the frame `jaws`, where |x| <= pad[0]/2,
-/// |y| <= opening/2 and |z| <= pad[1]/2. Returns nullopt if no part of the box lies there.
+/// Returns the part of the box that lies between the two jaws of a gripper. The space between the
+/// jaws is |x| <= pad[0]/2, |y| <= opening/2 and |z| <= pad[1]/2, seen from the frame `jaws`.
+/// Returns nullopt if no part of the box lies in this space.
 std::optional<Between> between_jaws(const Frame& jaws, const Eigen::Vector2d& pad, double opening,
                                     const Box& box);
 

@@ -23,11 +23,12 @@ struct SimulatedBody {
 };
 
 /// A simulated laboratory of bodies. A gripper that grips a body attaches the body, at its present
-/// pose, to the gripper's carrier. Several grippers may hold one body: the last one that took hold
-/// carries the body, which slides through the jaws of the others. When the carrying gripper lets
-/// go, the last of the others carries the body from where it is. A body that its last holder
-/// releases falls straight down onto the body below it and keeps its orientation. A body that is
-/// not held does not move, even when the body below it is taken away. Thread-safe.
+/// pose, to the gripper's carrier. Several grippers may hold one body: the gripper that gripped it
+/// last carries the body, which slides through the jaws of the other grippers. When the carrying
+/// gripper opens, the body stays where it is, and of the other grippers the one that gripped it
+/// last carries it. A body that its last holder releases falls straight down onto the body below it
+/// and keeps its orientation. A body that is not held does not move, even when the body below it is
+/// taken away. Thread-safe.
 class SimulatedWorld {
  public:
   struct Hit {

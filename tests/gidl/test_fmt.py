@@ -138,7 +138,7 @@ def test_conditions_around_half_a_body_are_refused_by_line() -> None:
 
 
 def test_a_skipped_hash_inside_a_line_is_not_made_a_line_of_its_own() -> None:
-    with pytest.raises(UnreadableError, match="does not begin its line") as caught:
+    with pytest.raises(UnreadableError, match="has text before a '#' on the same line") as caught:
         layout("#if 0\nold #else\nmodule m { const long x = 1; };\n#endif\n")
     assert caught.value.line == 2
 

@@ -168,7 +168,7 @@ def test_who_has_not_the_right_link_is_refused_and_the_invitation_stays(
     stranger = User(tmp_path / "stranger")
     code, out = stranger.gecos("join", str(change(JoinUrl.parse(link))), "--as", "eve@bench")
     assert code == 2
-    assert "the invitation of this link is not known here" in out
+    assert "this link does not belong to an invitation of this laboratory" in out
     assert stranger.owners() == []
     assert desk.gecos("join", link, "--as", "ben@desk")[0] == 0
     assert json.loads(cell.heard()[1])["owner"] == "ben@desk"

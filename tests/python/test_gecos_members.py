@@ -575,7 +575,7 @@ def test_stop_names_an_object_that_may_still_move(
     shown = json.loads(out)
     assert valid(out, "stop")
     assert (code, shown["stopped"], shown["failed"][0]["name"]) == (3, ["ARM"], "STUCK")
-    said = "its server has not confirmed the stop within 5 s; it may still move"
+    said = "its server has not confirmed the stop within 5 s; the object may still move"
     assert err == f"gecos: STUCK was not stopped: {said}\n"
 
 

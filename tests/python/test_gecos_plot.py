@@ -279,7 +279,7 @@ def test_the_limits_of_every_arm_of_the_tree_are_read(arm: str) -> None:
 @pytest.mark.parametrize(
     ("file", "text", "said"),
     [
-        ("arm.yaml", "", "in a file ARM.toml or ARM.urdf; name one"),
+        ("arm.yaml", "", "in a file ARM.toml or ARM.urdf; name such a file"),
         ("arm.toml", "= 1", "arm.toml: this is no TOML"),
         ("arm.toml", "name = 'A'", "arm.toml: the key urdf is missing or no text"),
         ("arm.urdf", "<robot>", "arm.urdf: this is no XML"),

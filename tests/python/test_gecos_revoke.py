@@ -108,5 +108,5 @@ def test_revoke_without_a_broker_removes_the_key_and_says_that_servers_are_not_k
     code, out, err = run("revoke", "anna@desk")
     assert code == 3
     assert out.startswith("removed ")
-    assert "the servers are not known, and those of other users not reached" in err
+    assert "the broker lists no servers, so servers of other users were not reached" in err
     assert not (folder / f"{KEY}.public").exists()

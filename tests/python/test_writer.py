@@ -170,7 +170,9 @@ def test_a_sample_outside_its_range_or_type_is_not_sent(
 
 def test_without_a_lease_nothing_is_sent(dancer: Any) -> None:
     speed = dancer.speed.writer()
-    with pytest.raises(gecos.CommandFailed, match="it needs actor status; hold a lease") as refused:
+    with pytest.raises(
+        gecos.CommandFailed, match="the stream needs actor status; hold a lease"
+    ) as refused:
         speed.send(1.0)
     assert refused.value.detail is gecos.Detail.DENIED
 
@@ -192,7 +194,9 @@ def test_a_sample_for_a_command_that_was_never_sent_is_refused(dancer: Any, feed
         late = gecos.with_deadline(dancer, 0).follow()
         assert late.progress().detail is gecos.Detail.EXPIRED
         alter.feeds(late)
-        with pytest.raises(gecos.CommandFailed, match="the command that it feeds was not sent"):
+        with pytest.raises(
+            gecos.CommandFailed, match="the command that the sample feeds was not sent"
+        ):
             alter.send(feeder.Step(x=0.0, count=0))
         alter.feeds(None)
         alter.send(feeder.Step(x=0.0, count=0))

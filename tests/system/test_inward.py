@@ -19,7 +19,7 @@ speeds: 0.5 1 1.5
 out of range: speed: 2.5 is outside [0.0, 2.0] m/s; give at most 2.0 m/s
 moved: 0.100
 alter: admitted 5, command_not_running 1; its command does not run
-speed: admitted 3, no_status 1; its sender does not have the status, or the status has ended
+speed: admitted 3, no_status 1; the sender does not have the status, or the status has ended
 remark: good bye
 """
 

@@ -1,4 +1,4 @@
-"""Pairs old declarations with new ones, and compares types by their encoding."""
+"""Pairs old declarations with new declarations, and compares types by their encoding."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Sides:
 
     def declarations(self) -> Iterator[tuple[AnyDeclaration, AnyDeclaration | None]]:
         """Pairs each old declaration with the new one, or with None if the declaration was removed.
-        A removed declaration is left out if its file was only included by other files, because
+        Leaves out a removed declaration if its file was only included by other files, because
         perhaps only the `#include` was removed."""
         became = {_key(self.new, d): d for d in self.new.declarations()}
         for file in self.old.files:

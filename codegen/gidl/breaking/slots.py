@@ -245,7 +245,7 @@ def bounds(
         was, is_now = ("were", "are") if what.startswith("the ") else ("was", "is")
         report.add("G1006", subject,
                    f"{what} {was} {_bounds(limits[0])} and {is_now} now {_bounds(limits[1])}",
-                   "one side may send values that the other refuses",
+                   "one of the programs may send values that the other program refuses",
                    "keep the range, and add another declaration with the new range",
                    new=places[0], old=places[1])  # fmt: skip
 

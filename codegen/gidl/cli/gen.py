@@ -233,8 +233,8 @@ def texts_of(compiled: Compiled, languages: Collection[str]) -> dict[str, str]:
 
 def _sources(chosen: argparse.Namespace, compiled: Compiled) -> Collection[str] | None:
     """Returns the stems (paths without suffix) of the interface files whose stale output is
-    removed: those named on the command line. None means that the stale output of all interfaces is
-    removed."""
+    removed. These are the files named on the command line. None means that the stale output of all
+    interfaces is removed."""
     if chosen.prune or not chosen.files:
         return None
     return {source_stem(file.path) for file in compiled.model.files if file.asked_for}

@@ -1,4 +1,5 @@
-"""`gidl new`: writes the first files of a new device, or with --mock those of a mock server."""
+"""`gidl new`: writes the first files of a new device, or with --mock the first files of a mock
+server."""
 
 from __future__ import annotations
 

@@ -120,7 +120,7 @@ def _head(place: Path) -> str:
 
 def not_ours(outputs: Outputs, difference: Difference) -> list[Path]:
     """Returns the files on disk that gidl did not generate, but that have the path of a generated
-    file. They include pipes and devices, because gidl would write to those."""
+    file. Also returns pipes and devices with such a path, because gidl would write into them."""
     places = [outputs.place(path) for path in difference.changed]
     return [
         place

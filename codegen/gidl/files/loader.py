@@ -63,7 +63,7 @@ class Loader:
     _open: list[str] = field(default_factory=list)
     # Paths of files whose include guard, or #pragma once, keeps them from being read again.
     _protected: set[str] = field(default_factory=set)
-    # Maps the path of a file to those of its includes that the loader has not yet read to the end,
+    # Maps the path of a file to the included files that the loader has not yet read to the end,
     # because they include the file themselves. An include guard makes such a cycle legal.
     _cut: dict[str, list[str]] = field(default_factory=dict)
 
@@ -262,8 +262,8 @@ class Loader:
         )
 
     def _is_open(self, include: Include, source: Source) -> bool:
-        """Returns whether the loader is still reading the included file. Its names are then known
-        later."""
+        """Returns whether the loader is still reading the included file. The names in that file are
+        then not known yet."""
         place = self._find(include, source)
         return place is not None and self._by_place.get(place.resolve()) in self._open
 
@@ -410,7 +410,7 @@ def absolute(place: Path) -> Path:
 
 
 def _shown(place: Path) -> str:
-    """Returns the path to print. It is relative to the current folder if the file is below that
+    """Returns the path for messages: relative to the current folder if the file is below that
     folder."""
     try:
         return place.absolute().relative_to(Path.cwd()).as_posix()

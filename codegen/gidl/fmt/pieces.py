@@ -61,7 +61,7 @@ def scan(text: str) -> list[Piece]:
             if kind == "directive":
                 # Other text precedes the '#', which is possible where '#if' skips text.
                 if newlines == 0:
-                    raise UnreadableError(line, "has a '#' that does not begin its line")
+                    raise UnreadableError(line, "has text before a '#' on the same line")
                 body = text[at : directive_line(text, at)[1]]
             shown = re.sub(r"[ \t\r\f\v]+(?=\n|$)", "", body)
             if kind == "directive":

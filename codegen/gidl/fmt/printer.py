@@ -96,7 +96,8 @@ def _with_comments(part: Laid, column: int) -> list[str]:
 
 
 def _alone(piece: Piece, indent: int) -> list[str]:
-    """Returns the lines of a preprocessor line, or of a comment that stands alone on its line."""
+    """Returns the output lines for a preprocessor directive, or for a comment without code on its
+    line."""
     if piece.kind == "directive":
         return piece.text.split("\n")
     first, *more = piece.text.split("\n")

@@ -4,10 +4,10 @@ A hash is the first 8 bytes of the SHA-256 of a canonical text, read as an unsig
 number.
 
 The *operation hash* covers the name, direction and type of every value on the wire, the exceptions
-and `oneway`. Compatible edits do not change it. It leaves out defaulted or optional parameters at
-the end of an operation, and defaulted or optional members at the end of an appendable struct. It
-also leaves out the enumerators of an enum with a default literal. A client and a server with equal
-operation hashes can call each other.
+and `oneway`. Compatible edits do not change it. The operation hash leaves out defaulted or optional
+parameters at the end of an operation, and defaulted or optional members at the end of an appendable
+struct. It also leaves out the enumerators of an enum with a default literal. A client and a server
+with equal operation hashes can call each other.
 
 The *interface hash* covers the whole interface and its bases, and leaves out nothing. If client and
 server have equal interface hashes, they compare nothing more. Otherwise the operation hashes

@@ -187,8 +187,8 @@ def node_of(
     limits: Range | None = None,
     unit: str | None = None,
 ) -> Node:
-    """Returns the node of a value of type `used`, with typedefs resolved. `limits` and
-    `unit` are the range and the unit that are declared for the value. They apply to the number, or
+    """Returns the node of a value of type `used`, with typedefs resolved. `limits` and `unit` are
+    the range and the unit that are declared for the value. Range and unit apply to the number, or
     to the elements of an array or sequence."""
     node = _bare_node(model, used, limits, unit)
     return OptionalNode(node) if optional else node

@@ -1,4 +1,4 @@
-"""What a file declares, except interfaces: structs, unions, enums, typedefs and constants."""
+"""The declarations of a file, except interfaces: structs, unions, enums, typedefs and constants."""
 
 from __future__ import annotations
 
@@ -95,8 +95,8 @@ class Struct(Declaration):
 
 @dataclass(frozen=True, slots=True)
 class ExceptionStruct(Struct):
-    """An exception that an operation may raise. It has members like a struct, but is never used as
-    a value."""
+    """An exception that an operation may raise. An exception has members like a struct, but is
+    never used as a value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +147,7 @@ class Bitfield:
 
     @property
     def is_signed(self) -> bool:
-        """Whether the highest bit is a sign."""
+        """True if the highest bit is a sign."""
         return self.type.kind.is_integer and not self.type.kind.is_unsigned
 
 

@@ -19,8 +19,8 @@ class Access(IntEnum):
 
 
 class OnNew(Enum):
-    """Decides what the server does with a new actor command while another actor command of the
-    object is running."""
+    """The reaction of the server to a new actor command while another actor command of the object
+    is running."""
 
     QUEUE = "queue"
     REJECT = "reject"

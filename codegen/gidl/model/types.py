@@ -86,7 +86,7 @@ class Primitive(Enum):
 
     @property
     def is_integer(self) -> bool:
-        """Whether the type is an integer type. Octets count as integers; characters and booleans do
+        """True if the type is an integer type. Octets count as integers; characters and booleans do
         not."""
         return self.value.startswith(("int", "uint")) or self is Primitive.OCTET
 

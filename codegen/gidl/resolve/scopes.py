@@ -34,7 +34,7 @@ _ELSEWHERE = {
     "uint8_t": "uint8", "uint16_t": "uint16", "uint32_t": "uint32", "uint64_t": "uint64",
 }  # fmt: skip
 
-# Names of built-in types. They are suggested for misspelled types.
+# Names of built-in types, which errors suggest for misspelled types.
 _BUILT_IN = (
     "boolean", "char", "double", "float", "int16", "int32", "int64", "int8", "long", "map",
     "octet", "sequence", "short", "string", "uint16", "uint32", "uint64", "uint8", "unsigned",

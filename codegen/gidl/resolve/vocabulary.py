@@ -18,7 +18,7 @@ from gidl.resolve.constants import Computed, describe_kind
 from gidl.syntax.annotation_places import PLACES
 from gidl.syntax.tree import AnnotationUse
 
-# Annotations of the IDL standard that have no meaning in .gidl. They are never reported as
+# Annotations of the IDL standard that have no meaning in .gidl. gidl never reports them as
 # misspelled.
 _STANDARD = frozenset(
     [
@@ -66,8 +66,8 @@ class Declared:
 
 @dataclass(frozen=True, slots=True)
 class Applied:
-    """One use of an annotation. All arguments have a value: those that the use does not write have
-    their defaults."""
+    """One use of an annotation. All arguments have a value; an argument that is not written has its
+    default."""
 
     name: str
     arguments: Mapping[str, Value]

@@ -81,7 +81,7 @@ NOT_YET = (
     ),
     Term("open_stream", "", _always, "over lcm the stream is sealed like any other"),
     Term("bulk", "", _always, "the value is sent like any other value"),
-    Term("qos", "latency", _no_real_time, "only a class with REALTIME makes it bind"),
+    Term("qos", "latency", _no_real_time, "a latency is a limit only with a REALTIME class"),
     Term("qos", "lifespan", _is_call, "only the samples of a stream have an age"),
     Term("qos", "liveliness", _is_call, "only a stream has a writer"),
     Term("qos", "start_by", _is_stream, "only a call has a start"),

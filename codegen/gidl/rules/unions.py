@@ -63,7 +63,8 @@ def _union(model: Model, union: Union, findings: Findings) -> None:
 
 
 def _value_count(model: Model, union: Union) -> int | None:
-    """Returns how many values the discriminator has if it is an enum or a boolean; else None."""
+    """Returns the number of values of the discriminator if its type is an enum or boolean; None for
+    other types."""
     used = union.discriminator
     if isinstance(used, NamedType):
         enum = model.find(used.name)

@@ -20,8 +20,8 @@ def _words(text: str) -> frozenset[str]:
     return frozenset(text.split())
 
 
-# SI units, and other units that are accepted. @unit takes a product of them, for example "N*m" or
-# "m/s^2".
+# SI units, and other units that are accepted. @unit takes a product of these units, for example
+# "N*m" or "m/s^2".
 BASE_UNITS = _words(
     """
     m s kg A K mol cd rad sr Hz N Pa J W C V F ohm S Wb T H lm lx Bq Gy Sv kat 1 mm cm km um nm

@@ -76,7 +76,7 @@ def _expanded(text: str, macros: Macros) -> list[str]:
         else:
             result.append(word)
         if len(result) + len(work) > MAX_EXPANSION:
-            raise ValueError("its macros expand to too many tokens")
+            raise ValueError("the macros of the condition expand to too many tokens")
     return result
 
 

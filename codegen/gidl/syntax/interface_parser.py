@@ -70,7 +70,8 @@ class InterfaceParser(StructParser):
         return [InterfaceSyntax(name, bases, body, extras)]
 
     def _refuse_kind(self, token: Token) -> None:
-        """Refuses `abstract` or `local` before `interface`, once for each interface name."""
+        """Reports an error for `abstract interface` or `local interface`. Several declarations of
+        one interface name get one error together."""
         self._advance()
         if token.text == "abstract":
             what = ("G0207", "'abstract interface' is", "leave out 'abstract'")

@@ -192,8 +192,8 @@ class _Preprocessor:
             self._findings.error(
                 "G0211",
                 self._span(token),
-                f"macro '{name}' has parameters; such macros are not part of .gidl",
-                "replace its uses by their expansion, or use a constant",
+                f"macro '{name}' has parameters; .gidl has only macros without parameters",
+                "replace each use of the macro by its expansion, or use a constant",
             )
             return
         quiet = Findings()

@@ -70,6 +70,6 @@ def arm_of(union: Union) -> UnionCase:
 
 
 def nanoseconds(rate_hz: float | None) -> int:
-    """Returns the interval between two samples of a stream. It is one second if no rate is
-    declared."""
+    """Returns the interval between two samples of a stream. The interval is one second if no rate
+    is declared."""
     return round(1e9 / rate_hz) if rate_hz else 1_000_000_000

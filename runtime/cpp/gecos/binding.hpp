@@ -88,8 +88,8 @@ void decline_status(const std::shared_ptr<ClientSession>& session,
 class CallCore;
 
 /// Returns why the client that issued `call` may not register an object under `name`; an empty text
-/// when it may. For the broker: decides by [names] of the lab file, and writes a refusal to the
-/// audit.
+/// when it may. This function is for the broker. It decides by [names] of the lab file, and writes
+/// a refusal to the audit.
 std::string refusal_to_register(const CallCore& call, const std::string& name);
 
 class HandlerHere;

@@ -11,7 +11,8 @@
 #include "gecos/object.hpp"
 #include "gecos/object_types.hpp"  // generated from idl/gecos/object.gidl
 
-/// The built-in operations of every object, as free functions: an interface may use the same names.
+/// The built-in operations of every object, as free functions, so that an interface may have
+/// operations of the same names.
 namespace gecos {
 
 /// Actor or master status of one object, held by this session. A lease ends when it is released or
@@ -32,14 +33,15 @@ class [[nodiscard("keep the lease: its destructor releases the status")]] Lease 
   std::uint64_t epoch() const { return grant_.epoch; }
   /// Releases the status; queued and running commands still finish.
   void release();
-  /// Releases the status and stops the commands that are queued and running under it.
+  /// Releases the status, and stops the queued and running commands that were issued under it.
   void release_now();
   /// Returns true when the lease was acquired less than 100 ms ago and the program has issued no
-  /// call since.
+  /// call since then.
   bool fresh() const;
   /// Returns whether the status is certainly lost: the session has ended, or has acquired another
-  /// status since. False after a release, and while the program cannot know: that another client
-  /// has stopped the object shows only at the end of a command.
+  /// status since then. Returns false after a release. Also returns false while the program does
+  /// not know of a loss: if another client has stopped the object, the program learns it only when
+  /// one of its commands ends.
   bool lost() const;
 
  private:
@@ -62,11 +64,11 @@ std::ostream& operator<<(std::ostream& out, const LeaseRefusal& refusal);
 /// Options for acquiring a status.
 struct LeaseOptions {
   std::string password{};  ///< clients that pass the same password share the status
-  /// How long to wait while other clients hold the status. Waiting requests are granted in the
-  /// order of their arrival. Zero: do not wait. Duration::max(): wait without limit.
+  /// How long to wait while other clients hold the status. The server grants waiting requests in
+  /// the order of their arrival. Zero: do not wait. Duration::max(): wait without limit.
   Duration timeout{};
-  /// Called on the thread that acquires the status: when the wait begins, and whenever the number
-  /// of requests before this one changes. `before` is that number.
+  /// Called when the wait begins, and whenever the number of requests before this one changes, on
+  /// the thread that acquires the status. `before` is the number of requests before this one.
   std::function<void(std::uint32_t before)> on_position{};
 };
 
@@ -80,8 +82,8 @@ actor(const Object& object, std::string password = {});
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 actor(const Object& object, const LeaseOptions& options);
 void actor(std::string_view name) = delete;  // give a proxy, from lab.create
-/// Acquires master status. It gives the rights of actor status, and the server refuses the calls of
-/// all other clients.
+/// Acquires master status, which gives the rights of actor status. While a client has master
+/// status, the server refuses the calls of all other clients.
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
 master(const Object& object, std::string password = {});
 [[nodiscard("keep the lease: its destructor releases the status")]] Checked<Lease, LeaseRefusal>
@@ -91,38 +93,41 @@ void master(std::string_view name) = delete;  // takes a proxy, as gecos::actor 
 /// Stops the object for all clients: ends every lease except those of this session, removes all
 /// queued commands and interrupts the running ones.
 Command<void> stop(const Object& object);
-/// Takes sole command of a status that this session shares with others by password. Their running
-/// and queued commands end PREEMPTED, their later ones DENIED and their samples have no effect,
-/// until `give_back` or until the status of this session ends. Stops no command of this session.
-/// Fails as FAULT (StatusRefused) when this session has no status or another client has taken over.
+/// Takes sole command of a status that this session shares with other clients by password. The
+/// running and queued commands of the other clients end as PREEMPTED. Until `give_back`, or until
+/// the status of this session ends, their new commands end as DENIED and their samples have no
+/// effect. Stops no command of this session. Fails as FAULT (StatusRefused) when this session has
+/// no status or another client has taken over.
 Command<void> take_over(const Object& object);
-/// Ends the take-over of this session: the others may command again. No command that ended is
-/// started again. Does nothing without a take-over.
+/// Ends the take-over of this session, so that the other clients may issue commands again. The
+/// commands that the take-over ended are not started again. Does nothing if this session has not
+/// taken over.
 Command<void> give_back(const Object& object);
 /// Returns the requests for a status that wait in line (LeaseOptions::timeout), in the order of
-/// their arrival. The command ends when one of them has a larger id than `after`, at the latest
-/// after `timeout`, so that a holder can be called when another program asks:
-/// `gecos::requests(*robot, last, 60s).then(…)`. To grant a request, release the lease: the first
-/// in line gets the status when the last command has ended.
+/// their arrival. The command ends as soon as the id of a request is larger than `after`, at the
+/// latest after `timeout`. A holder can thus be told of a new request: `gecos::requests(*robot,
+/// last, 60s).then(…)`. To grant a request, release the lease: the first in line gets the status
+/// when the last command has ended.
 Command<std::vector<WaitingRequest>> requests(const Object& object, std::uint64_t after = 0,
                                               Duration timeout = {});
-/// Refuses the request with the id `request`, which waits. Its program gets a LeaseRefusal that
-/// names this program and says `why`. Finishes with false when the request waits no longer. Fails
-/// as FAULT (StatusRefused) when this session does not hold the status.
+/// Refuses the waiting request with the id `request`. The program that made the request gets a
+/// LeaseRefusal that names this program and says `why`. The result is false when the request no
+/// longer waits. Fails as FAULT (StatusRefused) when this session does not hold the status.
 Command<bool> deny(const Object& object, std::uint64_t request, const std::string& why = {});
-/// Ends every status of the object, as an administrator: the user of the server, root, or a user
-/// whom `[admin]` of the lab file names. The commands of the holders end LEASE_LOST, with `why` and
-/// the name of this program; the first request in line gets the status. A program must not do this
-/// by itself: `gecos break` is for persons. Fails as FAULT (StatusRefused) for all others.
+/// Ends every status of the object. Only an administrator may do this: the user of the server,
+/// root, or a user in `[admin]` of the lab file; for other users the command fails as FAULT
+/// (StatusRefused). The commands of the holders end as LEASE_LOST, with `why` and the name of this
+/// program. The first waiting request gets the status. A person should decide this, as by `gecos
+/// break`; a program must not do it automatically.
 Command<void> break_status(const Object& object, const std::string& why);
 Command<void> ping(const Object& object);
 Command<Description> describe(const Object& object);
 Command<std::vector<Holder>> holders(const Object& object);
 /// Returns what the object has counted since it is served: the calls of each operation and of each
-/// open session by outcome, the times of handlers, and the samples of each stream. Its counts are
-/// those of the server: what a reader of a stream lost is in `Stream::counts`, and the latency of a
-/// connection in `line_state`. A server that was built before this operation existed answers
-/// UNKNOWN_OPERATION.
+/// open session by outcome, the times of handlers, and the samples of each stream. All counts are
+/// made at the server. The samples that a reader of a stream lost are in `Stream::counts`, and the
+/// latency of a connection is in `line_state`. A server that was built before this operation
+/// existed answers UNKNOWN_OPERATION.
 Command<ObjectStats> stats(const Object& object);
 /// Returns the object's interface and each of its bases as JSON, for clients without generated
 /// code.

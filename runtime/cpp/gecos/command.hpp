@@ -116,8 +116,8 @@ class CommandCore {
   virtual Progress progress() const = 0;
   /// Returns the latest feedback, encoded; empty when no feedback has arrived.
   virtual Bytes feedback() const = 0;
-  /// Waits until the command is terminal or `deadline` has passed; true when terminal. Does not
-  /// hang when a process dies: the command then ends in bounded time.
+  /// Waits until the command is terminal or `deadline` has passed; true when terminal. If the
+  /// server process dies, the command still ends in bounded time.
   virtual bool wait_until(TimePoint deadline) = 0;
   /// Asks the server to cancel the command. The final state tells whether the request was in time.
   virtual void cancel() = 0;

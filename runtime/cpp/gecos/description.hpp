@@ -35,7 +35,7 @@ struct OperationDescription {
   qos::Quality quality{};
 };
 
-/// Makes an entry of a generated table. `rest` contains the members that differ from their
+/// Makes an entry of a generated table. `rest` has the values of the members that differ from their
 /// defaults.
 constexpr OperationDescription operation(std::uint32_t code, std::string_view name,
                                          std::uint64_t hash, OperationDescription rest = {}) {

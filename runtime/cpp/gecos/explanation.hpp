@@ -20,11 +20,11 @@ struct UnsuitedMember {
 /// The reasons for and against one medium of an object.
 struct MediumVerdict {
   std::string medium;       ///< "shm"
-  std::string address;      ///< under which the server offers the medium
-  std::string unreachable;  ///< why this program cannot reach the object over it; empty if it can
-  std::vector<qos::Violation>
-      violations;                       ///< terms of the interface's `@qos` that it does not meet
-  std::vector<UnsuitedMember> members;  ///< only of a suitable medium
+  std::string address;      ///< the address at which the server offers the medium
+  std::string unreachable;  ///< why the object is out of reach; empty: it is not
+  /// Terms of the interface's `@qos` that the medium does not meet.
+  std::vector<qos::Violation> violations;
+  std::vector<UnsuitedMember> members;  ///< only if the medium is suitable
 
   bool suitable() const { return unreachable.empty() && violations.empty(); }
 };
@@ -32,7 +32,7 @@ struct MediumVerdict {
 /// The media over which `create` would reach an object, and the reasons.
 struct Explanation {
   std::string name;
-  std::string interface_name;  ///< that of the object
+  std::string interface_name;  ///< the interface of the object
   std::string hostname;
   bool simulated = false;
   /// The suitable media first, in the order in which `create` tries them.

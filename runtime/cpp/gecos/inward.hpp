@@ -56,8 +56,8 @@ class InwardCore {
   /// Stores the oldest unread sample that is admitted now in `into`. Returns false when there is
   /// none. Never waits.
   virtual bool next(RawInward& into, Unfed unfed) = 0;
-  /// Must be called when the sample that `next` returned last does not decode: it then counts as
-  /// refused.
+  /// Must be called when the sample that `next` returned last does not decode. The sample then
+  /// counts as refused.
   virtual void unreadable(const RawInward& sample, const std::string& why) = 0;
   virtual bool expired() = 0;
   virtual FeedReport report() = 0;
@@ -74,16 +74,16 @@ void with_inward(const Servant& servant, const InwardDescription& stream,
 
 }  // namespace session
 
-/// The samples that clients send to an object on one inward stream. A generated servant has one for
-/// each such stream. Reading takes no mutex of the object, and allocates nothing for samples of a
-/// fixed size once a sample was read. One thread at a time may read.
+/// The samples that clients send to an object on one inward stream. A generated servant has one
+/// member of this type for each inward stream. Reading takes no mutex of the object, and allocates
+/// nothing for samples of a fixed size once a sample was read. One thread at a time may read.
 ///
 /// Each sample is judged when it is read: its session must be open, its sender must have the status
 /// that the stream needs under the present epoch, the sample must not be older than the watchdog or
-/// the lifespan, and the command that it feeds must take samples (Feeding). Other samples have no
-/// effect and are counted. After a pause of this process, samples are held back as long as commands
-/// are. Samples of one client come in order. If a client sends more samples than the depth of the
-/// stream between two reads, the oldest of them are lost.
+/// the lifespan, and the command that it feeds must take samples (Feeding). All other samples have
+/// no effect and are only counted. After a pause of this process, samples are held back until
+/// commands may start again. The samples of one client arrive in order. If a client sends more
+/// samples than the depth of the stream between two reads, the oldest of them are lost.
 template <class T>
 class Inward {
  public:
@@ -106,8 +106,8 @@ class Inward {
     while (auto later = next_within(looks)) sample = std::move(later);
     return sample;
   }
-  /// Returns true when no sample that next() or newest() has returned is younger than the watchdog
-  /// of the stream. After the beginning of a Feeding, one watchdog must pass first. Always false
+  /// Returns true when every sample that next() or newest() has returned is older than the watchdog
+  /// time of the stream. False for one watchdog time after the beginning of a Feeding. Always false
   /// for a stream without a watchdog.
   bool expired() const {
     bool expired = stream_.watchdog > Duration{};
@@ -142,7 +142,7 @@ class Inward {
     std::uint64_t number_ = 0;
   };
   /// Lets the command of a running handler take the samples: `const auto feeding =
-  /// alter().feeds(run);`. Samples of other commands and of none are then refused.
+  /// alter().feeds(run);`. Samples that feed another command or no command are then refused.
   template <class Feedback>
   Feeding feeds(const Execution<Feedback>& run) {
     return {*this, run.core()};

@@ -37,19 +37,19 @@ struct LabOptions {
 };
 
 struct CreateOptions {
-  /// The medium to use. `create` fails when this medium is not available, even if others are.
-  /// Without a value, `create` uses the best available medium.
+  /// The medium to use. `create` fails when this medium is not available, even if other media are
+  /// available. Without a value, `create` uses the best available medium.
   std::optional<media::Kind> medium{};
-  /// The channel over which the samples and events of the object must come in. Without a value, it
-  /// is `medium`. `create` fails when this medium is impossible, even if others are possible. If it
-  /// is not the medium of the calls, the proxy has a second session with the object for it.
+  /// The medium over which the samples and events of the object must come in. Without a value, it
+  /// is `medium`. `create` fails when this medium is not available, even if other media are. If it
+  /// differs from the medium of the calls, the proxy opens a second session with the object.
   std::optional<media::Kind> in{};
-  /// The channel over which calls and inward samples must go out. The results of the calls come
-  /// back over it. Without a value, it is `medium`.
+  /// The medium over which calls and inward samples must go out. The results of the calls come back
+  /// over the same medium. Without a value, it is `medium`.
   std::optional<media::Kind> out{};
-  /// The longest round trip that the program accepts, also of a simulated device. Zero: only the
-  /// interface bounds the round trip. Where one of them does, `create` measures each medium by a
-  /// few pings before it takes the medium, for at most 2 s and at most `patience`.
+  /// The longest round trip that the program accepts, also from a simulated device. Zero: only the
+  /// interface may limit the round trip. If there is a limit, `create` measures each medium by a
+  /// few pings before it uses the medium. The measurement takes at most 2 s and at most `patience`.
   Duration latency{};
   /// Longest wait for an answer of the broker and of the server.
   Duration patience = std::chrono::seconds(2);
@@ -167,10 +167,10 @@ class Lab {
   template <class Proxy, class... Rest>
   requires(!ClientClass<Proxy>) void create(Rest&&...) = delete;  // name a client class of gidl
 
-  /// Tells over which media `create<Proxy>(name)` would reach the object, and why it would not use
-  /// each of the other media. Asks the broker, and opens no session with the object. Fails as
-  /// `create` does when the object is not online or has another interface. Of `options` only
-  /// `patience` and `incarnation` count.
+  /// Returns the media over which `create<Proxy>(name)` would reach the object, and the reasons
+  /// against each of the other media. Asks the broker, and opens no session with the object. Fails
+  /// as `create` does when the object is not online or has another interface. Uses only `patience`
+  /// and `incarnation` of `options`.
   template <ClientClass Proxy>
   Checked<Explanation, CreateError> explain(const std::string& name, CreateOptions options = {}) {
     auto told = session::explain(core_, Proxy::gecos_description(), name, options);

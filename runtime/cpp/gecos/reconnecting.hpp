@@ -30,9 +30,9 @@ class Reconnecting {
 
   const std::string& name() const { return name_; }
 
-  /// Returns the proxy. If there is none, creates it: this takes at most `create.patience`, and
-  /// other threads that call `get` wait meanwhile. For `between_tries` after a failed attempt,
-  /// makes no new attempt and returns the reason of the failure at once.
+  /// Returns the proxy. If there is no proxy, creates one, which takes at most `create.patience`;
+  /// other threads that call `get` wait for it. For `between_tries` after a failed attempt, makes
+  /// no new attempt and returns the reason of the failure at once.
   tl::expected<Proxy, std::string> get() {
     const MutexLock lock(mutex_);
     if (proxy_) return *proxy_;

@@ -104,7 +104,7 @@ class CallCore {
   virtual bool interrupted() const = 0;
   /// Sleeps until interrupted() or `deadline`. Returns true when interrupted.
   virtual bool wait_interrupted_until(TimePoint deadline) = 0;
-  /// Called directly before the handler runs. Returns false when the handler must not run.
+  /// Must be called directly before the handler runs. Returns false when the handler must not run.
   virtual bool begin() { return true; }
   /// Returns when the server marked this call as started; nullopt before that.
   virtual std::optional<TimePoint> marked_at() const { return std::nullopt; }
@@ -210,7 +210,7 @@ template <class Feedback = void>
 class Execution {
  public:
   explicit Execution(IncomingCall& call) : call_(call) {}
-  /// The handler should stop soon and return `Fault::interrupted()`.
+  /// Returns true when the handler should stop soon and return `Fault::interrupted()`.
   bool interrupted() const { return call_.interrupted(); }
   /// Sleeps for at most `time`. Returns true as soon as the handler is interrupted.
   bool wait_interrupted(Duration time) const {
@@ -231,9 +231,9 @@ class Execution {
     call_.progress(fraction, wire::to_bytes(feedback));
   }
   /// For an operation with @on_new("blend"): lets the next command start while this command still
-  /// runs, if the operation of the next command has @on_new("blend") too. Until this call, the next
-  /// command waits. So the handlers begin in the order of their commands, and each handler decides
-  /// when the next one may begin. Has no effect for other operations.
+  /// runs, if the operation of the next command has @on_new("blend") too. The next command waits
+  /// for this call. The handlers therefore begin in the order of their commands, and each handler
+  /// decides when the next one may begin. Has no effect for other operations.
   void let_next() { call_.let_next(); }
   const Caller& caller() const { return call_.caller(); }
   /// Returns the number of the command in its caller's session.
@@ -259,7 +259,8 @@ class Publisher {
     static_cast<void>(stream);
     return nullptr;
   }
-  /// The name under which the servant is served now; empty when it is not.
+  /// Returns the name under which the servant is served now; an empty text while no server serves
+  /// it.
   virtual std::string served_as() { return {}; }
 };
 
@@ -270,13 +271,13 @@ class PublisherSlot {
  public:
   /// Sets the publisher. Returns false if a server serves the servant already.
   bool claim(std::shared_ptr<Publisher> publisher);
-  /// Drops the publisher, after the threads that use it have ended.
+  /// Waits until no thread uses the publisher, and drops the publisher.
   void release();
   /// Calls `use` with the publisher, if there is one. Takes no lock.
   void with(FunctionRef<void(Publisher&)> use) const;
   bool empty() const { return current_.load() == nullptr; }
-  /// The name under which a server serves the servant; empty when none does. Takes no lock, because
-  /// a forked child may ask.
+  /// Returns the name under which a server serves the servant; an empty text when no server does.
+  /// Takes no lock, because a forked child may call it.
   std::string served_as() const;
 
  private:
@@ -326,13 +327,14 @@ class Servant {
   /// server, concurrently with handlers; must not block.
   virtual void gecos_session_ended(std::uint64_t session) { static_cast<void>(session); }
 
-  /// Sets where the servant publishes to. Returns false if a server serves the servant already.
+  /// Sets the publisher that receives the samples of the servant. Returns false if a server serves
+  /// the servant already.
   bool gecos_attach(std::shared_ptr<session::Publisher> publisher) {
     return gecos_publisher_.claim(std::move(publisher));
   }
   /// After this call the servant publishes nothing.
   void gecos_detach() { gecos_publisher_.release(); }
-  /// The name under which a server serves this servant; empty when none does.
+  /// Returns the name under which a server serves this servant; an empty text when no server does.
   std::string gecos_served_as() const { return gecos_publisher_.served_as(); }
 
  protected:

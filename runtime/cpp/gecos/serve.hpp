@@ -17,8 +17,8 @@ struct Serving {
 };
 
 struct ServeOptions {
-  /// Name of the program. Lines on stderr begin with it, for example "robcl-rx90: …". Empty: the
-  /// lines have no prefix.
+  /// The name of the program, with which the lines on stderr begin, for example "robcl-rx90: …".
+  /// Empty: the lines have no prefix.
   std::string program{};
   /// The line that `serve` prints on stdout once all objects are served. Empty: a line with the
   /// names of the objects, for example "serving RX90, GRIPPER".

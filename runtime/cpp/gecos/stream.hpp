@@ -14,9 +14,9 @@
 
 namespace gecos {
 
-/// The type of `gecos::stream`, an argument that selects the overload of an attribute that
-/// subscribes to it. Example: `robot.tool(gecos::stream)`. Only an event and an attribute with the
-/// annotation @stream have such an overload; otherwise the compiler names this type in its error.
+/// The type of `gecos::stream`, an argument that subscribes to an attribute or event. Example:
+/// `robot.tool(gecos::stream)`. Only events and attributes with the annotation @stream accept this
+/// argument. For any other attribute, the error of the C++ compiler contains the name of this type.
 struct StreamAnnotation {};
 inline constexpr StreamAnnotation stream{};
 
@@ -33,7 +33,7 @@ struct Sample {
                      ///< host it is exact; between hosts it is too large by at most one round trip
 };
 
-/// Why Stream::next() gave no sample.
+/// The reason for which Stream::next() returned no sample.
 enum class StreamEnd : std::uint8_t {
   Nothing,  ///< no valid sample arrived within the patience; the stream continues
   Lost,     ///< the stream is lost(), and all samples that had arrived were read
@@ -59,12 +59,13 @@ class StreamCore {
   /// Stores the newest sample in `into`. Returns false before the first sample, when the stream is
   /// lost, and when the terms of the stream withhold the newest sample (qos::Reception).
   virtual bool latest(RawSample& into) = 0;
-  /// Waits for the next unread sample. After a loss it still returns the samples that had arrived
-  /// before the loss. After the Lab was closed it returns none.
+  /// Waits for the next unread sample and stores it in `into`. After a loss of the stream, gives
+  /// the samples that had arrived before the loss. After the Lab was closed, gives no sample.
   virtual tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) = 0;
   virtual bool lost() const = 0;
-  /// For an event: the sequence number of the last event before the subscription; reading begins
-  /// after it. For a stream: nullopt, because reading begins with the newest sample.
+  /// For an event, returns the sequence number of the last sample before the subscription; reading
+  /// begins with the sample after that one. For a stream, returns nullopt, because reading begins
+  /// with the newest sample.
   virtual std::optional<std::uint64_t> after() const { return std::nullopt; }
   virtual qos::StreamCounts counts() const = 0;
   virtual bool alive() const = 0;
@@ -73,7 +74,7 @@ class StreamCore {
 }  // namespace session
 
 /// A subscription to a stream. Only one thread may read at a time. The subscription ends when its
-/// last copy is destroyed. A slow reader misses old samples and learns how many (Sample::lost); the
+/// last copy is destroyed. A slow reader misses old samples, and Sample::lost says how many; the
 /// server never waits for a reader. A sample that is older than the `lifespan` of the stream is
 /// never returned, and is counted (counts()). A sample that does not decode is skipped and counted
 /// in `unreadable`. If it was published after the first sample that was read, or belongs to an
@@ -89,9 +90,10 @@ class Stream {
 
   /// Returns the newest sample, even if it was read before. Returns nullopt before the first
   /// sample, while the newest sample does not decode or is older than the `lifespan`, while the
-  /// writer is not alive(), and once the stream is lost(). Never waits.
-  /// The death of the server is detected within one heartbeat if the kernel reports it, otherwise
-  /// after the server was silent for about `lease_ttl` + `grace`. Until then check `age`.
+  /// writer is not alive(), and once the stream is lost(). Never waits. If the kernel reports the
+  /// death of the server, the stream is lost within one heartbeat; otherwise, only after the server
+  /// was silent for about `lease_ttl` + `grace`. Until then, only `age` shows that no new samples
+  /// arrive.
   std::optional<Sample<T>> latest() {
     if (!core_->latest(raw_)) return std::nullopt;
     return decoded();
@@ -110,10 +112,11 @@ class Stream {
   /// closed. Then latest() returns nullopt, and next() returns only the samples that had arrived
   /// before, or none if the Lab was closed.
   bool lost() const { return core_->lost(); }
-  /// Returns whether the writer was alive at the last reading: false once the stream is lost(),
-  /// and, with `@qos(liveliness=MANUAL)`, from a missed deadline to the next sample.
+  /// Returns whether the writer was alive when the stream was last read. Returns false once the
+  /// stream is lost(). With `@qos(liveliness=MANUAL)`, also returns false from a missed deadline
+  /// until the next sample.
   bool alive() const { return core_->alive(); }
-  /// Returns what became of the samples since the subscription. Any thread may call it.
+  /// Returns what became of the samples since the subscription. Any thread may call this function.
   qos::StreamCounts counts() const { return core_->counts(); }
   /// Returns whether the samples are the occurrences of an event.
   bool is_event() const { return core_->after().has_value(); }

@@ -17,8 +17,8 @@
 namespace gecos {
 
 /// The type of `gecos::writer`, an argument that opens an inward stream. Example:
-/// `robot.alter(gecos::writer)`. Only an attribute with the annotation @stream(dir="in") takes it;
-/// for another one the compiler names this type in its error.
+/// `robot.alter(gecos::writer)`. Only attributes with the annotation @stream(dir="in") accept this
+/// argument. For any other attribute, the error of the C++ compiler contains the name of this type.
 struct InwardStreamAnnotation {};
 inline constexpr InwardStreamAnnotation writer{};
 
@@ -47,8 +47,8 @@ inline tl::unexpected<Failure> refused_sample(std::string why) {
 }  // namespace session
 
 /// Sends samples to an object on one inward stream. One thread at a time may send. The stream ends
-/// when the last copy of its writer is destroyed. A session has one writer for each stream: a newer
-/// one takes the place of the earlier one.
+/// when the last copy of its writer is destroyed. A session has one writer for each stream: opening
+/// another writer replaces the earlier one.
 ///
 /// The server judges each sample when the servant reads it, and counts the samples that have no
 /// effect. `report()` asks for these counts. Sending never waits for the server and allocates

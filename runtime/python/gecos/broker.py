@@ -11,8 +11,8 @@ from gecos.lab import Lab
 
 
 class Broker:
-    """Serves as this host's broker until `close`. A silent server of another host keeps its names
-    for `name_hold` s. Raises ServeError if the host already has a broker."""
+    """Serves as this host's broker until `close`. A server of another host that falls silent keeps
+    its names for `name_hold` s. Raises ServeError if the host already has a broker."""
 
     def __init__(self, lab: Lab, *, name_hold: float = 10.0) -> None:
         try:

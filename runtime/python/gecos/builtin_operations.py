@@ -1,5 +1,5 @@
-"""The built-in operations of every object. They are functions, because an interface may use the
-same names."""
+"""The built-in operations of every object. They are functions and not methods, so that an interface
+may have operations of the same names."""
 
 from __future__ import annotations
 
@@ -33,19 +33,21 @@ def stop(robot: Object) -> Command[None]:
 
 
 def take_over(robot: Object) -> Command[None]:
-    """Takes sole command of a status that this program shares with others by password. Their
-    running and queued commands end PREEMPTED, their later ones DENIED, and their samples have no
-    effect, until `give_back` or until this program's status ends. Stops no command of this program.
+    """Takes sole command of a status that this program shares with other clients by password. The
+    running and queued commands of the other clients end as PREEMPTED. Until `give_back`, or until
+    the status of this program ends, their new commands end as DENIED and their samples have no
+    effect. Stops no command of this program.
 
-    The command fails with StatusRefused if this program has no status of the device, or another one
-    has taken over.
+    The command fails with StatusRefused if this program has no status of the device, or if another
+    client has taken over.
     """
     return _answers_of(robot).take_over()
 
 
 def give_back(robot: Object) -> Command[None]:
-    """Ends the take-over of this program: the others may command again. No command that ended is
-    started again. Does nothing without a take-over."""
+    """Ends the take-over of this program, so that the other clients may issue commands again. The
+    commands that the take-over ended are not started again. Does nothing if this program has not
+    taken over."""
     return _answers_of(robot).give_back()
 
 
@@ -55,27 +57,28 @@ def requests(
     """Asks for the requests for a status that wait in line (`timeout` of `gecos.actor`), in the
     order of their arrival.
 
-    The command ends when one of them has a larger id than `after`, at the latest after `timeout` s;
-    None waits without limit. So a holder can be called when another program asks. To grant a
+    The command ends as soon as the id of a request is larger than `after`, at the latest after
+    `timeout` s; None waits without limit. A holder can thus be told of a new request. To grant a
     request, release the lease: the first in line gets the status when the last command has ended.
     """
     return _answers_of(robot).requests(after, math.inf if timeout is None else timeout)
 
 
 def deny(robot: Object, request: int, why: str = "") -> Command[bool]:
-    """Refuses the request with the id `request`, which waits. Its program gets LeaseRefused, which
-    names this program and says `why`. The result is False when the request waits no longer. The
-    command fails with StatusRefused if this program does not hold the status."""
+    """Refuses the waiting request with the id `request`. The program that made the request gets
+    LeaseRefused, which names this program and says `why`. The result is False when the request no
+    longer waits. The command fails with StatusRefused if this program does not hold the status."""
     return _answers_of(robot).deny(request, why)
 
 
 def break_status(robot: Object, why: str) -> Command[None]:
-    """Ends every status of the device, as an administrator: the user of the server, root, or a user
-    whom `[admin]` of the lab file names.
+    """Ends every status of the device. Only an administrator may do this: the user of the server,
+    root, or a user in `[admin]` of the lab file.
 
-    The commands of the holders end LEASE_LOST, with `why` and the name of this program; the first
-    request in line gets the status. A program must not do this by itself: `gecos break` is for
-    persons. The command fails with StatusRefused for all others.
+    The commands of the holders end as LEASE_LOST, with `why` and the name of this program. The
+    first waiting request gets the status. A person should decide this, as by `gecos break`; a
+    program must not do it automatically. The command fails with StatusRefused for users who are not
+    administrators.
     """
     return _answers_of(robot).break_status(why)
 
@@ -99,9 +102,9 @@ def stats(robot: Object) -> Command[ObjectStats]:
     """Asks for what the object has counted since it is served: the calls of each operation and of
     each open session by outcome, the times of handlers, and the samples of each stream.
 
-    The counts are those of the server: what a reader of a stream lost is in `stream.counts`, and
-    the latency of a connection in `gecos.line_state`. A server that was built before this operation
-    existed answers UNKNOWN_OPERATION.
+    All counts are made at the server. The samples that a reader of a stream lost are in
+    `stream.counts`, and the latency of a connection is in `gecos.line_state`. A server that was
+    built before this operation existed answers UNKNOWN_OPERATION.
     """
     return _answers_of(robot).stats()
 
@@ -142,7 +145,8 @@ def outcome(robot: Object, command: str) -> Command[Outcome]:
     itself does not change. NOT_STARTED guarantees that the command has not arrived and will never
     start. SENT means that the command has not arrived and may still start; ask again.
     OUTCOME_UNKNOWN means that the server has restarted since then, or no longer keeps the outcome
-    (it keeps the last 1024 outcomes of each object). Raises ValueError if `command` is not an id.
+    (a server keeps the last 1024 outcomes of each object). Raises ValueError if `command` is not an
+    id.
     """
     from gecos_idl.object import _GECOS_OBJECT_OUTCOME
 

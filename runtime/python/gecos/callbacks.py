@@ -30,8 +30,9 @@ class _Awaited(NamedTuple):
 class _Watch:
     """A daemon thread that waits for the descriptors of all commands with callbacks.
 
-    A signal handler or a `__del__` may call `add` while `add` is running on the same thread. So
-    `add` must not wait for a lock: the interrupted call would never release it.
+    A signal handler or a `__del__` may call `add` while `add` is running on the same thread.
+    Therefore `add` must not wait for a lock, because the interrupted call could not release the
+    lock.
     """
 
     def __init__(self) -> None:

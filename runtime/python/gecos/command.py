@@ -123,7 +123,7 @@ class Command(TaskOf[T], Generic[T, F]):
             ) from error
 
     def exception(self) -> CommandFailed | ConnectionFailed | None:
-        """The reason of the failure. None while the command runs, and if it finished."""
+        """The reason why the command failed. None while the command runs, and if it finished."""
         failed = self.state in (State.COMMAND_FAILED, State.CONNECTION_FAILED)
         return self._failure() if failed else None
 

@@ -1,10 +1,11 @@
-"""How a user of another machine joins a laboratory without copying files.
+"""Lets a user of another machine join a laboratory without copying files.
 
 The laboratory makes a link with its address, its public key and an invitation, which is a secret of
-128 bits. The link goes to the other machine by a way on which no stranger reads. There a program
-connects by TCP and sends its public key, its owner and a proof, which is the HMAC-SHA256 of both
-under the invitation; the laboratory answers in the same way. So each side knows that the other one
-has the link, and that nobody has changed a key on its way. An invitation works once and expires.
+128 bits. The user sends the link to the other machine over a channel that no stranger can read. A
+program there connects by TCP and sends its public key, the owner of the key and a proof, which is
+the HMAC-SHA256 of both under the invitation. The laboratory answers in the same way. Each side then
+knows that the other side has the link, and that both keys arrived unchanged. An invitation works
+once and expires.
 
 A request waits in the folder `joining` of the key folder until the user of the laboratory approves
 it. Until then its key is not admitted.
@@ -41,8 +42,8 @@ class EnrolmentError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class JoinUrl:
-    """The link that a laboratory gives to one user: where it waits for that user, its key, and the
-    secret that both prove to have."""
+    """The link that a laboratory gives to one user. It contains the address at which the laboratory
+    waits for the user, the key of the laboratory, and the secret that both sides prove to have."""
 
     host: str
     port: int
@@ -63,7 +64,7 @@ class JoinUrl:
 
 @dataclass(frozen=True, slots=True)
 class Party:
-    """A key, and whose it is."""
+    """A key and its owner."""
 
     key: str
     owner: str
@@ -108,7 +109,7 @@ class Invitation:
         raise EnrolmentError("nobody joined while the invitation was valid; make a new one")
 
     def _hear(self, line: socket.socket, owner: str) -> Party | None:
-        """Returns who asks to join; None if the client is refused or lost."""
+        """Returns the user who asks to join; None if the client is refused or lost."""
         with contextlib.suppress(OSError):
             said = _receive(line, _ASKS_WITHIN)
             party = Party(said.get("key", ""), said.get("owner", ""))
@@ -120,9 +121,9 @@ class Invitation:
 
     def _refusal(self, said: dict[str, str], party: Party, owner: str) -> str | None:
         if not _proved(said, self.url, party, "join"):
-            return f"the invitation of this link is not known here; {ANOTHER}"
+            return f"this link does not belong to an invitation of this laboratory; {ANOTHER}"
         if party.key == self.url.key:
-            return "this is the key of the laboratory itself, which needs no link"
+            return "you have the laboratory's own key, which needs no invitation"
         if not _core.is_key_owner(party.owner):
             return "say whose key it is by --as USER@HOST"
         if party.owner == owner or key_folder.is_own_user(party.owner):
@@ -131,9 +132,9 @@ class Invitation:
 
 
 def join(url: JoinUrl, owner: str) -> Party:
-    """Asks the laboratory of `url` to admit this user as `owner`. Returns the laboratory, whose key
-    is not admitted here yet: its owner is what it says of itself. Raises EnrolmentError if it
-    refuses or is not the one of the link."""
+    """Asks the laboratory of `url` to admit this user as `owner`. Returns the key of the laboratory
+    and the owner that it claims; the key is not admitted yet. Raises EnrolmentError if the
+    laboratory refuses, or if the program at this address is not the laboratory of the link."""
     try:
         with socket.create_connection((url.host, url.port), _ANSWERS_WITHIN) as line:
             _send(line, _signed(url, Party(key_folder.own_key(), owner), "join"))
@@ -155,8 +156,8 @@ def join(url: JoinUrl, owner: str) -> Party:
 
 
 def admit(party: Party) -> None:
-    """Admits a key that came over the network. Raises EnrolmentError if its owner must not come so:
-    it is this user, or has another key here."""
+    """Admits a key that came over the network. Raises EnrolmentError if the owner is this user, or
+    if the owner already has another admitted key."""
     for one in key_folder.admitted():
         if one.owner == party.owner and one.key != party.key:
             raise EnrolmentError(
@@ -170,7 +171,8 @@ def admit(party: Party) -> None:
 
 
 def requests() -> list[Party]:
-    """Returns who has joined and waits for `approve`. Raises EnrolmentError for a damaged file."""
+    """Returns the users who have joined and wait for `approve`. Raises EnrolmentError for a damaged
+    file."""
     found = []
     for file in sorted((key_folder.folder() / _FOLDER).glob("*.owner")):
         try:
@@ -184,7 +186,7 @@ def requests() -> list[Party]:
 
 
 def approve(name: str) -> Party:
-    """Admits the user whose owner, or beginning of the fingerprint, is `name`."""
+    """Admits the key whose owner is `name`, or whose fingerprint begins with `name`."""
     digits = name.replace(":", "").lower()
     found = [
         one
@@ -234,8 +236,8 @@ def _send(line: socket.socket, message: dict[str, str]) -> None:
 
 
 def _receive(line: socket.socket, within: float) -> dict[str, str]:
-    """Returns the printable texts of the next message; none if it does not come whole. Raises
-    TimeoutError after `within` seconds. The peer has proved nothing yet."""
+    """Returns the printable texts of the next message; an empty dict if the message is incomplete.
+    Raises TimeoutError after `within` seconds. The peer has not proved its identity yet."""
     end = time.monotonic() + within
     text = b""
     while not text.endswith(b"\n") and len(text) < _LONGEST_MESSAGE:

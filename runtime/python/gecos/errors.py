@@ -95,7 +95,7 @@ class CommandFailed(RuntimeError):
         return f"{self.detail.name}: {self.text}"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Makes copies and pickles keep all attributes, whatever the parameters of the constructor
+        """Lets copies and pickles keep all attributes, whatever the parameters of the constructor
         are."""
         return _made_again, (type(self), self.args, {}), vars(self) or None
 
@@ -126,7 +126,8 @@ class DeclaredError(CommandFailed):
     else:
 
         def __new__(cls, *members: object, **named: object) -> Self:
-            # No arguments are passed on, because `args` would show secret members.
+            # The base class gets no arguments: it would keep them in `args`, where secret members
+            # would be visible.
             return super().__new__(cls)
 
     @property

@@ -37,9 +37,9 @@ class Execution(Generic[F]):
 
     @property
     def interrupted(self) -> bool:
-        """Whether the handler should end soon and raise `gecos.Interrupted()`. The reason is that
-        the call was canceled or stopped, the caller lost its lease, the deadline passed, or the
-        server closes."""
+        """True if the handler should end soon and raise `gecos.Interrupted()`. The possible reasons
+        are that the call was canceled or stopped, that the caller lost its lease, that the deadline
+        passed, and that the server closes."""
         return self._core.interrupted()
 
     def wait_interrupted(self, seconds: float) -> bool:

@@ -1,4 +1,5 @@
-"""The media over which `lab.create` would reach an object, and the reasons against the others."""
+"""The media over which `lab.create` would reach an object, and the reasons against the other
+media."""
 
 from __future__ import annotations
 
@@ -35,8 +36,8 @@ class MediumVerdict:
     medium: str  # for example "shm"
     address: str
     unreachable: str  # why this program cannot reach the object over it; "" if it can
-    violations: tuple[Violation, ...]  # terms of the interface's `@qos` that it does not meet
-    members: tuple[UnsuitedMember, ...]  # only of a suitable medium
+    violations: tuple[Violation, ...]  # terms of the interface's `@qos` that are not met
+    members: tuple[UnsuitedMember, ...]  # only if the medium is suitable
 
     @property
     def suitable(self) -> bool:
@@ -44,7 +45,7 @@ class MediumVerdict:
 
     @property
     def reason(self) -> str:
-        """Why the medium is not suitable; "" if it is."""
+        """The reason why the medium is not suitable; "" if it is suitable."""
         return self.unreachable or "; ".join(map(str, self.violations))
 
 
@@ -54,7 +55,7 @@ class Explanation:
     them."""
 
     name: str
-    interface_name: str  # that of the object
+    interface_name: str  # the interface of the object
     hostname: str
     simulated: bool
     media: tuple[MediumVerdict, ...]
@@ -63,7 +64,7 @@ class Explanation:
         simulated = ", simulated" if self.simulated else ""
         lines = [f"{self.name} ({self.interface_name}{simulated}) on {self.hostname}"]
         for i, each in enumerate(self.media):
-            chosen = "chosen" if i == 0 else "used if those before it do not answer"
+            chosen = "chosen" if i == 0 else "used if the media above do not answer"
             lines.append(f"  {each.medium}: {each.reason or chosen}")
             for member in each.members:
                 lines.append(f"    not {member.name}: {member.reason}")

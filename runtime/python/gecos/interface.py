@@ -85,7 +85,8 @@ class Quality(Record, kw_only=True):
     start_by_ns: int = 0
     latency_ns: int = 0
     lifespan_ns: int = 0
-    # The writer of a stream shows by its samples that it lives, not its process by heartbeats.
+    # True if the samples of a stream show that its writer is alive, and not the heartbeats of its
+    # process.
     manual_liveliness: bool = False
     depth: int = 0
     media: Media = ANY_MEDIUM
@@ -210,8 +211,8 @@ class Method(Record, Generic[T, F]):
         return {self.named: self.gives.plain(value)}
 
     def made_result(self, data: Any) -> T:
-        """The inverse of `plain_result`. Raises JsonError, which names the member. Ranges and
-        bounds are checked when the result is encoded."""
+        """Converts the output of `plain_result` back to a result. Raises JsonError, which names the
+        member. Ranges and bounds are checked when the result is encoded."""
         value: Any
         if self.gives is not None and _are_several(self.gives):
             value = self.gives.made(data, "")
@@ -225,7 +226,8 @@ class Method(Record, Generic[T, F]):
 
 
 def _are_several(kind: Carried) -> bool:
-    """Whether a reply of `kind` consists of the members of several results, without a size."""
+    """Returns whether a reply of `kind` consists of the members of several results, without a
+    size."""
     layout = kind.layout if isinstance(kind, Nested) else None
     return isinstance(layout, StructLayout) and layout.open and not layout.in_block
 

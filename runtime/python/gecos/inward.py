@@ -44,9 +44,9 @@ class Inward(Generic[T]):
 
     Each sample is judged when it is read: its session must be open, its sender must have the status
     that the stream needs, the sample must not be older than the watchdog or the lifespan, and the
-    command that it feeds must take samples. Other samples have no effect and are counted. Samples
-    of one client come in order. A client that sends more than the stream's depth between two reads
-    loses the oldest samples.
+    command that it feeds must take samples. All other samples have no effect and are only counted.
+    The samples of one client arrive in order. If a client sends more samples than the depth of the
+    stream between two reads, the oldest of them are lost.
     """
 
     def __init__(self, servant: Servant, inward: interface.Inward[T]) -> None:
@@ -85,9 +85,9 @@ class Inward(Generic[T]):
 
     @property
     def expired(self) -> bool:
-        """True if every sample that was read is older than the watchdog of the stream. After a
-        command has begun to take samples (`feeds`), the value stays False for the time of one
-        watchdog. Always False for a stream without a watchdog."""
+        """True if every sample that was read is older than the watchdog time of the stream. When a
+        command begins to take samples (`feeds`), the value is False for one watchdog time. Always
+        False for a stream without a watchdog."""
         core = self._servant._gecos_core
         if core is None:
             return self._inward.stream.watchdog_ns > 0
@@ -106,9 +106,10 @@ class Inward(Generic[T]):
 
     @contextmanager
     def feeds(self, run: Execution[Any]) -> Iterator[None]:
-        """Lets the command of a running handler take the samples in a `with` block. Samples of
-        other commands and of none are refused in it, and all samples once the command is
-        interrupted. If several commands take samples, only the one that began last gets them."""
+        """Lets the command of a running handler take the samples during a `with` block. Samples
+        that feed another command or no command are then refused. After the command is interrupted,
+        all samples are refused. If several commands take samples, only the one that began last gets
+        them."""
         core = self._served()
         feeding = core.begin_feeding(self._code, run._core)
         try:

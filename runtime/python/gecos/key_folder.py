@@ -1,8 +1,8 @@
-"""The key of this user, and the keys that this user admits. They are files of one folder, and lcm
-needs them.
+"""The key of this user, and the keys that this user admits. The keys are files of one folder, and
+the medium lcm uses them.
 
-`gecos/crypto/key_directory.hpp` describes the folder. This module calls its functions to check
-keys.
+`gecos/crypto/key_directory.hpp` describes the folder. This module calls the functions of that
+header to check keys.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ class KeyFolderError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Admitted:
-    """A file of the key folder. `problem` is the reason why its key is not admitted, or None if it
-    is. `owner` says whose key it is, as "anna@desk"; a key without an owner counts as one of this
-    user, whom no list limits."""
+    """A file of the key folder. `problem` is the reason why its key is not admitted, or None if the
+    key is admitted. `owner` is the owner of the key, such as "anna@desk". A key without an owner
+    counts as a key of this user, whom no list limits."""
 
     key: str
     file: Path
@@ -85,15 +85,15 @@ def _judged(file: Path) -> Admitted:
 def _owner_of(key: str) -> str | None:
     try:
         return _core.key_owner(key)
-    except RuntimeError:  # `problem` says it
+    except RuntimeError:  # `problem` has the reason
         return None
 
 
 def add(file: Path, owner: str | None = None) -> str:
-    """Admits the key in a .public file of another user, and returns the key. `owner` says whose it
-    is, as "anna@desk": then the lists of a lab file decide about its user. Without `owner`, a key
-    keeps the one that it has. Raises KeyFolderError if the file cannot be read or is not a public
-    key, OSError if it cannot be copied, and RuntimeError like own_key."""
+    """Admits the key in a .public file of another user, and returns the key. `owner` is the owner
+    of the key, such as "anna@desk"; the lists of a lab file then decide what this user may do.
+    Without `owner`, a key keeps the owner that it has. Raises KeyFolderError if the file cannot be
+    read or is not a public key, OSError if it cannot be copied, and RuntimeError like own_key."""
     if owner is not None and not _core.is_key_owner(owner):
         raise KeyFolderError(f"{owner}: say whose key it is as USER@HOST, for example anna@desk")
     try:
@@ -136,7 +136,7 @@ def is_own_user(owner: str) -> bool:
 
 
 def this_user() -> str:
-    """Returns the name of this user as servers write it."""
+    """Returns the name of this user as it appears in lists and messages of servers."""
     import pwd
 
     try:
@@ -146,8 +146,8 @@ def this_user() -> str:
 
 
 def admit(key: str, owner: str) -> None:
-    """Admits a key of 64 hex digits, and says whose it is. Raises KeyFolderError and RuntimeError
-    like add."""
+    """Admits a key of 64 hexadecimal digits, and stores its owner. Raises KeyFolderError and
+    RuntimeError like add."""
     text = f"gecos-public-1 {key} "
     line = f"{text}{sha256(text.encode()).hexdigest()[:8]}\n".encode()
     with TemporaryDirectory() as place:
@@ -161,7 +161,7 @@ def _owner_file(key: str) -> Path:
 
 
 def _put(place: Path, text: bytes) -> None:
-    """Writes the whole file, or leaves it as it is."""
+    """Writes the whole file, or leaves it unchanged."""
     fresh = place.with_name(f".new-{place.name[:8]}{os.getpid()}")
     descriptor = os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o600)
     try:
@@ -176,7 +176,7 @@ def _put(place: Path, text: bytes) -> None:
 
 
 def remove(name: str) -> Admitted:
-    """Removes a key from the admitted ones. `name` is its file name, or the beginning of its
+    """Ends the admission of a key. `name` is the name of its file, or the beginning of its
     fingerprint. Raises KeyFolderError if no key or several keys have this name, or if it is the
     user's own key."""
     own = own_key()

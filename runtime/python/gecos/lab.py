@@ -54,13 +54,13 @@ class Lab:
         `medium` names the medium to use ("inproc", "shm", "lcm"). The default is the best one that
         fulfils the interface's quality. `in_` and `out` name a medium for one direction: samples
         and events of the object come in over `in_`; calls and inward samples go out over `out`, and
-        results come back over it. A named medium that is impossible is an error, even if others are
-        possible. `latency` is the longest round trip in s that the program accepts, also of a
-        simulated device; the interface may demand a shorter one. Where one of them bounds it, each
-        medium is measured by a few pings before it is taken. `patience` is the longest wait in s
-        for an answer of the broker and of each server. `wait` says for how many s to try again
-        while none of the objects is online or no broker answers; `math.inf` means without limit. An
-        object of another type is not waited for. Raises CreateError with a reason for each name.
+        results come back over it. If a named medium is not available, `create` fails even if other
+        media are available. `latency` is the longest round trip in s that the program accepts, also
+        from a simulated device; the interface may demand a shorter one. If there is a limit, each
+        medium is measured by a few pings before it is used. `patience` is the longest wait in s for
+        an answer of the broker and of each server. While none of the objects is online or no broker
+        answers, `create` tries again for `wait` s; `math.inf` means without limit. `create` does
+        not wait for an object of another type. Raises CreateError with a reason for each name.
 
         Instead of names, a reference may be given (`lab.create(Tool, changer.current().result())`).
         A reference is valid only while the server process that it refers to serves the object,
@@ -96,18 +96,19 @@ class Lab:
             with gecos.actor(gripper):
                 gripper.open(width=0.05).result()
 
-        `medium`, `patience` and `wait` mean what they mean in `create`. Raises CreateError like
-        `create`, ModelError if the object serves no model or one that is not valid, and
-        CommandFailed or ConnectionFailed if the broker or the object does not answer when it is
-        asked for its list or its model.
+        `medium`, `patience` and `wait` have the same meaning as in `create`. Raises CreateError
+        like `create`. Raises ModelError if the object serves no model, or a model that is not
+        valid. Raises CommandFailed or ConnectionFailed if the broker does not answer the request
+        for its list, or the object the request for its model.
         """
         from gecos.dynamic_client.connect import connect
 
         return connect(self, name, medium=medium, patience=patience, wait=wait)
 
     def explain(self, interface: type[Object], name: str, *, patience: float = 2.0) -> Explanation:
-        """Tells over which media `create(interface, name)` would reach an object, and why it would
-        not use each of the other media. Asks the broker, and opens no session with the object.
+        """Returns the media over which `create(interface, name)` would reach an object, and the
+        reasons against each of the other media. Asks the broker, and opens no session with the
+        object.
 
         Raises CreateError as `create` does, if the object is not online or has another interface.
         """

@@ -19,9 +19,8 @@ class Lease:
     """Actor or master status of one object. It is held until the lease is released or lost, or the
     program ends.
 
-    Releasing drains: commands that were issued under the lease still finish before another client
-    gets the status. Once `release` has returned, the server knows of the release, and refuses later
-    commands (DENIED).
+    Commands that were issued under the lease still finish after its release, before another client
+    gets the status. Once `release` has returned, the server refuses later commands (DENIED).
     """
 
     def __init__(self, core: _core.Lease, object_name: str) -> None:
@@ -46,7 +45,8 @@ class Lease:
     close = release
 
     def release_now(self) -> None:
-        """Releases the status and stops the commands queued and running under it."""
+        """Releases the status, and stops the queued and running commands that were issued under
+        it."""
         self.__class__ = Lease
         self._released = True
         self._core.release_now()
@@ -68,8 +68,8 @@ class Lease:
         return f"<Lease {status} of {self._object_name}: {self._state()}, epoch {self.epoch:#x}>"
 
     def _state(self) -> str:
-        """Returns what this program knows of the status. If another client has stopped the object,
-        this program learns it only when a command ends."""
+        """Returns the state of the status as this program knows it. If another client has stopped
+        the object, this program learns it only when a command ends."""
         if self._released:
             return "released"
         return "lost" if self._core.lost() else "acquired, not released"
@@ -103,8 +103,8 @@ def actor(
     While other clients hold the status, the request waits for `timeout` s, in the order of arrival.
     A `timeout` of None waits without limit, and 0 does not wait. `on_position(before)` is called
     with the number of requests before this one, when the wait begins and whenever the number
-    changes. A `stop` of the object ends all waiting requests. A server whose version does not know
-    `timeout` refuses the request at once.
+    changes. A `stop` of the object ends all waiting requests. A server that was built before
+    `timeout` existed refuses the request at once.
 
     Raises LeaseRefused, which lists the holders, or ConnectionFailed.
     """
@@ -118,8 +118,8 @@ def master(
     timeout: float | None = 0.0,
     on_position: Callable[[int], object] | None = None,
 ) -> Lease:
-    """Acquires master status. It is like actor status, but the object also refuses the calls of all
-    other clients."""
+    """Acquires master status. Master status gives the rights of actor status. The object also
+    refuses the calls of all other clients."""
     return _acquire(robot, Access.MASTER, password, timeout, on_position)
 
 

@@ -27,10 +27,10 @@ def line_state(robot: Object) -> LineState:
 
 
 class LineWatch:
-    """Reports when the connection of `robot` becomes degraded, and when it recovers, from now on.
-    It is degraded while its round trip exceeds the smallest `latency` that the interface of the
-    proxy or a member of it demands, with the class SOFT_REALTIME or HARD_REALTIME. A single slow
-    answer is no change: every answer of one second must tell the same.
+    """Reports from now on when the connection of `robot` becomes degraded, and when it recovers. A
+    connection is degraded while its round trip exceeds the smallest `latency` that the `@qos` of
+    the interface or of a member demands, with the class SOFT_REALTIME or HARD_REALTIME. A single
+    slow answer is not reported: all answers within one second must be slow, or all fast.
 
     Iterating waits for each change, and ends when the session is lost or closed. Only one thread
     reads at a time.
@@ -42,9 +42,9 @@ class LineWatch:
         self._changes = line_state(robot).changes
 
     def next(self, timeout: float | None = None) -> LineState:
-        """Waits for the next change and returns the state after it. If several changes came since
-        the last call, returns the state after the last of them. Raises TimeoutError after `timeout`
-        seconds without a change, and EOFError if the session is lost or closed."""
+        """Waits for the next change and returns the state after the change. After several changes
+        since the last call, returns the state after the last change. Raises TimeoutError after
+        `timeout` seconds without a change, and EOFError if the session is lost or closed."""
         found = self._session.next_line_change(self._changes, timeout)
         if isinstance(found, tuple):
             state = LineState(*found)

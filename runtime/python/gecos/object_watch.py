@@ -18,17 +18,17 @@ class ObjectWatch:
     """Reports each change of the broker's list once. After a restart of the broker, reports only
     real changes. `lab.watch()` makes an ObjectWatch.
 
-    Iterating waits for each change, and ends after `close()` or when the Lab is closed. At first it
-    yields each object that is already online or silent. While no broker answers, there are no
-    changes: the objects continue to run. Only one thread reads at a time.
+    Iterating waits for each change, and ends after `close()` or when the Lab is closed. The first
+    changes are the objects that are already online or silent. While no broker answers, there are no
+    changes, because the objects continue to run. Only one thread reads at a time.
     """
 
     def __init__(self, core: _core.ObjectWatch) -> None:
         self._core = core
 
     def next(self, timeout: float | None = None) -> Registration:
-        """Returns the next change. Raises TimeoutError after `timeout` seconds without one, and
-        EOFError if the watch or its Lab was closed."""
+        """Returns the next change. Raises TimeoutError after `timeout` seconds without a change,
+        and EOFError if the watch or its Lab was closed."""
         from gecos_idl.broker_types import Registration
 
         change = self._core.next(timeout)
@@ -40,9 +40,9 @@ class ObjectWatch:
 
     @property
     def skipped(self) -> int:
-        """The number of changes that this watch read too late: the broker keeps only the last 1024.
-        The watch did not report each of these changes, but it reported the state that they led
-        to."""
+        """The number of changes that this watch did not report, because the broker keeps only the
+        last 1024 changes and the watch read them too late. The watch reported only the state after
+        these changes."""
         return self._core.skipped()
 
     def close(self) -> None:

@@ -107,7 +107,7 @@ def _no_stream(kind: type[Object], name: str) -> NoReturn:
     getters = [each.name for each in about.operations if each.kind is Kind.GETTER]
     if name in getters:
         why = "is not published as a stream"
-        advice = f"ask for its value with `.{name}().result()`, or add @stream to the attribute"
+        advice = f"get the value with `.{name}().result()`, or add @stream to the attribute"
     else:
         why = "is an operation and has no stream"
         advice = f"call it with `.{name}(…).result()`"
@@ -158,9 +158,9 @@ class Event(Generic[T]):
 
     def stream(self) -> Stream[T]:
         """Subscribes to the event. The samples of the stream are the events that the server sends
-        after the subscription, each once and in order. A slow reader, and over lcm a reader whose
-        packets are lost, misses events, which `Sample.lost` of the next event counts. Raises
-        ConnectionFailed or CommandFailed if this fails."""
+        after the subscription, each once and in order. A slow reader misses events, and so does a
+        reader over lcm whose packets are lost. `Sample.lost` of the next event counts the missed
+        events. Raises ConnectionFailed or CommandFailed if this fails."""
         event = self._event
         return _subscribed(self._object, event.stream.code, event.stream.name, event.result)
 
@@ -189,8 +189,9 @@ def with_deadline(proxy: P, seconds: float) -> P:
     """Returns a proxy of the same object. Calls through this proxy fail unless they complete within
     `seconds` after they are sent.
 
-    If `seconds` is 0 or less, calls are not sent and end as EXPIRED. This happens for example with
-    `end - time.monotonic()` after `end`. Raises ValueError unless `seconds` is a finite number.
+    If `seconds` is 0 or less, calls are not sent and end as EXPIRED. For example, `end -
+    time.monotonic()` is negative after the time `end`. Raises ValueError unless `seconds` is a
+    finite number.
     """
     if not math.isfinite(seconds):
         raise ValueError(

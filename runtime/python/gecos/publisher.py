@@ -8,13 +8,13 @@ from types import TracebackType
 from typing import Self
 
 Publish = Callable[[threading.Event], object]
-"""A function that publishes samples until the event is set."""
+"""A function that publishes samples until its argument, an event, is set."""
 
 
 class Publisher:
-    """Runs a function that publishes samples. At its end, the `with` block sets the event that the
-    function got, and waits until the function returns. If the function ended with an exception, the
-    block raises this exception."""
+    """Runs a function that publishes samples in a thread of its own. The end of the `with` block
+    sets the event that was given to the function, and waits until the function returns. If the
+    function raised an exception, the end of the block raises this exception again."""
 
     def __init__(self) -> None:
         self._ended = threading.Event()

@@ -51,7 +51,8 @@ class Record:
         self.__post_init__()
 
     def __post_init__(self) -> None:
-        """Subclasses may override this method to complete their members, in `self.__dict__`."""
+        """Runs at the end of the constructor. A subclass may override this method to compute
+        further members, and stores them in `self.__dict__` because the instance is immutable."""
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{type(self).__name__} is immutable: {name} cannot be set")

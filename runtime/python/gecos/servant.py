@@ -52,9 +52,9 @@ class Servant(ABC):  # noqa: B024  # the skeletons declare the abstract methods
     _gecos_core: _core.PulledServant | None = None  # None unless the servant is served
 
     def gecos_on_stop(self) -> None:  # noqa: B027  # most servants watch run.interrupted instead
-        """Called when a client stops the object. Override this method to halt the device. It runs
-        on the thread of the safety operations while other handlers may still run. Leases and queue
-        are already cleared."""
+        """Called when a client stops the object. Override this method to halt the device. The
+        method runs on the thread of the safety operations while other handlers may still run. The
+        leases have already ended, and the queue is empty."""
 
     def _gecos_inward(self, stream: interface.Inward[T]) -> Inward[T]:
         opened: dict[int, Inward[Any]] = self.__dict__.setdefault("_gecos_inward_streams", {})

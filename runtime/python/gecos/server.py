@@ -43,9 +43,9 @@ class Server:
         """Names the users and hosts that may connect to all objects of this server, beyond the user
         of this process on this host. "*" admits every name.
 
-        If the lab file has a list for an object, too, both must admit a client. Acts on connections
-        that are made afterwards, and replaces the names of an earlier call. Does not lower the
-        status that an operation needs.
+        If the lab file also has a list for an object, both lists must admit a client. Applies to
+        connections that are made after the call, and replaces the names of an earlier call. Does
+        not lower the status that an operation needs.
         """
         self._core.allow(_names("users", users), _names("hosts", hosts))
 

@@ -1,7 +1,7 @@
-"""Ends the program in order: leases are released and drain, then sessions are closed.
+"""Ends the program in order: leases are released, then sessions are closed.
 
-As a result, commands for which the program did not wait still finish, and the robot is free
-afterwards.
+Commands for which the program did not wait still finish, and then other clients can acquire the
+robot.
 """
 
 from __future__ import annotations

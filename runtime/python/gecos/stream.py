@@ -40,7 +40,8 @@ class Sample(Generic[T]):
 
 @dataclass(frozen=True, slots=True)
 class StreamCounts:
-    """Counts the samples of one subscription, and the deadlines that its stream missed."""
+    """The counts of the samples of one subscription, and of the deadlines that its stream
+    missed."""
 
     received: int  # read, each counted once
     lost: int  # overwritten before `next` came to them, or lost on the way
@@ -53,8 +54,9 @@ class Stream(Generic[T]):
     """The samples of a subscription in order, starting with the newest sample, or with the first
     event after the subscription. A slow reader loses old samples, which `Sample.lost` counts. A
     sample that is older than the lifespan of the stream is never returned; `counts` counts it. A
-    sample that cannot be decoded is skipped, and `unreadable` counts it. `Sample.lost` counts such
-    samples, too, of an event from the subscription on, else after the first sample that was read.
+    sample that cannot be decoded is skipped, and `unreadable` counts it. `Sample.lost` also counts
+    such a sample if it belongs to an event, or if it was published after the first sample that was
+    read.
 
     Iterating waits for each sample, and ends after `close()`. It raises StreamLost if the server is
     gone or silent or has closed the session, or if the Lab is closed. Only one thread or task reads
@@ -90,8 +92,8 @@ class Stream(Generic[T]):
         writer is not `alive`, and after `close()`. Never waits for a sample.
 
         Raises StreamLost if the server is gone or silent, or if the Lab was closed. A silent server
-        is noticed only after 1.3 s; until then check `age`. Raises RuntimeError while another
-        thread or task waits in `next` of the same stream.
+        is noticed only after 1.3 s. Until then, only `age` shows that no new samples arrive. Raises
+        RuntimeError while another thread or task waits in `next` of the same stream.
         """
         while self._occupied() or not self._reading.acquire(timeout=_MOMENT):
             if self._occupied():
@@ -109,8 +111,8 @@ class Stream(Generic[T]):
             self._reading.release()
 
     def next(self, timeout: float | None = None) -> Sample[T]:
-        """Returns the next unread sample. It is old if you read more slowly than the server
-        publishes. For the current value, call `latest()`.
+        """Returns the next unread sample. A program that reads more slowly than the server
+        publishes gets old samples; call `latest()` for the current value.
 
         Raises TimeoutError after `timeout` seconds without a sample, its subclass DeadlineMissed
         once for each silence that is longer than the deadline of the stream, EOFError if the stream
@@ -130,14 +132,15 @@ class Stream(Generic[T]):
 
     @property
     def counts(self) -> StreamCounts:
-        """Counts of the samples since the subscription. Any thread may ask, even after
-        `close()`."""
+        """The counts of the samples since the subscription. Any thread may read this property, even
+        after `close()`."""
         return StreamCounts(*self._core.counts())
 
     @property
     def alive(self) -> bool:
-        """Whether the writer was alive at the last reading: False once the stream is lost or
-        closed, and, with `@qos(liveliness=MANUAL)`, from a missed deadline to the next sample."""
+        """True if the writer was alive when the stream was last read. False once the stream is lost
+        or closed. With `@qos(liveliness=MANUAL)`, also False from a missed deadline until the next
+        sample."""
         return self._core.alive()
 
     def __iter__(self) -> Iterator[Sample[T]]:

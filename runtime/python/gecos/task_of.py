@@ -18,7 +18,8 @@ _steps: WeakKeyDictionary[asyncio.Task[Any], Coroutine[Any, Any, Any]] = WeakKey
 
 
 class TaskOf(Coroutine[Any, Any, T]):
-    """A base class of awaitables. `asyncio` calls `send` and `throw`; programs do not."""
+    """A base class of awaitables. Only `asyncio` calls the methods `send` and `throw`; a program
+    writes `await`."""
 
     __slots__ = ()
 
@@ -39,7 +40,7 @@ class TaskOf(Coroutine[Any, Any, T]):
 
         task = asyncio.current_task()
         if task is None:
-            raise RuntimeError("only a task of asyncio may call this method; write `await` instead")
+            raise RuntimeError("only asyncio may call `send` and `throw`; use `await` instead")
         if task not in _steps:
             _steps[task] = self._awaited()
         return _steps[task]

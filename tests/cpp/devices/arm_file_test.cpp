@@ -121,13 +121,13 @@ const std::vector<Bad> bad{
      "the URDF file, relative to the folder of this file"},
     {"urdf", "urdf = \"broken.urdf\"",
      "arm.toml:3: urdf: 'broken.urdf': the text is not a URDF robot; the parser printed the reason "
-     "above; correct that file, or base_link and flange_link in this one"},
+     "above; correct that file, or base_link and flange_link in this file"},
     {"base_link", "base_link = \"base\"",
      "arm.toml:3: urdf: 'rx90.urdf': the URDF has no link 'base'; correct that file, or base_link "
-     "and flange_link in this one"},
+     "and flange_link in this file"},
     {"flange_link", "flange_link = \"foot\"",
      "arm.toml:3: urdf: 'rx90.urdf': link 'foot' is not a descendant of link 'foot'; correct that "
-     "file, or base_link and flange_link in this one"},
+     "file, or base_link and flange_link in this file"},
     {"flange_link", "flange = \"flange\"",
      "arm.toml:5: flange: this key is unknown; the keys here are name, description, urdf, "
      "base_link, flange_link, seconds_to_full_speed, seconds_to_full_acceleration, front_deg, "

@@ -113,10 +113,10 @@ TEST_P(InwardStreams, AreNotSentWithoutALease) {
   const auto sent = speed->send(1.0);
   ASSERT_FALSE(sent);
   EXPECT_EQ(sent.error().detail, Detail::Denied);
-  EXPECT_EQ(
-      sent.error().text,
-      "a sample for inward stream 'speed' of DANCER was not sent: it needs actor status; hold "
-      "a lease while you send: `const auto lease = gecos::actor(*robot);`");
+  EXPECT_EQ(sent.error().text,
+            "a sample for inward stream 'speed' of DANCER was not sent: the stream needs actor "
+            "status; hold "
+            "a lease while you send: `const auto lease = gecos::actor(*robot);`");
   EXPECT_EQ(in_words(speed->report().get().value()), "admitted 0");
   EXPECT_TRUE(speed->report().get()->expired) << "no sample has come";
 }
@@ -173,7 +173,7 @@ TEST_P(InwardStreams, ThatWaitWhenTheLeaseIsReleasedHaveNoEffect) {
     ASSERT_TRUE(speed->send(1.0));
   }
   expect_speed_told(
-      "admitted 0, no_status 1; its sender does not have the status, or the status has ended");
+      "admitted 0, no_status 1; the sender does not have the status, or the status has ended");
   const auto known = speed->report().get();
   ASSERT_TRUE(known) << known.error();
   EXPECT_EQ(known->no_status, 1u) << "the sender learns of it";
@@ -193,7 +193,7 @@ TEST_P(InwardStreams, OfAStatusThatAnotherHasTakenOverHaveNoEffect) {
   ASSERT_TRUE(theirs->send(2.0));
   EXPECT_EQ(speeds(1), std::vector{2.0});
   expect_speed_told(
-      "admitted 1, no_status 1; its sender does not have the status, or the status has ended");
+      "admitted 1, no_status 1; the sender does not have the status, or the status has ended");
 }
 
 TEST_P(InwardStreams, FromBeforeAStopHaveNoEffectAndLaterOnesDo) {
@@ -203,7 +203,7 @@ TEST_P(InwardStreams, FromBeforeAStopHaveNoEffectAndLaterOnesDo) {
   ASSERT_TRUE(speed->send(1.0));
   ASSERT_TRUE(gecos::stop(dancer_).get());  // renews the lease of its own session
   expect_speed_told(
-      "admitted 0, no_status 1; its sender does not have the status, or the status has ended");
+      "admitted 0, no_status 1; the sender does not have the status, or the status has ended");
   ASSERT_TRUE(speed->send(0.25));
   EXPECT_EQ(speeds(1), std::vector{0.25});
 }
@@ -219,11 +219,11 @@ TEST_P(InwardStreams, HaveNoEffectWhileAnotherProgramHasTakenOverTheSharedStatus
   ASSERT_TRUE(gecos::take_over(other_).get());
   ASSERT_TRUE(speed->send(2.0));  // under the epoch from before
   expect_speed_told(
-      "admitted 1, no_status 1; its sender does not have the status, or the status has ended");
+      "admitted 1, no_status 1; the sender does not have the status, or the status has ended");
   ASSERT_TRUE(gecos::ping(dancer_).get());  // tells it the newer epoch
   ASSERT_TRUE(speed->send(0.5));
   expect_speed_told(
-      "admitted 1, no_status 2; its sender does not have the status, or the status has ended");
+      "admitted 1, no_status 2; the sender does not have the status, or the status has ended");
   ASSERT_TRUE(takers->send(1.5));
   EXPECT_EQ(speeds(1), std::vector{1.5});
   ASSERT_TRUE(gecos::give_back(other_).get());
@@ -240,8 +240,9 @@ TEST_P(InwardStreams, ThatAreOlderThanTheWatchdogHaveNoEffect) {
   EXPECT_EQ(taken<std::int32_t>([&] { return other_.steps(); }, 1), std::vector<std::int32_t>{2});
   const auto known = alter->report().get();
   ASSERT_TRUE(known) << known.error();
-  EXPECT_EQ(in_words(*known),
-            "admitted 1, too_old 1; it is older than the watchdog or the lifespan of the stream");
+  EXPECT_EQ(
+      in_words(*known),
+      "admitted 1, too_old 1; the sample is older than the watchdog or the lifespan of the stream");
   EXPECT_FALSE(known->expired);
 }
 
@@ -301,7 +302,8 @@ TEST_P(InwardStreams, OfAnotherSessionDoNotFeedACommand) {
   theirs->feeds(follow);
   const auto sent = theirs->send(Step{0.1, -1});
   ASSERT_FALSE(sent);
-  EXPECT_TRUE(sent.error().text.ends_with("the command that it feeds belongs to another session"))
+  EXPECT_TRUE(
+      sent.error().text.ends_with("the command that the sample feeds belongs to another session"))
       << sent.error().text;
   theirs->feeds_no_command();
   ASSERT_TRUE(theirs->send(Step{0.1, -1}));

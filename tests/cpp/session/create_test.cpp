@@ -168,11 +168,11 @@ TEST_F(Create, TellsAnotherRuntimeDirectoryOfThisHostFromAnotherHost) {
   };
   entry.host = runtime.host_identity() + "0";
   EXPECT_EQ(why(),
-            "cannot be reached (shm: it is on this host, in another runtime directory "
+            "cannot be reached (shm: the object is on this host, but in another runtime directory "
             "(shm:/tmp/theirs/PROBE.12.1.sock): for shm, both programs must run as one user "
             "with the same GECOS_RUNTIME_DIR)");
   entry.host = "0" + runtime.host_identity();
-  EXPECT_EQ(why(), "cannot be reached (shm: it is on another host (robots))");
+  EXPECT_EQ(why(), "cannot be reached (shm: the object is on another host (robots))");
 }
 
 TEST_F(Create, RefusesHardRealtimeOnAMediumThatCannotUnlessSimulated) {

@@ -126,8 +126,9 @@ TEST_F(Port, ASampleThatIsOlderThanTheWatchdogIsRefused) {
   ada_.send(2, clock_.since_boot());
   clock_.advance(1ns);
   EXPECT_EQ(next(), 2);
-  EXPECT_EQ(in_words(port_.report()),
-            "admitted 1, too_old 1; it is older than the watchdog or the lifespan of the stream");
+  EXPECT_EQ(
+      in_words(port_.report()),
+      "admitted 1, too_old 1; the sample is older than the watchdog or the lifespan of the stream");
 }
 
 TEST_F(Port, ASampleThatIsOlderThanItsLifespanIsRefusedAlsoWithoutAWatchdog) {
@@ -142,8 +143,9 @@ TEST_F(Port, ASampleThatIsOlderThanItsLifespanIsRefusedAlsoWithoutAWatchdog) {
   ASSERT_TRUE(port.next(raw_, Unfed::Taken));
   EXPECT_EQ(raw_.age, 20ms);
   EXPECT_FALSE(port.next(raw_, Unfed::Taken));
-  EXPECT_EQ(in_words(port.report()),
-            "admitted 1, too_old 1; it is older than the watchdog or the lifespan of the stream");
+  EXPECT_EQ(
+      in_words(port.report()),
+      "admitted 1, too_old 1; the sample is older than the watchdog or the lifespan of the stream");
 }
 
 TEST_F(Port, AgesAreJudgedByTheDifferenceOfTheClocks) {
@@ -299,7 +301,8 @@ TEST_F(Port, ASampleThatNamesAnotherSessionIsRefused) {
   port_.add(ada_.feeder());
   ada_.send({SessionId{8}, Epoch{3}, 0}, 1, clock_.since_boot());
   EXPECT_EQ(next(), std::nullopt);
-  EXPECT_EQ(in_words(port_.report()), "admitted 0, other_session 1; it names another session");
+  EXPECT_EQ(in_words(port_.report()),
+            "admitted 0, other_session 1; the sample names another session");
 }
 
 TEST_F(Port, WhatASessionLeavesUnreadIsRefusedAndCounted) {

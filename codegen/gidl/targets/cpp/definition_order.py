@@ -2,7 +2,7 @@
 
 In C++, the type of a member must be complete where a struct is default-constructed; in IDL it need
 only be declared. So each type is defined after all types that it contains, whatever the order in
-the file. The exception are types that contain each other in sequences: one of them comes first.
+the file. Types that contain each other in sequences are an exception: any one of them comes first.
 """
 
 from __future__ import annotations

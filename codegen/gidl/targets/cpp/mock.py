@@ -82,8 +82,8 @@ class MocksView:
 
 @dataclass(frozen=True, slots=True)
 class OwnNames:
-    """Names that a mock's class itself needs. They differ from the names of its methods and
-    parameters."""
+    """Names that the class of a mock itself needs. These names differ from the names of its methods
+    and parameters."""
 
     mock: str
     streams: str

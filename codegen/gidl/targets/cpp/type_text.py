@@ -156,7 +156,8 @@ class Types:
 
 
 def is_bulk(element: Node) -> bool:
-    """Whether elements are byte-swapped in bulk: all scalars except booleans."""
+    """Returns whether arrays of a type are byte-swapped in one pass. This is so for all scalars
+    except booleans."""
     return isinstance(element, ScalarNode) and element.primitive is not Primitive.BOOLEAN
 
 

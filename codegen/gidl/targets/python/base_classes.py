@@ -12,8 +12,8 @@ from gidl.model import Interface, Model
 
 
 def class_bases(model: Model, interface: Interface) -> list[str]:
-    """Returns the scoped names of the base classes. They are the direct bases if Python then puts
-    all bases in the order from deepest to least deep. Otherwise they are all bases, in this
+    """Returns the scoped names of the base classes. These are the direct bases if Python then
+    orders all bases from the deepest to the least deep. Otherwise these are all bases, in that
     order."""
     wanted = _ordered(model, interface.all_bases)
     inherited = {name for base in interface.bases for name in model.interface(base).all_bases}

@@ -98,7 +98,8 @@ NameDecision may_register(const LabAccess& lab, const std::string& name,
 AccessDecision AccessPolicy::decide(const UserAtHost& server, const UserAtHost& who,
                                     std::string_view object) const {
   if (who == server) {
-    return admit(AccessRule::OwnUser, who, object, "its server runs as this user of this host");
+    return admit(AccessRule::OwnUser, who, object,
+                 "the server of the object runs as this user of this host");
   }
   if (who == UserAtHost{"root", server.host}) {
     return admit(AccessRule::Root, who, object, "root of a host may do everything on it");

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-/// Decides who may connect to an object, by user and host. What a connected client may do is
-/// decided by its status (lease_table.hpp) and is not lowered here.
+/// Decides which clients may connect to an object, by user and host. The rights of a connected
+/// client depend on its status (lease_table.hpp) and are not lowered here.
 namespace gecos::access {
 
 /// The name of the broker, which is found without being registered.
@@ -20,11 +20,12 @@ struct UserAtHost {
   friend bool operator==(const UserAtHost&, const UserAtHost&) = default;
 };
 
-/// Stands for every name in an AllowList. It is then the only name of its list.
+/// The entry of an AllowList that stands for every name. A list with this entry has no other entry.
 inline constexpr std::string_view everyone = "*";
 
-/// Names who may connect beyond the user of the server on the server's host. Admits a user who is
-/// that user or named in `users`, on a host that is that host or named in `hosts`.
+/// The users and hosts that may connect to a server, in addition to the user and the host of the
+/// server itself. A client is admitted if its user is in `users` or is the user of the server, and
+/// its host is in `hosts` or is the host of the server.
 struct AllowList {
   std::vector<std::string> users;
   std::vector<std::string> hosts;
@@ -37,7 +38,7 @@ struct NameOwner {
   std::string place;  ///< for messages, for example "[names] in /etc/gecos/lab.toml:3"
 };
 
-/// What a lab file says about who may connect, and who may serve objects.
+/// The rules of a lab file: which users may connect to objects, and which users may serve objects.
 struct LabAccess {
   std::string file;                            ///< for messages; "" if there is no lab file
   std::optional<AllowList> general{};          ///< for the objects that have no list of their own
@@ -74,19 +75,19 @@ NameDecision may_register(const LabAccess& lab, const std::string& name,
                           const std::optional<UserAtHost>& who);
 
 /// Who may connect to the objects of one server. The user of the server and root may always connect
-/// on the server's host. Others may connect when the list of the program, if there is one, and the
-/// list of the lab file, if it has one for the object, both admit them.
+/// on the server's host. Other users may connect when there is a list of the program or a list of
+/// the lab file for the object, and every such list admits them.
 ///
-/// The broker gets everyone who is admitted to an object by any list of the lab file, unless the
-/// file has a list for the broker itself.
+/// Everyone whom any list of the lab file admits to an object may also connect to the broker,
+/// unless the file has a list for the broker itself.
 struct AccessPolicy {
   std::optional<AllowList> program{};  ///< given to `Server::allow`
   LabAccess lab{};
 
   AccessDecision decide(const UserAtHost& server, const UserAtHost& who,
                         std::string_view object) const;
-  /// Returns whether `who` may end the status of other users: the user of the server on its host,
-  /// and whom the lab file names in [admin].
+  /// Returns whether `who` may end the status of other users. This is so for the user of the server
+  /// on its host, and for the users in [admin] of the lab file.
   bool administers(const UserAtHost& server, const UserAtHost& who) const;
 };
 

@@ -9,7 +9,7 @@
 
 namespace gecos::access {
 
-/// What is wrong in a lab file. Written as "lab.toml:3: allow.user: this key is unknown; …".
+/// An error in a lab file. Printed as "lab.toml:3: allow.user: this key is unknown; …".
 struct LabFileError {
   std::string file;
   std::size_t line = 0;  ///< counted from 1; 0: the error concerns the whole file
@@ -38,7 +38,7 @@ class EditedLabFile {
   std::optional<LabFileError> take(const Text& now);
 
   const LabAccess& lists() const { return lists_; }
-  /// Whether a text without an error was taken.
+  /// Returns whether a text without an error was taken.
   bool known() const { return known_; }
   /// Returns the error of the last text; nullopt if it had none.
   const std::optional<LabFileError>& error() const { return error_; }

@@ -81,7 +81,7 @@ struct Denial {
 ///
 /// One holder of a shared status can take over. Until it gives back, or its lease ends for any
 /// reason, only its commands are queued and started; the leases of the others continue. A command
-/// that another holder issued before the take-over never starts, not even after it.
+/// that another holder issued before the take-over never starts, not even after the take-over.
 class LeaseTable {
  public:
   LeaseTable(IncarnationId incarnation, Duration ttl);
@@ -93,8 +93,8 @@ class LeaseTable {
   tl::expected<Grant, LeaseRefusal> acquire(SessionId session, const Client& client, Status wanted,
                                             const Proof& password, TimePoint now);
 
-  /// Returns whether `acquire` for `session` compares the password that it is given with that of
-  /// the holders.
+  /// Returns whether `acquire` for `session` compares its password with the password of the
+  /// holders.
   bool compares_password(SessionId session) const;
 
   /// Returns the refusal for a session that has released its status and requests `wanted` again
@@ -160,7 +160,7 @@ class LeaseTable {
     TimePoint preempted_at{};
   };
   using Members = std::unordered_map<SessionId, Member>;
-  /// How a session lost its last status: because it was silent, or by a stop.
+  /// The reason why a session lost its last status: its silence, or a stop.
   struct Loss {
     Epoch first;  ///< the epochs in which it held the status
     Epoch last;

@@ -11,8 +11,8 @@ namespace gecos::audit {
 /// Writes the audit of one server, on a thread of its own, so that no call waits for a disk.
 ///
 /// If lines come faster than the disk takes them, or the disk is full or missing, lines are lost.
-/// The log says so once, and a line of the audit counts them as soon as it can be written again.
-/// Thread-safe.
+/// The log reports this once. As soon as the audit can be written again, it gets a line with the
+/// number of lost lines. Thread-safe.
 class Audit {
  public:
   /// Number of lines that wait at most. Further ones are lost.

@@ -66,14 +66,14 @@ tl::expected<void, std::string> Journal::open() {
 }
 
 tl::expected<void, std::string> Journal::write(std::string_view bytes) {
-  // One write() for all lines, so that lines of two processes do not mix.
+  // All lines are written by one write(), so that lines of two processes do not mix.
   const ssize_t count = ::write(file_.get(), bytes.data(), bytes.size());
   if (count == static_cast<ssize_t>(bytes.size())) return {};
   return tl::unexpected(path(0) + ": " + system_text(count < 0 ? errno : ENOSPC));
 }
 
-/// Returns whether `file_` is still the file of that name: another process may have begun a new
-/// one.
+/// Returns whether `file_`, which is open, is still the file that has the path path(0). Another
+/// process may have renamed the file and created a new one at this path.
 bool Journal::current() const {
   struct stat ours {};
   struct stat named {};
@@ -87,7 +87,7 @@ void Journal::rotate() {
   if (static_cast<std::size_t>(ours.st_size) < limits_.bytes) return;
   const Descriptor lock(
       ::open((folder_ + "/audit.lock").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
-  // Not waited for: the process that holds the lock may be suspended.
+  // The lock is only tried, because the process that holds it may be suspended.
   if (!lock || ::flock(lock.get(), LOCK_EX | LOCK_NB) != 0 || !current()) return;
   for (unsigned age = limits_.files - 1; age > 0; --age) {
     ::rename(path(age - 1).c_str(), path(age).c_str());

@@ -10,7 +10,7 @@
 namespace gecos::audit {
 
 /// The files of an audit: `audit.jsonl`, and the older `audit.1.jsonl`, `audit.2.jsonl` and so on.
-/// They belong to the user of the process, and no other user may read them.
+/// The files belong to the user of the process, and no other user may read them.
 ///
 /// Several processes may append to the same files at once. Functions may block, if the disk does.
 class Journal {
@@ -32,7 +32,8 @@ class Journal {
   tl::expected<void, std::string> open();
   tl::expected<void, std::string> write(std::string_view bytes);
   bool current() const;
-  /// Begins a new file if this one is full. Does nothing if another process just does that.
+  /// Begins a new file if the present file is full. Does nothing while another process begins a new
+  /// file.
   void rotate();
   std::string path(unsigned age) const;
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-/// The audit of a server: who was admitted or refused and why, who held which status, and which
-/// commands moved what. It is a file of lines, each of which is one JSON object.
+/// The audit of a server records who was admitted or refused and why, who held which status, and
+/// which commands moved what. Each line of the audit is one JSON object.
 ///
 /// A line contains no argument of a call and no result, so that no password can be in it.
 namespace gecos::audit {

@@ -10,16 +10,19 @@ namespace gecos::audit {
 
 /// Counts events that one client repeats, so that a program that sends a thousand commands per
 /// second adds two lines per second to the audit, and not a thousand. The first event gets a line
-/// of its own; those that follow within a second are counted, and together get one more line.
+/// of its own. Equal events within the next second are only counted, and together get one more
+/// line.
 ///
-/// Time is passed in. Used by one thread at a time. `count` allocates and formats nothing.
+/// The caller passes the time. Only one thread at a time may use this class. `count` allocates and
+/// formats nothing.
 class Repeats {
  public:
   static constexpr std::int64_t window_ms = 1000;
-  /// More kinds of events than this are not counted: each gets a line of its own.
+  /// The number of kinds of events that are counted at the same time. Each event of a further kind
+  /// gets a line of its own.
   static constexpr std::size_t most = 64;
 
-  /// What makes two events of one object equal.
+  /// The members in which two events of one object must agree to count as equal.
   struct Key {
     std::uint64_t session = 0;
     std::uint64_t code = 0;
@@ -30,7 +33,7 @@ class Repeats {
   /// Counts the event and returns true, if an equal event had a line less than a second ago.
   /// Otherwise returns false: the caller then writes a line, and passes it to `begin`.
   bool count(const Key& key, std::uint64_t counter);
-  /// Counts the events that are equal to the one of `line` from now on.
+  /// Begins to count the events that are equal to the event of `line`.
   void begin(const Key& key, const Line& line);
   /// Returns a line for all events whose second is over and that were repeated.
   std::vector<Line> due(std::int64_t now);

@@ -1,4 +1,4 @@
-// Types for a sequence of bytes that is owned, and for one that is borrowed.
+// Types for owned and for borrowed sequences of bytes.
 #pragma once
 
 #include <cstddef>

@@ -2,8 +2,8 @@
 
 namespace gecos {
 
-/// Tells its owner, in a forked child, that the owner's descriptors and memory belong to the
-/// parent.
+/// Notifies its owner in a forked child that the descriptors and the memory of the owner belong to
+/// the parent.
 ///
 /// A child shares the sockets and rings of its parent. If the child used them, it would corrupt the
 /// parent's packets. If the child only kept them open, the parent's peers could not notice the

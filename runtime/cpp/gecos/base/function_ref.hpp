@@ -9,8 +9,8 @@ namespace gecos {
 template <class Signature>
 class FunctionRef;
 
-/// A borrowed callable: a parameter type for functions that call the argument only before they
-/// return. Needs two words and no allocation. Must not be stored.
+/// A borrowed callable. Use it as the type of a parameter that a function calls only before it
+/// returns. Has the size of two pointers, and allocates nothing. Must not be stored.
 template <class R, class... Args>
 class FunctionRef<R(Args...)> {
  public:

@@ -1,5 +1,5 @@
-// Ids of different things have different types, so that the compiler rejects one in place of
-// another.
+// Ids of different things have different types, so that the compiler finds an id that is used in
+// place of another.
 #pragma once
 
 #include <cstdint>

@@ -150,7 +150,7 @@ Serving Broker::serving(std::vector<media::Kind> media) {
   ObjectOptions options;
   options.simulated = true;  // a broker moves nothing, so it cannot cause harm
   options.well_known = true;
-  // If no other process can use these media, no object was served before this broker started.
+  // If only this process can use these media, no object was served before this broker started.
   const bool alone = media::within_process(media);
   {
     const MutexLock lock(mutex_);
@@ -256,7 +256,7 @@ Result<void> Broker::free(const std::string& name) {
                       freed.error());
   }
   announce();
-  log_warning("broker", name + " was set free although its server had not withdrawn it");
+  log_warning("broker", "the name " + name + " was freed although no server had withdrawn it");
   return {};
 }
 

@@ -100,9 +100,9 @@ class Directory {
   /// server of the object is heard, and when the process of the server lives on the broker's host.
   tl::expected<void, std::variant<UnknownName, NameInUse>> free(const std::string& name);
   /// Marks the expected servers that have not returned in time as silent. Forgets the objects that
-  /// have been silent for longer than `remembered`. Of the silent objects whose names are free,
-  /// keeps the `most_silent` that were heard last. Returns the time at which this function must be
-  /// called again.
+  /// have been silent for longer than `remembered`. Keeps at most `most_silent` silent objects
+  /// whose names are free, namely the ones that were heard last. Returns the time at which this
+  /// function must be called again.
   TimePoint on_tick(TimePoint now);
 
   tl::expected<Entry, UnknownName> look_up(const std::string& name) const;
@@ -117,7 +117,8 @@ class Directory {
   std::optional<Duration> free_in(const Silent& one, TimePoint now) const;
 
   ListRevision revision() const { return {options_.life, number_}; }
-  /// Returns the changes after `since`, or the whole list when some of them are not kept.
+  /// Returns the changes after `since`, or the whole list when some of these changes are no longer
+  /// kept.
   ListChanges changes(const ListRevision& since, TimePoint now) const;
   /// Returns true when an object of this process of the broker's host is online or silent.
   bool uses_process(std::int32_t pid) const;

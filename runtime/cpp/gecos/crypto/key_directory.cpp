@@ -80,8 +80,8 @@ bool write_all(int to, std::span<const std::byte> bytes) {
   return true;
 }
 
-/// Creates the file `path` with the contents `text`; creates no file if it cannot write all of
-/// them. Sets errno when it returns false; errno is EEXIST when the file exists already.
+/// Creates the file `path` with the contents `text`; creates no file if it cannot write the whole
+/// text. Sets errno when it returns false; errno is EEXIST when the file exists already.
 bool put_file(const std::string& path, const std::string& directory, const KeyText& text) {
   const std::string fresh =
       directory + "/.new-" + KeyPair::draw().public_key.short_name() + std::to_string(::getpid());
@@ -98,7 +98,7 @@ bool put_file(const std::string& path, const std::string& directory, const KeyTe
   return done;
 }
 
-/// Who may read a file of the directory beside its user.
+/// The users who may read a file of the directory, in addition to its owner.
 enum class Readers : std::uint8_t { Nobody, Others };
 
 /// Reads at most `into.size()` bytes of the file `path`, and returns how many. The result is an

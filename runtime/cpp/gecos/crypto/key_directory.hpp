@@ -16,7 +16,7 @@ struct KeyError {
 };
 
 /// The user to whom a key belongs, and the host on which that user has it. Only the user of the
-/// directory decides this: it does not depend on what a peer says.
+/// directory decides this; the claims of a peer have no influence.
 struct KeyOwner {
   static constexpr std::size_t longest = 255;  ///< characters of "user@host"
   std::string user;
@@ -60,8 +60,9 @@ class KeyDirectory {
   /// when the file is damaged or holds another key, when other users may write it, or when it has
   /// an owner that cannot be read.
   tl::expected<void, KeyError> admission(const PublicKey& key) const;
-  /// Returns whose key `key` is; an empty optional when no file says so. Fails when the file cannot
-  /// be read, or when other users may write it.
+  /// Returns the owner of `key`, as the key file of `key` states it. Returns nullopt when there is
+  /// no such file or it states no owner. Fails when the file cannot be read, or when other users
+  /// may write it.
   tl::expected<std::optional<KeyOwner>, KeyError> owner(const PublicKey& key) const;
   bool is_admitted(const PublicKey& key) const { return admission(key).has_value(); }
 

@@ -8,7 +8,7 @@
 namespace gecos::media {
 
 /// The values that an end of a connection publishes so that the other end can choose how to wait
-/// (waiting.hpp). A wrong value costs time, but does no other harm.
+/// (waiting.hpp). A wrong value makes communication slower, but does no other harm.
 struct Whereabouts {
   std::int32_t core = unknown_core;  ///< core from which this end last polled the connection
   bool asleep = false;               ///< this end sleeps until it is notified
@@ -21,7 +21,7 @@ class Core {
  public:
   virtual ~Core() = default;
   virtual std::int32_t number() const = 0;
-  /// Lets another thread run on this core first, if one is ready to run.
+  /// Yields this core to another thread that is ready to run, if there is one.
   virtual void yield() const = 0;
 
   /// Returns the Core that asks the kernel.

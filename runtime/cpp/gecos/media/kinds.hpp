@@ -16,8 +16,8 @@ namespace gecos::media {
 
 /// The list of all media; the medium with the shortest reach comes first. Each line has the
 /// enumerator and the name of a medium. The folder of the medium has the same name. To add a
-/// medium, add its folder and one line here (see registration.hpp). Other code must not check the
-/// enumerator, but the Capabilities.
+/// medium, add its folder and one line here (see registration.hpp). Other code must check the
+/// Capabilities, not the enumerator.
 #define GECOS_MEDIA(MEDIUM) \
   MEDIUM(Inproc, inproc)    \
   MEDIUM(Shm, shm)          \
@@ -50,14 +50,14 @@ tl::expected<std::unique_ptr<Medium>, MediumError> open(Kind kind, const WrapMed
 /// damaged, and in fragmentation if the session's largest packet does not fit.
 std::unique_ptr<Medium> with_layers(std::unique_ptr<Medium> medium, const Clock& clock);
 
-/// Returns the directory in which the programs of this user meet. Returns an empty text when no
+/// Returns the directory with the sockets of this user's programs. Returns an empty text when no
 /// directory can be used.
 std::string runtime_directory();
 
 /// Returns a text that identifies this host and its runtime directory: the boot id of the kernel,
 /// '/', and the directory by its inode. The directory is left out when shm cannot be used here. The
-/// text is empty when the kernel does not tell its boot id. Compare these texts only by the
-/// functions below.
+/// text is empty when the kernel does not publish a boot id. Use only the functions below to
+/// compare these texts.
 std::string host_identity();
 
 /// Returns whether this program can reach a server with the host identity `identity` over shm

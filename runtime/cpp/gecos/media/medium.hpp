@@ -33,7 +33,7 @@
 /// The child must make new ones.
 namespace gecos::media {
 
-/// Says which programs a medium can connect.
+/// The programs that a medium can connect.
 enum class Reach : std::uint8_t {
   Process,  ///< within one process
   Host,     ///< between programs that share a runtime directory of one host
@@ -52,8 +52,8 @@ struct Capabilities {
   bool reports_death = true;  ///< the kernel reports the death of the peer
   bool authenticated = true;  ///< the identity of the peer's user is proved
   bool overheard = false;     ///< other programs can receive packets: packets must be sealed
-  /// Whether only silence shows that no server is running. An acceptor then receives the packets
-  /// for its connections.
+  /// True if a client notices only by silence that no server is running. An acceptor then receives
+  /// the packets for its connections.
   bool connectionless = false;
   bool shared_words = false;       ///< write_word() and peer_word() work
   std::size_t largest_packet = 0;  ///< in bytes
@@ -66,8 +66,9 @@ struct Peer {
   std::optional<std::int32_t> pid;
   std::string
       description;  ///< for messages: "uid 1000, pid 4711", "key 3fa9c1d2, 239.255.76.67:20017"
-  /// The user and host to whom the key belongs that the peer has proved. Empty when no key has
-  /// proved them, and when the key has no owner: then it counts as one of this program's user.
+  /// The user and host to whom the proved key of the peer belongs. Empty when the peer has proved
+  /// no key, and when the key has no owner. A key without an owner counts as a key of this
+  /// program's user.
   std::string user{};
   std::string host{};
 };
@@ -115,10 +116,10 @@ class StreamWriter {
   virtual void publish_lent(std::int64_t stamp_ns) = 0;
   /// Returns the sequence number of the newest sample; 0 before the first one.
   virtual std::uint64_t newest() const = 0;
-  /// Makes all later samples unreadable for peers with whom the stream is no longer shared. Those
-  /// with whom it is shared go on reading, with the same sequence numbers; they may lose samples
-  /// until the next heartbeat. Throws a std::exception when no memory or no descriptor is left.
-  /// Does nothing where readers and writer are one process.
+  /// Makes all later samples unreadable for peers with whom the stream is no longer shared. The
+  /// other peers continue to read, with the same sequence numbers; they may lose samples until the
+  /// next heartbeat. Throws a std::exception when no memory or no descriptor is left. Does nothing
+  /// where readers and writer are one process.
   virtual void move_on() {}
 };
 
@@ -137,8 +138,8 @@ class StreamReader {
   /// Returns the newest sample like latest(), but without a copy. The bytes stay readable until the
   /// next call of lend_latest() or until the reader is destroyed. In shared memory, the writer
   /// overwrites the bytes after `depth` further samples. Therefore the caller must call intact()
-  /// after reading the bytes, and must discard the values if it returns false. The peer may be
-  /// hostile: the caller must validate the values, and must not read a length twice.
+  /// after reading the bytes, and must discard the values if intact() returns false. The peer may
+  /// be hostile: the caller must validate the values, and must not read a length twice.
   virtual std::optional<LentSample> lend_latest(std::uint64_t after) = 0;
   /// Returns true when the writer has not yet overwritten the bytes of `sample`.
   virtual bool intact(const LentSample& sample) const = 0;
@@ -203,8 +204,9 @@ class Connection {
   /// Therefore use the word only where a wrong value harms only the peer.
   virtual std::uint64_t peer_word(std::size_t index);
 
-  /// Returns on which CPU core the peer runs and whether it sleeps, as shared memory says. The core
-  /// is unknown_core when the medium shares no memory. Any thread may call this function.
+  /// Returns on which CPU core the peer runs and whether the peer sleeps, as the peer has written
+  /// into shared memory. The core is unknown_core when the medium shares no memory. Any thread may
+  /// call this function.
   virtual Whereabouts peer_whereabouts();
 
   /// Sends a heartbeat. The maintenance thread calls this function every 100 ms. On shm and inproc,
@@ -214,23 +216,23 @@ class Connection {
   /// uses this number to detect a silent peer: it measures the time in which the number does not
   /// rise.
   virtual std::uint64_t beats_seen() = 0;
-  /// Returns the number of received heartbeats before which there is no unread packet. A packet
-  /// counts as read as soon as receive() is called again after it returned the packet. On a medium
-  /// that does not order heartbeats with packets, the result equals beats_seen(). Any thread may
-  /// call this function.
+  /// Returns the number of received heartbeats that have no unread packet before them. A packet
+  /// counts as read at the first call of receive() after the call that returned the packet. On a
+  /// medium that does not order heartbeats with packets, the result equals beats_seen(). Any thread
+  /// may call this function.
   virtual std::uint64_t beats_read() { return beats_seen(); }
 
   /// Asks the kernel whether the connection is lost. On shm this is a system call: call this
   /// function at each tick and after a wake-up without a packet, but not for every packet. Packets
-  /// that the peer sent before the loss can still be received. After the function has found a loss,
-  /// its result never changes.
+  /// that the peer sent before the loss can still be received. After this function has returned a
+  /// loss, its result never changes.
   virtual Loss loss() = 0;
   /// Returns a text that says why the connection is lost; on lcm also why no peer answers.
   virtual std::string loss_text() const = 0;
 
-  /// Returns why the medium would not admit this peer any more, as when its key was removed; an
-  /// empty text while it would. Reads files: not for the path of a call. Any thread may call this
-  /// function.
+  /// Returns why the medium would no longer admit this peer, for example because its key was
+  /// removed. Returns an empty text while the medium would admit the peer. Reads files, so it must
+  /// not be called on the path of a call. Any thread may call this function.
   virtual std::string revoked() { return {}; }
 
   /// Makes a stream for this peer alone, for example for samples from a client to its server. Use
@@ -252,9 +254,9 @@ class Connection {
   virtual std::string why_no_stream(std::uint32_t id);
 };
 
-/// Decides whether a client may connect, by what the kernel reports about it, or by the owner of
-/// the key that it has proved. Returns why the client is refused; an empty text admits the client.
-/// Must not throw.
+/// A function that decides whether a client may connect. The Peer contains what the kernel reports
+/// about the client, or the owner of the key that the client has proved. Returns why the client is
+/// refused; an empty text admits the client. Must not throw.
 using AdmitPeer = std::function<std::string(const Peer&)>;
 
 /// The server's side of one object on one medium. Makes a connection for each client that connects.
@@ -266,10 +268,11 @@ class Acceptor {
   /// Returns the address that a client passes to Medium::connect, for example
   /// "shm:/run/gecos/1f3a.sock".
   virtual const std::string& address() const = 0;
-  /// Sets the function that decides about each client of another user, whom the kernel or a key
-  /// names. A client that it refuses gets no connection, and finds Loss::Refused with the reason.
-  /// Without a function, shm admits no user but the server's own and root, who always are, and lcm
-  /// every admitted key. Call this before the first accept(). Does nothing on inproc.
+  /// Sets the function that decides about clients of other users; the kernel or a key names the
+  /// user. A refused client gets no connection, but Loss::Refused with the reason. On shm, clients
+  /// of root and of the server's own user are always admitted, and without such a function no
+  /// others. On lcm, every admitted key may connect without such a function. Call this before the
+  /// first accept(). Does nothing on inproc.
   virtual void admit_by(AdmitPeer) {}
   /// Returns the connection to the next client that has connected, or null when there is none.
   virtual std::unique_ptr<Connection> accept() = 0;

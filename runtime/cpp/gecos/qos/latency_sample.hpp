@@ -21,16 +21,16 @@ class LatencySample {
   /// The measurement takes at most `longest`.
   LatencySample(TimePoint now, Duration longest) : begun_(now), longest_(longest) {}
 
-  /// Returns whether another round trip should be made. None begins in the second half of the time,
-  /// so that a slow connection is judged by round trips that have ended.
+  /// Returns whether another round trip should begin. No round trip begins in the second half of
+  /// the measurement, so that the last one can end before the measurement does.
   bool wants_another(TimePoint now) const {
     return round_trips_.size() < most && now < begun_ + longest_ / 2;
   }
-  /// Returns when to stop waiting for the answer that is under way.
+  /// Returns the time at which to stop waiting for an answer that has not arrived.
   TimePoint gives_up() const { return begun_ + longest_; }
   void answered(Duration round_trip) { round_trips_.push_back(round_trip); }
-  /// Returns the median; of an even number of round trips, the shorter one in the middle. If no
-  /// answer came at all, returns how long the connection was watched.
+  /// Returns the median of the round trips; for an even number, the shorter of the two in the
+  /// middle. If no answer came at all, returns the time since the measurement began.
   Latency latency(TimePoint now) const;
 
  private:

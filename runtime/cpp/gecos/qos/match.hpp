@@ -19,9 +19,9 @@ struct LineCapabilities {
   bool between_hosts = false;  ///< packets may leave the host
   bool reliable = true;        ///< no packet is lost, or the session retransmits each lost packet
   bool real_time = true;       ///< the medium loses no packet and shares no queue with others
-  bool reports_death = true;   ///< the death of a peer is reported at once, not only found by its
+  bool reports_death = true;   ///< the death of a peer is reported at once, not only noticed by its
                                ///< silence
-  std::optional<LatencySample::Latency> latency{};  ///< once it is measured
+  std::optional<LatencySample::Latency> latency{};  ///< nullopt before its measurement
 };
 
 /// One term of the required quality that a medium does not meet.
@@ -31,8 +31,8 @@ struct Violation {
 };
 
 /// Returns the terms of `asked` that `line` does not meet; empty when it meets all of them. A
-/// latency term counts as met while the latency is not measured yet. HARD_REALTIME is checked for
-/// the medium only, not for the waiting threads.
+/// latency term counts as met until the latency has been measured. HARD_REALTIME is checked only
+/// for the medium, not for the waiting threads.
 std::vector<Violation> violations(const Quality& asked, const LineCapabilities& line);
 
 /// Returns the indices of the elements of `lines` that meet `asked`, best first. The promises of

@@ -12,10 +12,10 @@ namespace gecos::qos {
 
 enum class Class : std::uint8_t { TimeIndependent, SoftRealtime, HardRealtime };
 enum class Reliability : std::uint8_t { Reliable, BestEffort };
-/// The fate of a session whose connection exceeds the latency that its interface demands.
+/// What happens to a session whose connection exceeds the latency that its interface demands.
 enum class OnDegraded : std::uint8_t {
-  Event,  ///< it goes on; a program may hear of it (LineWatch)
-  Fail,   ///< it is lost
+  Event,  ///< the session goes on; LineWatch reports the change
+  Fail,   ///< the session is lost
 };
 /// The evidence that the writer of a stream is alive: heartbeats of its process, or samples of the
 /// writer itself.
@@ -48,7 +48,8 @@ struct Quality {
   OnDegraded on_degraded = OnDegraded::Event;  ///< of an interface
 };
 
-/// Returns whether `asked` bounds the latency: `latency` binds with a class of real time only.
+/// Returns whether `asked` limits the latency. Its `latency` is a limit only with the class
+/// SOFT_REALTIME or HARD_REALTIME.
 inline bool binds_latency(const Quality& asked) {
   return asked.line != Class::TimeIndependent && asked.latency > Duration{};
 }

@@ -8,7 +8,7 @@
 
 namespace gecos::qos {
 
-/// Counts the samples of one subscription, and the deadlines that its stream missed.
+/// The counts of the samples of one subscription, and of the deadlines that its stream missed.
 struct StreamCounts {
   std::uint64_t received = 0;  ///< samples that were read, each counted once
   std::uint64_t lost = 0;      ///< overwritten before next() came to them, or lost on the way
@@ -25,17 +25,17 @@ struct StreamCounts {
 /// and writer_alive().
 ///
 /// A gap between two samples is the time between their measurements, and is judged when the reader
-/// has read both. Samples that the reader has not read prove nothing, so a gap in the sequence
-/// numbers is never a missed deadline. While no sample comes, the gap is measured from the moment
-/// at which the last sample was read; before the first sample, from the subscription.
+/// has read both. The times of unread samples are unknown, so a gap in the sequence numbers is
+/// never a missed deadline. While no sample comes, the gap is measured from the moment at which the
+/// last sample was read; before the first sample, from the subscription.
 class Reception {
  public:
-  /// How the reader obtained a sample. It decides whether the unread samples before this sample
-  /// count as lost or as skipped.
+  /// How the reader obtained a sample. The unread samples before it count as lost (InOrder) or as
+  /// skipped (Newest).
   enum class Way : std::uint8_t { InOrder, Newest };
 
-  /// `after`: sequence number before the first sample that the reader expects; nullopt when it
-  /// begins with any sample.
+  /// `after`: the sequence number before the first sample that the reader expects; nullopt when the
+  /// reader may begin with any sample.
   Reception(const Quality& terms, TimePoint opened, std::optional<std::uint64_t> after);
 
   /// Judges a sample that was not read before. Returns whether the reader may get the sample.
@@ -49,8 +49,9 @@ class Reception {
   /// Returns the time from which on find_nothing() leads to a report; TimePoint::max() when no
   /// report is due.
   TimePoint late_at() const;
-  /// Returns whether the writer was alive at the last reading. With liveliness=MANUAL, a writer
-  /// that misses its deadline is not alive until its next sample; otherwise always true.
+  /// Returns whether the writer was alive when the stream was last read. With liveliness=MANUAL, a
+  /// writer that misses its deadline is not alive until its next sample. With other values of
+  /// liveliness, always returns true.
   bool writer_alive() const;
   StreamCounts counts() const;
 

@@ -13,9 +13,10 @@
 
 namespace gecos::wire {
 
-/// A question to add to the message about `value`: "; is the value in degrees?". Empty unless
-/// `value` is outside `low` to `high`, and inside when it means degrees (a value above pi rad) or
-/// millimetres (a value of at least 1 m) instead of `unit`.
+/// Returns a question for the error about `value`, for example "; is the value in degrees?". The
+/// text is empty unless `value` is outside the range from `low` to `high`, but would be inside it
+/// as a number of degrees or millimetres instead of `unit`. Only values above pi rad count as
+/// degrees, and only values of at least 1 m as millimetres.
 std::string_view mistaken_unit(double value, double low, double high, std::string_view unit);
 
 template <class T>

@@ -29,7 +29,7 @@ enum class DecodeProblem : std::uint8_t {
 /// Returns the problem as a text, for example "the string is not UTF-8".
 const char* describe(DecodeProblem problem);
 
-/// A number that a range or an enum refused.
+/// A number that is outside its range, or that is no enumerator of its enum.
 using RefusedNumber = std::variant<double, std::int64_t, std::uint64_t>;
 
 struct DecodeError {
@@ -39,7 +39,8 @@ struct DecodeError {
   const char* field = "";  ///< static text; empty when the reader passed no field name
 
   /// Static text: the range that `number` is outside of, for example "[0.01, 1.0] m/s", or the
-  /// enumerators of which `number` is none. Empty when the problem is not about a number.
+  /// known enumerators when `number` is not one of them. Empty when the problem is not about a
+  /// number.
   const char* limits = "";
   RefusedNumber number{};
 

@@ -29,8 +29,8 @@ concept NumberRange = requires(Range& range) {
 constexpr std::size_t string_size(std::string_view text) { return 4 + text.size() + 1; }
 
 /// Writes values into a buffer, one after the other. The caller must make the buffer as large as
-/// the `encoded_size()` of the value. Writes are not checked; only a debug build asserts that they
-/// fit.
+/// the `encoded_size()` of the value. Only a debug build checks that the written values fit into
+/// the buffer.
 class Encoder {
  public:
   explicit Encoder(std::span<std::byte> buffer)

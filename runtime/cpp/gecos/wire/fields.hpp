@@ -99,8 +99,8 @@ template <class Key, class T, class Order, class GetKey, class Get>
   return true;
 }
 
-/// Returns `valid`. If it is false, records that the number that was just read is out of range.
-/// `size` is the size of that number in bytes.
+/// Returns `valid`. If `valid` is false, records that the number that was just read is out of
+/// range. `size` is the size of that number in bytes.
 [[nodiscard]] inline bool in_range(Decoder& from, bool valid, std::size_t size, const char* field) {
   return valid || from.fail(DecodeProblem::OutOfRange, field, from.offset() - size);
 }
@@ -126,7 +126,8 @@ template <class Numbers>
                           after * sizeof *outlier, field);
 }
 
-/// Refuses the number of an enum that was just read; `known` is static text with its enumerators.
+/// Refuses the number that was just read, because the enum has no such enumerator. `known` is
+/// static text with the known enumerators.
 [[nodiscard]] inline bool no_enumerator(Decoder& from, std::int32_t number, const char* known,
                                         const char* field) {
   return from.fail_number(DecodeProblem::UnknownEnumerator, refused_number(number), known,

@@ -49,8 +49,8 @@ class JsonReader;
 template <class T>
 struct JsonShape;
 
-/// The functions of a JsonShape, for code that does not know the type of the value. So the code for
-/// structs is compiled only once, and not for each struct.
+/// The functions of a JsonShape, for code that does not know the type of the value. With them, the
+/// code for structs is compiled only once, and not for each struct.
 struct JsonKind {
   void (*write)(JsonWriter to, const void* value);
   bool (*read)(const JsonReader& from, void* value);
@@ -217,7 +217,7 @@ struct JsonStruct {
   static bool visit(JsonMembers& each, T& value);
 };
 
-/// Visits the members that a struct lists. A label is "open.width", of which the part after the
+/// Visits the members that a struct lists. In a label such as "open.width", the part after the
 /// point is the name of the member.
 class JsonListed {
  public:
@@ -412,7 +412,7 @@ struct JsonShape<std::map<Key, T, Order>> {
   }
 };
 
-/// The JSON representation of a union. A generated function tells which member a discriminator
+/// The JSON representation of a union. A generated function returns the member that a discriminator
 /// (tag) selects.
 template <class T>
 requires requires(const T& value) {
@@ -459,7 +459,7 @@ struct JsonShape<T> {
   }
 };
 
-/// Gives the struct that the interface declares for the hand-written type `T`.
+/// Maps the hand-written type `T` to the struct that the interface declares for it.
 template <class T>
 struct JsonLayout;
 

@@ -4,7 +4,7 @@
 // Members and enumerators are written by name, bitmasks as lists of flags, unions as {"tag": …,
 // "value": …}, maps as lists of pairs, octets as lists of numbers, NaN and infinities as "nan",
 // "inf" and "-inf". 64-bit integers are exact. Secrets are written as "***". A program that uses
-// this header must include "<file>_json.hpp" of the interface, too, and must link the interface's
+// this header must also include "<file>_json.hpp" of the interface, and must link the interface's
 // library `…_json`.
 #pragma once
 
@@ -27,8 +27,8 @@ std::string text(const void* value, const JsonKind& kind, int indent);
 /// deeply.
 bool parse(std::string_view text, JsonError& error, bool (*read)(const JsonReader&, void*),
            void* target);
-/// Returns true when `violation`, the result of `gecos_violation`, is empty. Otherwise stores it in
-/// `error`.
+/// Returns true when `violation`, the result of `gecos_violation`, is empty. Otherwise stores
+/// `violation` in `error`.
 bool allowed(const std::string& violation, JsonError& error);
 
 template <class T>

@@ -31,7 +31,7 @@
 
 namespace gecos::layout {
 
-/// Whether numbers of type T are byte-swapped in bulk.
+/// True if arrays of T are byte-swapped in one pass.
 template <class T>
 inline constexpr bool in_bulk = std::is_arithmetic_v<T> && !std::is_same_v<T, bool>;
 
@@ -106,7 +106,7 @@ struct Value : Plain {
   }
 };
 
-/// An appendable value: its size, then its members.
+/// The encoding of an @appendable value: its size, then its members.
 struct Block : Plain {
   template <class T>
   static constexpr std::size_t least() {
@@ -138,7 +138,7 @@ struct Text : Plain {
   }
 };
 
-/// A number within `bounds`. `limits` shows them in errors: "[0.01, 1.0] m/s".
+/// A number within `bounds`. `limits` is the text of the bounds in errors: "[0.01, 1.0] m/s".
 template <class T>
 struct Ranged : Plain {
   constexpr Ranged(wire::Bounds<T> allowed, const char* shown) : bounds(allowed), limits(shown) {}
@@ -158,7 +158,8 @@ template <class T>
 struct StepOf {
   using type = Plain;
 };
-/// The step of a member of type T that has no bound, no range and no appendable value inside.
+/// The encoding of a member of type T, if the member has no bound, no range and contains no
+/// @appendable value.
 template <class T>
 using DefaultStep = typename StepOf<T>::type;
 
@@ -174,8 +175,8 @@ inline constexpr bool is_secret = false;
 template <class Step>
 inline constexpr bool is_secret<Secret<Step>> = true;
 
-/// Returns the error of an element of a nested array. Such an element has several indices, so the
-/// text mentions none.
+/// Returns the error of an element of a nested array. The text contains no index, because the
+/// element has several.
 template <class Step, class T>
 std::string wrong_inside(const Step& step, const T& value, const char* label) {
   if constexpr (requires { step.wrong(value, label, true); }) {
@@ -394,8 +395,8 @@ struct StepOf<std::map<Key, T, Order>> {
   using type = Entries<DefaultStep<Key>, DefaultStep<T>>;
 };
 
-// ---------------------------------------------------------------------------------------------
-// Visitors: what `each` can be
+// --------------------------------------------------------------------------------------------- The
+// types of `each`
 
 class Sizing {
  public:
@@ -423,7 +424,7 @@ class Writing {
   wire::Encoder& to_;
 };
 
-/// Reads into members that have their default values.
+/// Decodes the members. @pre all members have their default values.
 class Reading {
  public:
   explicit Reading(wire::Decoder& from) : from_(from) {}
@@ -480,7 +481,8 @@ template <Listed T>
   return T::gecos_members(each, value) && wire::skip_rest(from);
 }
 
-/// Why `value` must not be sent: the member and what is wrong with it; empty when it may.
+/// Returns why `value` must not be sent: the member and its error. Returns an empty text when
+/// `value` may be sent.
 template <Listed T>
 std::string violation(const T& value) {
   Checking each;
@@ -497,7 +499,7 @@ Bytes to_bytes(const T& value) {
   return bytes;
 }
 
-/// The inverse of `to_bytes`.
+/// Decodes the result of `to_bytes`.
 template <Listed T>
 tl::expected<T, wire::DecodeError> from_bytes(ByteView bytes) {
   tl::expected<T, wire::DecodeError> result;

@@ -61,7 +61,8 @@ void swap_copy_64(std::byte* to, const std::byte* from, std::size_t count);
 
 }  // namespace detail
 
-/// Fewer elements than this are swapped inline, because a function call would cost more.
+/// If there are fewer elements than this number, they are swapped inline, because a function call
+/// would take longer.
 inline constexpr std::size_t swap_inline_below = 16;
 
 /// Copies `count` elements of `width` bytes. On a little-endian host, reverses the bytes of each

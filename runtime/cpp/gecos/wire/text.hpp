@@ -33,8 +33,7 @@ bool valid_utf8(std::string_view text);
 /// Returns whether `text` may be sent as a string: whether it is UTF-8 without NUL.
 bool valid_text(std::string_view text);
 
-/// The order of characters that are keys of a map. Orders them by their Latin-1 code, even where
-/// `char` is signed.
+/// Orders the characters that are keys of a map by their Latin-1 code, even where `char` is signed.
 struct LatinOrder {
   bool operator()(char a, char b) const {
     return static_cast<unsigned char>(a) < static_cast<unsigned char>(b);

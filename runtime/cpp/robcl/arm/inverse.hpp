@@ -18,10 +18,10 @@ class InverseKinematics {
  public:
   virtual ~InverseKinematics() = default;
 
-  /// Returns joint positions that put the flange at `base_from_flange`. They are inside the limits
-  /// of the joints, and in a configuration that `wanted` admits. If there are several solutions,
-  /// returns the one that the arm reaches soonest from `reference`. At a singularity, a joint that
-  /// has no effect keeps its position in `reference`.
+  /// Returns joint positions that put the flange at `base_from_flange`. The joint positions are
+  /// inside the limits of the joints, and in a configuration that `wanted` admits. If there are
+  /// several solutions, returns the one that the arm reaches soonest from `reference`. At a
+  /// singularity, a joint that has no effect keeps its position in `reference`.
   virtual tl::expected<JointValues, Failure> solve(const Frame& base_from_flange,
                                                    const JointValues& reference,
                                                    const Configuration& wanted = {}) = 0;
@@ -43,7 +43,7 @@ std::unique_ptr<InverseKinematics> make_inverse(const ArmModel& model);
 double travel_time(const ArmModel& model, const JointValues& from, const JointValues& to);
 
 /// Adds whole turns to `angle` and returns the sum that is inside `limits` and nearest to
-/// `reference`. If no sum is inside `limits`, returns the sum that is least outside.
+/// `reference`. If no sum is inside `limits`, returns the sum that is nearest to them.
 double nearest_turn(double angle, double reference, const JointLimits& limits);
 
 /// Returns the joint that is furthest outside its limits; nullopt if all joints are inside their

@@ -32,8 +32,8 @@ class Kinematics {
   Place place(const JointValues& joints) const;
 
  private:
-  /// The pose of a joint seen from the joint before it (the first: from the base). The joint turns
-  /// about its z axis.
+  /// The pose of a joint, seen from the joint before it or, for the first joint, from the base. The
+  /// joint turns about the z axis of this pose.
   struct Link {
     Eigen::Matrix3d turn;
     Eigen::Vector3d way;

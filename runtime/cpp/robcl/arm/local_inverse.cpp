@@ -6,8 +6,8 @@
 namespace robcl::arm {
 namespace {
 
-// The square of the damping factor. It is small, because damping slows the convergence. Near a
-// singularity the search then leaves the range `furthest`.
+// The square of the damping factor. The factor is small, because damping slows the convergence.
+// Near a singularity, such a small factor lets the search leave the range `furthest`.
 constexpr double damping = 1e-10;
 
 }  // namespace

@@ -11,11 +11,12 @@
 
 namespace robcl::arm {
 
-/// A difference of two poses: the way in m, and the turn as its axis times its angle, in rad.
+/// The difference of two poses: the distance along each axis in m, and the rotation as its axis
+/// times its angle, in rad.
 using PoseStep = Eigen::Matrix<double, 6, 1>;
 
-/// Returns the step from the pose `from` to the pose `to`, along the axes from which both are seen.
-/// The turn is the shorter one, at most pi.
+/// Returns the step from the pose `from` to the pose `to`, in the coordinate system from which both
+/// poses are seen. The angle of the rotation is at most pi.
 PoseStep step_between(const Frame& from, const Frame& to);
 
 /// The damped inverse of a Jacobian matrix. Never allocates memory.
@@ -24,13 +25,13 @@ class DampedInverse {
   explicit DampedInverse(const Jacobian& jacobian);
 
   /// Returns the joint speeds with which the point of the Jacobian matrix moves by the twist
-  /// `twist`, in m/s and rad/s. For an arm with more than six joints, these are the least such
-  /// speeds. At a singularity the speeds are large but finite.
+  /// `twist`, in m/s and rad/s. If several joint speeds are possible, as for an arm with more than
+  /// six joints, these are the least ones. At a singularity the speeds are large but finite.
   JointValues joint_speeds(const PoseStep& twist) const {
     return jacobian_.transpose() * PoseStep(root_.solve(twist));
   }
   /// Returns how far the arm is from a singularity: roughly the least speed of the point, in m/s or
-  /// rad/s, for a speed of the joints of 1 rad/s. It is 0 at a singularity.
+  /// rad/s, when the joints move with 1 rad/s. The distance is 0 at a singularity.
   double singularity_distance() const;
 
  private:
@@ -42,8 +43,9 @@ class DampedInverse {
 };
 
 /// Finds the joint positions for a pose of the tool near a pose whose joint positions are known.
-/// The solution continues from these, so that the arm keeps its configuration and the turns of its
-/// joints. Works for every arm; an arm with more than six joints moves as little as possible.
+/// The solution is near the known joint positions, so that the arm keeps its configuration and no
+/// joint makes a whole turn. Works for every arm; an arm with more than six joints moves as little
+/// as possible.
 ///
 /// The method is Newton's, with the damped inverse of the Jacobian matrix (Y. Nakamura and H.
 /// Hanafusa, "Inverse Kinematic Solutions with Singularity Robustness for Robot Manipulator

@@ -29,7 +29,8 @@ tl::unexpected<ModelError> refuse(const std::string& what) {
   return tl::unexpected(ModelError{what});
 }
 
-/// Returns what is wrong with the joints of `robot` that its parser accepts; nullopt if nothing.
+/// Returns an error in the joints of `robot` that the URDF parser does not find; nullopt if there
+/// is no error.
 std::optional<std::string> problem_of_joints(const urdf::ModelInterface& robot) {
   std::set<std::string> children;
   for (const auto& [name, joint] : robot.joints_) {

@@ -10,12 +10,12 @@
 
 namespace robcl::arm {
 
-/// A solver that searches for a solution. It looks near the reference first, by LocalInverse, so
-/// that small steps lead to small steps of the joints; then by KDL's solver from points that are
-/// spread evenly inside the joint limits. It checks and refines each solution of that solver, which
-/// reports success for some wrong ones. For some reachable poses, 8 of 10,000 of a seven-axis arm,
-/// it finds no solution; its error OutOfReach therefore means only that no solution was found. It
-/// does not know configurations.
+/// A solver that searches for a solution. It first searches near the reference by LocalInverse, so
+/// that small steps of the pose lead to small steps of the joints. Then it starts KDL's solver from
+/// points that are spread evenly inside the joint limits. It checks and refines each solution of
+/// KDL's solver, because some of them are wrong. For a few reachable poses, 8 of 10,000 of a
+/// seven-axis arm, the search finds no solution. The error OutOfReach therefore means only that no
+/// solution was found. This solver does not know configurations.
 class NumericInverse final : public InverseKinematics {
  public:
   static constexpr int starts = 24;

@@ -223,8 +223,8 @@ void SphericalWristInverse::add_wrists(const Frame& base_from_flange, const Vect
   const Matrix3d left = base_from_wrist_.transpose() * arm.transpose() *
                         base_from_flange.rotation() * zero_turn_.transpose() * base_from_wrist_ *
                         AngleAxisd(sixth_tilt_, Vector3d::UnitY()).toRotationMatrix();
-  // If axes 4 and 6 are in one line, any q4 will do. If they nearly are, q4 is not exact, and
-  // therefore the other two joints are computed from it.
+  // If axes 4 and 6 are in one line, any value of q4 is a solution. If they are nearly in one line,
+  // q4 is not exact, and therefore the other two joints are computed from q4.
   const bool in_line = std::hypot(left(0, 2), left(1, 2)) < in_line_below;
   double fourth = in_line ? reference[3] : std::atan2(left(1, 2), left(0, 2));
   const double c = std::cos(fourth), s = std::sin(fourth);

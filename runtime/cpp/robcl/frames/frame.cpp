@@ -28,8 +28,9 @@ Eigen::Quaterniond about(const Eigen::Vector3d& axis, double angle) {
 }
 
 /// Returns the quaternion of a rotation matrix. Its first nonzero component is positive. The
-/// largest component is computed first, so that rounding spoils none of the others. The Python
-/// class does the same arithmetic, so that both languages give the same sign even near half a turn.
+/// largest component is computed first, so that rounding errors of the other components stay small.
+/// The Python class does the same arithmetic, so that both languages give the same sign even near
+/// half a turn.
 Eigen::Quaterniond from_rotation(const Eigen::Matrix3d& m) {
   const double a = m(0, 0), b = m(0, 1), c = m(0, 2);
   const double d = m(1, 0), e = m(1, 1), f = m(1, 2);

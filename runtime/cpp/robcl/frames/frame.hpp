@@ -1,4 +1,4 @@
-// Frames. A frame says where one coordinate system is and how it is turned, seen from another one.
+// Frames. A frame is the position and orientation of one coordinate system, seen from another one.
 //
 // C++ and Python have the same functions (`from robcl.frames import Frame, translate, mm, deg`):
 //

@@ -16,9 +16,9 @@ struct Hold {
   bool out_of_reach = false;     ///< at the end of the arm's reach, or beside a singularity
 };
 
-/// A ToolLead that respects what the arm can do. Its limits are so low that the joints can follow.
-/// It moves only while it can still brake to a place that the arm reaches within its limits and
-/// away from singularities. The constructor allocates all memory.
+/// A ToolLead with limits so low that the joints of the arm can follow it. The lead moves only
+/// while it can still brake to a place that the arm reaches within its limits and away from
+/// singularities. The constructor allocates all memory.
 class ArmLead {
  public:
   /// The lead starts where the arm has the joint positions `joints`.
@@ -30,14 +30,15 @@ class ArmLead {
   bool at_rest() const { return lead_.at_rest(); }
   bool stands_at(const Frame& target) const { return lead_.at_rest() && lead_.is_at(target); }
 
-  /// Moves for one cycle of `cycle` seconds towards `target`. Brakes if the lead must not move on,
-  /// or if there is no target. `followers` are the joints that follow the lead; the lead waits
-  /// while they are behind it. If the lead cannot brake within the limits of the joints, it is set
-  /// to the place where the joints come to rest soonest. `share` is the share of its speed limits
-  /// that the lead may use, from 0 to 1.
+  /// Moves the lead for one cycle of `cycle` seconds towards `target`. The lead brakes if it must
+  /// not move on, or if there is no target. `followers` are the joints that follow the lead; the
+  /// lead waits while the joints are behind it. If the lead cannot brake within the limits of the
+  /// joints, it jumps to the place where the joints come to rest soonest. `share` is the fraction
+  /// of the speed limits that the lead may use, from 0 to 1.
   Hold move(const std::optional<Frame>& target, double share, const JointLimiter& followers,
             double cycle);
-  /// Sets the lead, at rest, to the place where the arm has the joint positions `joints`.
+  /// Puts the lead at the place where the arm has the joint positions `joints`, and stops the lead
+  /// there.
   void put_at(const JointValues& joints);
 
  private:

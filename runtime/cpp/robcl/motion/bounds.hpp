@@ -12,8 +12,8 @@ namespace robcl::motion {
 inline constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double squared(double value) { return value * value; }
 
-/// The limits in one interval of a path. The limits of the joints apply as fractions of those of
-/// the model.
+/// The limits in one interval of a path. The limits of the joints are given as fractions of the
+/// limits in the model.
 struct IntervalLimits {
   /// The limit |per_u·u| + |per_x·x| <= limit, with u = d²s/dt² and x = (ds/dt)². It limits the
   /// acceleration of the tool: `per_u` is the distance that the tool moves per unit of s, and
@@ -36,7 +36,7 @@ struct IntervalLimits {
 /// In each interval between two knots, u is constant and x is linear in s.
 class PathBounds {
  public:
-  /// Allowed values of u at one x. Its ends are linear functions of x.
+  /// The allowed values of u at one x. Both ends of the interval are linear functions of x.
   struct Interval {
     double lower = 0, upper = 0;
     double lower_per_x = 0, upper_per_x = 0;  ///< slopes of these lines
@@ -53,13 +53,13 @@ class PathBounds {
   PathBounds(const Path& path, const arm::ArmModel& model,
              const std::vector<IntervalLimits>& limits);
 
-  /// Divides the limits of acceleration in the interval after the knot `knot` by the square of
-  /// `factor`, and those of speed by `factor`.
+  /// In the interval after the knot `knot`, divides the limits of acceleration by the square of
+  /// `factor`, and the limits of speed by `factor`.
   void tighten(std::size_t knot, double factor);
 
   std::size_t intervals() const { return stretches_.size(); }
   const std::vector<double>& places() const { return places_; }
-  /// Returns the length of s from the knot `knot` to the next one.
+  /// Returns the difference of s from the knot `knot` to the next one.
   double step(std::size_t knot) const { return places_[knot + 1] - places_[knot]; }
 
   /// Returns the greatest (ds/dt)² that the speed limits allow at the knot `knot`.
@@ -67,23 +67,25 @@ class PathBounds {
   /// Returns the values of u = d²s/dt² that the limits allow from the knot `knot` to the next one.
   /// (ds/dt)² is `x` at this knot. The limits are checked at both knots and in the middle.
   Interval over_interval(std::size_t knot, double x) const;
-  /// Returns the same from the fraction `part` of that interval, where (ds/dt)² is `x`, to the next
-  /// knot. The limits of acceleration hold everywhere in this part. Never allocates memory.
+  /// Like over_interval, but for the rest of the interval: from the fraction `part` of the
+  /// interval, where (ds/dt)² is `x`, to the next knot. The limits of acceleration hold everywhere
+  /// in this rest. Never allocates memory.
   Interval over_rest(std::size_t knot, double part, double x) const {
     return everywhere(knot, part, part, x);
   }
   /// Returns the greatest deceleration -d²s/dt² with which the limits of acceleration hold
-  /// everywhere from the fraction `part` of that interval to the next knot, if the motion comes to
-  /// rest at that knot. Never allocates memory.
+  /// everywhere from the fraction `part` of the interval after `knot` to the next knot, if the
+  /// motion comes to rest at the next knot. Never allocates memory.
   double hardest_to_rest(std::size_t knot, double part) const {
     return -everywhere(knot, part, 1, 0).lower;
   }
-  /// Returns the greatest allowed d²s/dt² in the interval after the knot `knot`. On a line, the
-  /// limit of the tool decides; on another path, the limits of the joints as if the path were
-  /// straight.
+  /// Returns the greatest allowed d²s/dt² in the interval after the knot `knot`. If the path is a
+  /// straight line, this is the limit of the tool. Otherwise, it follows from the limits of the
+  /// joints as if the path were not curved.
   double acceleration_limit(std::size_t knot) const;
   /// Returns the factor by which a motion must be slowed so that it keeps the limits everywhere
-  /// from the knot `knot` to the next one; 1 if it keeps them. (ds/dt)² is `x` at this knot.
+  /// from the knot `knot` to the next one. The factor is 1 if the motion already keeps the limits.
+  /// (ds/dt)² is `x` at this knot.
   double excess(std::size_t knot, double x, double u) const;
 
  private:

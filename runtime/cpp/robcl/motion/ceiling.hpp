@@ -9,8 +9,8 @@ namespace robcl::motion {
 /// vectors must exist as long as the new object.
 class Ceiling {
  public:
-  /// `squares` has (ds/dt)² at each knot of a path, and `places` has the places of the knots. The
-  /// ceiling is `factor` times these squares.
+  /// `places` has s at each knot of a path, and `squares` has (ds/dt)² at each knot. The ceiling is
+  /// `factor` times `squares`.
   Ceiling(const std::vector<double>& places, const std::vector<double>& squares, double factor = 1)
       : places_(places), squares_(squares), factor_(factor) {}
 
@@ -26,7 +26,7 @@ class Ceiling {
     double seconds = 0;
     double then = 0;
     double hold = 0;
-    bool whole = false;  ///< each value stays up to a knot, also if its time ends before
+    bool whole = false;  ///< each value is held up to the next knot, even after its time
   };
   /// Returns whether the motion stays below the ceiling. A motion that stops stays below it.
   bool admits(State state, const Course& course) const;

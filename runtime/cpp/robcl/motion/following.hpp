@@ -1,4 +1,4 @@
-// Sensor-guided motion: corrections move the tool while it moves.
+// Sensor-guided motion: a program moves the target of the tool by corrections while the tool moves.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ struct FollowLimits {
   double angle = deg(90);  ///< below pi
 };
 
-/// What became of the corrections so far.
+/// The effects of the corrections so far.
 struct FollowState {
   std::uint64_t applied = 0;  ///< corrections that have moved the target of the tool
   std::uint64_t dropped = 0;  ///< corrections beyond FollowLimits::distance or angle
@@ -44,7 +44,7 @@ class CorrectionSource {
   virtual ~CorrectionSource() = default;
   /// Returns the oldest correction that was not returned yet; nullopt if there is none.
   virtual std::optional<Frame> next() = 0;
-  /// Returns whether no correction has come for longer than the source allows.
+  /// Returns whether the time since the last correction is longer than the source allows.
   virtual bool expired() = 0;
   /// Receives the state at the end of each cycle.
   virtual void report(const FollowState& state) = 0;
@@ -52,7 +52,7 @@ class CorrectionSource {
 
 /// Moves the tool to a target that corrections shift. In each cycle, all waiting corrections are
 /// applied to the target in order. The tool moves to the target within its limits of speed and
-/// acceleration, over several cycles if necessary, and stands when it has reached the target.
+/// acceleration, over several cycles if necessary, and stops when it has reached the target.
 /// Without a correction the target does not move. If no correction comes for too long, the motion
 /// brakes and ends.
 ///

@@ -17,7 +17,7 @@ using arm::JointValues;
 /// generation of smooth trajectories", 2000, with the stopping distance counted in whole cycles.
 class JointLimiter {
  public:
-  /// The joints stand at `start`, inside `limits`.
+  /// @pre the joints stand at `start`, which is inside `limits`.
   JointLimiter(std::vector<arm::JointLimits> limits, const JointValues& start);
 
   /// Moves the joints for one cycle of `cycle` seconds towards `target`, and returns the positions
@@ -29,7 +29,7 @@ class JointLimiter {
   void rest();
 
   const JointValues& joints() const { return joints_; }
-  /// Whether all joints are at the target.
+  /// Returns whether all joints are at the target.
   bool at_target() const { return joints_ == target_; }
   /// Returns whether each joint is at the target, except for the distance that its acceleration
   /// causes in one cycle.

@@ -7,7 +7,8 @@
 namespace robcl::motion {
 
 /// The tool moves and turns by at most this distance in m and angle in rad between two knots of its
-/// path. The knots are that dense so that the joints move the tool along the line.
+/// path. The knots are so dense that the tool stays on the line although the joints move on curves
+/// between the knots.
 inline constexpr double line_step = mm(1), turn_step = deg(0.2);
 
 /// The straight line between two frames. While the position moves along the line, the orientation

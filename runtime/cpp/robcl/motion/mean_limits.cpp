@@ -6,14 +6,15 @@
 namespace robcl::motion {
 namespace {
 
-// Of a limit. In the sharpest corners of short moves, less than 0.7 was not enough.
+// The greatest reduction of a limit, as a fraction of the limit. In the sharpest corners of short
+// moves, a reduction by less than 0.7 was not enough.
 constexpr double most_reduced = 0.8;
-// A motion may leave its time law at any time. The mean over the window is then a mean of two
-// motions.
+// A motion may leave its time law at any time, for example to brake. Then the window contains parts
+// of two motions, and the mean is taken over both.
 constexpr double reserve = 0.014;  // of the limits of acceleration
 constexpr int samples = 30;        // in a window
-// The maximum for a motion that takes minutes or days. Such a motion changes little within a
-// window.
+// The maximum number of samples for a motion that takes minutes or days. A motion that is so slow
+// changes little within a window.
 constexpr int most_samples = 20'000;
 
 /// The bend of a path: the second and third derivative of a joint, divided by the joint's limit of
@@ -176,8 +177,8 @@ std::vector<IntervalLimits> narrowed(const Path& path, const arm::ArmModel& mode
     }
     const double u = bounds.over_interval(i, 0).upper;
     const double change = std::min(smoothing.change(bounds.acceleration_limit(i)), 2 * u);
-    // How far the mean of second * (ds/dt)² + first * d²s/dt² may exceed the limit, from the
-    // covariances and variances within a window.
+    // The greatest excess of the mean of second * (ds/dt)² + first * d²s/dt² over the limit, from
+    // the covariances and variances within a window.
     const double by = reserve +
                       bend.second * (travel * change / 4 + squared(u * smoothing.window) / 12) +
                       bend.third * travel * (travel * u * 5 / 24 + squared(speed) / 6) +

@@ -1,5 +1,5 @@
-// How far the mean of a motion over the window of Smoothing may exceed the limits that its time law
-// keeps.
+// Smoothing takes the mean of a motion over a window. This file computes by how much the mean
+// exceeds the limits that the time law of the motion keeps.
 #pragma once
 
 #include <vector>
@@ -8,18 +8,18 @@
 
 namespace robcl::motion {
 
-/// The mean of a motion is at one place of the path, with the speeds and accelerations that its
-/// time law has at other places, so that it may exceed limits that the time law keeps. Returns the
-/// factor by which `law` must be slowed in each interval of `path` so that its mean keeps the
-/// limits of the joints; 1 where the mean keeps them. `limits`: those of each interval. The mean
-/// is judged from the time at which `law` is at the knot `from_knot`. @pre `law` begins at rest, or
-/// a window or more before this time.
+/// Returns the factor by which `law` must be slowed in each interval of `path` so that its mean
+/// keeps the limits of the joints. The factor is 1 where the mean already keeps the limits. The
+/// mean can exceed limits that the time law keeps, because at one place of the path it has speeds
+/// and accelerations that the time law has at other places. `limits` has the limits of each
+/// interval. The mean is checked from the time at which `law` is at the knot `from_knot`. @pre
+/// `law` begins at rest, or a window or more before this time.
 std::vector<double> excess_of_mean(const Path& path, const arm::ArmModel& model,
                                    const std::vector<IntervalLimits>& limits, const TimeLaw& law,
                                    std::size_t from_knot, const Smoothing& smoothing);
 
-/// Returns the limits of each interval of `path`, which are `limits`, reduced by what the mean may
-/// exceed them by, of any motion that is nowhere faster than `fastest`.
+/// Reduces the limits of each interval of `path`, so that the mean of a motion keeps `limits` if
+/// the time law of the motion keeps the returned limits and is nowhere faster than `fastest`.
 std::vector<IntervalLimits> narrowed(const Path& path, const arm::ArmModel& model,
                                      std::vector<IntervalLimits> limits, const TimeLaw& fastest,
                                      const Smoothing& smoothing);

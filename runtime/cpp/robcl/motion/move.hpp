@@ -17,7 +17,7 @@ namespace robcl::motion {
 struct Move {
   Path path;  ///< s is from 0 to the nominal duration
   Pace pace;
-  std::optional<Line> line;  ///< of the tool, seen from the base; absent for a joint move
+  std::optional<Line> line;  ///< path of the tool, seen from the base; nullopt for a joint move
   Frame flange_from_tool;
   bool stands = false;         ///< the goal is where the arm is
   std::vector<double> caps{};  ///< greatest (ds/dt)² in each interval; may be empty
@@ -25,19 +25,20 @@ struct Move {
   double duration() const { return path.end(); }
 };
 
-/// The way of the tool, in m, and its turn, in rad, per unit of s.
+/// The distance that the tool moves, in m, and the angle that it turns, in rad, per unit of s.
 struct ToolSpeed {
   double way = 0, turn = 0;
 };
 /// Returns the speed of the tool on the line of `move`; zeros for a joint move.
 ToolSpeed tool_speed(const Move& move);
 
-/// The limits of the tool at `pace`.
+/// Returns the limits of the tool at `pace`.
 ToolLimits scaled(const ToolLimits& limits, const Pace& pace);
 
 /// Returns the limits of each interval of `move`, with the limits of the tool `limits`.
 std::vector<IntervalLimits> limits_of(const Move& move, const ToolLimits& limits);
-/// Returns the same at full pace, for an arm that brakes on the path.
+/// Returns the limits of each interval of `move` for an arm that brakes on the path. These are
+/// limits at full pace.
 std::vector<IntervalLimits> braking_limits_of(const Move& move, const ToolLimits& limits);
 
 }  // namespace robcl::motion

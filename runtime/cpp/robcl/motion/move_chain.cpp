@@ -14,8 +14,8 @@ namespace {
 constexpr double share_in_overlap = 0.994;
 constexpr std::size_t fewest_intervals = 16, most_intervals = 4096;  // of an overlap
 
-/// The way from the corner, in s, on the path of the one move and on that of the other, at the time
-/// `t` after the corner. The overlap lasts from -half to half.
+/// The distance from the corner, in s, on the path of each of the two moves, at the time `t` after
+/// the corner. The overlap lasts from -half to half.
 double before_corner(double t, double half) { return -squared(half - t) / (4 * half); }
 double behind_corner(double t, double half) { return squared(half + t) / (4 * half); }
 
@@ -106,8 +106,8 @@ std::size_t MoveChain::first_in_window_before(std::size_t knot) const {
   return first;
 }
 
-/// Returns the part of the chain from the knot `start` to the place `end`, where it has a knot,
-/// too. The path stays the same up to the knot `entry`.
+/// Returns the part of the chain from the knot `start` to the place `end`, which becomes a knot.
+/// The path stays the same up to the knot `entry`.
 MoveChain::Course MoveChain::course_between(std::size_t start, std::size_t entry,
                                             double end) const {
   Course course;

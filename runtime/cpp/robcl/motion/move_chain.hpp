@@ -1,4 +1,4 @@
-// Moves that go over into each other, so that the arm does not stand at the goals between them.
+// Moves that go over into each other, so that the arm does not stop between them.
 #pragma once
 
 #include <optional>
@@ -9,9 +9,9 @@
 
 namespace robcl::motion {
 
-/// Plans successive moves of which each but the last goes over into the next one: before the goal
-/// of a move, its deceleration overlaps the acceleration of the next move. So the arm rounds the
-/// corner at the goal, at a distance that is known before it gets there. Between the corners, the
+/// Plans successive moves that go over into each other: the deceleration before the goal of a move
+/// overlaps the acceleration of the next move. The arm therefore does not reach the goal, but
+/// rounds a corner at a distance from the goal that is known in advance. Between the corners, the
 /// arm moves on the path of each move.
 ///
 /// With the nominal times s of the corner and d of the overlap, the arm has at s + t, for t from -d
@@ -21,7 +21,8 @@ namespace robcl::motion {
 /// corner by |w - u|·v²/8a. A corner takes at most half of either move.
 class MoveChain {
  public:
-  /// Begins at rest. The planner must exist as long as the chain.
+  /// Makes a chain that begins at rest with the move `first`. The planner must exist as long as the
+  /// chain.
   MoveChain(Planner& planner, Move first);
 
   /// The place where one move goes over into the next one.
@@ -30,10 +31,10 @@ class MoveChain {
     double distance = 0;          ///< from the goal to the tool that passes it, m
     double angle = 0;             ///< rad
   };
-  /// Lets the move `next` follow without a stop. `next` must start at goal().
-  /// The motion stays as it is until the time `after`. Returns nullopt, and changes nothing, if the
-  /// arm can no longer go over into `next`: it is too late, the corner is beyond a limit, the
-  /// motion would be over sooner if it stopped, or a move has no length.
+  /// Adds the move `next`, which must start at goal(), to the chain without a stop. Does not change
+  /// the motion before the time `after`. Returns nullopt, and changes nothing, if the arm cannot go
+  /// over into `next`. The possible reasons are that it is too late, that the corner is beyond a
+  /// limit, that a motion with a stop would end sooner, or that a move has no length.
   std::optional<Corner> extend(const Move& next, double after);
 
   // All times are in s since the start of the chain, by the time laws of its plans.
@@ -56,7 +57,7 @@ class MoveChain {
     Path::Knots knots;
     CourseLimits limits;
   };
-  /// How two moves overlap.
+  /// The overlap of two moves.
   struct Overlap {
     double corner = 0;          ///< s
     double half = 0;            ///< d

@@ -9,7 +9,7 @@ namespace robcl::motion {
 /// The last values of a quantity. Only the constructor allocates memory.
 class MovingWindow {
  public:
-  /// All of the `size` values are `value` at first.
+  /// At first, all `size` values are `value`.
   MovingWindow(std::size_t size, double value) : values_(size, value) {}
 
   /// Replaces the oldest value.
@@ -23,7 +23,7 @@ class MovingWindow {
   double least() const { return std::ranges::min(values_); }
   double greatest() const { return std::ranges::max(values_); }
   bool constant() const { return least() == greatest(); }
-  /// Returns the mean; exactly the value if all are equal.
+  /// Returns the mean of the values. If all values are equal, the mean has no rounding error.
   double mean() const {
     double sum = 0;
     for (const double value : values_) sum += value - values_[newest_];

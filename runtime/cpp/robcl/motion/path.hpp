@@ -1,4 +1,4 @@
-// The geometric path of the joints. It has no times.
+// The geometric path of the joints, without times.
 #pragma once
 
 #include <cstddef>
@@ -18,14 +18,15 @@ using arm::JointValues;
 /// allocates memory.
 class Path {
  public:
-  /// What a path is made of.
+  /// The knots from which a path is made.
   struct Knots {
     std::vector<double> places;       ///< s at each knot, rising
     std::vector<JointValues> joints;  ///< rad
     /// Indices of the knots, rising, at which the curvature jumps: the path is smooth between them.
     std::vector<std::size_t> joins{};
-    /// The slopes at the first knots, which the path takes over from another path. The path
-    /// computes the slopes at its other knots. There are at most as many as knots.
+    /// The derivatives of the joint positions by s at the first knots, if the path continues
+    /// another path and must have the same derivatives there. The path computes the derivatives at
+    /// all knots that have no element here.
     std::vector<JointValues> first_slopes{};
 
     void add(double place, JointValues at) {
@@ -42,7 +43,7 @@ class Path {
   double end() const { return knots_.places.back(); }     ///< s
   double place(std::size_t knot) const { return knots_.places[knot]; }
   const std::vector<double>& places() const { return knots_.places; }
-  /// Returns the length of s from the knot `i` to the next one.
+  /// Returns the difference of s from the knot `i` to the next one.
   double step(std::size_t i) const { return knots_.places[i + 1] - knots_.places[i]; }
   /// Returns the index of the interval that contains `s`, or of the nearest one.
   std::size_t interval_at(double s) const;
@@ -59,7 +60,7 @@ class Path {
   /// `part` of it, from 0 to 1. The curvature is linear in an interval, and may jump at its ends.
   Derivatives derivatives(std::size_t interval, double part) const;
 
-  /// Where the joints get to.
+  /// The range of the positions of each joint.
   struct Range {
     JointValues lowest, highest;
   };

@@ -9,18 +9,18 @@
 namespace robcl::motion {
 namespace {
 
-// A motion that is too fast by at most this factor counts as one that keeps its limits: the rest is
-// rounding.
+// A motion that exceeds its limits by at most this factor counts as a motion that keeps them,
+// because rounding errors are of this size.
 constexpr double content = 1.0003;
 constexpr int most_tries = 8;
-// A motion that does not start at rest cannot be slowed before the last knot of its start. What it
-// exceeds because of its speed there would make the rest of it slower with each try. A motion that
-// takes more than this many times the duration of the first try is given up.
+// A motion that does not start at rest cannot be slowed at its start. If its initial speed makes it
+// exceed the limits, each new try slows only the remaining motion. When a try takes more than this
+// many times the duration of the first try, planning fails.
 constexpr double most_slowed = 3;
 double just_kept(const Smoothing& smoothing) { return smoothing.on() ? 1.0008 : content; }
 
 /// Returns the factor by which `law` must be slowed in each interval so that its set points keep
-/// the limits of the joints; 1 where they keep them.
+/// the limits of the joints. The factor is 1 where the set points already keep the limits.
 std::vector<double> excess_of(const TimeLaw& law, const Path& path, const arm::ArmModel& model,
                               const std::vector<IntervalLimits>& limits, const PathBounds& bounds,
                               std::size_t from_knot, const Smoothing& smoothing) {
@@ -32,12 +32,12 @@ std::vector<double> excess_of(const TimeLaw& law, const Path& path, const arm::A
   return factors;
 }
 
-/// Returns the fastest time law that keeps the limits everywhere. The time law checks the limits at
-/// some places only; where they are exceeded between these places, they are tightened there, and
-/// the time law is computed again. A time law from rest that still exceeds a limit at the end is
-/// slowed. A time law that does not start at rest cannot be slowed. It may exceed the limit of jerk
-/// where one move goes over into the next, because the path itself bends abruptly there, and it
-/// uses a part of the reserve of excess_of_mean.
+/// Returns the fastest time law that keeps the limits everywhere. TimeLaw checks the limits at some
+/// places only. Where the motion exceeds limits between these places, this function tightens the
+/// limits there and computes the time law again. A time law that starts at rest and still exceeds a
+/// limit after the last try is slowed. A time law that does not start at rest cannot be slowed.
+/// Such a time law may exceed the limit of jerk where one move goes over into the next, because the
+/// path itself bends abruptly there, and it uses a part of the reserve of excess_of_mean.
 std::optional<TimeLaw> fastest_law(const Path& path, const arm::ArmModel& model,
                                    const std::vector<IntervalLimits>& limits,
                                    const Smoothing& smoothing, const TimeLaw::Start& start) {
@@ -61,8 +61,8 @@ std::optional<TimeLaw> fastest_law(const Path& path, const arm::ArmModel& model,
     if (worst <= content) return law;
     if (tries == most_tries && from_rest) return law->slowed(worst);
     if (tries == most_tries) return worst <= just_kept(smoothing) ? law : std::nullopt;
-    // The motion is also slowed around the place. A remaining factor is small, but does not go
-    // away.
+    // Tightening a limit at one place also slows the motion around that place. From the third try
+    // on, the remaining excess is small and shrinks slowly, so the limit is tightened further.
     const double exponent = tries <= 2 ? 1 : 3;
     for (std::size_t i = start.knot(); i < factors.size(); ++i) {
       if (factors[i] > 1) tightened.tighten(i, std::pow(factors[i], exponent));

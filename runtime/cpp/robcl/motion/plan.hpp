@@ -9,15 +9,16 @@
 
 namespace robcl::motion {
 
-/// A planned move. It was checked from start to goal, so that it can be executed.
+/// A planned move, which was checked from start to goal before its execution.
 struct Plan {
   Path path;
   PathBounds braking;  ///< for a stop on the path: the limits of the arm at full pace
   TimeLaw law;
   Smoothing smoothing{};
-  /// The knot of `path` at which a motion goes over into this plan; 0 if the motion begins with it.
-  /// Up to this knot, path and time law are those of the plan before. This part lasts for at least
-  /// the window of `smoothing`, or goes back to the start of the motion.
+  /// The knot of `path` at which a motion goes over from the previous plan into this plan; 0 if the
+  /// motion begins with this plan. Up to this knot, both plans have the same path and time law.
+  /// This common part begins at least one window of `smoothing` before the knot, or at the start of
+  /// the motion.
   std::size_t entry = 0;
 
   double duration() const {
@@ -27,16 +28,15 @@ struct Plan {
   const JointValues& goal() const { return path.knot(path.intervals()); }
 };
 
-/// The limits of each interval of a path: those of the move, and those that apply while the arm
-/// brakes.
+/// The limits of each interval of a path during the move, and while the arm brakes.
 struct CourseLimits {
   std::vector<IntervalLimits> moving, braking;
 };
 
 /// Plans the fastest motion on `path` whose set points keep all limits. The motion begins as
 /// `start` says; if it does not begin at rest, `start` has at least the window of `smoothing`.
-/// Returns nullopt if the arm cannot keep the limits from this start, or would have to be much
-/// slower for them; from rest it always can.
+/// Returns nullopt if the arm cannot keep the limits after this start, or can keep them only by a
+/// much slower motion. Always succeeds if the motion begins at rest.
 std::optional<Plan> fastest_plan(Path path, const arm::ArmModel& model, CourseLimits limits,
                                  const Smoothing& smoothing, const TimeLaw::Start& start = {});
 

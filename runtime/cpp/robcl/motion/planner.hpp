@@ -15,8 +15,8 @@
 
 namespace robcl::motion {
 
-/// Plans the moves of one arm. The planner allocates memory, so that the control loop must not use
-/// it. Only one thread at a time may use it.
+/// Plans the moves of one arm. The planner allocates memory, so the control loop must not use the
+/// planner. Only one thread at a time may use it.
 class Planner {
  public:
   Planner(const arm::ArmModel& model, const ToolLimits& limits, const Smoothing& smoothing = {});
@@ -28,10 +28,10 @@ class Planner {
                                               const Pace& pace, const Frame& flange_from_tool = {});
 
   /// Makes a move of all joints that puts the tool at the frame `base_from_goal`, in a
-  /// configuration that `wanted` admits; without `wanted`, in the present one. If several joint
-  /// positions are possible, chooses those that the arm reaches soonest. May fail with OutOfReach
-  /// or JointLimit. If only another configuration than the present one can reach the goal, the
-  /// failure names it.
+  /// configuration that `wanted` admits. Without `wanted`, the arm keeps its present configuration.
+  /// If several joint positions are possible, chooses the ones that the arm reaches soonest. May
+  /// fail with OutOfReach or JointLimit. If the arm can reach the goal only in another
+  /// configuration, the failure names that configuration.
   tl::expected<Move, arm::Failure> joint_move_to(
       const JointValues& from, const Frame& base_from_goal, const Frame& flange_from_tool,
       const Pace& pace, const std::optional<arm::Configuration>& wanted = std::nullopt);
@@ -46,7 +46,7 @@ class Planner {
   /// Plans the fastest motion of `move` that starts and ends at rest.
   Plan plan(const Move& move) const;
 
-  /// The plans of such moves.
+  /// Functions that make a move and its plan.
   tl::expected<Plan, arm::Failure> joints(const JointValues& from, const JointValues& to,
                                           const Pace& pace, const Frame& flange_from_tool = {}) {
     return plan_of(joint_move(from, to, pace, flange_from_tool));

@@ -23,8 +23,9 @@ class Playback final : public TrajectoryGenerator {
 
   /// Makes the motion go over into `plan` at the knot `plan.entry`. Up to this knot, `plan` is a
   /// part of the last plan. `begins` is the time in s at which the time law of `plan` begins, by
-  /// the time laws of all plans so far. If the motion has already passed the knot, or brakes, it
-  /// ends as if `append` had not been called. Any one thread may call this function.
+  /// the time laws of all plans so far. If the motion brakes or has already passed the knot, the
+  /// motion ends as if `append` had not been called. Only one thread may call this function, which
+  /// need not be the thread of the control loop.
   void append(Plan plan, double begins);
   /// Returns the number of the plan on whose path the set points are: 0 for the first one, 1 for
   /// the first one that was appended. Only the thread that appends may call this function.
@@ -44,16 +45,17 @@ class Playback final : public TrajectoryGenerator {
   /// Makes the following calls of `advance` decelerate on the path, as hard as the arm's limits
   /// allow, until the arm stands somewhere on the path.
   void stop() override { traversal_.stop(); }
-  /// Must be called when the arm has come to rest on the path because it got no set points for a
-  /// while. The following calls of `advance` accelerate from rest, and then follow the plan again.
-  /// After `stop`, the motion has ended.
+  /// Must be called when the joints have stopped on the path because no set points were sent to
+  /// them for some cycles. The motion then starts again from rest: the following calls of `advance`
+  /// accelerate until the motion follows its plan again. If `stop` was called before, the motion
+  /// ends instead.
   void rest() override;
 
   bool standing() const override { return standing_; }
   bool stopping() const override { return traversal_.stopping(); }
-  /// Returns the fraction of the plan's duration that has passed, from 0 to 1. It does not rise
-  /// after `stop`. It is that of the plan that the motion follows now, with the part before
-  /// `Plan::entry`.
+  /// Returns the fraction of the plan's duration that has passed, from 0 to 1. The fraction does
+  /// not rise after `stop`. The plan is the one that the motion follows now, including the part
+  /// before `Plan::entry`.
   double fraction() const override;
   /// Returns the remaining time to the goal in s; 0 after `stop` and at the goal. While the arm
   /// accelerates after `rest`, the returned time is too short. While the motion is paused, the time

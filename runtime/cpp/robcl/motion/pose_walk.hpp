@@ -20,7 +20,7 @@ class PoseWalk {
   PoseWalk(const arm::ArmModel& model, arm::InverseKinematics& inverse, const JointValues& from)
       : model_(model), inverse_(inverse), at_{from, inverse.configuration(from)} {}
 
-  /// Where the walk is.
+  /// The present place of the walk.
   struct Place {
     JointValues joints;
     arm::Configuration kept;
@@ -28,8 +28,8 @@ class PoseWalk {
   const Place& at() const { return at_; }
   void return_to(const Place& place) { at_ = place; }
 
-  /// Steps to the joint positions that put the flange at `base_from_flange`. If there are none
-  /// inside the limits, returns the reason and stays.
+  /// Steps to the joint positions that put the flange at `base_from_flange`. If no such joint
+  /// positions are inside the limits, returns the reason and does not move.
   std::optional<arm::Failure> step_to(const Frame& base_from_flange);
 
  private:

@@ -9,11 +9,10 @@ namespace robcl::motion {
 
 /// Limits the jerk of a motion. The place s of a set point on the path is a moving average: the
 /// mean of the last places of the time law, over a window of some control cycles. The path stays
-/// the same. The jerk d³s/dt³ of the set points is the change of d²s/dt² from one end of the window
-/// to the other, divided by the length of the window. If the limits are constant, the mean of a
-/// trapezoid of the speed is the fastest motion with a limit of jerk; cf. L. Biagiotti and C.
-/// Melchiorri, "FIR filters for online trajectory planning with time- and frequency-domain
-/// specifications", 2012.
+/// the same. The jerk d³s/dt³ of the set points is the change of d²s/dt² over the window, divided
+/// by the length of the window. If the limits are constant, the mean of a trapezoid of the speed is
+/// the fastest motion with a limit of jerk; cf. L. Biagiotti and C. Melchiorri, "FIR filters for
+/// online trajectory planning with time- and frequency-domain specifications", 2012.
 struct Smoothing {
   std::size_t cycles = 1;  ///< set points in the window; one if there is no limit of jerk
   double window = 0;       ///< length of the window in s

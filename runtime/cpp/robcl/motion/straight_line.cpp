@@ -45,7 +45,7 @@ class LineWalk {
       : walk_(model, inverse, from), line_(line), tool_from_flange_(tool_from_flange) {}
 
   /// Walks from the fraction `start` of the line to its fraction `end` and adds the knots that are
-  /// needed to `knots`. Where a joint turns fast, they are closer together.
+  /// needed to `knots`. Where a joint turns fast, the knots are closer together.
   tl::expected<void, Failure> walk(double start, double end, double duration, Path::Knots& knots) {
     const PoseWalk::Place begin = walk_.at();
     for (std::size_t parts = 1;; parts *= 2) {

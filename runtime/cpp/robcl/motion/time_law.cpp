@@ -15,8 +15,8 @@ constexpr double rounding = 1e-12;  // relative
 constexpr double rounding_of_start = 1e-9;
 
 /// Returns the allowed values of u = d²s/dt² after the knot `knot`, where (ds/dt)² is `x`. With
-/// these values, (ds/dt)² is at most `next` at the following knot. There is none if the limits
-/// alone require that (ds/dt)² falls to less than half.
+/// these values, (ds/dt)² is at most `next` at the following knot. There are no such values if the
+/// limits alone require that (ds/dt)² falls to less than half.
 Interval allowed(const PathBounds& bounds, std::size_t knot, double x, double next) {
   const double per_u = 2 * bounds.step(knot);
   Interval u = bounds.over_interval(knot, x);
@@ -108,8 +108,9 @@ class ForwardPass {
     TimeLaw::Range range{infinite, -infinite};
     double limit = 0;
   };
-  /// Returns the window before `knot`. Its limit counts the interval after `knot`, too. Only a
-  /// motion that begins at rest has less than a window before a knot. The arm stands before it.
+  /// Returns the window before `knot`, whose limit also includes the interval after `knot`. Only a
+  /// motion that begins at rest can have less than a window before a knot; before its beginning,
+  /// the arm stands.
   Window in_window_before(std::size_t knot) const {
     double since = 0;
     Window window{.limit = limits_[knot]};

@@ -46,8 +46,8 @@ class TimeLaw {
     std::size_t knot() const { return squares.size() - 1; }  ///< the last of these knots
     bool at_rest() const { return squares.size() == 1 && squares.front() == 0; }
   };
-  /// Returns the fastest time law with this start; nullopt if no time law keeps all limits after
-  /// it, or if the arm would stop before the end.
+  /// Returns the fastest time law that begins with `start`. Returns nullopt if no time law keeps
+  /// all limits after this start, or if the arm would stop before the end.
   static std::optional<TimeLaw> fastest_from(const PathBounds& bounds, const Start& start,
                                              const Smoothing& smoothing);
   /// Returns the time law of a path without length.
@@ -58,7 +58,8 @@ class TimeLaw {
 
   double duration() const { return times_.back(); }
   /// Returns the factor by which this time law must be slowed in each interval so that d²s/dt² does
-  /// not change by more than `smoothing` allows within a window; 1 where it keeps this limit.
+  /// not change by more than `smoothing` allows within a window. The factor is 1 where the time law
+  /// already keeps this limit.
   std::vector<double> change_excess(const PathBounds& bounds, const Smoothing& smoothing) const;
   /// Returns the state at the time `seconds`. For a time after `duration()`, this is the state at
   /// the end. For a time before 0, it is the state of a motion that comes to the start with

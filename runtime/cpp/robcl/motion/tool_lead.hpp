@@ -12,14 +12,15 @@ struct ToolLead {
   Eigen::Vector3d speed = Eigen::Vector3d::Zero();       ///< m/s, in the last cycle
   Eigen::Vector3d turn_speed = Eigen::Vector3d::Zero();  ///< rad/s, in the last cycle
 
-  /// Returns the state after the next cycle of `cycle` seconds, on the way to `target`. The lead
-  /// reaches a target that stands still, without overshooting if it moves straight towards it.
+  /// Returns the state after the next cycle of `cycle` seconds, on the way to `target`. The tool
+  /// frame reaches a target that stands still. It does not overshoot if it already moves straight
+  /// towards the target.
   ToolLead towards(const Frame& target, const ToolLimits& limits, double cycle) const;
-  /// Returns the state after the next cycle if the lead brakes.
+  /// Returns the state after the next cycle if the tool frame brakes.
   ToolLead braking(const ToolLimits& limits, double cycle) const;
-  /// Returns the pose at which the lead stands if it brakes in all following cycles.
+  /// Returns the pose at which the tool frame comes to rest if it brakes in all following cycles.
   Frame stop(const ToolLimits& limits, double cycle) const;
-  /// Returns whether the lead is at `target`, except for rounding.
+  /// Returns whether the tool frame has reached `target`, up to rounding errors.
   bool is_at(const Frame& target) const;
   bool at_rest() const { return speed.isZero(0) && turn_speed.isZero(0); }
 

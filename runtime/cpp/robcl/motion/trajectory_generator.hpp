@@ -6,7 +6,7 @@ namespace robcl::motion {
 
 using arm::JointValues;
 
-/// Computes a motion's set points for one control cycle after the other. The functions neither
+/// Computes the set points of a motion, one control cycle after the other. The functions neither
 /// allocate memory nor wait.
 class TrajectoryGenerator {
  public:
@@ -21,8 +21,9 @@ class TrajectoryGenerator {
   virtual void set_override(double factor) = 0;
   /// Makes the following calls of `advance` decelerate until the arm stands.
   virtual void stop() = 0;
-  /// Must be called when the arm has come to rest because it got no set points for a while. The
-  /// following calls of `advance` accelerate from rest. After `stop`, the motion has ended.
+  /// Must be called when the joints have stopped because no set points were sent to them for some
+  /// cycles. The following calls of `advance` then accelerate from rest. If `stop` was called
+  /// before, the motion ends instead.
   virtual void rest() = 0;
 
   virtual bool standing() const = 0;

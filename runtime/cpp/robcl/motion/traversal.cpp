@@ -183,9 +183,9 @@ double Traversal::go_on(double u, double seconds) {
   return seconds - lasts;
 }
 
-/// Returns whether the motion can follow the time law from here. @pre the motion is at a knot. It
-/// can if it has the speed of the time law, and if its acceleration may change to each value that
-/// the time law has within a window.
+/// Returns whether the motion can follow the time law from here. @pre the motion is at a knot. This
+/// is so if the motion has the speed of the time law, and if its acceleration may change to each
+/// value that the time law has within a window.
 bool Traversal::can_follow_law() const {
   constexpr double rounding = 1e-6;  // relative
   const TimeLaw& law = plan().law;

@@ -1,4 +1,4 @@
-// How far a motion is on its path.
+// The progress of a motion on its path.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ struct Stage {
   Stage(Plan its_plan, double its_begin, std::size_t its_number)
       : plan(std::move(its_plan)), begins(its_begin), number(its_number) {}
   const Plan plan;
-  const double begins;  ///< time in s at which its time law begins, by those of the plans before
+  const double begins;  ///< time in s at which its time law begins, by the earlier time laws
   const std::size_t number;
   std::atomic<const Stage*> next{nullptr};
 
@@ -23,10 +23,10 @@ struct Stage {
   double place_of_entry() const { return plan.path.place(plan.entry); }
 };
 
-/// The path parameter s of a motion. The motion follows the time laws of its plans, or leaves them
-/// when it is slowed or stopped. It keeps the limits of the arm. It is never faster than the plan,
-/// because at a higher speed the limits may allow no d²s/dt². Only the control loop calls these
-/// functions; they never allocate memory, lock or log.
+/// The path parameter s of a motion. The motion follows the time laws of its plans, and leaves them
+/// when it is slowed or stopped. The motion keeps the limits of the arm. It is never faster than
+/// the plan, because at a higher speed there may be no d²s/dt² that keeps the limits. Only the
+/// control loop calls these functions; they never allocate memory, lock or log.
 class Traversal {
  public:
   explicit Traversal(const Stage& first);
@@ -36,14 +36,15 @@ class Traversal {
   double speed_override() const { return override_; }
   /// Decelerates as hard as the limits allow, and ends the motion where it stands.
   void stop();
-  /// Goes on from rest at the place `s` of `stage`. After `stop`, the motion has ended.
+  /// Continues the motion from rest at the place `s` of `stage`. If `stop` was called before, the
+  /// motion ends instead.
   void rest(const Stage& stage, double s);
 
   const Stage& stage() const { return *stage_; }
   double s() const { return s_; }
   /// Returns the time in s by the time law of the stage's plan. A motion that goes over into the
-  /// stage does not begin at 0 but at the time of `Plan::entry`. The time does not rise while the
-  /// motion brakes.
+  /// stage begins at the time of `Plan::entry`, not at 0. The time does not rise while the motion
+  /// brakes.
   double time() const { return time_; }
   bool standing() const { return standing_; }
   bool stopping() const { return mode_ == Mode::Braking; }

@@ -5,15 +5,15 @@ from __future__ import annotations
 import gc
 import sys
 
-_PACKAGES = ("click", "numpy", "rich")  # what an installation without pip may lack
+_PACKAGES = ("click", "numpy", "rich")  # may be missing in an installation without pip
 
-_MANY = 100_000  # objects to allocate before a collection; a command that runs long has collections
+_MANY = 100_000  # allocated objects before a garbage collection
 
 
 def main() -> int:
     """Runs the command line. `gecos.cli.exit_codes` explains the exit codes."""
-    # Imports allocate much and leave nothing to collect. With the usual threshold, collections take
-    # a sixth of the time of a short command.
+    # Imports allocate many objects, of which none is garbage. With the usual threshold, garbage
+    # collections take a sixth of the time of a short command.
     gc.set_threshold(_MANY)
     try:
         from gecos.cli.app import run
@@ -35,4 +35,4 @@ def main() -> int:
     except KeyboardInterrupt:  # Ctrl-C before `run` handles it
         return 130
     finally:
-        gc.freeze()  # the process ends: Python need not look for garbage in what was imported
+        gc.freeze()  # the process ends, so a garbage collection at its end would be useless

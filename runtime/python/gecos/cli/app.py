@@ -1,7 +1,7 @@
 """The start of the command line, and what it prints when a verb fails.
 
-Imports take most of the time of a short command. Therefore a verb is imported when it is used, and
-it imports the modules that only this verb needs at the start of its function.
+Imports take most of the time of a short command. Therefore the module of a verb is imported only
+when the verb is used, and the function of the verb imports the modules that only this verb needs.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ _VERBS = {
 
 
 class Verbs(click.Group):
-    """The verbs of `_VERBS`, which are imported when they are used."""
+    """The verbs of `_VERBS`. The module of a verb is imported when the verb is used."""
 
     def list_commands(self, context: click.Context) -> list[str]:
         return sorted(_VERBS)

@@ -9,15 +9,15 @@ from gecos.cli.options import broker_option, json_option, name_argument, print_j
 
 @click.command("break")
 @name_argument
-@click.option("--why", required=True, help="The reason, which the holders are told.")
+@click.option("--why", required=True, help="The reason, which the holders get.")
 @broker_option
 @json_option
 def break_status(name: str, why: str, broker: str | None, as_json: bool) -> None:
     """Takes actor or master status away from all clients that hold it.
 
-    Their commands end LEASE_LOST, with your name and the reason. You must be an administrator: the
-    user of the server, root, or a user whom [admin] of its lab file names. First ask the holders,
-    whom `gecos holders` shows.
+    Their commands end as LEASE_LOST, with your name and the reason. You must be an administrator:
+    the user of the server, root, or a user in [admin] of its lab file. Ask the holders first;
+    `gecos holders` lists them.
     """
     from gecos_idl.object_types import StatusRefused
 

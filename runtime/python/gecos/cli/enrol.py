@@ -12,7 +12,10 @@ from gecos.cli.options import Number, json_option, print_json
 
 _MINUTE = 60.0
 _OWNER = click.option(
-    "--as", "owner", metavar="USER@HOST", help="Who you are; default: this user and host."
+    "--as",
+    "owner",
+    metavar="USER@HOST",
+    help="Owner of your key; default: this user, this host.",
 )
 
 
@@ -22,16 +25,16 @@ def lab() -> None:
 
 
 @lab.command()
-@click.option("--address", metavar="HOST", help="Where others reach this host; default: its name.")
+@click.option("--address", metavar="HOST", help="Address for other hosts; default: the hostname.")
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="TCP; default: any.")
 @click.option("--minutes", type=Number(0.001), default=10.0, help="How long it is valid.")
 @_OWNER
 @json_option
 def init(address: str | None, port: int, minutes: float, owner: str | None, as_json: bool) -> None:
-    """Prints a link with an invitation, and waits until somebody joins by it.
+    """Prints a link that invites a user to this laboratory, and waits until that user joins.
 
-    Send the link on a way on which no stranger reads. It works once. Then compare the fingerprint
-    and run `gecos approve`.
+    Send the link over a channel that no stranger can read. The link works once. When the user has
+    joined, compare the fingerprints and run `gecos approve`.
     """
     from gecos import enrolment, key_folder
 
@@ -49,7 +52,8 @@ def init(address: str | None, port: int, minutes: float, owner: str | None, as_j
         print_json({"key": party.key, "owner": party.owner})
     else:
         print(f"{party.owner} asks to join, with the key {key_folder.fingerprint(party.key)}")
-        print(f"compare it with what `gecos join` printed, then: gecos approve {party.owner}")
+        print("compare this fingerprint with the one that `gecos join` printed;")
+        print(f"if they are equal, run: gecos approve {party.owner}")
 
 
 @click.command()
@@ -60,8 +64,9 @@ def init(address: str | None, port: int, minutes: float, owner: str | None, as_j
 def join(url: str, owner: str | None, yes: bool, as_json: bool) -> None:
     """Asks to join the laboratory that has printed LINK.
 
-    Then asks you whether the user of the laboratory, as it names itself, is whom you expect, and
-    admits its key. The lists of your lab file decide what that user may do here.
+    Then shows the name and the key of the laboratory's user, and admits this key if you confirm
+    that you expect this user. The lists in your lab file determine what the user may do on this
+    host.
     """
     from gecos import enrolment, key_folder
 

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from gecos.dynamic_client.model import Attribute
     from gecos.stream import Sample, Stream
 
-# s. A signal that arrives just before Python begins to wait is seen only after the wait.
+# Longest wait in s. A signal that arrives just before Python begins to wait is handled only after
+# the wait.
 _LOOK_ANYWAY = 0.5
 _Heard = tuple[str, "Sample[Any] | Exception"]
 
@@ -88,7 +89,8 @@ def _chosen(robot: DynamicObject, wanted: Sequence[str]) -> list[Attribute]:
 
 
 def _heard(streams: dict[str, Stream[Any]]) -> Generator[tuple[str, Sample[Any]]]:
-    """Yields each event of all streams, which threads read. Raises what reading a stream raises."""
+    """Yields each event of all streams; one thread reads each stream. Raises the exceptions of
+    reading a stream."""
     queue: SimpleQueue[_Heard] = SimpleQueue()
 
     def read(event: str, stream: Stream[Any]) -> None:

@@ -35,12 +35,13 @@ class ExitCode(IntEnum):
 
 
 class UsageFailure(ValueError):
-    """The object does not have a name, or does not take a value, that the command line gives."""
+    """The command line contains a name that the object does not have, or a value that it does not
+    accept."""
 
 
 class NotEnded(TimeoutError):
-    """A command was given up after `--timeout`. `detail` says whether it was canceled or still
-    runs."""
+    """The verb stopped waiting for a command after `--timeout`. `detail` says whether the command
+    was canceled or still runs."""
 
     def __init__(self, detail: Detail, text: str) -> None:
         super().__init__(text)

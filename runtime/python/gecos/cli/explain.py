@@ -33,9 +33,9 @@ def round_trips(lab: Lab, interface: type[Object], told: Explanation) -> dict[st
 @click.option("--measure", is_flag=True, help="Also measure the round trip over each medium.")
 @json_option
 def explain(name: str, broker: str | None, measure: bool, as_json: bool) -> None:
-    """Says over which medium a program on this host reaches an object, and why it does not use the
-    other media: they do not reach the object, or lack the quality that the interface or a member
-    demands."""
+    """Says over which medium a program on this host reaches an object, and why the program does not
+    use the other media. A medium may not reach the object, or may lack a quality that the interface
+    or a member of the interface demands."""
     import gecos
     from gecos.dynamic_client.connect import find, interface_of
 

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 def free(name: str, broker: str | None, as_json: bool) -> None:
     """Frees the name of a silent object before the broker does.
 
-    Another server may then take the name. Make sure first that the silent server moves nothing: it
-    may be disconnected but still running.
+    Another server may then take the name. Make sure first that the silent server moves nothing,
+    because a server that is only disconnected may still run.
     """
     import gecos
 
@@ -33,8 +33,8 @@ def free(name: str, broker: str | None, as_json: bool) -> None:
 
 
 def _set_free(lab: Lab, name: str) -> None:
-    """Raises CommandFailed if the server of the object is heard or lives, and CreateError if the
-    broker does not know the object."""
+    """Raises CommandFailed if the broker still hears the server of the object or its process still
+    runs, and CreateError if the broker does not know the object."""
     from gecos_idl.broker import Broker
     from gecos_idl.broker_types import NameInUse, UnknownName
 

@@ -47,8 +47,8 @@ def _print(name: str, found: list[Holder], watching: bool) -> None:
 
 
 def _changes(robot: gecos.Object) -> Iterator[list[Holder]]:
-    """Yields the holders now, and each time one came, left, released, took over or gave back.
-    Changes that last less than `_BETWEEN_LOOKS` may be missed."""
+    """Yields the present holders, and again each time that a holder came, left, released, took over
+    or gave back. Changes that last less than `_BETWEEN_LOOKS` may be missed."""
     import gecos
 
     before = None

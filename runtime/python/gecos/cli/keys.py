@@ -13,16 +13,17 @@ from gecos.cli.exit_codes import ExitCode, UsageFailure
 from gecos.cli.options import json_option, print_json
 
 _EXCHANGE = """\
-To reach objects of another user over lcm, give your file to that user, add the file that you get,
-and compare the fingerprints in another way, for example by telephone:
-  gecos keys add FILE USER@HOST"""
+To reach objects of another user over lcm, exchange key files: send your file to the other user, and
+add the file of that user by `gecos keys add FILE USER@HOST`. Then compare both fingerprints over
+another channel, for example by telephone."""
 
 
 @click.group(invoke_without_command=True)
 @json_option
 @click.pass_context
 def keys(context: click.Context, as_json: bool) -> None:
-    """Shows the key of this user, and the admitted keys of other users. lcm needs these keys.
+    """Shows the key of this user, and the admitted keys of other users. The medium lcm uses these
+    keys.
 
     Ends with 1 if the file of an admitted key cannot be used.
     """
@@ -78,8 +79,8 @@ def _state(of: Any) -> dict[str, Any]:
 def add(file: Path, owner: str | None, as_json: bool) -> None:
     """Admits the user to whom the given .public file belongs.
 
-    USER@HOST says whose key it is: the lists of a lab file and of Server.allow then decide to which
-    objects that user may connect. Without it, the key counts as one more key of yours.
+    USER@HOST is the owner of the key: the lists of a lab file and of Server.allow then decide to
+    which objects that user may connect. Without USER@HOST, the key counts as another key of yours.
     """
     from gecos import key_folder
 

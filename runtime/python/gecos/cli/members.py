@@ -318,8 +318,8 @@ def watch(
     """Shows an attribute again and again: the samples of its stream, or repeated readings. Shows
     the arguments of an event each time it occurs.
 
-    On a terminal, each value of an attribute replaces the previous one. An event, and each value
-    into a pipe, is a line.
+    On a terminal, each value of an attribute replaces the previous one. Each event is printed on a
+    line of its own, and so is each value if the output is a pipe.
     """
     from gecos.cli import report
     from gecos.dynamic_client import by_name
@@ -339,8 +339,8 @@ def watch(
 def _samples(
     robot: DynamicObject, attribute: str, every: float, timeout: float | None
 ) -> Iterator[dict[str, Any]]:
-    """Yields each sample of a stream, or repeated readings. Raises TimeoutError if one takes longer
-    than `timeout`."""
+    """Yields each sample of a stream, or repeated readings. Raises TimeoutError if a sample or
+    reading takes longer than `timeout`."""
     from gecos.dynamic_client import by_name
 
     if by_name.attribute_or_event(robot, attribute).stream is not None:
@@ -392,8 +392,8 @@ def hz(
 ) -> None:
     """Measures the rate of a stream: samples per second, shortest and longest period, lost samples.
 
-    A period is the difference between two times of measurement, so it does not depend on this
-    program.
+    A period is the time between two measurements at the server, so the speed of this program has no
+    influence.
     """
     with _connected(broker, name, stream) as robot, _subscribed(robot, stream) as opened:
         lines = 0

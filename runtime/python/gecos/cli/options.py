@@ -45,7 +45,7 @@ def _completion(words: Callable[[gecos.Lab, Mapping[str, Any]], Mapping[str, str
 
 @_completion
 def _names(lab: gecos.Lab, _: Mapping[str, Any]) -> Mapping[str, str]:
-    """The objects that are online."""
+    """Completes the names of objects that are online."""
     from gecos.dynamic_client.connect import entries
 
     return {entry.name: entry.interface_name for entry in entries(lab, patience=_MOMENT)}
@@ -53,7 +53,7 @@ def _names(lab: gecos.Lab, _: Mapping[str, Any]) -> Mapping[str, str]:
 
 @_completion
 def silent_names(lab: gecos.Lab, _: Mapping[str, Any]) -> Mapping[str, str]:
-    """The objects whose servers are silent."""
+    """Completes the names of objects whose servers are silent."""
     from gecos.dynamic_client.connect import silent_objects
 
     silent = silent_objects(lab, patience=_MOMENT)
@@ -62,7 +62,8 @@ def silent_names(lab: gecos.Lab, _: Mapping[str, Any]) -> Mapping[str, str]:
 
 @_completion
 def interfaces(lab: gecos.Lab, _: Mapping[str, Any]) -> Mapping[str, str]:
-    """The interfaces of the objects that are online, and their bases."""
+    """Completes the interfaces of the objects that are online, and the bases of these
+    interfaces."""
     known = lab.objects(patience=_MOMENT)
     names = {name for entry in known for name in (entry.interface_name, *entry.bases)}
     return dict.fromkeys(sorted(names), "")

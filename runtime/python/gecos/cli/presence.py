@@ -1,5 +1,5 @@
-"""Finds out what `gecos ls` shows: the objects of the broker, their changes, and whether their
-servers answer."""
+"""Collects the data for `gecos ls`: the objects that the broker knows, their changes, and whether
+their servers answer."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _MOST_AT_ONCE = 64
 
 @dataclass(frozen=True, slots=True)
 class Presence:
-    """Tells whether an object can be reached. `silent_since` is the Unix time at which the broker
+    """Says whether an object can be reached. `silent_since` is the Unix time at which the broker
     last heard the server; None while the broker hears it. `answers` is true if the server has
     answered this program, or refused it; otherwise `problem` says why there was no answer."""
 
@@ -45,8 +45,8 @@ class Presence:
 
 def presences(lab: gecos.Lab, interface: str = "") -> list[Presence]:
     """Returns the objects that are online or silent and have `interface` or an interface derived
-    from it, sorted by name. Without `interface`, returns all. Takes at most ASKED_FOR, and
-    the time in which the broker answers. Raises CreateError without a broker."""
+    from it, sorted by name. Without `interface`, returns all objects. Takes at most ASKED_FOR and
+    the time until the answer of the broker. Raises CreateError without a broker."""
     listed = lab.objects(interface)
     with ThreadPoolExecutor(_MOST_AT_ONCE) as side_by_side:
         problems = list(side_by_side.map(lambda entry: _problem(lab, entry), listed))
@@ -92,8 +92,8 @@ def _silent(one: SilentObject) -> Presence:
 
 
 def _problem(lab: gecos.Lab, entry: Entry) -> str | None:
-    """Returns why a server does not answer, for example because only its own process can reach it.
-    Returns None if it answers; refusing this program counts as an answer."""
+    """Returns why the server of an object does not answer, for example because no other process can
+    reach the object. Returns None if the server answers, even if it refuses this program."""
     began = time.monotonic()
     try:
         connect_to(lab, entry, patience=ASKED_FOR)

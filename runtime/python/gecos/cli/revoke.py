@@ -55,7 +55,8 @@ def _remove(name: str) -> list[Admitted]:
 
 
 def _servers(broker: str | None, name: str) -> tuple[list[str], list[str]]:
-    """Returns the objects whose servers apply the revocation, and why others do not."""
+    """Returns the objects whose servers apply the revocation, and the reasons why other servers do
+    not."""
     import gecos
     from gecos.cli.presence import presences
 
@@ -63,7 +64,9 @@ def _servers(broker: str | None, name: str) -> tuple[list[str], list[str]]:
         with gecos.Lab(broker) as lab:
             found = presences(lab)
     except ConnectionError as error:
-        return [], [f"the servers are not known, and those of other users not reached: {error}"]
+        return [], [
+            f"the broker lists no servers, so servers of other users were not reached: {error}"
+        ]
     reached, missed = [], []
     for one in found:
         why = _why_missed(one, name)
@@ -87,7 +90,7 @@ def _why_missed(one: Presence, name: str) -> str | None:
     if not here or entry.user != this_user():
         return f"its server runs as {entry.user}@{entry.hostname}; run `gecos revoke {name}` there"
     if not one.answers:
-        return f"its server does not answer, and applies it when it runs again ({one.problem})"
+        return f"its server does not answer, and will end the sessions later ({one.problem})"
     return None
 
 

@@ -47,7 +47,8 @@ def _stats(lab: gecos.Lab, name: str) -> ObjectStats:
 
 
 def _all_stats(lab: gecos.Lab) -> Iterator[tuple[str, ObjectStats | str]]:
-    """Yields the counts of each object that is online, or why it does not tell them."""
+    """Yields the counts of each object that is online, or the reason why an object does not report
+    them."""
     from gecos.dynamic_client.connect import entries
 
     for entry in entries(lab):

@@ -61,7 +61,8 @@ def _failure(lab: gecos.Lab, name: str, online: dict[str, Entry]) -> Exception |
         gecos.stop(connect_to(lab, online[name])).result(_STOP_WITHIN)
     except TimeoutError:
         return TimeoutError(
-            f"its server has not confirmed the stop within {_STOP_WITHIN:g} s; it may still move"
+            f"its server has not confirmed the stop within {_STOP_WITHIN:g} s; "
+            "the object may still move"
         )
     except (ConnectionError, RuntimeError) as error:
         return error
@@ -69,9 +70,9 @@ def _failure(lab: gecos.Lab, name: str, online: dict[str, Entry]) -> Exception |
 
 
 def _find_silent(lab: gecos.Lab, stopping: Stopping, every: bool) -> None:
-    """Adds to each object that could not be reached the time since when it is silent. With `every`,
-    also adds the objects that the broker no longer lists: they cannot be stopped, but the user must
-    know of them."""
+    """For each object that could not be reached, adds the time since when it is silent. With
+    `every`, also adds the silent objects that the broker no longer lists, because the user must
+    know that they cannot be stopped."""
     try:
         silent = silent_objects(lab)
     except (ConnectionError, RuntimeError) as error:

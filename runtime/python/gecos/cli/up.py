@@ -96,11 +96,12 @@ def _described(file: Path | None) -> LaboratoryDescription:
 
 class _Signals:
     """Raises KeyboardInterrupt at the first SIGINT, SIGTERM or SIGHUP. While the programs are being
-    ended, only another SIGINT raises it again, which kills the programs. Other signals do not,
-    because a closed terminal may send SIGHUP several times, and a service manager may then send
-    SIGTERM.
+    ended, only another SIGINT raises KeyboardInterrupt again, which kills the programs. Other
+    signals have no further effect, because a closed terminal may send SIGHUP several times, and a
+    service manager may then send SIGTERM.
 
-    A signal that this process was started to ignore, as by nohup, stays ignored.
+    If the process ignores one of these signals from its start, as with nohup, the signal stays
+    ignored.
     """
 
     def __init__(self) -> None:
@@ -129,7 +130,7 @@ def _show(event: Event) -> None:
 
 class _OneLine:
     """Prints each event as one line of JSON, even if several threads report at the same time. The
-    programs continue when nobody reads the output any more."""
+    programs continue even if no program reads the output any more."""
 
     def __init__(self) -> None:
         self._lock = Lock()

@@ -48,7 +48,8 @@ def why(request: str, folder: Path | None, as_json: bool) -> int:
 
 
 class _Request:
-    """The number of a request: those of a process, of a session in it, and of a call in this."""
+    """The number of a request. It consists of the numbers of a process, of a session in the
+    process, and of a call in the session."""
 
     __slots__ = ("counter", "session")
 
@@ -74,8 +75,8 @@ class _Request:
 
 
 def lines_about(folder: Path, request: _Request) -> list[dict[str, Any]]:
-    """Returns the lines about the request, from old to new; if there are none, those that count
-    several requests, of which it may be one."""
+    """Returns the lines about the request, from old to new. If there are none, returns the lines
+    that count several requests, because the request may be one of them."""
     mine = [line for line in _lines(folder, request.session) if "request" in line]
     about = [line for line in mine if line["request"] == str(request)]
     return about or [line for line in mine if _counts(line, request)]

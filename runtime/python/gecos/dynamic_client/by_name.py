@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class UnknownMemberError(LookupError):
-    """The interface has no such operation or attribute."""
+    """The interface has no operation or attribute with the given name."""
 
 
 def operation(robot: DynamicObject, name: str) -> Operation:

@@ -24,14 +24,14 @@ if TYPE_CHECKING:
     from gecos.lab import Lab
     from gecos.object_watch import ObjectWatch
 
-_ASK_ANYWAY = 1.0  # s after which a server that did not answer is tried again
+_ASK_ANYWAY = 1.0  # time in s after which a server that did not answer is asked again
 _MAY_PASS = {
     Detail.NO_SERVER,
     Detail.NOT_STARTED,
     Detail.SERVER_CRASHED,
     Detail.OUTCOME_UNKNOWN,
 }
-"""The failures that may be over when an object or a broker is started."""
+"""The failures that may disappear when an object or a broker is started."""
 
 
 def entries(lab: Lab, *, patience: float = 2.0) -> list[Entry]:
@@ -59,10 +59,10 @@ def find(
     lab: Lab, name: str, *, medium: str | None = None, patience: float = 2.0, wait: float = 0.0
 ) -> Object:
     """Connects to the object called `name`, whatever its interface. The proxy has only the built-in
-    operations. `wait` says for how many s to try again while the object is not online or no broker
-    answers. Raises CreateError, which says since when the object is silent, proposes a similar
-    name, or lists the objects online; and CommandFailed or ConnectionFailed if the broker dies
-    while it is asked."""
+    operations. While the object is not online or no broker answers, tries again for `wait` s.
+    Raises CreateError, which says since when the object is silent, proposes a similar name, or
+    lists the objects online. Raises CommandFailed or ConnectionFailed if the broker dies before it
+    has answered."""
     end = time.monotonic() + wait
     with contextlib.ExitStack() as opened:
         changes: ObjectWatch | None = None
@@ -185,7 +185,8 @@ def _lab_of_process() -> Lab:
 
 
 def without_model(name: str) -> str:
-    """Returns the message for a user who asks for the members of an object without a model."""
+    """Returns the error text for an object that serves no model, so that its members are
+    unknown."""
     return (
         f"{name} serves no model; generate the code of its server again, with this version of gidl"
     )

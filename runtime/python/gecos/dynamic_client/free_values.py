@@ -1,4 +1,4 @@
-"""Checks that a few bytes from a server cannot become very many values."""
+"""Checks that a few bytes from a server cannot be decoded into very many values."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ _MAX_OPEN = 64  # levels of types, including sequences
 
 def check_free_values(model: Model) -> None:
     """Raises `Malformed` if the number of values that take no bytes is above `_MAX_FREE`. Such
-    values are empty structs, and arrays and structs of empty structs. They are counted in each
-    type, and in everything that a member of an interface receives.
+    values are empty structs, and arrays and structs of empty structs. These values are counted in
+    each type, and in all that a member of an interface receives.
 
     @pre no type contains itself other than through a sequence
     """
@@ -32,7 +32,7 @@ def check_free_values(model: Model) -> None:
 class _Counter:
     """Finds for each type whether its values take no bytes, and how many values without bytes one
     value may contain. If the elements of a sequence or array take bytes, only one element is
-    counted, because the bytes limit the number of the others."""
+    counted, because the size of the message limits the number of elements."""
 
     def __init__(self, model: Model) -> None:
         self._model = model

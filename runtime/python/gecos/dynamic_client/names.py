@@ -1,4 +1,4 @@
-"""Python names for the declarations of a served model. They are the same as in generated code.
+"""Python names for the declarations of a served model. The names are the same as in generated code.
 
 `gidl.targets.python.names` and `gidl.layout.languages` have the same words and rules.
 """

@@ -34,8 +34,8 @@ class Request:
         self.arguments = Arguments(name, names, steps, self.defaults)
 
     def _first_missing(self) -> int:
-        """Returns the index of the first parameter that an older caller may leave out, together
-        with all parameters after it."""
+        """Returns the index of the first parameter that an older caller may leave out. Such a
+        caller leaves out all following parameters, too."""
         first = len(self._values)
         while first - 1 in self._defaults:
             first -= 1

@@ -1,4 +1,4 @@
-"""Says in words since when a server is silent."""
+"""Texts that say since when a server is silent."""
 
 from __future__ import annotations
 

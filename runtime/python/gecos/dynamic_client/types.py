@@ -1,7 +1,7 @@
 """Builds Python types from declarations, by the same functions of `gecos.wire.layout` that
-generated code uses. So codec, ranges and JSON are the same.
+generated code uses. Therefore codec, ranges and JSON are the same.
 
-One thing differs: sequences and arrays of numbers are lists, because importing numpy takes long.
+Only sequences and arrays of numbers differ: they are lists, because importing numpy takes long.
 """
 
 from __future__ import annotations
@@ -191,7 +191,7 @@ class Types:
 
     def named(self, name: str) -> Any:
         """Returns the class of a declared type. While the class is still being built, returns a
-        function that returns it later."""
+        function that later returns the class."""
         if name in self._open:
             return lambda: self._classes[name]
         return self._class(name)

@@ -42,7 +42,8 @@ class LaboratoryDescription:
     folder: Path = Path()  # relative paths of programs are relative to this folder
     file: str = ""  # for example "lab.toml"; "" if there is no file
     names_users: bool = False  # True: the file says who may connect, and servers must read it
-    # Simulated seconds that pass in a second; None: as ROBCL_CLOCK says, else real time
+    # Simulated seconds that pass in a second. None: the value of ROBCL_CLOCK, or real time without
+    # that variable.
     clock_speed: float | None = None
 
 
@@ -66,7 +67,7 @@ def read_laboratory(path: Path) -> LaboratoryDescription:
         raise LaboratoryFileError(f"{path}: {error.strerror}") from None
     except ValueError as error:  # not UTF-8, or not TOML; then the error has line and column
         raise LaboratoryFileError(f"{path}: {error}") from None
-    # Servers read the same file. Its keys, and whom it admits, are checked by their code.
+    # Servers read the same file. The code of the servers checks its keys and its lists of users.
     if problem := _core.lab_file_problem(text, str(path)):
         raise LaboratoryFileError(problem)
     return _Reader(path, text).laboratory(data)

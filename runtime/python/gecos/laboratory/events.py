@@ -34,7 +34,7 @@ class Event:
 
 Report = Callable[[Event], None]
 
-_QUIET = (What.READY, What.RESTARTED)  # the program itself says so
+_QUIET = (What.READY, What.RESTARTED)  # the program itself prints a line about it
 
 
 def show(event: Event) -> None:
@@ -46,7 +46,7 @@ def show(event: Event) -> None:
 
 
 def say(line: str) -> None:
-    """Prints a line. The programs continue when nobody reads the output any more."""
+    """Prints a line. The programs continue even if no program reads the output any more."""
     if sys.stdout is None:
         return
     encoding = sys.stdout.encoding or "utf-8"

@@ -24,7 +24,8 @@ READY_WITHIN = 60.0  # s
 END_WITHIN = 5.0  # s after SIGTERM, before SIGKILL
 _LAST_LINES_WITHIN = 0.5  # s to read the last lines of a program that has ended
 _LONGEST_LINE = 65536  # characters; a longer line is printed in parts
-# s. A signal that arrives just before Python begins to wait is seen only after the wait.
+# Longest wait in s. A signal that arrives just before Python begins to wait is handled only after
+# the wait.
 _LOOK_ANYWAY = 0.5
 _FIRST_PAUSE = 0.5  # s before a program is started again; doubles each time
 _LONGEST_PAUSE = 30.0  # s
@@ -109,7 +110,8 @@ class _Process:
             raise LaboratoryError(f"{self.program.name} {self.how_ended()} before it was ready")
 
     def complain_if_not_ready(self) -> None:
-        """Reports that the program is not ready. Called READY_WITHIN s after its start."""
+        """Reports that the program is not ready. Called when the program has not become ready
+        READY_WITHIN s after its start."""
         if not self._ready_or_ended.is_set():
             self._report(Event(What.NOT_READY, self._not_ready(), self.program.name))
 
@@ -137,7 +139,7 @@ class _Process:
         Kills the processes that do not end in time."""
         self._signal(signal.SIGTERM)
         if self._over.wait(END_WITHIN):
-            # A process that the program has started may still say goodbye.
+            # A process that the program has started may still print its last lines.
             self._reader.join(END_WITHIN)
         else:
             text = f"{self.program.name} did not end after SIGTERM and was killed"
@@ -160,7 +162,7 @@ class _Process:
 
 
 class RunningLaboratory:
-    """The processes of a laboratory. They run in `folder`."""
+    """The processes of a laboratory, whose working directory is `folder`."""
 
     def __init__(self, environment: Mapping[str, str], folder: Path, report: Report) -> None:
         self._report = report
@@ -220,10 +222,10 @@ class RunningLaboratory:
         self._later.enter(pause, 0, self._start_again, (program,))
 
     def _start_again(self, program: Program) -> None:
-        self._processes[program.name].kill()  # what it has left behind
+        self._processes[program.name].kill()  # processes that the program has left behind
         try:
             process = self._launch(program)
-        except OSError as error:  # for example while its file is written anew
+        except OSError as error:  # for example while its file is being replaced
             text = f"{program.name} cannot be started: {error}"
             self._start_later(program, Event(What.NOT_STARTED, text, program.name))
             return
@@ -231,7 +233,8 @@ class RunningLaboratory:
         self._later.enter(READY_WITHIN, 0, process.complain_if_not_ready)
 
     def end(self) -> None:
-        """Ends all programs, the last one first. If this is interrupted, kills them."""
+        """Ends all programs, the last one first. If an exception interrupts this, kills the
+        programs."""
         processes = [*reversed(self._processes.values())]
         try:
             self._report(Event(What.CLOSING, "ending"))
@@ -253,9 +256,9 @@ def running(
 ) -> Iterator[RunningLaboratory]:
     """Starts a laboratory, and ends all its programs when the block ends. Programs are searched in
     `folders`, in the folder of this command, and in PATH. With `restart`, each program is started
-    again when it ends by itself. `report` is called with each event, from several threads. If a
-    program is missing or does not become ready, all running programs are ended, and LaboratoryError
-    is raised; also if the programs would not use the broker that the laboratory starts."""
+    again when it ends by itself. `report` is called with each event, from several threads. Raises
+    LaboratoryError if a program is missing or does not become ready, and if the programs would not
+    use the broker that the laboratory starts. All running programs are ended before."""
     commands = [(p, _command(laboratory, p, folders)) for p in laboratory.programs]
     variables = dict(os.environ if environment is None else environment)
     if laboratory.broker_address:
@@ -290,9 +293,10 @@ def _refuse_another_broker(named: str, file: str) -> None:
 
 
 def _broker(environment: Mapping[str, str], restart: bool) -> tuple[Program, Sequence[str]]:
-    """Returns the broker of this package, with the command that starts it. PYTHONPATH is set,
-    because the package of an installed SDK is not in the interpreter's own path."""
-    # -P: a module in the folder of the laboratory must not hide one of the interpreter.
+    """Returns the broker of this package as a Program, with the command that starts it. PYTHONPATH
+    is set, because the package of an installed SDK is not in the interpreter's own path."""
+    # The option -P prevents a module in the folder of the laboratory from hiding a module of the
+    # interpreter.
     command = (sys.executable, "-P", "-m", "gecos.cli", "broker")
     packages = [str(Path(__file__).resolve().parents[2]), environment.get("PYTHONPATH", "")]
     path = os.pathsep.join(filter(None, packages))

@@ -24,7 +24,7 @@ _LONGEST_DOUBLE = 308  # a double may not be able to represent a number with mor
 
 
 class NotJsonError(JsonError):
-    """The text is not JSON at all."""
+    """The text is not valid JSON."""
 
 
 def dumps(value: Contents, indent: int | None = None) -> str:

@@ -1,8 +1,8 @@
 """The kinds of values in layouts. Each kind encodes and decodes its values, also as JSON.
 
-`plain` converts a value to types that the module `json` can dump. `made` is the inverse of `plain`
-and raises `JsonError`. `step` describes the kind to the extension `_plans`; it returns None if the
-extension does not support the kind.
+`plain` converts a value to types that the module `json` can dump. `made` converts the result of
+`plain` back to a value, and raises `JsonError`. `step` describes the kind to the extension
+`_plans`; it returns None if the extension does not support the kind.
 """
 
 from __future__ import annotations
@@ -55,9 +55,10 @@ class Kind(ABC):
     least = 0
     """Smallest size of a value in bytes."""
     holds_array = False
-    """Whether values hold numpy arrays, which `same` must compare, because `==` gives an array."""
+    """True if values contain numpy arrays. The function `same` must compare such values, because
+    `==` of arrays returns an array."""
     may_be_missing = False
-    """Whether there may be no value: None."""
+    """True if the value may be missing (None)."""
 
     @abstractmethod
     def put(self, value: Any, out: Parts, label: str) -> None: ...
@@ -145,7 +146,8 @@ class Limits:
     on that side.
 
     Python's floats are more precise than single precision. For code `f`, both the limit as written
-    and the nearest single-precision number may be sent. Both are encoded as the latter.
+    and the nearest single-precision number may be sent. Both are encoded as the nearest
+    single-precision number.
     """
 
     __slots__ = ("range", "received", "sent")

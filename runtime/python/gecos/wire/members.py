@@ -53,7 +53,8 @@ class Members:
         return any(kind.holds_array for kind in self.kinds)
 
     def _grouped(self) -> list[_Group]:
-        # Several threads may come here at once: none of them may see a part of the list.
+        # Several threads may run this code at the same time, and no thread may see an incomplete
+        # list.
         self._groups = groups = list(self._each_group())
         return groups
 

@@ -187,9 +187,9 @@ class UnionLayout:
         return __repr__
 
     def _may_be_secret(self, kind: Kind | None, value: Any) -> bool:
-        """Returns whether `value` may be secret. It may be if the selected arm is secret. It may
-        also be if `value` is a text or container that does not fit the selected arm, because it may
-        belong to a secret arm. `kind` is the kind of the selected arm, or None."""
+        """Returns whether `value` may be secret. This is so if the selected arm is secret. It is
+        also so if `value` is a text or container that does not fit the selected arm, because the
+        value may belong to a secret arm. `kind` is the kind of the selected arm, or None."""
         if not self._keeps_secrets or isinstance(kind, Secret):
             return self._keeps_secrets
         if isinstance(value, str):

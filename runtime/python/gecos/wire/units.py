@@ -8,9 +8,10 @@ from typing import Any
 
 
 def mistaken_unit(value: object, low: float, high: float, unit: str) -> str:
-    """A question to add to the message about `value`: "; is the value in degrees?". Empty unless
-    `value` is outside `low` to `high`, and inside when it means degrees (a value above pi rad) or
-    millimetres (a value of at least 1 m) instead of `unit`. C++ computes it in the same way."""
+    """Returns a question for the error about `value`, for example "; is the value in degrees?". The
+    text is empty unless `value` is outside the range from `low` to `high`, but would be inside it
+    as a number of degrees or millimetres instead of `unit`. Only values above pi rad count as
+    degrees, and only values of at least 1 m as millimetres. C++ computes the same text."""
     if not isinstance(value, int | float) or low <= value <= high:
         return ""
     if unit == "rad" and abs(value) > math.pi and low <= value * math.pi / 180 <= high:
@@ -21,7 +22,7 @@ def mistaken_unit(value: object, low: float, high: float, unit: str) -> str:
 
 
 class Range:
-    """The limits of a number and their unit. None: no limit on this side."""
+    """The limits of a number and their unit. None means that there is no limit on that side."""
 
     __slots__ = ("high", "low", "unit")
 
@@ -36,8 +37,8 @@ class Range:
 
 
 def outside(value: Any, limits: Range) -> str:
-    """The reason why `limits` refuse `value`, and what to do: "1.9 is outside [-1.5, 1.5] rad; give
-    at most 1.5 rad". C++ computes it in the same way."""
+    """Returns why `value` is outside `limits`, and what to do: "1.9 is outside [-1.5, 1.5] rad;
+    give at most 1.5 rad". C++ computes the same text."""
     low = -math.inf if limits.low is None else limits.low
     high = math.inf if limits.high is None else limits.high
     advice = mistaken_unit(value, low, high, limits.unit)
@@ -45,7 +46,7 @@ def outside(value: Any, limits: Range) -> str:
 
 
 def _bound(value: Any, low: Any, high: Any, unit: str) -> str:
-    """The bound that `value` exceeds, as an instruction."""
+    """Returns advice that names the bound that `value` violates, such as "; give at least 5 mm"."""
     unit = f" {unit}" if unit else ""
     if value < low:
         return f"; give at least {low}{unit}"

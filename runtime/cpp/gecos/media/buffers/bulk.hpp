@@ -17,8 +17,8 @@
 ///
 /// When an end of a connection sends its first large packet, it makes an *area* outside its ring:
 /// memory that only this end may write. The sender writes a large packet into the area, and writes
-/// into a slot of the ring where the packet is. So large and small packets stay in order and are
-/// counted together. As soon as the reader has taken the slot, the sender may use the packet's
+/// into a slot of the ring where the packet is. Large and small packets therefore stay in order and
+/// are counted together. As soon as the reader has taken the slot, the sender may use the packet's
 /// memory in the area again. The reader need not send anything back, and a dead reader occupies no
 /// memory.
 ///

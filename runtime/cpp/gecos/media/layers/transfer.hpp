@@ -31,7 +31,7 @@ struct Piece {
   static std::optional<Piece> read(ByteView packet, std::size_t piece_bytes);
 };
 
-/// An acknowledgement. It tells the sender which pieces have arrived at the receiver.
+/// An acknowledgement, by which the receiver reports the pieces that have arrived.
 struct Received {
   static constexpr std::size_t bytes = 24;
   std::uint64_t transfer = 0;

@@ -263,7 +263,7 @@ void SealedClient::forget_closed_readers() {
     return true;
   });
   for (const int port : closed) {
-    // Another connection may hold the port, whose samples must no longer wake this one.
+    // Another connection may hold the port, and its samples must no longer wake this connection.
     const bool read = std::any_of(reading_.begin(), reading_.end(),
                                   [&](const Reading& one) { return one.port == port; });
     if (!read) ::epoll_ctl(streams_.get(), EPOLL_CTL_DEL, port, nullptr);

@@ -86,8 +86,8 @@ inline constexpr std::size_t packet_overhead =
 inline constexpr std::size_t sample_overhead =
     DatagramHeader::bytes + crypto::StreamSealer::overhead + stamp_bytes;
 
-/// The announcement of a stream from a client to its server. The samples are sent on the sealed
-/// channel of the connection.
+/// The message by which a client announces an inward stream to its server. The samples then follow
+/// in datagrams that are sealed with the keys of the connection.
 struct InwardShare {
   static constexpr std::size_t bytes = 10;
   std::uint32_t id = 0;

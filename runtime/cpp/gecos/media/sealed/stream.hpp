@@ -19,7 +19,7 @@ class SealedStream {
  public:
   SealedStream(std::shared_ptr<DatagramPort> port, SharedStream where);
 
-  /// Where and by which key a reader finds the samples.
+  /// The place of the samples, and the key by which a reader decrypts them.
   SharedStream where() const;
   /// Returns how often move_on() was called. An announcement and its answer carry this number, so
   /// that an answer to an earlier announcement does not count.

@@ -20,12 +20,14 @@ std::string default_runtime_directory();
 /// of the host, if an administrator made a directory for that; other users' programs trust them.
 bool serves_the_host(std::uint32_t uid);
 
-/// Returns whether the programs of all users can reach the sockets in `directory`: it is the folder
-/// of root or of the user `gecos`, in a directory that belongs to root and is shared by all users.
+/// Returns whether the programs of all users can reach the sockets in `directory`. This is so for
+/// the folders of root and of the user `gecos` in a directory that belongs to root and is shared by
+/// all users.
 bool open_to_all_users(const std::string& directory);
 
-/// Returns the existing directories of other users that are open to all users and in which this
-/// program may look for servers: beside `directory`, those of the user `gecos` and of root.
+/// Returns the directories in which this program may look for servers of other users: the folders
+/// of root and of the user `gecos` next to `directory`, as far as they exist and are open to all
+/// users.
 std::vector<std::string> directories_of_the_host(const std::string& directory);
 
 /// Creates `directory` if it does not exist, with the mode 0711 if it is open to all users and with
@@ -34,18 +36,18 @@ std::vector<std::string> directories_of_the_host(const std::string& directory);
 tl::expected<void, MediumError> prepare_directory(const std::string& directory);
 
 /// Returns the boot id of the kernel, for example "6b0c…-…"; an empty text when the kernel does not
-/// tell it.
+/// publish a boot id.
 std::string kernel_boot();
 
 /// Returns a text that identifies `directory` on this machine by its inode, for example "2049:131";
 /// an empty text when its attributes cannot be read.
 std::string inode_of(const std::string& directory);
 
-/// Prepares `directory`, and returns inode_of() it.
+/// Prepares `directory` by prepare_directory, and returns its inode_of.
 tl::expected<std::string, MediumError> directory_identity(const std::string& directory);
 
-/// The lock of a runtime directory. A process holds it while it makes or removes sockets in the
-/// directory. So no other process removes a socket between its bind() and its listen().
+/// The lock of a runtime directory. A process holds the lock while it creates or removes sockets in
+/// the directory, so that no other process removes a socket between its bind() and its listen().
 class DirectoryLock {
  public:
   /// Takes the lock. Waits at most one second if another process holds the lock.

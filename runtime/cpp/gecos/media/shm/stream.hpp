@@ -9,7 +9,7 @@
 
 namespace gecos::media::shm {
 
-/// The memory in which a stream is now, and how often it has moved. Thread-safe.
+/// The present memory of a stream, and how often the stream has moved to other memory. Thread-safe.
 class StreamPlace {
  public:
   struct Now {
@@ -34,7 +34,9 @@ class SharedStreamWriter final : public StreamRingWriter {
       : StreamRingWriter(memory, sealed),
         place_(std::make_shared<StreamPlace>(std::move(sealed))) {}
   const std::shared_ptr<StreamPlace>& place() const { return place_; }
-  /// Goes on in new memory. The connections that share the stream send it to their peers.
+  /// Moves the stream to newly allocated memory, so that peers with the old memory get no further
+  /// samples. The connections that share the stream send the descriptor of the new memory to their
+  /// peers.
   void move_on() override;
 
  private:

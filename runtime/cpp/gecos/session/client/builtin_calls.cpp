@@ -199,8 +199,8 @@ Command<Outcome> outcome(const Object& object, const CommandId& id) {
   };
   if (id == CommandId{}) {
     return {session::ended({Detail::BadParameter,
-                            "a command that was never sent has no outcome"
-                            " at the server",
+                            "the command was never sent, so the server has"
+                            " no outcome of it",
                             {},
                             {}}),
             decode};

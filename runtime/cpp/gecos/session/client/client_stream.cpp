@@ -40,9 +40,9 @@ std::ostream& operator<<(std::ostream& out, StreamEnd end) {
 namespace gecos::session {
 namespace {
 
-/// The most samples that one call of next() reads after its patience has ended, if all of them are
-/// too old. Without this limit, a server that floods the stream with old samples would keep the
-/// reader in the call.
+/// The most samples that one call of next() reads after its patience has ended, if all these
+/// samples are too old. Without this limit, a server that floods the stream with old samples would
+/// keep the reader in the call.
 constexpr int most_looks = 1024;
 
 }  // namespace

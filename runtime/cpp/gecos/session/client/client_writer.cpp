@@ -109,20 +109,21 @@ tl::expected<void, Failure> ClientWriter::send(std::size_t size,
   const InwardHeader header{writers.session(), writers.epoch(), fed_ ? fed_->counter : 0};
   if (header.epoch == Epoch{} && stream_.status != access::Status::Sensor) {
     const auto status = std::string(access::to_string(stream_.status));
-    return not_sent(Detail::Denied, "it needs " + status +
+    return not_sent(Detail::Denied, "the stream needs " + status +
                                         " status; hold a lease while you send: `const auto "
                                         "lease = gecos::" +
                                         status + "(*robot);`");
   }
   if (fed_ && fed_->session != number(header.session)) {
     return not_sent(Detail::BadParameter,
-                    fed_->counter == 0 ? "the command that it feeds was not sent"
-                                       : "the command that it feeds belongs to another session");
+                    fed_->counter == 0
+                        ? "the command that the sample feeds was not sent"
+                        : "the command that the sample feeds belongs to another session");
   }
   const auto lent = writer_->lend(inward_header_size + size + measured_bytes);
   if (!lent) {
     return not_sent(Detail::BadParameter,
-                    "it takes " + std::to_string(size) + " bytes, more than " +
+                    "the sample takes " + std::to_string(size) + " bytes, more than " +
                         std::string(session_->capabilities().name) + " can send for this stream");
   }
   const SampleTime time = sample_time(stamp_ns, session_->runtime().clock());

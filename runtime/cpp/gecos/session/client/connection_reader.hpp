@@ -18,9 +18,10 @@
 
 namespace gecos::session {
 
-/// Reads the connection of one session. A session has no thread of its own for this: one of the
-/// threads that wait in the session, the leader (LeaderLock), reads for all of them. When no thread
-/// waits but a watcher is registered (`add_watcher`), the maintenance thread reads. Thread-safe.
+/// Reads the connection of one session. A session has no thread of its own that reads. One of the
+/// threads that wait in the session, the leader (LeaderLock), reads for all waiting threads. When
+/// no thread waits but a watcher is registered (`add_watcher`), the maintenance thread reads.
+/// Thread-safe.
 class ConnectionReader {
  public:
   /// `end` is notified when the connection is lost.

@@ -52,7 +52,7 @@ class Context : public std::enable_shared_from_this<Context> {
   /// True while a thread searches for the broker. Only one thread at a time may search.
   bool looking_ GECOS_GUARDED_BY(mutex_) = false;
   std::shared_ptr<ClientConnection> broker_ GECOS_GUARDED_BY(mutex_);
-  /// Why the last search found no broker.
+  /// The reason why the last search found no broker.
   std::string missing_ GECOS_GUARDED_BY(mutex_);
 
   mutable Mutex keeping_;
@@ -64,8 +64,8 @@ class Context : public std::enable_shared_from_this<Context> {
 /// Returns the failure of every attempt of a lab that was closed.
 CreateError::Attempt closed_lab(const std::string& name);
 
-/// Returns what the broker knows of the object `name`, which must have the interface `wanted`; or
-/// why it cannot be used.
+/// Returns the broker's entry of the object `name`, which must have the interface `wanted`. On
+/// failure, returns why the object cannot be used.
 tl::expected<Entry, CreateError::Attempt> find_entry(Context& lab,
                                                      const InterfaceDescription& wanted,
                                                      const std::string& name,

@@ -71,8 +71,8 @@ LeaderLock::Woken LeaderLock::follow(const void* subject, FunctionRef<bool()> do
     followers_.erase(std::find(followers_.begin(), followers_.end(), &self));
   }
   follower_count_.fetch_sub(1, std::memory_order_seq_cst);
-  // If the lead is free, another follower must be notified, because this one leaves without the
-  // lead.
+  // If the lead is free, another follower must be notified, because this thread stops waiting and
+  // does not take the lead.
   if (woken != Woken::Notified && free()) notify_one();
   return woken;
 }

@@ -25,7 +25,7 @@ bool LeaseState::lost(std::uint64_t held) const {
 
 void LeaseState::renewed(Epoch epoch) {
   const MutexLock lock(mutex_);
-  // A reply that is sent again may tell an epoch that is older than the present one.
+  // A reply that the server sent again may contain an older epoch than the present one.
   if (leases_ != 0 && epoch > this->epoch()) {
     epoch_.store(number(epoch), std::memory_order_relaxed);
   }

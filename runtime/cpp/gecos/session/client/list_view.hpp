@@ -20,14 +20,14 @@ class ListView {
   static constexpr Duration servers_return_within = std::chrono::milliseconds(2500);
 
   /// The view contains only the objects that have the interface `interface_name`, or an interface
-  /// derived from it; all objects if it is empty.
+  /// derived from it. If `interface_name` is empty, the view contains all objects.
   explicit ListView(std::string interface_name = {}) : interface_name_(std::move(interface_name)) {}
 
   /// The revision up to which this view is complete.
   const ListRevision& revision() const { return revision_; }
-  /// Takes over an answer to a question for the changes since `revision()`. Returns what is new. If
-  /// the whole list of another broker does not contain an object, the object is reported as gone
-  /// only after its server has had enough time to register again.
+  /// Takes over the broker's answer to a request for the changes since `revision()`. Returns the
+  /// changes that are new. If an object is missing in the list of a new broker, it is reported as
+  /// gone only after its server has had enough time to register again.
   std::vector<Registration> take(const ListChanges& answer, TimePoint now);
   /// Reports the objects whose servers have not returned in time as gone, and returns these
   /// changes.

@@ -61,8 +61,8 @@ class ObjectConnector {
   }
 
  private:
-  /// Returns what the medium must meet as a whole. What the program demands holds for a simulated
-  /// device too.
+  /// Returns what the medium must meet as a whole. The demands of the program also apply to a
+  /// simulated device.
   qos::Quality demanded() const {
     qos::Quality demanded = demanded_of(wanted_.quality, entry_.simulated);
     if (options_.latency <= Duration{}) return demanded;

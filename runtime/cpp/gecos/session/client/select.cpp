@@ -33,10 +33,10 @@ std::string out_of_shared_memory(Runtime& runtime, const Entry& entry, media::Ki
   const std::string& here = runtime.host_identity();
   if (media::share_memory(entry.host, here) || media::open_to_this_user(entry.host)) return "";
   if (!media::on_one_machine(entry.host, here)) {
-    return "it is on another host (" + entry.hostname + ")";
+    return "the object is on another host (" + entry.hostname + ")";
   }
   if (const auto opened = runtime.medium(kind); !opened) return opened.error().text;
-  return "it is on this host, in another runtime directory (" + address +
+  return "the object is on this host, but in another runtime directory (" + address +
          "): for shm, both programs must run as one user with the same GECOS_RUNTIME_DIR";
 }
 

@@ -11,7 +11,7 @@
 
 namespace gecos::session {
 
-/// Returns what a session promises over a medium with these capabilities.
+/// Returns the promises of a session over a medium with these capabilities.
 qos::LineCapabilities line_of(const media::Capabilities& capabilities);
 
 /// Returns the quality that `asked` demands of a medium. A late packet does no harm in a simulated

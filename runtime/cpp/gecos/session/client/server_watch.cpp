@@ -18,8 +18,9 @@ PeerLiveness::Bounds bounds_of_server(const LabOptions& options) {
 
 ServerWatch::ServerWatch(const LabOptions& options, const Clock& clock)
     : clock_(clock),
-      // This clock may advance by `lease_ttl` in one step, because all packets that have arrived
-      // are read before the server is judged. With a smaller limit, the verdict would come too late
+      // The clock counts at most `lease_ttl` of the time between two checks, because a longer time
+      // means that this process did not run. A smaller limit is not necessary, because all packets
+      // that have arrived are read before a check, and would delay the detection of a dead server
       // on a busy machine.
       liveness_clock_(clock.now(), options.lease_ttl),
       liveness_(bounds_of_server(options)),

@@ -18,12 +18,14 @@ class Withdrawal {
   explicit Withdrawal(media::Connection& connection) : connection_(connection) {}
 
   /// Tells the server in shared memory not to start any call up to the counter `last`. Returns
-  /// false when the medium has no shared words; then a packet must withdraw the calls. Must be
-  /// called before the program is told of the failure of any call.
+  /// false when client and server do not share memory; in this case, the caller must send a packet
+  /// that withdraws the calls. Must be called before the program learns that any of the calls has
+  /// failed.
   bool write(std::uint64_t last);
 
-  /// Returns the failure of `command` when its session ended as `how` because of `text`. Must be
-  /// called after the withdrawal was written or sent, unless the session ended in order.
+  /// Returns the failure of `command` after its session has ended: `how` it ended, and `text`, the
+  /// reason. If the session did not end in order, the withdrawal must be written or sent before
+  /// this call.
   Failure failure_of(const PendingCommand& command, Ending how, const std::string& text) const;
 
  private:

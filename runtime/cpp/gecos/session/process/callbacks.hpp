@@ -14,7 +14,7 @@ class Callbacks {
  public:
   Callbacks();
   /// Runs the remaining callbacks, then ends the thread. When a callback destroys this object, the
-  /// thread continues until no callback is left.
+  /// thread first runs all remaining callbacks.
   ~Callbacks();
   Callbacks(const Callbacks&) = delete;
   Callbacks& operator=(const Callbacks&) = delete;

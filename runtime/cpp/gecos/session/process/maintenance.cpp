@@ -49,8 +49,8 @@ std::vector<std::function<void()>> Maintenance::Shared::take_jobs() {
   return std::exchange(jobs, {});
 }
 
-/// Returns the targets that still exist, in the order of `targets`, from which it removes the
-/// others.
+/// Returns the targets that still exist, in the order of `targets`. Removes all other targets from
+/// `targets`.
 std::vector<std::shared_ptr<TickTarget>> Maintenance::Shared::look_at() {
   {
     const MutexLock lock(mutex);

@@ -9,8 +9,8 @@
 
 namespace gecos::session {
 
-/// The unfinished calls of one session, by counter. Allocates memory only when more calls are open
-/// at the same time than ever before. Not thread-safe.
+/// The unfinished calls of one session, by counter. Allocates memory only when the number of open
+/// calls reaches a new maximum. Not thread-safe.
 template <class Call>
 class CallTable {
  public:

@@ -22,17 +22,18 @@ class AccessControl {
   /// @param lab_file as LabOptions::lab_file
   explicit AccessControl(const std::string& lab_file);
 
-  /// Reads the lab file. Fails when the file has an error and no earlier text of it was without.
+  /// Reads the lab file. Fails when the file has an error, unless an earlier text of the file was
+  /// correct.
   tl::expected<void, std::string> read();
 
-  /// Admits these users and hosts, in place of those of an earlier call.
+  /// Admits these users and hosts. They replace the users and hosts of an earlier call.
   void allow(std::vector<std::string> users, std::vector<std::string> hosts);
 
-  /// Whether a client may connect to an object, and by which rule.
+  /// The decision whether a client may connect to an object, and the rule that led to it.
   struct Judgement {
     bool admitted = true;
-    /// The client is a program of the server's user or of root, or neither the kernel nor a key
-    /// names another user. Then it is admitted, and the members below are empty.
+    /// True if the client is a program of the server's user or of root, or if neither the kernel
+    /// nor a key names another user. Such a client is admitted, and the members below are empty.
     bool own = true;
     access::UserAtHost who{};
     std::string text{};  ///< as AccessDecision::text
@@ -44,9 +45,9 @@ class AccessControl {
   /// Returns whether `peer` may end the status of other clients: it is of the user of the server or
   /// of root, or the lab file names it as an administrator.
   bool administers(const media::Peer& peer) noexcept;
-  /// Whether the server `peer` may register an object under `name` with the broker of this process
-  /// (access::may_register). While the lab file has an error, nobody may: a name that it binds
-  /// could go to another server.
+  /// Decides whether the server `peer` may register an object under `name` with the broker of this
+  /// process (access::may_register). While the lab file has an error, no server may register: the
+  /// file might bind the name to another server.
   Judgement judge_registration(const std::string& name, const media::Peer& peer) noexcept;
 
  private:
@@ -56,7 +57,7 @@ class AccessControl {
   std::string name_of(std::uint32_t uid);
 
   Mutex mutex_;
-  /// The names of the users who have connected. A session is checked again and again, which must
+  /// The names of the users who have connected. The server checks each session repeatedly, and must
   /// not ask a directory server of the network each time.
   std::map<std::uint32_t, std::string> names_ GECOS_GUARDED_BY(mutex_);
   bool must_exist_ GECOS_GUARDED_BY(mutex_);  ///< a setting names the file, or it did exist

@@ -153,7 +153,7 @@ void BuiltinOperations::break_status(ServerSession& by, std::uint64_t counter, B
   if (!setup_.rights.administers(by.connection().peer())) {
     return refuse(by, counter, GecosObjectInterface::break_status,
                   "only an administrator may break a status: the user of the server, root, and "
-                  "whom [admin] of the lab file names");
+                  "the users in [admin] of the lab file");
   }
   const std::string why = "an administrator, " + who(by.caller()) + ", broke it" +
                           (asked->why.empty() ? "" : ": " + asked->why);

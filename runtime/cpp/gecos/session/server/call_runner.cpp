@@ -101,8 +101,8 @@ TimePoint CallRunner::await_judgement() {
   }
 }
 
-/// Waits until the current pause, if any, is judged. So ObjectHost::after_pause() decides how a
-/// command ends that ran during the pause, even when its handler answers right after the pause.
+/// Waits until the current pause, if any, is judged. ObjectHost::after_pause() then decides how a
+/// command that ran during the pause ends, even when its handler answers right after the pause.
 void CallRunner::let_pause_be_judged(const ServerCall& call) {
   const ObjectSetup& setup = object_.setup;
   if (!setup.runs_long(call.operation()) || call.lane != CallLane::Actor) return;

@@ -36,14 +36,14 @@ struct OperationCounts {
   HandlerTimes times;
 };
 
-/// How the time of one handler is taken.
+/// The measurement of the time of one handler.
 struct HandlerTiming {
   TimePoint from{};          ///< a moment of Clock::since_boot
   std::uint32_t weight = 0;  ///< timed_weight; 0: the time is not taken
 };
 
-/// What one object counts of the calls of its operations. Memory for an operation is allocated at
-/// its first call. Not thread-safe: the object's mutex guards it.
+/// The counts of the calls of one object, for each operation. Memory for an operation is allocated
+/// at its first call. Not thread-safe: the object's mutex guards it.
 class CallStatistics {
  public:
   /// `clock` must outlive this object, which is made when the object begins to be served.

@@ -11,17 +11,19 @@
 
 namespace gecos::session {
 
-/// What the audit says about the connections of other users than the server's own: who was
-/// admitted or refused, and by which rule. At a broker, also which servers may not register an
+/// The audit of the connections of all users except the user of the server: who was admitted or
+/// refused, and by which rule. At a broker, also the servers that were not allowed to register an
 /// object. Thread-safe.
 class ConnectionAudit {
  public:
   explicit ConnectionAudit(std::shared_ptr<audit::Audit> audit) : audit_(std::move(audit)) {}
 
-  /// Records the judgement about a client that connects to `object`. Returns what the client is
-  /// told: why it may not connect, with the number of this refusal; an empty text if it may.
+  /// Records the judgement about a client that connects to `object`. Returns the text for the
+  /// client: why it may not connect, with the number of this refusal. Returns an empty text if the
+  /// client may connect.
   std::string judged(const std::string& object, const AccessControl::Judgement& judgement);
-  /// Records a refusal. `event`: a literal. Returns what the client is told, as `judged`.
+  /// Records a refusal. `event` is a string literal. Returns the text for the client, like
+  /// `judged`.
   std::string refused(std::string_view event, const std::string& object,
                       const AccessControl::Judgement& judgement);
   /// Must be called again and again: writes the lines of refusals that were repeated.

@@ -134,7 +134,8 @@ void HandlerWaits::refuse(const CommandId& id, const std::string& why) {
   const std::string text = call->title() + " was not started: " + why +
                            "; call the method of the servant directly, or wait in another thread";
   log_warning("server", text);
-  // if the servant has queued the call, IncomingCall::begin() makes it drop the call
+  // If the servant has put the call into a queue, IncomingCall::begin() later tells the servant to
+  // drop the call.
   object_.calls.end(*call, Failure{Detail::Rejected, text, {}, {}});
   object_.calls.note_ready();
 }

@@ -5,19 +5,19 @@ namespace gecos::session {
 std::string_view describe(InwardVerdict verdict) {
   switch (verdict) {
     case InwardVerdict::Admitted:
-      return "it is admitted";
+      return "the sample is admitted";
     case InwardVerdict::OtherSession:
-      return "it names another session";
+      return "the sample names another session";
     case InwardVerdict::SessionEnded:
       return "its session has ended";
     case InwardVerdict::OtherEpoch:
-      return "its sender does not have the status, or the status has ended";
+      return "the sender does not have the status, or the status has ended";
     case InwardVerdict::NameUnconfirmed:
       return "the broker does not confirm the name of the object";
     case InwardVerdict::CommandNotRunning:
       return "its command does not run";
     case InwardVerdict::TooOld:
-      return "it is older than the watchdog or the lifespan of the stream";
+      return "the sample is older than the watchdog or the lifespan of the stream";
     case InwardVerdict::NotNewer:
       return "a newer sample has arrived";
   }

@@ -41,8 +41,8 @@ class InwardPort final : public InwardCore {
       : stream_(stream), clock_(clock), pauses_(pauses), claim_(claim) {}
 
   const InwardDescription& stream() const { return stream_; }
-  /// Adds the stream of a session. It replaces an earlier stream of the same session, whose unread
-  /// samples are lost.
+  /// Adds the stream of a session. The new stream replaces an earlier stream of the same session,
+  /// and the unread samples of that stream are lost.
   void add(Feeder feeder);
   bool has(SessionId session, std::uint32_t stream);
   /// Must be called when the session sends no more samples on `stream`. The samples that the

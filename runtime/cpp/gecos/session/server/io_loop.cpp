@@ -282,7 +282,8 @@ TimePoint IoLoop::on_tick(TimePoint now) {
 
   const bool revoked = now >= next_review_ && end_revoked();
   if (now >= next_review_) next_review_ = now + review_every;
-  // A heartbeat brings the remaining readers to the streams from which a session was excluded.
+  // When a session is excluded from streams, these streams move to new memory. The next heartbeat
+  // leads the remaining readers to that memory.
   const bool beat = revoked || now >= next_beat_;
   if (beat) next_beat_ = now + runtime_->options().heartbeat;
   bool suspects = false;

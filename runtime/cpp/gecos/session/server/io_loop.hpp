@@ -22,11 +22,11 @@ namespace gecos::session {
 /// handlers between two polls.
 ///
 /// Only active connections are polled. A connection that was silent for 10 ms is put to sleep and
-/// costs nothing until its descriptor reports a packet. One thread polls at a time. It releases
-/// `polling_` while it runs a handler. When the handler takes longer than a maintenance tick, a
-/// standby thread polls instead, so only the callers of a slow handler wait for that handler. This
-/// class has more members than other classes, because they belong to three threads; comments say
-/// which thread uses a member.
+/// costs nothing until its descriptor reports a packet. One thread polls at a time. The thread
+/// releases `polling_` while it runs a handler. When the handler takes longer than a maintenance
+/// tick, a standby thread polls instead, so only the callers of a slow handler wait for that
+/// handler. This class has more members than other classes, because they belong to three threads;
+/// comments say which thread uses a member.
 class IoLoop {
  public:
   /// `access` says of each session whether its client is still admitted.
@@ -51,7 +51,8 @@ class IoLoop {
     std::shared_ptr<ObjectHost> object;
     std::shared_ptr<media::Acceptor> acceptor;
   };
-  /// What ended the last sleep. `rang_at`: when the client sent the wake-up that ended the sleep.
+  /// The event that ended the last sleep. `rang_at`: when the client sent the wake-up that ended
+  /// the sleep.
   struct Wake {
     media::Woken by = media::Woken::Early;
     TimePoint rang_at{};
@@ -69,7 +70,8 @@ class IoLoop {
   bool poll_active() GECOS_REQUIRES(polling_);
   void activate(const std::shared_ptr<ServerSession>& session) GECOS_REQUIRES(polling_);
   void take_events(int milliseconds) GECOS_REQUIRES(polling_);
-  /// Returns whether an acceptor had an event.
+  /// Waits at most `milliseconds` for events and handles them. Returns whether one of these events
+  /// came from an acceptor.
   bool handle_events(int milliseconds) GECOS_REQUIRES(polling_);
   void add_endpoints() GECOS_REQUIRES(polling_);
   void accept(Endpoint& endpoint) GECOS_REQUIRES(polling_);

@@ -12,8 +12,8 @@
 
 namespace gecos::session {
 
-/// What the audit says about one object: its sessions, its status and its actor commands. Readings
-/// occur only when they are refused. Without an Audit nothing is recorded. Not thread-safe: the
+/// The audit of one object: its sessions, its status and its actor commands. A reading is recorded
+/// only when it is refused. If the server has no Audit, nothing is recorded. Not thread-safe: the
 /// object's mutex guards it.
 ///
 /// Commands that one client repeats within a second share a line (audit::Repeats), so recording
@@ -46,14 +46,15 @@ class ObjectAudit {
   void begins(const ServerCall& call);
   void ended(const ServerCall& call, Detail detail, const std::string& text);
 
-  /// Writes the lines of commands that were repeated, and lets the audit write.
+  /// Writes a line with a count for each command that was repeated, after the second in which it
+  /// was repeated. Then lets the audit write to its files.
   void on_tick();
-  /// Writes the lines of all commands that were repeated.
+  /// Writes the lines of all repeated commands that on_tick has not written yet.
   void end();
 
  private:
   audit::Line line(std::string_view event, const Caller& caller, std::uint64_t counter = 0) const;
-  /// Writes the line, and counts what is equal to it within the next second.
+  /// Writes the line. Equal lines within the next second are only counted.
   void begin(const audit::Repeats::Key& key, audit::Line entry);
   void command(const ServerSession& session, std::uint64_t counter, FunctionCode code,
                std::string_view operation, Detail detail, std::string_view why);

@@ -59,8 +59,8 @@ class ObjectHost final : public Publisher {
   /// Returns false when `run_ready` has nothing to do. Only a hint, because the mutex is not
   /// locked.
   bool ready() const { return state_.ready.load(std::memory_order_acquire); }
-  /// How the connection of a session ended. After InOrder the commands of the session continue, and
-  /// its status ends with its last command.
+  /// The way in which the connection of a session ended. After InOrder the commands of the session
+  /// continue, and its status ends with its last command.
   enum class Departure : std::uint8_t { InOrder, Lost };
   /// `because`: what is said of the client when its status is lost.
   void depart(const std::shared_ptr<ServerSession>& session, Departure how,

@@ -11,7 +11,7 @@
 
 namespace gecos::session {
 
-/// What the user of a client may do beyond calls: decisions of the server about all its objects.
+/// The rights of users that do not depend on a status. The server decides them for all its objects.
 struct UserRights {
   /// Returns whether the user may end the status of others.
   std::function<bool(const media::Peer&)> administers = [](const auto&) { return false; };

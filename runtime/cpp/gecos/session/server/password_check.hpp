@@ -13,8 +13,8 @@
 
 namespace gecos::session {
 
-/// Says whether a password of a client may be compared now, and counts the wrong ones of each user.
-/// Not thread-safe: the object's mutex guards it.
+/// Says whether the password of a client may be compared now, and counts the wrong passwords of
+/// each user. Not thread-safe: the object's mutex guards it.
 class PasswordCheck {
  public:
   /// Returns why the password of `session` is not compared; an empty text when it may be.

@@ -84,7 +84,7 @@ class ServerSession {
   /// Replies that the client may request again: all replies over a medium that loses packets, and
   /// replies made after the connection was lost, which the client requests in another session.
   const std::shared_ptr<ReplyCache> replies = std::make_shared<ReplyCache>();
-  /// Whether the session may feed inward streams now. Written with the object's mutex held.
+  /// True if the session may feed inward streams now. Written with the object's mutex held.
   const std::shared_ptr<FeedStanding> standing = std::make_shared<FeedStanding>();
   std::map<FunctionCode, std::uint32_t> subscriptions;  ///< key: stream code; value: id of the
                                                         ///< stream on the connection

@@ -8,9 +8,9 @@
 
 namespace gecos::session {
 
-/// Tells the sessions of one object how their status stands: those that feed inward streams, for
-/// the ports that read each sample, and those that hold a status, for the replies to their clients.
-/// Not thread-safe: the object's mutex guards it.
+/// Keeps the sessions of one object informed about their status. A session that feeds inward
+/// streams needs it for the ports that read each sample; a session that holds a status needs it for
+/// the replies to its client. Not thread-safe: the object's mutex guards it.
 class SessionStandings {
  public:
   /// `session` has been granted a status, under an epoch that its client knows.
@@ -21,8 +21,8 @@ class SessionStandings {
 
   /// Must be called whenever a status or a take-over begins or ends.
   void note_change(const access::LeaseTable& leases, TimePoint now);
-  /// Must be called when the epoch rose although statuses continue: from then on each reply to a
-  /// holder tells the newer epoch.
+  /// Must be called when the epoch rose although statuses continue: from then on, each reply to a
+  /// holder contains the newer epoch.
   void note_newer_epoch(const access::LeaseTable& leases);
 
  private:

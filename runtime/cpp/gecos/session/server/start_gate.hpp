@@ -38,8 +38,8 @@ class StartGate {
   /// Prevents the calls of `session` from starting, and its samples from being read, before the
   /// next heartbeat of its client.
   void await_heartbeat(ServerSession& session);
-  /// Ends what await_heartbeat() began. Must be called when a heartbeat arrived, or when none
-  /// can arrive any more.
+  /// Ends the wait that await_heartbeat() began. Must be called when a heartbeat arrived, or when
+  /// no heartbeat can arrive any more.
   void await_no_more(ServerSession& session);
 
  private:

@@ -320,7 +320,7 @@ void StatusGrants::release(ServerSession& session, const GecosObject_release_arg
   serve_line();
   if (log_enabled(LogLevel::Info)) {
     log_info("server", setup_.name + ": " + who(session.caller()) + " releases its status" +
-                           (asked.now ? ", and stops the commands issued under it" : ""));
+                           (asked.now ? ", and stops the commands issued under this status" : ""));
   }
 }
 

@@ -50,9 +50,8 @@ class StatusGrants {
   /// Replies to a request for a status. A request with `patience` waits while other clients hold
   /// the status. Any request also waits briefly while a handler still runs whose command was issued
   /// under a status that has ended, because two clients must not command the object at the same
-  /// time.
-  /// A request with a password waits, too, while its proof is derived, and those behind it wait
-  /// with it.
+  /// time. A request with a password also waits while its proof is derived, and later requests wait
+  /// behind it.
   void request(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
                GecosObject_acquire_arguments asked);
   /// Goes on with a request whose proof has been derived; nullopt when that failed. Does nothing

@@ -33,8 +33,8 @@ std::string cut_to(std::string text, std::size_t longest);
 /// Returns the failure StatusRefused.
 Failure status_refusal(std::string reason, std::vector<Holder> holders);
 
-/// The requests for the status of one object that wait, in the order of their arrival, and the
-/// clients that want to be told of them. Not thread-safe: the object's mutex guards it.
+/// The waiting requests for the status of one object, in the order of their arrival, and the
+/// clients that asked to be told of such requests. Not thread-safe: the object's mutex guards it.
 class StatusLine {
  public:
   StatusLine(std::string object, const Clock& clock) : object_(std::move(object)), clock_(clock) {}
@@ -50,7 +50,7 @@ class StatusLine {
   /// Appends `request`. When the line is full, replies to the request that it is refused, and
   /// returns false.
   bool add(StatusRequest request);
-  /// Returns the request `counter` of `session`; null when it does not wait.
+  /// Returns the request `counter` of `session`; null when no such request waits.
   StatusRequest* find(SessionId session, std::uint64_t counter);
   /// Returns the request with this id; null when none waits that holders are shown.
   const StatusRequest* find(std::uint64_t id) const;

@@ -15,8 +15,8 @@
 namespace gecos::session {
 
 /// Publishes one stream of an object. At the first subscription over a medium, creates the writer
-/// for that medium. Before the first subscription, the latest sample of a stream is kept for it,
-/// but no event.
+/// for that medium. Until the first subscription, keeps the latest sample of a stream, but no
+/// event.
 ///
 /// `publish` locks no mutex of the object and uses no session. It allocates no memory when a sample
 /// of the same size was published before. Thread-safe.

@@ -13,9 +13,9 @@ _MEDIA = ("inproc", "lcm", "shm")  # an address begins with one of these words
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """The answer of a broker. `reason` says why no broker answers; it is None if one does. `boot`
-    is different in each run of a broker. `ours` tells whether the broker has the interface that
-    this program knows."""
+    """The answer of a broker. `reason` says why no broker answers; None if a broker answers. `boot`
+    is different in each run of a broker. `ours` says whether the broker has the interface that this
+    program knows."""
 
     reason: str | None
     boot: int = 0
@@ -52,8 +52,8 @@ def one_broker(answers: Sequence[Answer]) -> Finding | None:
 
 def over_lcm(here: Answer, over_lcm: Answer) -> Finding | None:
     """Checks whether the broker of this host is also reached over lcm. Must be called only if
-    packets of lcm can be sent, and if programs on other hosts are to be reached. Returns None if it
-    is, or if no broker answers on this host."""
+    packets of lcm can be sent, and if programs on other hosts are to be reached. Returns None if
+    the broker is reached over lcm, or if no broker answers on this host."""
     if here.reason is not None or over_lcm.reason is None:
         return None
     what = (

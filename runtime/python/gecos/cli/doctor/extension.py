@@ -1,4 +1,4 @@
-"""Checks whether gecos._core is there, complete, and of this version."""
+"""Checks whether the extension gecos._core exists, is complete, and has this version."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ _AGAIN = "pip install --force-reinstall robcl (in a source tree: make)"
 
 
 def extension(problem: str | None, lacking: Sequence[str], where: str) -> Finding:
-    """Checks the extension. `problem` says why gecos._core cannot be imported; it is None if it
-    can. `lacking` are the names of NEEDED that the extension does not have."""
+    """Checks the extension. `problem` says why gecos._core cannot be imported; None if the import
+    succeeds. `lacking` are the names of NEEDED that the extension does not have."""
     missing = _MISSING.search(problem or "")
     if missing:
         package = _PACKAGES.get(missing[1])

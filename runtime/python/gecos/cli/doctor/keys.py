@@ -20,8 +20,8 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A path and the file or folder there. `ours`: this user owns it. `shared`: other users may
-    read or write it."""
+    """A path and what is there: nothing, a folder, a file or something else. `ours`: this user owns
+    the file or folder. `shared`: other users may read or write the file or folder."""
 
     path: str
     kind: Kind
@@ -31,8 +31,8 @@ class Place:
 
 
 def own_key(problem: str | None, folder: Place, file: Place) -> Finding:
-    """Checks the key of this user. `problem` says why programs cannot use it; None if they can.
-    `file` is the file of the secret key in `folder`."""
+    """Checks the key of this user. `problem` says why programs cannot use the key; None if they can
+    use it. `file` is the file of the secret key in `folder`."""
     if problem is None:
         return fine("keys", "this user has a key", folder.path)
     return wrong("keys", problem, folder.path, _mend(folder, file))
@@ -43,7 +43,7 @@ def _mend(folder: Place, file: Place) -> str:
         return _ANOTHER
     if folder.shared:
         return shlex.join(["chmod", "700", folder.path])
-    if file.kind is Kind.MISSING or not file.ours:  # the key cannot be written, or is another's
+    if file.kind is Kind.MISSING or not file.ours:  # no key, or the key of another user
         return _ANOTHER
     if file.kind is Kind.FILE and (file.shared or not file.readable):
         return shlex.join(["chmod", "600", file.path])

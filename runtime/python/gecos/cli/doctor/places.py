@@ -44,7 +44,7 @@ def occupied(others: Sequence[str]) -> Finding | None:
 
 def shared_memory(problem: str | None) -> Finding:
     """Checks whether memory can be shared. `problem` says why the kernel refuses a sealed memfd;
-    None if it does not. The runtime does not use /dev/shm."""
+    None if the kernel allows it. The runtime does not use /dev/shm."""
     if problem is None:
         return fine("shared memory", "the kernel provides sealed memory; /dev/shm is not needed")
     mend = "use Linux 5.1 or newer; in a container, use a profile that allows memfd_create"

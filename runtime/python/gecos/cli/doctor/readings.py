@@ -23,7 +23,7 @@ _OF_A_PROCESS = re.compile(r"[^.]*\.(\d+)\.\d+\.sock")
 
 def extension(needed: list[str]) -> tuple[str | None, list[str], str]:
     """Returns the reason why gecos._core cannot be imported (or None), the names of `needed` that
-    it lacks, and where it is."""
+    the extension lacks, and the path of its file."""
     folder = Path(__file__).resolve().parents[2]
     try:
         found = import_module("gecos._core")

@@ -11,7 +11,8 @@ _LIMITS = "/etc/security/limits.d/gecos.conf"
 
 
 def raised(limit: str) -> str:
-    """Returns what raises a limit of this user for ever, for example "rtprio 80"."""
+    """Returns the command that raises a limit of this user permanently. `limit` is for example
+    "rtprio 80"."""
     return f'echo "$USER - {limit}" | sudo tee -a {_LIMITS}, and log in again'
 
 

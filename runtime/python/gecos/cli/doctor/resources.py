@@ -24,15 +24,15 @@ LIMITS = {
     errno.EMFILE: Limit(resource.RLIMIT_NOFILE, "n", "nofile 65536"),
     errno.EAGAIN: Limit(resource.RLIMIT_NPROC, "u", "nproc 65536"),
 }
-"""The limits of which an error tells."""
+"""The limit to which each error number points."""
 
 _OTHERWISE = "end programs that are not needed now"
 
 
 def exhausted(error: int, reason: str, may_rise: bool) -> Finding:
     """Returns the finding for a system that refuses a resource that a Lab needs. `error` is the
-    errno of the refusal. `reason` says what it refuses. `may_rise` tells whether this user may
-    raise the limit."""
+    errno of the refusal. `reason` says what the system refuses. `may_rise` says whether this user
+    may raise the limit."""
     what = f"programs of this user get too few resources for a Lab: {reason}"
     limit = LIMITS.get(error)
     if limit is None:

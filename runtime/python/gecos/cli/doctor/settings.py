@@ -20,7 +20,7 @@ _FOR_THE_TREE = ("GECOS_PYTHON", "GECOS_BUILD", "GECOS_WERROR", "GECOS_HOSTILE_P
 
 def refused(variable: str, reason: str) -> Finding:
     """Returns the finding for a variable whose value the runtime refuses for `reason`. `variable`
-    is empty if the reason names none."""
+    is empty if the reason names no variable."""
     if not variable:
         return wrong("settings", reason, "GECOS_*", "unset the variables that begin with GECOS_")
     return wrong("settings", reason, variable, _MENDS.get(variable, f"unset {variable}"))

@@ -16,11 +16,11 @@ from gecos.cli.plot.motion import Course, Motion, magnitude, of_joints, of_tool,
 from gecos.cli.plot.recording import Recording
 
 _MOST_POINTS = 300
-"""Points of a line in the picture, so that its file stays small."""
+"""The greatest number of points of a line in the picture, so that the file stays small."""
 _PLANES = (("top view", 0, 1), ("side view", 0, 2), ("front view", 1, 2))
 _SETTINGS: dict[Any, Any] = {
     "svg.hashsalt": "gecos plot",  # the same picture gives the same file
-    "svg.fonttype": "none",  # text stays text
+    "svg.fonttype": "none",  # text is not converted to curves
     "path.simplify_threshold": 0.4,
     "font.size": 8.0,
     "axes.grid": True,
@@ -76,7 +76,7 @@ def _joints_over_time(
     limits: ArmLimits | None,
     commanded: bool,
 ) -> None:
-    """If the limits are known, speeds and accelerations are drawn as shares of the limit of each
+    """If the limits are known, speeds and accelerations are drawn as fractions of the limit of each
     joint. The picture then shows which joint is at its limit."""
     positions, speeds, accelerations = axes
     which = "commanded" if commanded else "measured"

@@ -40,7 +40,9 @@ def read_limits(path: Path) -> ArmLimits:
         return _of_urdf(path, None, None)
     if path.suffix == ".toml":
         return _of_toml(path)
-    raise UsageFailure(f"{path}: the limits of an arm are in a file ARM.toml or ARM.urdf; name one")
+    raise UsageFailure(
+        f"{path}: the limits of an arm are in a file ARM.toml or ARM.urdf; name such a file"
+    )
 
 
 def check_joints(limits: ArmLimits, name: str, joints: int) -> None:

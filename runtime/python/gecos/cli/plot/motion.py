@@ -9,13 +9,13 @@ import numpy as np
 from gecos.cli.plot.recording import Numbers, Recording
 
 MEASURED_OVER = 0.02
-"""Seconds over which a measured position is differentiated. The encoders of the simulated RX90 have
-a noise of 10 µrad: over one cycle of 4 ms that is an acceleration of 1.5 rad/s², over 20 ms one of
-0.06 rad/s²."""
+"""The time in s over which a measured position is differentiated. The encoders of the simulated
+RX90 have a noise of 10 µrad. Over one cycle of 4 ms, this noise causes an acceleration of 1.5
+rad/s²; over 20 ms, only 0.06 rad/s²."""
 
-_STANDS_BEFORE = 0.1  # s that stay of the time before and after the motion
-_MOVED = 2e-4  # m by which a measured tool has left a place
-_COMMANDED = 1e-9  # rad by which a commanded joint has left a place
+_STANDS_BEFORE = 0.1  # s before and after the motion that are drawn
+_MOVED = 2e-4  # m; a measured tool that is further away has moved
+_COMMANDED = 1e-9  # rad; a commanded joint that is further away has moved
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +92,7 @@ def magnitude(course: Course) -> Course:
 
 def trimmed(recording: Recording, seconds: float | None = None) -> Recording:
     """Returns the rows from shortly before the arm begins to move until shortly after it ends, or
-    until `seconds` after the beginning. Returns all rows if the arm keeps its place."""
+    until `seconds` after the beginning. Returns all rows if the arm does not move."""
     time = recording.stamp
     moves = _first_and_last(recording)
     if moves is None:

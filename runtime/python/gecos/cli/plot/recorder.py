@@ -23,16 +23,16 @@ if TYPE_CHECKING:
 
 _JOINTS = ("joints", "commanded_joints")
 _JOINTED = {"robcl::SixAxis", "robcl::ArticulatedArm"}
-_BEFORE = 1.0  # s of samples that are kept while the arm stands
-_LOOK = 0.02  # s between two questions whether the arm moves
+_BEFORE = 1.0  # s; the age of the oldest sample that is kept before the motion begins
+_LOOK = 0.02  # s; how often the arm is asked whether it moves
 _STANDS_FOR = 0.3
-"""Seconds after which a motion is over. A program that waits for each move lets the arm stand for
-some ms between them."""
+"""The recording ends when the arm has stood still for this time in s. Shorter stops are normal: a
+program that waits for the end of each move lets the arm stand for some ms between two moves."""
 
 
 class _Reader(threading.Thread):
-    """Keeps the samples of one stream: those of the last `_BEFORE` seconds until `keep()`, then
-    all."""
+    """Reads the samples of one stream. Before `keep()` is called, it keeps only the samples of the
+    last `_BEFORE` seconds; afterwards it keeps all samples."""
 
     def __init__(self, stream: Stream[Any]) -> None:
         super().__init__(daemon=True)
@@ -72,9 +72,9 @@ def record(
     robot: DynamicObject, patience: float, seconds: float | None, tell: Callable[[str], None]
 ) -> tuple[Recording, Exception | None]:
     """Waits for the next motion of an arm, and records it until the arm stands, for `seconds`, or
-    until Ctrl-C. All times but `patience` are those of the arm, by its lab clock. Prints a line
-    when the waiting begins and when the recording begins. If the server is lost while the arm
-    moves, returns what was recorded and the failure.
+    until Ctrl-C. All times except `patience` are simulated time, by the lab clock of the arm.
+    Prints a line when the waiting begins and when the recording begins. If the server is lost while
+    the arm moves, returns what was recorded and the failure.
 
     Raises UsageFailure if the object is no arm, TimeoutError if it does not move within `patience`,
     and KeyboardInterrupt for Ctrl-C before the arm moves.

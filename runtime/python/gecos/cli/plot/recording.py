@@ -1,4 +1,4 @@
-"""A recorded motion, and the file that keeps it."""
+"""A recorded motion, and the file in which it is stored."""
 
 from __future__ import annotations
 
@@ -29,19 +29,21 @@ class Recording:
     name: str
     interface: str
     cycle: float | None
-    """The period of the control loop in s; None if the arm does not tell it."""
+    """The period of the control loop in s; None if it is unknown."""
     number: Numbers
-    """Sequence number of each row from the first row on. It has a gap where a row was lost."""
+    """Sequence number of each row, counted from the first row. A gap in these numbers means that a
+    row was lost."""
     stamp: Numbers
-    """Time of measurement in s from the first row on, by the server's clock; simulated time if the
-    laboratory is not in real time."""
+    """Time of measurement in s since the first row, by the clock of the server; simulated time if
+    the laboratory does not run in real time."""
     tool: Numbers
     """Measured origin of the tool in the world in m: x, y and z of each row."""
     joints: Numbers | None
     """Measured joint positions in rad, a column for each joint; None for an arm that has no such
     stream."""
     commanded: Numbers | None
-    """Commanded joint positions in rad; None as above."""
+    """Commanded joint positions in rad, a column for each joint; None for an arm that has no such
+    stream."""
     lost: Mapping[str, int]
     """Samples that were lost, by the name of the stream."""
     missed_cycles: int
