@@ -9,6 +9,7 @@ CLOCK_BOOTTIME, which all programs share. Of a client:
     see <command> <STATE> <DETAIL>                   looked at
     end <command> <STATE> <DETAIL> <result>          waited for; "-": no result
     granted <session> <ACTOR|MASTER>                 it has a status now
+    send <sample> <session>                          before it sends a sample
     released <session>                               it has released its status
     asks <session> <take|give|stop|break>            before it asks for that
     did <session> <take|give|stop|break>             once the server has done it
@@ -20,6 +21,7 @@ Of a server:
     start <command> <operation> <marked>             its handler begins; in the order of lines.
                                                      `marked`: when the server marked its start
     finish <command> <operation> <result>            it returns; "-": it was interrupted
+    take <sample> <before>                           it takes a sample; asked for it at `before`
     done
 
 Of the test itself: `kill <pid>`, once the process is gone; `cut <end>`, the begin and end of a cut
@@ -87,6 +89,7 @@ class Client:
     name: str
     calls: dict[int, Call] = field(default_factory=dict)
     servers: dict[int, int] = field(default_factory=dict)
+    samples: dict[int, Call] = field(default_factory=dict)
     grants: list[Grant] = field(default_factory=list)
     acts: list[Act] = field(default_factory=list)
     pid: int = 0
@@ -119,6 +122,8 @@ class Server:
     events: list[tuple[str, int, str, str]] = field(default_factory=list)
     """Event, command, operation and result, in the order in which they happened."""
     starts: list[Start] = field(default_factory=list)
+    taken: list[tuple[int, int, int]] = field(default_factory=list)
+    """Sample, and the times between which it was judged."""
     returned: dict[int, int] = field(default_factory=dict)
     """When the handler of a command returned."""
 
@@ -243,6 +248,9 @@ def read_client(name: str, lines: Iterable[list[str]]) -> Client:
                 number = int(command)
                 last = Call(number, operation, int(session), wanted, int(time))
                 client.calls[number] = last
+            case "send", [sample, session]:
+                last = Call(int(sample), "push", int(session), "", int(time))
+                client.samples[last.command] = last
             case "open", [session, pid]:
                 client.servers[int(session)] = int(pid)
             case "see", [command, state, detail]:
@@ -269,6 +277,8 @@ def read_server(name: str, lines: Iterable[list[str]]) -> Server:
             case "finish", [command, operation, result]:
                 server.events.append(("finish", int(command), operation, result))
                 server.returned[int(command)] = int(time)
+            case "take", [sample, before]:
+                server.taken.append((int(sample), int(before), int(time)))
             case "serve", [pid]:
                 server.pid = int(pid)
             case "done", []:

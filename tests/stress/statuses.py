@@ -9,7 +9,7 @@ start under the mutex under which it grants and ends statuses: marks are in the 
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from history import Call, Client, History, Server
 
 ACTOR = frozenset({"tap", "file"})
-"""Operations that need a status."""
+"""Operations that need a status, and run one at a time."""
+COMMANDS = ACTOR | {"push"}
+"""What needs a status: also the samples of this stream."""
 ENDS = {"stop": "a stop", "break": "a break", "take": "a take-over"}
 
 Session = tuple[str, int]
@@ -45,11 +47,16 @@ class Act:
 
 
 class Begun(NamedTuple):
-    """A command that a server started."""
+    """A command that a server started, or a sample that it took."""
 
     marked: int
     who: Session
     call: Call
+    until: int
+    """The server checked the status between `marked` and this time."""
+
+    def named(self) -> str:
+        return f"{'sample' if self.call.operation == 'push' else 'command'} {self.call.command}"
 
 
 class Done(NamedTuple):
@@ -86,12 +93,22 @@ def by_server(history: History) -> Iterator[OneServer]:
         for client in history.clients
         for number, call in client.calls.items()
     }
+    senders = {
+        number: (client, call)
+        for client in history.clients
+        for number, call in client.samples.items()
+    }
     for server in history.servers:
         one = OneServer(server)
         for start in server.starts:
             if start.command in callers:
                 client, call = callers[start.command]
-                one.begun.append(Begun(start.marked, (client.name, call.session), call))
+                who = (client.name, call.session)
+                one.begun.append(Begun(start.marked, who, call, start.marked))
+        for sample, before, took in server.taken:
+            if sample in senders:
+                client, call = senders[sample]
+                one.begun.append(Begun(before, (client.name, call.session), call, took))
         one.begun.sort(key=lambda begun: begun.marked)
         for client in history.clients:
             one.done += [
@@ -147,6 +164,7 @@ def grant_of(client: Client, call: Call) -> Grant | None:
 
 
 def check(history: History, bound_s: float) -> Iterator[str]:
+    yield from took_what_was_sent(history)
     for one in by_server(history):
         yield from had_a_live_status(history, one)
         yield from nobody_beside(one)
@@ -155,15 +173,26 @@ def check(history: History, bound_s: float) -> Iterator[str]:
         yield from stopped_with_its_client(history, one, bound_s)
 
 
+def took_what_was_sent(history: History) -> Iterator[str]:
+    sent = {sample for client in history.clients for sample in client.samples}
+    taken = Counter(sample for server in history.servers for sample, _, _ in server.taken)
+    for sample, count in taken.items():
+        if sample not in sent:
+            yield f"sample {sample} was taken and never sent"
+        elif count > 1:
+            yield f"sample {sample} was taken {count} times"
+
+
 def had_a_live_status(history: History, one: OneServer) -> Iterator[str]:
     """No actor command starts without a grant, nor after an act that ended its status, or that
     fenced it: a stop fences the commands of all, a take-over those of all others."""
     clients = {client.name: client for client in history.clients}
     begins = [done.begin for done in one.done]
-    for marked, who, call in one.begun:
-        if call.operation not in ACTOR:
+    for begun in one.begun:
+        marked, who, call, _ = begun
+        if call.operation not in COMMANDS:
             continue
-        where = f"{one.server.name}: command {call.command}"
+        where = f"{one.server.name}: {begun.named()}"
         grant = grant_of(clients[who[0]], call)
         if grant is None or not grant.status:
             yield f"{where} was issued without a status, and started"
@@ -182,9 +211,10 @@ def nobody_beside(one: OneServer) -> Iterator[str]:
     marks = [begun.marked for begun in one.begun]
     for begin, end, who, master in one.alone:
         for begun in one.begun[bisect_right(marks, begin) : bisect_left(marks, end)]:
-            if begun.who != who and (master or begun.call.operation in ACTOR):
+            other = begun.who != who and begun.until < end
+            if other and (master or begun.call.operation in COMMANDS):
                 yield (
-                    f"{one.server.name}: command {begun.call.command} started while {who[0]}"
+                    f"{one.server.name}: {begun.named()} started while {who[0]}"
                     f" {'was master' if master else 'had taken over'}"
                 )
 
@@ -243,6 +273,8 @@ def stopped_with_its_client(history: History, one: OneServer, bound_s: float) ->
 class Figures(NamedTuple):
     """How much there was to check."""
 
+    samples: int
+    """That were taken."""
     takes: int
     masters: int
     breaks: int
@@ -251,6 +283,7 @@ class Figures(NamedTuple):
 
     def text(self) -> str:
         counts = {
+            "samples": self.samples,
             "take-overs": self.takes,
             "masters": self.masters,
             "breaks": self.breaks,
@@ -270,6 +303,7 @@ def figures(history: History) -> Figures:
         if begun.who[0] in killed and begun.call.ended is None and begun.call.command in interrupted
     }
     return Figures(
+        sum(len(one.server.taken) for one in servers),
         sum(not alone.master for one in servers for alone in one.alone),
         sum(alone.master for one in servers for alone in one.alone),
         sum(done.what == "break" for one in servers for done in one.done),

@@ -84,6 +84,7 @@ class Client {
 
   bool connect() {
     lease_.reset();
+    push_.reset();
     bench_ = {};
     auto created =
         lab_.create<stress::Workbench>("BENCH", {.medium = setting_.medium(), .patience = 500ms});
@@ -97,6 +98,7 @@ class Client {
     connected_ = true;
     ++session_;
     record_.note("open " + std::to_string(session_) + " " + std::to_string(about->pid));
+    if (auto writer = bench_.push(gecos::writer)) push_.emplace(*std::move(writer));
     return acquire();
   }
 
@@ -180,6 +182,7 @@ class Client {
     const bool burst = happens(0.01);  // beyond what one client may queue
     for (int left = burst ? 100 : 1 + static_cast<int>(random_() % 8); left > 0; --left) issue();
     if (happens(0.05)) cancel_one();
+    if (happens(0.5)) send();
     if (happens(0.01)) change_status();
     if (happens(0.01)) {
       ask("stop", [this] { return gecos::stop(bench_); });
@@ -188,6 +191,12 @@ class Client {
       acquire();
     }
     if (session_lost_.exchange(false)) connected_ = false;
+  }
+
+  void send() {
+    const std::uint64_t number = next_number_++;
+    record_.note("send " + std::to_string(number) + " " + std::to_string(session_));
+    if (push_) static_cast<void>(push_->send(number));
   }
 
   void tap() {
@@ -331,6 +340,7 @@ class Client {
   gecos::Lab lab_;
   stress::Workbench bench_;
   std::optional<gecos::Lease> lease_;
+  std::optional<gecos::Writer<std::uint64_t>> push_;
   bool connected_ = false;
   int session_ = 0;
   std::atomic<bool> status_lost_{false};   // publishes nothing but itself

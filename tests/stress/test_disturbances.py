@@ -24,7 +24,6 @@ def test_programs_that_stand_still_start_nothing_that_was_given_up_and_leave_no_
     histories = rampage.run_beside_each_other(plans, build, tmp_path, env)
     checked = [statuses.figures(told) for told in histories]
     assert any(figures.takes for figures in checked), "nobody took over"
-    assert any(figures.masters for figures in checked), "nobody was master"
     for plan, told in zip(plans, histories, strict=True):
         print(f"\n{plan}\n{told.summary()}")
         assert len(told.freezes) >= FREEZES

@@ -136,6 +136,35 @@ def test_rejected_is_a_reading_beside_a_master(tmp_path: Path) -> None:
     assert judged(tmp_path, takes, works, before) == []
 
 
+SENDS = WORKS.replace(
+    "33 end", f"34 send {WORKER + 9} 1\n34 issue {WORKER + 4} look 1 4\n33 end"
+).replace("90 done", f"89 end {WORKER + 4} COMMAND_FAILED REJECTED -\n90 done")
+
+
+def test_rejected_is_a_sample_beside_a_taker(tmp_path: Path) -> None:
+    beside = SERVER.replace("35 start", f"34 take {WORKER + 9} 33\n35 start")
+    assert judged(tmp_path, works=SENDS, server=beside) == [
+        f"server.0.log: sample {WORKER + 9} started while client.1.log had taken over"
+    ]
+    after = SERVER.replace("72 start", f"62 take {WORKER + 9} 61\n72 start")
+    assert judged(tmp_path, works=SENDS, server=after) == []
+    assert ", 1 samples, 1 take-overs" in history.read(tmp_path).summary()
+
+
+def test_rejected_is_a_sample_of_before_a_take_over(tmp_path: Path) -> None:
+    sends = SENDS.replace("34 send", "7 send").replace("34 issue", "8 issue")
+    server = SERVER.replace("72 start", f"62 take {WORKER + 9} 61\n72 start")
+    assert judged(tmp_path, works=sends, server=server) == [
+        f"server.0.log: sample {WORKER + 9} started after a take-over by client.1.log had ended it"
+    ]
+
+
+def test_rejected_are_samples_that_nobody_sent_or_that_are_taken_twice(tmp_path: Path) -> None:
+    twice = SERVER.replace("72 start", 2 * f"62 take {WORKER + 9} 61\n" + "72 start")
+    assert judged(tmp_path, works=SENDS, server=twice) == [f"sample {WORKER + 9} was taken 2 times"]
+    assert judged(tmp_path, server=twice) == [f"sample {WORKER + 9} was taken and never sent"]
+
+
 @pytest.mark.parametrize(("what", "named"), [("stop", "a stop"), ("break", "a break")])
 def test_rejected_is_a_command_under_a_status_that_was_ended(
     what: str, named: str, tmp_path: Path

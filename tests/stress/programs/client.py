@@ -45,6 +45,7 @@ class Client:
         self._number = int(setting["number"]) << 32
         self._session = 0
         self._lease: gecos.Lease | None = None
+        self._push: gecos.Writer[int] | None = None
         self._pretends = setting.get("pretends", "")
         self._open: deque[tuple[int, gecos.Command[Any], Callable[[object], int]]] = deque()
         self._record.note(f"client {os.getpid()}")
@@ -59,7 +60,7 @@ class Client:
                 self._finish_all()  # each end is recorded when it comes, not after reconnecting
                 bench = None
         self._finish_all()
-        self._lease = None
+        self._lease = self._push = None
         self._record.note("done")
 
     def _connect(self, lab: gecos.Lab) -> Workbench | None:
@@ -70,6 +71,7 @@ class Client:
             return None
         self._session += 1
         self._record.note(f"open {self._session} {pid}")
+        self._push = bench.push.writer()
         return bench if self._acquire(bench) else None
 
     def _acquire(self, bench: Workbench) -> bool:
@@ -143,6 +145,8 @@ class Client:
         """False: the session, or the status, is lost."""
         while len(self._open) < MOST_OPEN:
             self._issue(bench)
+        if self._random.random() < 0.2:
+            self._send()
         if self._random.random() < 0.05:
             self._random.choice(self._open)[1].cancel()
         if self._random.random() < 0.02 and not self._change_status(bench):
@@ -150,6 +154,13 @@ class Client:
         if self._random.random() < 0.1:
             time.sleep(self._random.random() * self._longest_rest_s)
         return not self._open or self._finish()
+
+    def _send(self) -> None:
+        assert self._push is not None
+        self._number += 1
+        self._record.note(f"send {self._number} {self._session}")
+        with contextlib.suppress(gecos.CommandFailed, gecos.ConnectionFailed):
+            self._push.send(self._number)
 
     def _issue(
         self, bench: Workbench, which: str | None = None, seconds: float = 0.0
