@@ -3,10 +3,16 @@
 A record is a text file, a line per event, written by one program. Each begins with a time, ns of
 CLOCK_BOOTTIME, which all programs share. Of a client:
 
+    client <pid>                                     of its process
     issue <command> <operation> <session> <wanted>   before it is sent; `wanted` is the right answer
     open <session> <pid>                             a session with the server of that pid
     see <command> <STATE> <DETAIL>                   looked at
     end <command> <STATE> <DETAIL> <result>          waited for; "-": no result
+    granted <session> <ACTOR|MASTER>                 it has a status now
+    send <sample> <session>                          before it sends a sample
+    released <session>                               it has released its status
+    asks <session> <take|give|stop|break>            before it asks for that
+    did <session> <take|give|stop|break>             once the server has done it
     done                                             it ended in order, all its commands had
 
 Of a server:
@@ -15,6 +21,7 @@ Of a server:
     start <command> <operation> <marked>             its handler begins; in the order of lines.
                                                      `marked`: when the server marked its start
     finish <command> <operation> <result>            it returns; "-": it was interrupted
+    take <sample> <before>                           it takes a sample; asked for it at `before`
     done
 
 Of the test itself: `kill <pid>`, once the process is gone; `cut <end>`, the begin and end of a cut
@@ -32,10 +39,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
+import statuses
+from statuses import ACTOR, Act, Grant
+
 BOUND_S = 1.5
 """grace + 0.5 s: when commands of a killed server have ended at the latest."""
 
-ACTOR = frozenset({"tap", "file"})
 IN_ORDER = ACTOR | {"gauge"}
 IDEMPOTENT = frozenset({"look"})
 """Sent again when its session was lost, so it may start once in each server's life."""
@@ -54,6 +63,8 @@ class Call:
     session: int
     wanted: str
     issued: int
+    sent: int | None = None
+    """When it had certainly been sent: its program went on."""
     seen: list[tuple[int, str, str]] = field(default_factory=list)
     ended: int | None = None
     result: str = "-"
@@ -78,6 +89,10 @@ class Client:
     name: str
     calls: dict[int, Call] = field(default_factory=dict)
     servers: dict[int, int] = field(default_factory=dict)
+    samples: dict[int, Call] = field(default_factory=dict)
+    grants: list[Grant] = field(default_factory=list)
+    acts: list[Act] = field(default_factory=list)
+    pid: int = 0
     done: bool = False
 
 
@@ -107,6 +122,17 @@ class Server:
     events: list[tuple[str, int, str, str]] = field(default_factory=list)
     """Event, command, operation and result, in the order in which they happened."""
     starts: list[Start] = field(default_factory=list)
+    taken: list[tuple[int, int, int]] = field(default_factory=list)
+    """Sample, and the times between which it was judged."""
+    returned: dict[int, int] = field(default_factory=dict)
+    """When the handler of a command returned."""
+
+    def interrupted(self) -> set[int]:
+        return {
+            command
+            for event, command, _, result in self.events
+            if event == "finish" and result == "-"
+        }
 
 
 @dataclass(slots=True)
@@ -137,7 +163,8 @@ class History:
         late = f", machine up to {worst:.2f} s late" if worst else ""
         between = sum(1 for _ in self.frozen_before_they_began())
         apart = f", {between} frozen between mark and handler" if between else ""
-        return f"{done}, {len(calls)} commands ({told}{again}){apart}{late}"
+        status = statuses.figures(self).text()
+        return f"{done}, {len(calls)} commands ({told}{again}){status}{apart}{late}"
 
     def begun_in_vain(self) -> Iterator[tuple[Server, Start, Call]]:
         """Handlers that began after their client had already seen the end of the command."""
@@ -192,13 +219,38 @@ def lines_of(path: Path) -> Iterator[list[str]]:
             yield line.split()
 
 
+def note_status(client: Client, time: int, event: str, rest: list[str]) -> bool:
+    """Reads a line about a status. False: it is none."""
+    match event, rest:
+        case "client", [pid]:
+            client.pid = int(pid)
+        case "granted", [session, status]:
+            client.grants.append(Grant(time, int(session), status))
+        case "released", [session]:
+            client.grants.append(Grant(time, int(session), ""))
+        case "asks", [session, what]:
+            client.acts.append(Act(what, int(session), time))
+        case "did", [_, _]:
+            client.acts[-1].end = time
+        case _:
+            return False
+    return True
+
+
 def read_client(name: str, lines: Iterable[list[str]]) -> Client:
     client = Client(name)
+    last: Call | None = None
     for time, event, *rest in lines:
+        if last is not None and event not in ("see", "end"):  # these are of other threads
+            last.sent, last = int(time), None
         match event, rest:
             case "issue", [command, operation, session, wanted]:
                 number = int(command)
-                client.calls[number] = Call(number, operation, int(session), wanted, int(time))
+                last = Call(number, operation, int(session), wanted, int(time))
+                client.calls[number] = last
+            case "send", [sample, session]:
+                last = Call(int(sample), "push", int(session), "", int(time))
+                client.samples[last.command] = last
             case "open", [session, pid]:
                 client.servers[int(session)] = int(pid)
             case "see", [command, state, detail]:
@@ -210,7 +262,7 @@ def read_client(name: str, lines: Iterable[list[str]]) -> Client:
                 call.waited_out = state != "RUNNING"
             case "done", []:
                 client.done = True
-            case _:
+            case _ if not note_status(client, int(time), event, rest):
                 raise ValueError(f"{name}: no line of a client: {event} {rest}")
     return client
 
@@ -224,6 +276,9 @@ def read_server(name: str, lines: Iterable[list[str]]) -> Server:
                 server.starts.append(Start(int(command), operation, int(marked), int(time)))
             case "finish", [command, operation, result]:
                 server.events.append(("finish", int(command), operation, result))
+                server.returned[int(command)] = int(time)
+            case "take", [sample, before]:
+                server.taken.append((int(sample), int(before), int(time)))
             case "serve", [pid]:
                 server.pid = int(pid)
             case "done", []:
@@ -268,6 +323,7 @@ def check(history: History, bound_s: float = BOUND_S) -> list[str]:
         *in_order(history, calls),
         *one_at_a_time(history),
         *begun_for_a_live_caller(history),
+        *statuses.check(history, bound_s),
     ]
 
 

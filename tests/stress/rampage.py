@@ -6,6 +6,7 @@ import contextlib
 import dataclasses
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -61,6 +62,9 @@ class Plan:
     """How often the line between the host of the server and that of all clients is cut."""
     longest_cut_s: float = 2.0
     faults: str = ""
+    pretends: str = ""
+    """A request that clients note as done and do not send, for a test of the judge: take, stop,
+    break, or master."""
     preload: Path | None = None
 
 
@@ -141,6 +145,7 @@ class Rampage:
             f"medium={self.plan.medium}",
             f"faults={self.plan.faults}",
             f"rest_ms={self.plan.rest_ms}",
+            f"pretends={self.plan.pretends}",
             f"seed={self._random.randrange(1 << 30)}",
         ]
 
@@ -237,6 +242,27 @@ class Rampage:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(killed, 0)
             self._orphaned.append(killed)
+
+    def _await_notes(self, pid: int, pattern: str) -> None:
+        """Returns when the record of the client with that pid matches the pattern."""
+
+        def records() -> list[Path]:
+            those = self.records.glob("client.*.log")
+            return [record for record in those if f" client {pid}\n" in record.read_text()]
+
+        until(lambda: bool(records()), f"client {pid} has begun its record")
+        (record,) = records()
+        until(
+            lambda: re.search(pattern, record.read_text()) is not None,
+            f"client {pid} has noted '{pattern}'",
+        )
+
+    def kill_in_motion(self) -> None:
+        """Kills each client while it has taken over and commanded nothing after its motion."""
+        moves = r"(?s)did \d+ take\n\d+ issue \d+ file(?!.* issue )"
+        for client in self._filling("client"):
+            self._await_notes(client.program.pid, moves)
+            self._kill(client)
 
     def _await_ready(self, name: str) -> None:
         for role in self.roles:

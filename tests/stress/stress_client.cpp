@@ -41,6 +41,10 @@ std::string seen(const gecos::session::CommandCore& core) {
   return std::string(to_string(gecos::project(detail))) + " " + std::string(to_string(detail));
 }
 
+/// How long a motion lasts that is not cancelled: longer than it may run on after its client's
+/// death.
+constexpr double motion_s = 5;
+
 class Client {
  public:
   explicit Client(const stress::Setting& setting)
@@ -49,6 +53,7 @@ class Client {
         random_(static_cast<std::uint64_t>(setting.number("seed"))),
         next_number_((static_cast<std::uint64_t>(setting.number("number")) << 32) + 1),
         lab_(setting.lab()) {
+    record_.note("client " + std::to_string(getpid()));
     for (int at = 0; at < 2; ++at) waiters_.emplace_back([this] { follow(); });
   }
 
@@ -74,10 +79,12 @@ class Client {
   }
 
  private:
-  bool happens(double rate) { return std::uniform_real_distribution<>(0, 1)(random_) < rate; }
+  double up_to(double most) { return std::uniform_real_distribution<>(0, most)(random_); }
+  bool happens(double rate) { return up_to(1) < rate; }
 
   bool connect() {
     lease_.reset();
+    push_.reset();
     bench_ = {};
     auto created =
         lab_.create<stress::Workbench>("BENCH", {.medium = setting_.medium(), .patience = 500ms});
@@ -91,26 +98,94 @@ class Client {
     connected_ = true;
     ++session_;
     record_.note("open " + std::to_string(session_) + " " + std::to_string(about->pid));
+    if (auto writer = bench_.push(gecos::writer)) push_.emplace(*std::move(writer));
     return acquire();
   }
 
   bool acquire() {
-    lease_.reset();
+    release();
     auto lease = gecos::actor(bench_, "stress");
     if (lease) {
       lease_.emplace(std::move(*lease));
+      note_status("granted", "ACTOR");
     } else if (lease.error().failure.state() == gecos::State::ConnectionFailed) {
       connected_ = false;
     }
     return connected_;
   }
 
+  void release() {
+    if (!lease_) return;
+    lease_.reset();
+    note_status("released");
+  }
+
+  void note_status(const char* event, const std::string& more = {}) {
+    record_.note(event + (" " + std::to_string(session_)) + (more.empty() ? "" : " " + more));
+  }
+
+  /// Returns whether the server has done it. A client that pretends does not ask.
+  template <class Ask>
+  bool ask(const std::string& what, Ask ask) {
+    note_status("asks", what);
+    if (what != setting_.text("pretends") && !ask().get()) return false;
+    note_status("did", what);
+    return true;
+  }
+
+  /// Moves alone for a while. A client that is killed meanwhile leaves a motion that runs.
+  void take_over() {
+    if (!ask("take", [this] { return gecos::take_over(bench_); })) return;
+    const auto motion = file(motion_s);
+    const auto lasts = std::chrono::duration<double>(up_to(0.2));
+    motion.wait_for(std::chrono::duration_cast<gecos::Duration>(lasts));
+    motion.cancel();
+    motion.wait();
+    tap();
+    await_all();
+    ask("give", [this] { return gecos::give_back(bench_); });
+  }
+
+  /// Stops the others, is master if none of them was faster, and then an actor again.
+  void be_master() {
+    if (!ask("stop", [this] { return gecos::stop(bench_); })) return;
+    std::optional<gecos::Lease> master;
+    if (setting_.text("pretends") != "master") {
+      auto granted = gecos::master(bench_);
+      if (!granted) return;
+      master.emplace(std::move(*granted));
+    }
+    note_status("granted", "MASTER");
+    for (int left = 4; left > 0; --left) issue();
+    static_cast<void>(file(up_to(0.05)));
+    tap();
+    await_all();
+    master.reset();
+    release();
+    tap();  // is refused
+    acquire();
+  }
+
+  void change_status() {
+    const double which = up_to(1);
+    const std::string& pretends = setting_.text("pretends");
+    if (pretends.empty() ? which < 0.6 : pretends == "take") {
+      take_over();
+    } else if (pretends.empty() ? which < 0.9 : pretends == "master") {
+      be_master();
+    } else {
+      ask("break", [this] { return gecos::break_status(bench_, "a test of the judge"); });
+    }
+  }
+
   void act() {
     const bool burst = happens(0.01);  // beyond what one client may queue
     for (int left = burst ? 100 : 1 + static_cast<int>(random_() % 8); left > 0; --left) issue();
     if (happens(0.05)) cancel_one();
+    if (happens(0.5)) send();
+    if (happens(0.01)) change_status();
     if (happens(0.01)) {
-      static_cast<void>(gecos::stop(bench_));
+      ask("stop", [this] { return gecos::stop(bench_); });
       acquire();
     } else if (status_lost_.exchange(false) || happens(0.01)) {
       acquire();
@@ -118,17 +193,35 @@ class Client {
     if (session_lost_.exchange(false)) connected_ = false;
   }
 
-  void issue() {
+  void send() {
+    const std::uint64_t number = next_number_++;
+    record_.note("send " + std::to_string(number) + " " + std::to_string(session_));
+    if (push_) static_cast<void>(push_->send(number));
+  }
+
+  void tap() {
     const std::uint64_t number = next_number_++;
     const auto salt = static_cast<std::int64_t>(random_());
-    const double which = std::uniform_real_distribution<>(0, 1)(random_);
-    if (which < 0.45) {
-      note_issue(number, "tap", stress::answer(number, salt));
-      follow(number, bench_.tap(number, salt));
-    } else if (which < 0.6) {
-      note_issue(number, "file", stress::answer(number, salt));
-      follow(number, bench_.file(number, salt, 1e-3 * static_cast<double>(random_() % 5)));
-    } else if (which < 0.75) {
+    note_issue(number, "tap", stress::answer(number, salt));
+    follow(number, bench_.tap(number, salt));
+  }
+
+  gecos::Command<std::int64_t> file(double seconds) {
+    const std::uint64_t number = next_number_++;
+    const auto salt = static_cast<std::int64_t>(random_());
+    note_issue(number, "file", stress::answer(number, salt));
+    auto command = bench_.file(number, salt, seconds);
+    follow(number, command);
+    return command;
+  }
+
+  void issue() {
+    const double which = up_to(1);
+    if (which < 0.45) return tap();
+    if (which < 0.6) return static_cast<void>(file(1e-3 * static_cast<double>(random_() % 5)));
+    const std::uint64_t number = next_number_++;
+    const auto salt = static_cast<std::int64_t>(random_());
+    if (which < 0.75) {
       note_issue(number, "gauge", stress::answer(number, salt));
       follow(number, bench_.gauge(number, salt));
     } else if (which < 0.85) {
@@ -221,6 +314,11 @@ class Client {
     for (const auto& issued : ended_) record_.note(about("see ", issued));
   }
 
+  void await_all() {
+    std::unique_lock lock(mutex_);
+    room_.wait(lock, [this] { return open_ == 0; });
+  }
+
   /// Until there is room for more; every other time a random moment longer, for calls after silence
   /// too.
   void rest() {
@@ -229,8 +327,8 @@ class Client {
       room_.wait(lock, [this] { return open_ < 48; });
     }
     if (happens(0.5)) {
-      std::uniform_real_distribution<> rest_ms(0, setting_.number("rest_ms"));
-      std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(rest_ms(random_)));
+      const double rest_ms = up_to(setting_.number("rest_ms"));
+      std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(rest_ms));
     }
     if (happens(0.1)) look_again();
   }
@@ -242,6 +340,7 @@ class Client {
   gecos::Lab lab_;
   stress::Workbench bench_;
   std::optional<gecos::Lease> lease_;
+  std::optional<gecos::Writer<std::uint64_t>> push_;
   bool connected_ = false;
   int session_ = 0;
   std::atomic<bool> status_lost_{false};   // publishes nothing but itself
@@ -283,6 +382,7 @@ int main(int count, char** words) {
                                  {"medium", "shm"},
                                  {"faults", ""},
                                  {"rest_ms", "10"},
+                                 {"pretends", ""},
                                  {"seed", "1"}});
   std::signal(SIGTERM, [](int) { told_to_end = true; });
   const stress::Balance balance;

@@ -28,6 +28,7 @@ bool wait_once(gecos::Lab& lab, const stress::Setting& setting, const stress::Re
   const std::string session = std::to_string(turn);
   record.note("open " + session + " " + std::to_string(about->pid));
   const auto lease = gecos::actor(*bench, "stress");
+  if (lease) record.note("granted " + session + " ACTOR");
   const std::uint64_t number = (static_cast<std::uint64_t>(setting.number("number")) << 32) + turn;
   const std::string name = std::to_string(number);
   record.note("issue " + name + " file " + session + " " +
@@ -48,6 +49,7 @@ int main(int count, char** words) {
                                  {"medium", "shm"},
                                  {"faults", ""},
                                  {"rest_ms", "10"},
+                                 {"pretends", ""},
                                  {"seed", "1"}});
   std::signal(SIGTERM, [](int) { told_to_end = true; });
   const stress::Record record(setting.text("record"));

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 import rampage
+import statuses
 from rampage import Plan
 
 FREEZES = 5
@@ -20,9 +21,10 @@ def test_programs_that_stand_still_start_nothing_that_was_given_up_and_leave_no_
     build: Path, tmp_path: Path, env: dict[str, str], seed: int
 ) -> None:
     plans = rampage.freezing(FREEZES, 10.0, random.Random(seed))
-    for plan, told in zip(
-        plans, rampage.run_beside_each_other(plans, build, tmp_path, env), strict=True
-    ):
+    histories = rampage.run_beside_each_other(plans, build, tmp_path, env)
+    checked = [statuses.figures(told) for told in histories]
+    assert any(figures.takes for figures in checked), "nobody took over"
+    for plan, told in zip(plans, histories, strict=True):
         print(f"\n{plan}\n{told.summary()}")
         assert len(told.freezes) >= FREEZES
 

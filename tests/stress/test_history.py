@@ -13,6 +13,7 @@ TWO = (1 << 32) + 2
 
 CLIENT = f"""
 1 open 1 4711
+1 granted 1 ACTOR
 2 issue {ONE} tap 1 77
 3 issue {TWO} file 1 88
 4 see {ONE} RUNNING QUEUED

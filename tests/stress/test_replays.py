@@ -49,6 +49,7 @@ print("moved", flush=True)
 class Line:
     """DANCER and the arm are on the host CELL, all other programs on DESK."""
 
+    build: Path
     hosts: Hosts
     labs: list[Laboratory]
     relay: Program
@@ -57,8 +58,8 @@ class Line:
     def start(self, host: int, *command: str | Path, ready: str | None = None) -> Program:
         return self.labs[host].start(*self.hosts.on(host), *command, ready=ready)
 
-    def dancer(self) -> Program:
-        return self.start(CELL, sys.executable, PROGRAMS / "counting.py", ready="serving DANCER")
+    def dancer(self, program: str = "stress_dancer") -> Program:
+        return self.start(CELL, self.build / "tests/stress" / program, ready="serving DANCER")
 
     def client(self, password: str) -> Program:
         command = (sys.executable, PROGRAMS / "dance.py", password)
@@ -102,7 +103,7 @@ def line(build: Path, env: dict[str, str]) -> Iterator[Line]:
             between = (*hosts.between(), sys.executable, PROGRAMS / "relay.py")
             relay = labs[DESK].start(*between, listens=True)
             relay.wait_for("relays")
-            line = Line(hosts, labs, relay, Path(place) / "capture.pcap")
+            line = Line(build, hosts, labs, relay, Path(place) / "capture.pcap")
             line.start(DESK, build / "runtime/cpp/gecos/broker/gecos-broker", ready="ready")
             yield line
         finally:
@@ -184,6 +185,14 @@ def test_a_session_that_is_played_back_executes_nothing(line: Line) -> None:
     (text,) = (one for one in listed.lines if one.startswith("["))
     (found,) = (one for one in json.loads(text) if one["name"] == "DANCER")
     assert found["pid"] == server.pid, "the broker keeps the name for the server of today"
+
+
+def test_a_server_without_windows_is_found_to_execute_what_comes_twice(line: Line) -> None:
+    server = line.dancer("stress_dancer_without_windows")
+    client = line.client("Rosenkavalier")
+    asks(client, "feet", "feet 2")
+    line.play("same")
+    until(lambda: did(server)["did feet"] > 1, "a call that was played back is executed")
 
 
 def forms(password: str) -> Iterator[bytes]:

@@ -30,11 +30,13 @@ class RecordedBench : public WorkbenchServant {
 
   gecos::Result<std::int64_t> tap(std::uint64_t command, std::int64_t salt) override {
     start(command, "tap");
+    take_samples();
     return finish(command, "tap", answer(command, salt));
   }
   gecos::Result<std::int64_t> file(std::uint64_t command, std::int64_t salt, double seconds,
                                    gecos::Execution<>& run) override {
     start(command, "file");
+    take_samples();
     run.progress(0.5);
     if (run.wait_interrupted(
             std::chrono::duration_cast<gecos::Duration>(std::chrono::duration<double>(seconds)))) {
@@ -57,6 +59,13 @@ class RecordedBench : public WorkbenchServant {
   gecos::Result<std::int64_t> look(std::uint64_t command, std::int64_t salt) override {
     start(command, "look");
     return finish(command, "look", answer(command, salt));
+  }
+
+  void take_samples() {
+    const auto now = [] { return gecos::SystemClock().since_boot().time_since_epoch().count(); };
+    for (auto before = now(); const auto sample = push().next(); before = now()) {
+      record_.note("take " + std::to_string(sample->value) + " " + std::to_string(before));
+    }
   }
 
   void start(std::uint64_t command, const char* operation) const {

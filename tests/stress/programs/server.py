@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import threading
+import time
 
 import gecos
 from gecos import _core, handlers
@@ -30,10 +31,12 @@ class Workbench(WorkbenchServant):
 
     def tap(self, command: int, salt: int) -> int:
         self._start(command, "tap")
+        self._take_samples()
         return self._finish(command, "tap", answer_salt(command, salt))
 
     def file(self, command: int, salt: int, seconds: float, run: gecos.Execution[None]) -> int:
         self._start(command, "file")
+        self._take_samples()
         if run.wait_interrupted(seconds):
             self._record.note(f"finish {command} file -")
             raise gecos.Interrupted
@@ -51,6 +54,12 @@ class Workbench(WorkbenchServant):
     def look(self, command: int, salt: int) -> int:
         self._start(command, "look")
         return self._finish(command, "look", answer_salt(command, salt))
+
+    def _take_samples(self) -> None:
+        before = time.clock_gettime_ns(time.CLOCK_BOOTTIME)
+        while (sample := self.push.next()) is not None:
+            self._record.note(f"take {sample.value} {before}")
+            before = time.clock_gettime_ns(time.CLOCK_BOOTTIME)
 
     def _start(self, command: int, operation: str) -> None:
         self._record.note(f"start {command} {operation} {of_this_thread.marked_ns}")

@@ -18,6 +18,7 @@ def wait_once(lab: gecos.Lab, setting: dict[str, str], record: Record, turn: int
         pid = gecos.describe(bench).result().pid
         record.note(f"open {turn} {pid}")
         lease = gecos.actor(bench, "stress")
+        record.note(f"granted {turn} ACTOR")
     except (gecos.CreateError, gecos.LeaseRefused, gecos.CommandFailed, gecos.ConnectionFailed):
         return False
     number = (int(setting["number"]) << 32) + turn
