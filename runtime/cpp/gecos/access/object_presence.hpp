@@ -1,0 +1,68 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "gecos/base/clock.hpp"
+
+namespace gecos::access {
+
+/// Records what an object knows about the presence of a person in its zone. What is not known
+/// counts as absent: a report of the zone counts for 1 s. After presence was lost it counts again
+/// only after `settling`: then every command that was issued before the loss has been refused, so
+/// the return of presence resumes nothing.
+///
+/// Pure: the caller passes the time, CLOCK_BOOTTIME, which also counts while the machine is
+/// suspended. Any thread may call present(); the object's mutex guards the rest.
+class ObjectPresence {
+ public:
+  static constexpr Duration report_life = std::chrono::seconds(1);
+  /// Longer than a command may stay unread in the transport, 750 ms.
+  static constexpr Duration settling = std::chrono::seconds(1);
+
+  /// `zone`: the name of the object's zone; empty for an object in no zone, which never needs a
+  /// person.
+  explicit ObjectPresence(std::string zone) : zone_(std::move(zone)) {}
+
+  bool required() const { return !zone_.empty(); }
+  const std::string& zone() const { return zone_; }
+
+  /// A report of the zone.
+  struct Report {
+    bool present = false;
+    std::uint64_t spell = 0;  ///< number of the present time of presence, or of the last one
+    std::string why;          ///< a text for people
+  };
+  // These functions return true when presence was lost: then the commands that need it must end.
+  /// Takes a report that was made at `made`.
+  bool take(Report report, TimePoint made, TimePoint now);
+  /// Must be called now and then, so that the loss by silence is noticed.
+  bool on_tick(TimePoint now);
+  /// Forgets the last report, because nothing is known any more. `why`: a text for people.
+  bool forget(std::string why, TimePoint now);
+
+  /// Returns whether a command that needs a person may start, and a running one may go on.
+  bool present(TimePoint now) const {
+    return !required() || now < until_.load(std::memory_order_relaxed);
+  }
+  /// Returns why presence does not count, and what to do; or who is present.
+  std::string text(TimePoint now) const;
+
+ private:
+  enum class Told : std::uint8_t { Nothing, Absent, Present };
+
+  bool lose(TimePoint now);
+
+  const std::string zone_;
+  Told told_ = Told::Nothing;  ///< by the last report, unless it was forgotten
+  std::uint64_t spell_ = 0;
+  std::string why_ = "the zone has not reported yet; start its server";
+  bool counts_ = false;                      ///< presence counts, unless until_ has passed
+  TimePoint not_before_ = TimePoint::min();  ///< presence does not count before
+  /// Until when presence counts. Publishes only itself.
+  std::atomic<TimePoint> until_{TimePoint::min()};
+};
+
+}  // namespace gecos::access
