@@ -11,7 +11,7 @@ GROUPED := -DCMAKE_UNITY_BUILD=ON
 # The targets for use, without tests and benchmarks. Tests are built in the same folder.
 PARTS := $(addsuffix /all,runtime/cpp generated/cpp devices examples runtime/python)
 # What examples/demo.py starts or imports.
-DEMO := gecos-broker robcl-world robcl-rx90 robcl-gripper robcl-lds grip_block runtime/python/all
+DEMO := gecos-broker robcl-zone robcl-world robcl-rx90 robcl-gripper robcl-lds grip_block runtime/python/all
 
 export GECOS_WERROR ?= $(if $(CI),ON)
 

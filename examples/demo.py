@@ -13,6 +13,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,6 +21,7 @@ from types import FrameType
 
 import gecos
 from gecos.laboratory import LaboratoryDescription, LaboratoryError, Program, running
+from robcl.device import Device
 from robcl.frames import mm
 from robcl.world import World
 
@@ -29,11 +31,16 @@ TOLERANCE = mm(1)
 # Below the build folder. The Makefile builds these alone for `make demo`.
 SERVERS = (
     "runtime/cpp/gecos/broker/gecos-broker",
+    "devices/zone/robcl-zone",
     "devices/world/robcl-world",
     "devices/rx90/robcl-rx90",
     "devices/gripper/robcl-gripper",
     "devices/laser_distance_sensor/robcl-lds",
 )
+ZONE = "CELL"
+IN_ZONE = ("RX90", "GRIPPER")
+OPTIONS = {"robcl-zone": ("--name", ZONE, "--doors", "DOOR", "--simulate", "DOOR,BUTTON",
+                          "--buttons", "BUTTON")}  # fmt: skip
 PROGRAM = "examples/grip_block"
 PATIENCE_S = 60.0  # for the program to end
 
@@ -61,10 +68,17 @@ def end(process: subprocess.Popen[bytes]) -> None:
 
 @contextmanager
 def laboratory(build: Path, clock_speed: float | None) -> Iterator[None]:
-    """Broker, world and devices as processes of their own; all gone when the block ends."""
+    """Broker, world, devices and the zone in which the robot is, whose sources are simulated, as
+    processes of their own; all gone when the block ends."""
     servers = [build / server for server in SERVERS]
-    programs = tuple(Program(server.name, (str(server.resolve()),)) for server in servers)
+    programs = tuple(
+        Program(server.name, (str(server.resolve()), *OPTIONS.get(server.name, ())))
+        for server in servers
+    )
     with tempfile.TemporaryDirectory(prefix="gecos-") as folder:
+        lab_file = Path(folder) / "lab.toml"
+        lab_file.write_text("".join(f'[objects.{one}]\nzone = "{ZONE}"\n' for one in IN_ZONE))
+        os.environ["GECOS_LAB_FILE"] = str(lab_file)
         os.environ["GECOS_RUNTIME_DIR"] = folder
         os.environ.pop("GECOS_BROKER", None)
         described = LaboratoryDescription(programs, starts_broker=False, clock_speed=clock_speed)
@@ -77,10 +91,25 @@ def block_height(world: World) -> float:
     return world.find("BLOCK").result().pose.z
 
 
+def await_presence(lab: gecos.Lab) -> None:
+    """Returns when the servers in the zone know that a person is present. Prints what one says."""
+    give_up = time.monotonic() + PATIENCE_S
+    for name in IN_ZONE:
+        device = lab.create(Device, name)
+        while f"a person is present in zone {ZONE}" not in (
+            said := gecos.describe(device).result().presence
+        ):
+            if time.monotonic() >= give_up:
+                raise DemoError(f"{name} does not know that a person is present: {said}")
+            time.sleep(0.02)
+    print(f"presence: {said}", flush=True)
+
+
 def lift(title: str, program: Sequence[str | Path], build: Path, clock_speed: float | None) -> None:
     """Runs one program in a laboratory of its own. Raises DemoError unless the block was lifted."""
     print(f"\n== {title}", flush=True)
     with laboratory(build, clock_speed), gecos.Lab() as lab:
+        await_presence(lab)
         world = lab.create(World, "WORLD")
         before = block_height(world)
         process = subprocess.Popen(with_us(program), stdin=subprocess.DEVNULL)

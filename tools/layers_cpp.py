@@ -171,9 +171,10 @@ GUESTS = (
     INNER_MODULES,
     Guest(
         re.compile(r"^gecos/session/client/"),
-        re.compile(r"^(?!runtime/cpp/gecos/session/server/(?!(server|registrar)\.))"),
+        re.compile(r"^(?!runtime/cpp/gecos/session/server/(?!(server|registrar|zone_watch)\.))"),
         "the client side",
-        "the server is a client of the broker only: in server.cpp and registrar",
+        "the server is a client of the broker and of zones only: in server.cpp, registrar and "
+        "zone_watch",
     ),
     Guest(
         re.compile(r"^lcm/"),

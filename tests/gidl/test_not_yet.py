@@ -49,7 +49,6 @@ def test_each_term_that_does_not_act_is_named_where_it_is_written(
         (1, "@bulk"),
         (2, "@qos(latency)"),
         (4, "@idempotent"),
-        (4, "@presence"),
         (5, "@bulk"),
         (8, "@qos(liveliness)"),
         (8, "@qos(lifespan)"),

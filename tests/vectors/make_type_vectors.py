@@ -88,6 +88,9 @@ CASES: list[tuple[str, str, Any]] = [
         "entry": {"name": "RX90", "pid": 4711}, "process_start": 2**40}),
     ("gecos::KeptList", "one", {"objects": [{"entry": {"name": "RX90"}, "process_start": 5}]}),
     ("gecos::NameInUse", "a process lives", {"name": "RX90", "why": "its process runs"}),
+    ("gecos::ZonePresence", "nobody", {"spell": 2**63 + 1, "why": "DOOR is open; close it"}),
+    ("gecos::CheckInRefused", "wrong", {"reason": "the code is not the one that CELL shows"}),
+    ("gecos::UnknownSource", "a window", {"name": "WINDOW", "known": ["DOOR", "T\u00fcr"]}),
     ("gecos::ObjectRef", "nil", {}),
     ("gecos::ObjectRef", "an arm", {
         "name": "RX90", "interface_hash": 2**64 - 1, "boot": 2**63 + 1,

@@ -61,7 +61,7 @@ class Term:
 
     @property
     def written(self) -> str:
-        """The key of the term in `Facts.written`, for example "presence" or "qos.depth"."""
+        """The key of the term in `Facts.written`, for example "bulk" or "qos.depth"."""
         named = self.argument and not self.argument.startswith('"')
         return f"{self.annotation}.{self.argument}" if named else self.annotation
 
@@ -72,7 +72,6 @@ class Term:
 _ALL_RELIABLE = "every sample and call is sent with the reliability of its medium"
 
 NOT_YET = (
-    Term("presence", "", _always, "the presence of a person is not checked"),
     Term(
         "idempotent",
         "",

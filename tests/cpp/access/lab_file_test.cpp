@@ -74,6 +74,13 @@ TEST(LabFile, RefusesAnOwnerThatIsNotOneUserOfOneHost) {
             "this name; a client takes only brokers whose key or user it admits");
 }
 
+TEST(LabFile, PlacesObjectsInZones) {
+  const auto lab = lists_in("[objects.RX90]\nzone = \"CELL\"\n[objects.LDS.allow]\nusers = []\n");
+  EXPECT_EQ(lab.zones, (std::map<std::string, std::string>{{"RX90", "CELL"}}));
+  EXPECT_FALSE(lab.objects.contains("RX90")) << "a zone admits nobody";
+  EXPECT_TRUE(lab.objects.contains("LDS"));
+}
+
 TEST(LabFile, WithoutListsAdmitsNobodyBeyondTheUserOfTheServer) {
   EXPECT_FALSE(lists_in("").general);
   EXPECT_TRUE(lists_in("[programs.A]\nrun = [\"a\"]\n").objects.empty());
@@ -90,6 +97,13 @@ TEST(LabFile, SaysTheLineOfEachErrorAndWhatToWrite) {
        "lab.toml:2: objects.RX90.allow.user: this key is unknown; did you mean users?"},
       {"[objects.RX90]\nalow = []",
        "lab.toml:2: objects.RX90.alow: this key is unknown; did you mean allow?"},
+      {"[objects.RX90]\nzone = 1",
+       "lab.toml:2: objects.RX90.zone: the name of a zone is expected, for example zone = "
+       "\"CELL\""},
+      {"[objects.CELL]\nzone = \"CELL\"",
+       "lab.toml:2: objects.CELL.zone: a zone cannot be in itself"},
+      {"[objects.BROKER]\nzone = \"CELL\"",
+       "lab.toml:2: objects.BROKER.zone: the broker moves nothing"},
       {"[clock]\nsped = 10", "lab.toml:2: clock.sped: this key is unknown; did you mean speed?"},
       {"clock = 10", "lab.toml:1: clock: a table is expected"},
       {"[broker]\nadress = \"shm\"",
@@ -111,7 +125,7 @@ TEST(LabFile, SaysTheLineOfEachErrorAndWhatToWrite) {
        "may connect"},
       {"[broker]\n\n[objects.RX90]\n",
        "lab.toml:3: objects.RX90: this table is empty; write users = […] below "
-       "[objects.RX90.allow]"},
+       "[objects.RX90.allow], or zone = \"…\""},
       {"allow = 3", "lab.toml:1: allow: a table is expected"},
       {"objects = []", "lab.toml:1: objects: a table is expected"},
       {"[objects]\nRX90 = 1", "lab.toml:2: objects.RX90: a table is expected"},

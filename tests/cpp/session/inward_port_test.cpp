@@ -85,7 +85,9 @@ class Port : public ::testing::Test {
   FakeClock clock_;
   PauseWatch pauses_;
   NameClaim claim_;
-  InwardPort port_{stream, clock_, pauses_, claim_};
+  access::ObjectPresence presence_{"CELL"};
+  access::ObjectPresence no_zone_{""};
+  InwardPort port_{stream, clock_, pauses_, claim_, no_zone_};
   Sender ada_{9};
   RawInward raw_;
 };
@@ -131,11 +133,32 @@ TEST_F(Port, ASampleThatIsOlderThanTheWatchdogIsRefused) {
       "admitted 1, too_old 1; the sample is older than the watchdog or the lifespan of the stream");
 }
 
+TEST_F(Port, ASampleIsRefusedWhileNobodyIsPresentInTheZone) {
+  InwardPort port(stream, clock_, pauses_, claim_, presence_);
+  InwardDescription anyway = stream;
+  anyway.presence = false;
+  InwardPort unguarded(anyway, clock_, pauses_, claim_, presence_);
+  port.add(ada_.feeder());
+  unguarded.add(ada_.feeder());
+  const auto send_and_take = [&](double value) {
+    ada_.send(value, clock_.since_boot());
+    EXPECT_TRUE(unguarded.next(raw_, Unfed::Taken)) << "@presence(FALSE)";
+    return port.next(raw_, Unfed::Taken);
+  };
+  EXPECT_FALSE(send_and_take(1));
+  presence_.take({true, 1, "anna has checked in"}, clock_.since_boot(), clock_.since_boot());
+  EXPECT_TRUE(send_and_take(2));
+  clock_.advance(1s);
+  EXPECT_FALSE(send_and_take(3));
+  EXPECT_EQ(in_words(port.report()),
+            "admitted 1, no_status 2; nobody is known to be present in the zone of the object");
+}
+
 TEST_F(Port, ASampleThatIsOlderThanItsLifespanIsRefusedAlsoWithoutAWatchdog) {
   InwardDescription brief = stream;
   brief.watchdog = {};
   brief.quality.lifespan = 20ms;
-  InwardPort port(brief, clock_, pauses_, claim_);
+  InwardPort port(brief, clock_, pauses_, claim_, no_zone_);
   port.add(ada_.feeder());
   ada_.send(1, clock_.since_boot());
   ada_.send(2, clock_.since_boot() + 1ns);
@@ -273,7 +296,7 @@ TEST_F(Port, SamplesWaitWhileTheBrokerIsAskedForTheNameAndAreRefusedWhenItDoesNo
             "admitted 1, no_status 1; the broker does not confirm the name of the object");
   constexpr InwardDescription remarks{
       .code = FunctionCode{301}, .name = "remark", .status = access::Status::Sensor};
-  InwardPort harmless(remarks, clock_, pauses_, claim_);
+  InwardPort harmless(remarks, clock_, pauses_, claim_, presence_);
   ada_.standing->set(access::Status::Sensor, Epoch{3});
   harmless.add(ada_.feeder());
   ada_.send(3, clock_.since_boot());

@@ -38,13 +38,15 @@ struct NameOwner {
   std::string place;  ///< for messages, for example "[names] in /etc/gecos/lab.toml:3"
 };
 
-/// The rules of a lab file: which users may connect to objects, and which users may serve objects.
+/// The rules of a lab file: which users may connect to objects, which users may serve objects, and
+/// in which zone an object is.
 struct LabAccess {
   std::string file;                            ///< for messages; "" if there is no lab file
   std::optional<AllowList> general{};          ///< for the objects that have no list of their own
   std::map<std::string, AllowList> objects{};  ///< by the name of the object, in place of `general`
   std::optional<AllowList> admin{};            ///< who may end the status of other users
   std::map<std::string, NameOwner> names{};    ///< by the name of the object
+  std::map<std::string, std::string> zones{};  ///< the zone of each object that is in one
 };
 
 enum class AccessRule {

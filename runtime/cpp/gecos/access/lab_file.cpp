@@ -21,7 +21,7 @@ constexpr std::array<std::string_view, 7> known_tables = {"admin", "allow",   "b
 constexpr std::array<std::string_view, 2> broker_keys = {"address", "start"};
 constexpr std::array<std::string_view, 1> clock_keys = {"speed"};
 constexpr std::array<std::string_view, 4> program_keys = {"environment", "ready", "restart", "run"};
-constexpr std::array<std::string_view, 1> object_keys = {"allow"};
+constexpr std::array<std::string_view, 2> object_keys = {"allow", "zone"};
 constexpr std::array<std::string_view, 2> allow_keys = {"hosts", "users"};
 
 /// Returns how many letters must be added, removed or replaced to make `two` of `one`.
@@ -73,13 +73,7 @@ class LabFileReader {
     if (const auto* admin = find(root, "admin", "admin")) lab.admin = list_of(*admin, "admin");
     if (const auto* allow = find(root, "allow", "allow")) lab.general = list_of(*allow, "allow");
     for_each_table(root, "objects", [&](const auto& name, const auto& table, const auto& place) {
-      admit_only(table, place + ".", object_keys);
-      const auto* const allow = find(table, "allow", place + ".allow");
-      if (allow == nullptr) {
-        refuse(table.source(), place,
-               "this table is empty; write users = […] below [" + place + ".allow]");
-      }
-      lab.objects.emplace(name, list_of(*allow, place + ".allow"));
+      read_object(lab, name, table, place);
     });
     if (const auto* names = find(root, "names", "names")) {
       for (const auto& [name, owner] : *names) {
@@ -120,6 +114,33 @@ class LabFileReader {
       const std::string place = within + "." + name;
       visit(name, *find(*all, name, place), place);
     }
+  }
+
+  void read_object(LabAccess& lab, const std::string& name, const toml::table& table,
+                   const std::string& place) const {
+    admit_only(table, place + ".", object_keys);
+    if (table.empty()) {
+      refuse(table.source(), place,
+             "this table is empty; write users = […] below [" + place + ".allow], or zone = \"…\"");
+    }
+    const auto* const allow = find(table, "allow", place + ".allow");
+    if (allow != nullptr) lab.objects.emplace(name, list_of(*allow, place + ".allow"));
+    if (const toml::node* const zone = table.get("zone")) {
+      lab.zones.emplace(name, zone_of(name, *zone, place + ".zone"));
+    }
+  }
+
+  std::string zone_of(const std::string& object, const toml::node& value,
+                      const std::string& place) const {
+    std::string zone = value.value_or(std::string());
+    if (zone.empty()) {
+      refuse(value.source(), place, "the name of a zone is expected, for example zone = \"CELL\"");
+    }
+    if (zone == object || object == broker_object) {
+      refuse(value.source(), place,
+             zone == object ? "a zone cannot be in itself" : "the broker moves nothing");
+    }
+    return zone;
   }
 
   AllowList list_of(const toml::table& table, const std::string& place) const {

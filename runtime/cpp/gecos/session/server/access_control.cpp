@@ -120,6 +120,12 @@ tl::expected<void, std::string> AccessControl::read() {
   return tl::unexpected(to_string(*error));
 }
 
+std::string AccessControl::zone_of(const std::string& object) {
+  const MutexLock lock(mutex_);
+  const auto found = policy_.lab.zones.find(object);
+  return found == policy_.lab.zones.end() ? std::string() : found->second;
+}
+
 void AccessControl::allow(std::vector<std::string> users, std::vector<std::string> hosts) {
   const MutexLock lock(mutex_);
   policy_.program = access::AllowList{std::move(users), std::move(hosts),

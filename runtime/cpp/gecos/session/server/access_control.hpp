@@ -26,6 +26,10 @@ class AccessControl {
   /// correct.
   tl::expected<void, std::string> read();
 
+  /// Returns the zone in which the lab file, as it was read last, places an object; an empty text
+  /// for an object in no zone.
+  std::string zone_of(const std::string& object);
+
   /// Admits these users and hosts. They replace the users and hosts of an earlier call.
   void allow(std::vector<std::string> users, std::vector<std::string> hosts);
 

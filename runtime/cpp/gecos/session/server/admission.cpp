@@ -96,6 +96,22 @@ std::optional<Failure> refusal_to_start(const CallRequest& call, const Admitting
   return denied(may.error(), call, object);
 }
 
+bool needs_presence(const OperationDescription& operation) {
+  return operation.presence && commands_the_object(operation);
+}
+
+std::optional<Failure> refusal_for_absence(const OperationDescription& operation,
+                                           std::string_view object,
+                                           const access::ObjectPresence& presence,
+                                           TimePoint since_boot) {
+  if (!needs_presence(operation) || presence.present(since_boot)) return std::nullopt;
+  return Failure{Detail::PresenceLost,
+                 "'" + std::string(operation.name) + "' of " + std::string(object) +
+                     " was not started: " + presence.text(since_boot),
+                 {},
+                 {}};
+}
+
 Failure not_in_time(const OperationDescription& operation, bool missed_start) {
   const std::string name = "'" + std::string(operation.name) + "'";
   const std::string why =

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "gecos/access/lease_table.hpp"
+#include "gecos/access/object_presence.hpp"
 #include "gecos/command.hpp"
 #include "gecos/description.hpp"
 #include "gecos/session/server/name_claim.hpp"
@@ -52,6 +53,16 @@ struct CallerState {
 /// the call must not start any more.
 std::optional<Failure> refusal_to_start(const CallRequest& call, const AdmittingObject& object,
                                         const CallerState& caller, std::optional<Failure> late);
+
+/// True when calls of `operation` need a person in the zone of the object.
+bool needs_presence(const OperationDescription& operation);
+
+/// Returns why a call of `operation` must neither be queued nor start: it needs a person, and
+/// nobody is known to be present in the zone of `object`. Otherwise returns nullopt.
+std::optional<Failure> refusal_for_absence(const OperationDescription& operation,
+                                           std::string_view object,
+                                           const access::ObjectPresence& presence,
+                                           TimePoint since_boot);
 
 /// Returns the failure of a call that did not start before its deadline, or if `missed_start`, not
 /// within the `start_by` of its operation.

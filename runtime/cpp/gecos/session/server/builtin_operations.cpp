@@ -66,7 +66,9 @@ void BuiltinOperations::describe(ServerSession& session, std::uint64_t counter) 
   about.version = setup_.interface.version;
   about.interface_hash = setup_.interface.hash;
   about.simulated = setup_.options.simulated;
-  about.presence = setup_.options.simulated ? "not required (simulated)" : "not checked yet";
+  about.presence = presence_.required()       ? presence_.text(setup_.clock().since_boot())
+                   : setup_.options.simulated ? "not required (simulated)"
+                                              : "not checked: the object is in no zone";
   about.authentication =
       session.connection().peer().uid ? "user and process, named by the kernel"
       : session.connection().capabilities().reach != media::Reach::Network

@@ -18,10 +18,12 @@ namespace gecos::session {
 /// operations in addition to those of its interface. Not thread-safe: the object's mutex guards it.
 class BuiltinOperations {
  public:
-  BuiltinOperations(const ObjectSetup& setup, const NameClaim& claim, ObjectCalls& calls,
+  BuiltinOperations(const ObjectSetup& setup, const NameClaim& claim,
+                    const access::ObjectPresence& presence, ObjectCalls& calls,
                     StatusGrants& statuses, UserCallbacks& user_callbacks)
       : setup_(setup),
         claim_(claim),
+        presence_(presence),
         calls_(calls),
         statuses_(statuses),
         user_callbacks_(user_callbacks) {}
@@ -60,6 +62,7 @@ class BuiltinOperations {
 
   const ObjectSetup& setup_;
   const NameClaim& claim_;
+  const access::ObjectPresence& presence_;
   ObjectCalls& calls_;
   StatusGrants& statuses_;
   UserCallbacks& user_callbacks_;

@@ -9,10 +9,11 @@ namespace gecos::session {
 HostState::HostState(ObjectSetup its_setup)
     : setup(std::move(its_setup)),
       user_callbacks(setup.runtime->maintenance(), setup.name),
+      presence(setup.zone),
       calls(setup, ready, *this),
       statuses(setup, claim, calls, *this),
-      starts(setup, ready, claim, statuses, calls),
-      packets(setup, claim, calls, statuses, user_callbacks),
+      starts(setup, ready, claim, presence, statuses, calls),
+      packets(setup, claim, presence, calls, statuses, user_callbacks),
       passwords(setup.name) {}
 
 void HostState::commands_ended(SessionId client) {

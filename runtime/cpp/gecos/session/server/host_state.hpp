@@ -2,6 +2,7 @@
 
 #include <atomic>
 
+#include "gecos/access/object_presence.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/session/server/name_claim.hpp"
 #include "gecos/session/server/object_calls.hpp"
@@ -27,6 +28,7 @@ struct HostState final : private ObjectCalls::Observer, private StatusGrants::Pr
 
   FutexMutex mutex;
   NameClaim claim GECOS_GUARDED_BY(mutex);
+  access::ObjectPresence presence GECOS_GUARDED_BY(mutex);
   ObjectCalls calls GECOS_GUARDED_BY(mutex);
   StatusGrants statuses GECOS_GUARDED_BY(mutex);
   StartGate starts GECOS_GUARDED_BY(mutex);

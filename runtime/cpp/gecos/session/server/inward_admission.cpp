@@ -14,6 +14,8 @@ std::string_view describe(InwardVerdict verdict) {
       return "the sender does not have the status, or the status has ended";
     case InwardVerdict::NameUnconfirmed:
       return "the broker does not confirm the name of the object";
+    case InwardVerdict::NobodyPresent:
+      return "nobody is known to be present in the zone of the object";
     case InwardVerdict::CommandNotRunning:
       return "its command does not run";
     case InwardVerdict::TooOld:
@@ -30,6 +32,7 @@ InwardVerdict InwardAdmission::judge(const InwardHeader& sample, std::uint64_t s
   if (!sender.alive) return InwardVerdict::SessionEnded;
   if (sample.epoch != sender.epoch) return InwardVerdict::OtherEpoch;
   if (sender.name_unconfirmed) return InwardVerdict::NameUnconfirmed;
+  if (sender.nobody_present) return InwardVerdict::NobodyPresent;
   if (sample.command != sender.feeding) return InwardVerdict::CommandNotRunning;
   if (age.age > age.limit) return InwardVerdict::TooOld;
   if (sequence <= newest_) return InwardVerdict::NotNewer;

@@ -16,6 +16,7 @@ enum class InwardVerdict {
   SessionEnded,       ///< the session ended, or is lost
   OtherEpoch,         ///< the client's status has ended, or is another one
   NameUnconfirmed,    ///< the broker does not confirm the name of the object
+  NobodyPresent,      ///< nobody is known to be present in the zone of the object
   CommandNotRunning,  ///< the command does not run: it waits, has ended, or takes no samples
   TooOld,             ///< older than the watchdog or the lifespan of the stream
   NotNewer,           ///< an admitted sample of this stream is as new, or newer
@@ -35,6 +36,7 @@ struct InwardSender {
   std::optional<std::uint64_t> feeding{};
   /// the stream moves the object, and another server may have its name (NameClaim)
   bool name_unconfirmed = false;
+  bool nobody_present = false;  ///< the stream needs a person in the zone of the object
 };
 
 /// The age of a sample, and the limit above which samples have no effect.

@@ -38,6 +38,7 @@ void InwardPort::count(Counts& counts, InwardVerdict verdict) {
       return;
     case InwardVerdict::OtherEpoch:
     case InwardVerdict::NameUnconfirmed:
+    case InwardVerdict::NobodyPresent:
       ++numbers.no_status;
       return;
     case InwardVerdict::CommandNotRunning:
@@ -164,7 +165,7 @@ InwardVerdict InwardPort::judge(Source& source, RawInward& into, const Look& loo
     if (limit > Duration{}) age.limit = std::min(age.limit, limit);
   }
   const InwardVerdict verdict = source.admission.judge(
-      sample->header, into.sample.sequence, sender_of(source, sample->header, look.unfed), age);
+      sample->header, into.sample.sequence, sender_of(source, sample->header, look), age);
   if (verdict != InwardVerdict::Admitted) return verdict;
   fresh_before_ = fresh_at_;
   fresh_at_ = fresh_at_ ? std::max(*fresh_at_, by_our_clock) : by_our_clock;
@@ -176,7 +177,7 @@ InwardVerdict InwardPort::judge(Source& source, RawInward& into, const Look& loo
 }
 
 InwardSender InwardPort::sender_of(const Source& source, const InwardHeader& header,
-                                   Unfed unfed) const {
+                                   const Look& look) const {
   InwardSender sender;
   sender.session = source.feeder.session;
   sender.alive = source.feeder.standing != nullptr;
@@ -184,7 +185,8 @@ InwardSender InwardPort::sender_of(const Source& source, const InwardHeader& hea
   // A stream that needs no status has no epoch, so the epoch is not checked.
   if (sender.epoch && !moves_the_object()) sender.epoch = header.epoch;
   sender.name_unconfirmed = moves_the_object() && claim_.refuses();
-  sender.feeding = fed_by(sender.session, unfed);
+  sender.nobody_present = moves_the_object() && stream_.presence && !presence_.present(look.now);
+  sender.feeding = fed_by(sender.session, look.unfed);
   return sender;
 }
 

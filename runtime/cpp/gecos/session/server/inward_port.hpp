@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "gecos/access/object_presence.hpp"
 #include "gecos/base/clock.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/inward.hpp"
@@ -37,8 +38,8 @@ class InwardPort final : public InwardCore {
  public:
   /// All arguments must outlive the port.
   InwardPort(const InwardDescription& stream, const Clock& clock, const PauseWatch& pauses,
-             const NameClaim& claim)
-      : stream_(stream), clock_(clock), pauses_(pauses), claim_(claim) {}
+             const NameClaim& claim, const access::ObjectPresence& presence)
+      : stream_(stream), clock_(clock), pauses_(pauses), claim_(claim), presence_(presence) {}
 
   const InwardDescription& stream() const { return stream_; }
   /// Adds the stream of a session. The new stream replaces an earlier stream of the same session,
@@ -92,7 +93,7 @@ class InwardPort final : public InwardCore {
   bool moves_the_object() const { return stream_.status != access::Status::Sensor; }
   bool next_of(Source& source, RawInward& into, const Look& look) GECOS_REQUIRES(mutex_);
   InwardVerdict judge(Source& source, RawInward& into, const Look& look) GECOS_REQUIRES(mutex_);
-  InwardSender sender_of(const Source& source, const InwardHeader& header, Unfed unfed) const
+  InwardSender sender_of(const Source& source, const InwardHeader& header, const Look& look) const
       GECOS_REQUIRES(mutex_);
   std::optional<std::uint64_t> fed_by(SessionId session, Unfed unfed) const GECOS_REQUIRES(mutex_);
   bool expired_now() const GECOS_REQUIRES(mutex_);
@@ -102,6 +103,7 @@ class InwardPort final : public InwardCore {
   const Clock& clock_;
   const PauseWatch& pauses_;
   const NameClaim& claim_;
+  const access::ObjectPresence& presence_;
   Mutex mutex_;
   std::vector<std::unique_ptr<Source>> sources_ GECOS_GUARDED_BY(mutex_);
   std::size_t turn_ GECOS_GUARDED_BY(mutex_) = 0;      ///< the source that is read first

@@ -11,13 +11,15 @@ namespace gecos::session {
 
 ObjectHost::ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
                        ObjectOptions options, std::shared_ptr<audit::Audit> audit,
-                       UserRights rights)
+                       UserRights rights, std::string zone)
     : state_({std::move(runtime), name, servant, servant.gecos_interface(), std::move(options),
-              std::make_shared<ObjectAudit>(name, std::move(audit)), std::move(rights)}),
+              std::make_shared<ObjectAudit>(name, std::move(audit)), std::move(rights),
+              std::move(zone)}),
       waits_(state_),
       name_confirmation_(state_),
+      presence_(state_),
       streams_(state_.setup.name, state_.setup.interface),
-      inward_(state_.setup, state_.claim),
+      inward_(state_.setup, state_.claim, state_.presence),
       runner_(state_) {}
 
 PeerLiveness::Bounds ObjectHost::bounds_of_clients() const {
@@ -95,13 +97,17 @@ void ObjectHost::depart(const std::shared_ptr<ServerSession>& session, Departure
 // The maintenance thread
 
 void ObjectHost::after_pause(Duration stood_still) {
+  {
+    const MutexLock lock(state_.mutex);
+    state_.calls.end_commands(
+        [](const ServerCall& call) { return !call.state.queued(); },
+        Failure{Detail::Fault,
+                "the server " + stood_still_for(stood_still) + " while the command was running",
+                {},
+                {}});
+  }
+  presence_.forget("the server of the object " + stood_still_for(stood_still));
   const MutexLock lock(state_.mutex);
-  state_.calls.end_commands(
-      [](const ServerCall& call) { return !call.state.queued(); },
-      Failure{Detail::Fault,
-              "the server " + stood_still_for(stood_still) + " while the command was running",
-              {},
-              {}});
   if (state_.claim.standing() == NameClaim::Standing::Unregistered) return;
   if (stood_still > state_.setup.runtime->registration_ttl()) state_.claim.ask();
 }
@@ -113,6 +119,7 @@ TimePoint ObjectHost::on_tick(TimePoint now) {
     state_.calls.on_tick(now);
     state_.setup.audit->on_tick();
   }
+  presence_.on_tick();
   waits_.end_endless(now);
   // Starts calls that can start now and that no other thread starts, because the client is gone or
   // the polling thread sleeps.

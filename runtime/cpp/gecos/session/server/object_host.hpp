@@ -16,6 +16,7 @@
 #include "gecos/session/server/name_confirmation.hpp"
 #include "gecos/session/server/object_inward.hpp"
 #include "gecos/session/server/object_streams.hpp"
+#include "gecos/session/server/presence_guard.hpp"
 #include "gecos/session/server/server_session.hpp"
 
 namespace gecos::session {
@@ -28,7 +29,7 @@ class ObjectHost final : public Publisher {
   /// `audit`: null if nothing is recorded.
   ObjectHost(std::shared_ptr<Runtime> runtime, std::string name, Servant& servant,
              ObjectOptions options, std::shared_ptr<audit::Audit> audit = nullptr,
-             UserRights rights = {});
+             UserRights rights = {}, std::string zone = {});
   /// Ends the user callbacks first, so that no callback uses destroyed members.
   ~ObjectHost() override { state_.user_callbacks.end(); }
   ObjectHost(const ObjectHost&) = delete;
@@ -41,6 +42,7 @@ class ObjectHost final : public Publisher {
   CallRunner& runner() { return runner_; }
   HandlerWaits& waits() { return waits_; }
   NameConfirmation& name_confirmation() { return name_confirmation_; }
+  PresenceGuard& presence() { return presence_; }
   ObjectStreams& streams() { return streams_; }
   const ObjectInward& inward() const { return inward_; }
 
@@ -97,6 +99,7 @@ class ObjectHost final : public Publisher {
   HostState state_;
   HandlerWaits waits_;
   NameConfirmation name_confirmation_;
+  PresenceGuard presence_;
   ObjectStreams streams_;
   ObjectInward inward_;
   CallRunner runner_;  ///< last member, so that its threads end first

@@ -7,9 +7,11 @@
 
 namespace gecos::session {
 
-ObjectInward::ObjectInward(const ObjectSetup& setup, const NameClaim& claim) {
+ObjectInward::ObjectInward(const ObjectSetup& setup, const NameClaim& claim,
+                           const access::ObjectPresence& presence) {
   for (const InwardDescription* stream : setup.interface.all_inward_streams()) {
-    ports_.push_back(std::make_unique<InwardPort>(*stream, setup.clock(), setup.pauses(), claim));
+    ports_.push_back(
+        std::make_unique<InwardPort>(*stream, setup.clock(), setup.pauses(), claim, presence));
   }
 }
 

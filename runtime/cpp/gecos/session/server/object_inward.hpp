@@ -17,7 +17,8 @@ class ServerSession;
 class ObjectInward {
  public:
   /// The pauses and the name of the object, for InwardPort.
-  ObjectInward(const ObjectSetup& setup, const NameClaim& claim);
+  ObjectInward(const ObjectSetup& setup, const NameClaim& claim,
+               const access::ObjectPresence& presence);
 
   /// Returns the port of the stream with this code; null when the interface has no such stream.
   InwardPort* find(FunctionCode code) const;

@@ -29,6 +29,7 @@ struct ObjectSetup {
   ObjectOptions options;
   std::shared_ptr<ObjectAudit> audit;  ///< guarded by the object's mutex
   UserRights rights;
+  std::string zone;  ///< in which the object is; empty if it is in none
 
   const Clock& clock() const { return runtime->clock(); }
   PauseWatch& pauses() const { return runtime->maintenance().pauses(); }

@@ -20,6 +20,7 @@
 #include "gecos/session/server/io_loop.hpp"
 #include "gecos/session/server/object_host.hpp"
 #include "gecos/session/server/registrar.hpp"
+#include "gecos/session/server/zone_watch.hpp"
 
 namespace gecos {
 
@@ -56,6 +57,7 @@ class Server::Core {
         connections_(std::make_shared<session::ConnectionAudit>(audit_)),
         io_(lab_->runtime(), access_),
         registrar_(lab_),
+        zones_(lab_->runtime()),
         upkeep_(std::make_shared<Upkeep>(*this)) {
     session::TerminationSignals::prepare();
     lab_->runtime()->maintenance().add(upkeep_);
@@ -100,6 +102,7 @@ class Server::Core {
   EventFd ended_;
   session::IoLoop io_;
   session::Registrar registrar_;
+  session::ZoneWatches zones_ GECOS_GUARDED_BY(mutex_);
   std::shared_ptr<Upkeep> upkeep_;
 };
 
@@ -140,6 +143,7 @@ Server::Core::~Core() {
     upkeep_->core = nullptr;
   }
   const MutexLock objects(mutex_);
+  zones_.end();
   for (const auto& object : objects_) object->close();
   for (const auto& object : objects_) object->join();
   io_.end();
@@ -230,14 +234,16 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
   }
   auto opened = open_places(name, options);
   if (!opened) return tl::unexpected(opened.error());
+  const std::string zone = access_->zone_of(name);
   auto object = std::make_shared<ObjectHost>(lab_->runtime(), name, servant, std::move(options),
-                                             audit_, rights());
+                                             audit_, rights(), zone);
   // Another thread may have added the servant meanwhile.
   if (!servant.gecos_attach(object)) return served_already(name, servant);
   for (auto& acceptor : opened->acceptors) io_.serve(object, std::move(acceptor));
   {
     const MutexLock lock(mutex_);
     objects_.push_back(object);
+    if (!zone.empty()) zones_.add(zone, object);
   }
   if (well_known) return {};
   if (auto enlisted = registrar_.add(object, std::move(opened->addresses)); !enlisted) {

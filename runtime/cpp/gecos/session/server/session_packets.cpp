@@ -268,6 +268,12 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
                            statuses_.admitting(), claim_, calls_.queue(), closed_)) {
     return refuse(*refusal);
   }
+  if (presence_.required()) {
+    if (const auto refusal =
+            refusal_for_absence(operation, setup_.name, presence_, setup_.clock().since_boot())) {
+      return refuse(*refusal);
+    }
+  }
   auto call = make_recycled<ServerCall>(session, operation, packet.header.counter,
                                         packet.header.epoch, packet.body);
   if (log_enabled(level_of(operation))) call->arrived = setup_.clock().now();

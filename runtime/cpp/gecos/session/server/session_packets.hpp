@@ -22,13 +22,15 @@ namespace gecos::session {
 /// Not thread-safe: the object's mutex guards it.
 class SessionPackets {
  public:
-  SessionPackets(const ObjectSetup& setup, const NameClaim& claim, ObjectCalls& calls,
-                 StatusGrants& statuses, UserCallbacks& user_callbacks)
+  SessionPackets(const ObjectSetup& setup, const NameClaim& claim,
+                 const access::ObjectPresence& presence, ObjectCalls& calls, StatusGrants& statuses,
+                 UserCallbacks& user_callbacks)
       : setup_(setup),
         claim_(claim),
+        presence_(presence),
         calls_(calls),
         statuses_(statuses),
-        builtin_(setup, claim, calls, statuses, user_callbacks) {}
+        builtin_(setup, claim, presence, calls, statuses, user_callbacks) {}
 
   void take(const std::shared_ptr<ServerSession>& session, ByteView bytes);
   /// Ends the deferred calls of `session`. Must be called when its connection has ended.
@@ -75,6 +77,7 @@ class SessionPackets {
 
   const ObjectSetup& setup_;
   const NameClaim& claim_;
+  const access::ObjectPresence& presence_;
   ObjectCalls& calls_;
   StatusGrants& statuses_;
   BuiltinOperations builtin_;

@@ -44,12 +44,16 @@ bool StartGate::may_start(ServerCall& call) {
       late = not_in_time(call.operation(), call.state.misses_start(now));
     }
   }
-  const auto refusal = refusal_to_start({call.operation(), call.client, call.epoch, call.counter},
-                                        statuses_.admitting(),
-                                        {.gone = caller.closed && !caller.parted_in_order,
-                                         .withdrawn = caller.intake.withdrawn(),
-                                         .unheard = caller.heartbeats.awaited},
-                                        std::move(late));
+  auto refusal = refusal_to_start({call.operation(), call.client, call.epoch, call.counter},
+                                  statuses_.admitting(),
+                                  {.gone = caller.closed && !caller.parted_in_order,
+                                   .withdrawn = caller.intake.withdrawn(),
+                                   .unheard = caller.heartbeats.awaited},
+                                  std::move(late));
+  if (!refusal && presence_.required()) {
+    refusal =
+        refusal_for_absence(call.operation(), setup_.name, presence_, setup_.clock().since_boot());
+  }
   if (refusal) calls_.end(call, *refusal);
   return !refusal;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "gecos/access/object_presence.hpp"
 #include "gecos/session/process/pause_watch.hpp"
 #include "gecos/session/server/name_claim.hpp"
 #include "gecos/session/server/object_calls.hpp"
@@ -20,13 +21,20 @@ enum class Starter : std::uint8_t {
 };
 
 /// Decides which queued call of one object starts next. Does not let a call start while a pause of
-/// this process is not judged, while a heartbeat of its client is awaited, or while the broker has
-/// not confirmed the name of the object. Not thread-safe: the object's mutex guards it.
+/// this process is not judged, while a heartbeat of its client is awaited, while the broker has
+/// not confirmed the name of the object, or while nobody is present in the object's zone. Not
+/// thread-safe: the object's mutex guards it.
 class StartGate {
  public:
   StartGate(const ObjectSetup& setup, std::atomic<bool>& ready, const NameClaim& claim,
-            const StatusGrants& statuses, ObjectCalls& calls)
-      : setup_(setup), ready_(ready), claim_(claim), statuses_(statuses), calls_(calls) {}
+            const access::ObjectPresence& presence, const StatusGrants& statuses,
+            ObjectCalls& calls)
+      : setup_(setup),
+        ready_(ready),
+        claim_(claim),
+        presence_(presence),
+        statuses_(statuses),
+        calls_(calls) {}
 
   /// Removes the next call that may start from the queue and returns it; null when there is none.
   /// Marks the call as started if the thread of kind `starter` runs the handler itself. Ends calls
@@ -48,6 +56,7 @@ class StartGate {
   const ObjectSetup& setup_;
   std::atomic<bool>& ready_;
   const NameClaim& claim_;
+  const access::ObjectPresence& presence_;
   const StatusGrants& statuses_;
   ObjectCalls& calls_;
   PauseWatch::Checked pause_;  ///< the last check for a pause

@@ -1,0 +1,114 @@
+#include "gecos/session/server/zone_watch.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "gecos/base/thread.hpp"
+#include "gecos/presence_interface.hpp"  // generated from idl/gecos/presence.gidl
+#include "gecos/presence_types.hpp"      // generated from idl/gecos/presence.gidl
+#include "gecos/session/client/context.hpp"
+#include "gecos/session/server/object_host.hpp"
+#include "gecos/wire/fields.hpp"
+
+namespace gecos::session {
+namespace {
+
+/// How long one try to reach the zone may take. The end of the watch waits for it.
+constexpr Duration zone_patience = std::chrono::milliseconds(500);
+constexpr Duration between_zone_tries = std::chrono::milliseconds(100);
+
+}  // namespace
+
+ZoneWatch::ZoneWatch(std::shared_ptr<Runtime> runtime, std::string zone)
+    : zone_(std::move(zone)), lab_(std::make_shared<Context>(std::move(runtime))) {
+  thread_ = start_thread("gecos-zone", [this] { run(); });
+}
+
+ZoneWatch::~ZoneWatch() {
+  {
+    const MutexLock lock(mutex_);
+    ended_ = true;
+  }
+  ending_.notify_all();
+  thread_.join();
+}
+
+void ZoneWatch::add(const std::shared_ptr<ObjectHost>& object) {
+  const MutexLock lock(mutex_);
+  objects_.push_back(object);
+}
+
+void ZoneWatch::run() {
+  do {
+    const auto made =
+        create(lab_, ZoneInterface::description, {zone_}, {.patience = zone_patience});
+    if (!made) {
+      tell_unknown("the zone cannot be reached (" + made.error().to_string() + ")");
+      continue;
+    }
+    const auto reports = made->session->subscribe(ZoneInterface::presence_stream);
+    if (!reports) {
+      tell_unknown("the zone does not report (" + reports.error().text + ")");
+      continue;
+    }
+    follow(**reports);
+  } while (rest());
+}
+
+void ZoneWatch::follow(StreamCore& reports) {
+  RawSample sample;
+  while (!ended()) {
+    if (const auto got = reports.next(sample, deadline_after(between_zone_tries)); !got) {
+      if (got.error() != StreamEnd::Lost && !reports.lost()) continue;
+      return tell_unknown("the session with its server ended; start the server again");
+    }
+    wire::Decoder from(sample.bytes);
+    ZonePresence report;
+    if (!wire::get_block(from, report, "presence")) {
+      tell_unknown("its report does not decode; update its server");
+      continue;
+    }
+    each([&](ObjectHost& object) {
+      object.presence().take({report.present, report.spell, report.why}, sample.measured);
+    });
+  }
+}
+
+void ZoneWatch::tell_unknown(const std::string& why) {
+  each([&](ObjectHost& object) { object.presence().forget(why); });
+}
+
+template <class Tell>
+void ZoneWatch::each(Tell tell) {
+  std::vector<std::shared_ptr<ObjectHost>> alive;
+  {
+    const MutexLock lock(mutex_);
+    for (const auto& object : objects_) {
+      if (auto one = object.lock()) alive.push_back(std::move(one));
+    }
+  }
+  for (const auto& object : alive) tell(*object);
+}
+
+bool ZoneWatch::ended() {
+  const MutexLock lock(mutex_);
+  return ended_;
+}
+
+bool ZoneWatch::rest() {
+  const TimePoint until = deadline_after(between_zone_tries);
+  MutexLock lock(mutex_);
+  while (!ended_ && ending_.wait_until(lock, until)) {
+  }
+  return !ended_;
+}
+
+void ZoneWatches::add(const std::string& zone, const std::shared_ptr<ObjectHost>& object) {
+  const auto found =
+      std::ranges::find_if(watches_, [&](const auto& watch) { return watch->zone() == zone; });
+  if (found != watches_.end()) return (*found)->add(object);
+  watches_.push_back(std::make_unique<ZoneWatch>(runtime_, zone));
+  watches_.back()->add(object);
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "gecos/base/mutex.hpp"
+#include "gecos/lab.hpp"
+
+namespace gecos::session {
+
+class ObjectHost;
+class Runtime;
+
+/// Reads from a zone (idl/gecos/presence.gidl) whether a person is present, and tells the objects
+/// of a server that are in the zone. While the zone cannot be reached, tells them why. Has a
+/// session of its own with the broker and the zone, which closing the Lab of the program does not
+/// end.
+class ZoneWatch {
+ public:
+  ZoneWatch(std::shared_ptr<Runtime> runtime, std::string zone);
+  ~ZoneWatch();
+  ZoneWatch(const ZoneWatch&) = delete;
+  ZoneWatch& operator=(const ZoneWatch&) = delete;
+
+  const std::string& zone() const { return zone_; }
+  void add(const std::shared_ptr<ObjectHost>& object);
+
+ private:
+  void run();
+  /// Tells the objects what the zone reports until the session with it ends.
+  void follow(StreamCore& reports);
+  void tell_unknown(const std::string& why);
+  /// Calls `tell` for each object that still exists.
+  template <class Tell>
+  void each(Tell tell);
+  bool ended();
+  /// Sleeps a while before the next try. Returns false when the watch ends.
+  bool rest();
+
+  const std::string zone_;
+  const LabOrWhyNot lab_;
+  Mutex mutex_;
+  ConditionVariable ending_;
+  std::vector<std::weak_ptr<ObjectHost>> objects_ GECOS_GUARDED_BY(mutex_);
+  bool ended_ GECOS_GUARDED_BY(mutex_) = false;
+  std::thread thread_;  ///< own thread, because the search for a zone blocks
+};
+
+/// The zones in which objects of one server are. Not thread-safe.
+class ZoneWatches {
+ public:
+  explicit ZoneWatches(std::shared_ptr<Runtime> runtime) : runtime_(std::move(runtime)) {}
+
+  /// Tells `object`, which is in `zone`, from now on whether a person is present.
+  void add(const std::string& zone, const std::shared_ptr<ObjectHost>& object);
+  void end() { watches_.clear(); }
+
+ private:
+  const std::shared_ptr<Runtime> runtime_;
+  std::vector<std::unique_ptr<ZoneWatch>> watches_;
+};
+
+}  // namespace gecos::session

@@ -1,0 +1,172 @@
+// An object that the lab file places in a zone moves only while the zone reports that a person is
+// present, over every medium.
+#include <chrono>
+#include <condition_variable>
+#include <fstream>
+#include <mutex>
+#include <thread>
+
+#include "../media/scratch_directory.hpp"
+#include "gecos/presence_server.hpp"  // generated from idl/gecos/presence.gidl
+#include "over_media.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+using gecos::Detail;
+
+/// Reports ten times a second, and at once, what the test says.
+class ReportingZone final : public gecos::ZoneServant {
+ public:
+  ReportingZone() : beat_([this](const std::stop_token& end) { run(end); }) {}
+
+  void say(bool present, const std::string& why) {
+    const std::lock_guard lock(mutex_);
+    silent_ = false;
+    if (present && !report_.present) ++report_.spell;
+    report_.present = present;
+    report_.why = why;
+    publish_presence(report_);
+  }
+  /// Between two reports nobody was there.
+  void blink() {
+    const std::lock_guard lock(mutex_);
+    ++report_.spell;
+  }
+  void fall_silent() {
+    const std::lock_guard lock(mutex_);
+    silent_ = true;
+  }
+
+ private:
+  gecos::Result<gecos::ZonePresence> presence() override {
+    const std::lock_guard lock(mutex_);
+    return report_;
+  }
+  gecos::Result<void> show_code() override { return {}; }
+  gecos::Result<void> check_in(const std::string&, const std::string&, double) override {
+    return {};
+  }
+  gecos::Result<bool> check_out(const std::string&) override { return false; }
+  gecos::Result<void> report_door(const std::string&, bool) override { return {}; }
+  gecos::Result<void> report_button(const std::string&, bool) override { return {}; }
+
+  void run(const std::stop_token& end) {
+    std::unique_lock lock(mutex_);
+    while (!wake_.wait_for(lock, end, 100ms, [&] { return end.stop_requested(); })) {
+      if (!silent_) publish_presence(report_);
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  gecos::ZonePresence report_{false, 1, "no person has checked in; check in at CELL"};
+  bool silent_ = false;
+  std::jthread beat_;
+};
+
+/// Made before the labs of the test, which read it.
+struct LabFileWithZone {
+  LabFileWithZone() {
+    std::ofstream(path) << "[objects.PROBE]\nzone = \"CELL\"\n";
+    setenv("GECOS_LAB_FILE", path.c_str(), 1);
+  }
+  ~LabFileWithZone() { unsetenv("GECOS_LAB_FILE"); }
+  const gecos::media::ScratchDirectory directory;
+  const std::string path = directory.path() + "/lab.toml";
+};
+
+class Presence : private LabFileWithZone, public probe::OverMedia {
+ protected:
+  void SetUp() override {
+    OverMedia::SetUp();
+    const auto added = zone_server_->add("CELL", zone_, {.simulated = true, .media = {kind_}});
+    ASSERT_TRUE(added) << added.error().text;
+    robot = connect(lab_);
+    lease.emplace(*gecos::actor(robot));
+  }
+  /// The object knows of the zone and says this.
+  bool says(const std::string& text) {
+    return settles([&] {
+      const auto about = gecos::describe(robot).get();
+      return about && about->presence.find(text) != std::string::npos;
+    });
+  }
+  void person_comes() {
+    zone_.say(true, "anna has checked in");
+    ASSERT_TRUE(says("a person is present in zone CELL: anna has checked in"));
+  }
+  static void expect_lost(const gecos::Command<std::int32_t>& command, const std::string& why) {
+    const auto ended = command.get();
+    ASSERT_FALSE(ended);
+    EXPECT_EQ(ended.error().detail, Detail::PresenceLost) << ended.error();
+    EXPECT_NE(ended.error().text.find(why), std::string::npos) << ended.error();
+  }
+
+  ReportingZone zone_;
+  gecos::Lab zone_lab_{probe::patient()};
+  std::unique_ptr<gecos::Server> zone_server_ = std::make_unique<gecos::Server>(zone_lab_);
+  probe::Probe robot;
+  std::optional<gecos::Lease> lease;
+};
+PROBE_OVER_MEDIA(Presence);
+
+TEST_P(Presence, OfNobodyRefusesCommandsAndNothingElse) {
+  ASSERT_TRUE(says("no person has checked in"));
+  const auto refused = robot.move(1).get();
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().detail, Detail::PresenceLost);
+  EXPECT_EQ(refused.error().text,
+            "'move' of PROBE was not started: nobody is known to be present in zone CELL: no "
+            "person has checked in; check in at CELL");
+  EXPECT_EQ(robot.read().get().value(), 7);
+  EXPECT_TRUE(robot.urgent().get());
+  EXPECT_TRUE(gecos::stop(robot).get());
+}
+
+TEST_P(Presence, ThatIsLostStopsWhatRunsAndQueuesAndItsReturnResumesNothing) {
+  person_comes();
+  const auto runs = robot.move(1);
+  const auto waits = robot.set(2);
+  servant_.await_moves(1);
+  zone_.say(false, "DOOR is open or silent; close it");
+  for (const auto& command : {runs, waits}) {
+    expect_lost(command,
+                "presence was lost: nobody is known to be present in zone CELL: DOOR is open or "
+                "silent; close it; nothing resumes by itself");
+  }
+  servant_.await_event("interrupted 1");
+  zone_.say(true, "anna has checked in");
+  ASSERT_TRUE(says("a person is present"));
+  EXPECT_EQ(robot.set(3).get().value(), 3) << "the status was kept";
+  EXPECT_EQ(servant_.events(), (std::vector<std::string>{"start 1", "interrupted 1", "set 3"}));
+}
+
+TEST_P(Presence, OfASilentZoneIsLost) {
+  person_comes();
+  const auto runs = robot.finish(1);
+  servant_.await_moves(1);
+  zone_.fall_silent();
+  expect_lost(runs, "the zone has been silent for 1 s");
+  servant_.await_event("interrupted 1");
+}
+
+TEST_P(Presence, ThatWasLostBetweenTwoReportsIsLost) {
+  person_comes();
+  const auto runs = robot.move(1);
+  servant_.await_moves(1);
+  zone_.blink();
+  expect_lost(runs, "presence was lost: presence has just returned to zone CELL");
+}
+
+TEST_P(Presence, EndsWithTheServerOfTheZone) {
+  person_comes();
+  const auto runs = robot.move(1);
+  servant_.await_moves(1);
+  zone_server_.reset();
+  expect_lost(runs, "nobody is known to be present in zone CELL: the ");
+  ASSERT_TRUE(says("the zone cannot be reached"));
+  expect_lost(robot.move(2), "the zone cannot be reached");
+}
+
+}  // namespace
