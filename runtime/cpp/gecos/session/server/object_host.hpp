@@ -23,7 +23,8 @@ namespace gecos::session {
 
 /// One object of a server: admits and queues calls, keeps the leases, runs handlers and sends
 /// replies. Every accepted call is answered exactly once, by its handler or by the event that ended
-/// it. Thread-safe.
+/// it. Thread-safe. It has more methods than other classes, because it is the door to all its parts
+/// for the threads of the server.
 class ObjectHost final : public Publisher {
  public:
   /// `audit`: null if nothing is recorded.

@@ -4,11 +4,10 @@
 #include <utility>
 
 #include "gecos/base/thread.hpp"
+#include "gecos/presence_calls.hpp"      // generated from idl/gecos/presence.gidl
 #include "gecos/presence_interface.hpp"  // generated from idl/gecos/presence.gidl
-#include "gecos/presence_types.hpp"      // generated from idl/gecos/presence.gidl
 #include "gecos/session/client/context.hpp"
 #include "gecos/session/server/object_host.hpp"
-#include "gecos/wire/fields.hpp"
 
 namespace gecos::session {
 namespace {
@@ -62,14 +61,14 @@ void ZoneWatch::follow(StreamCore& reports) {
       if (got.error() != StreamEnd::Lost && !reports.lost()) continue;
       return tell_unknown("the session with its server ended; start the server again");
     }
-    wire::Decoder from(sample.bytes);
-    ZonePresence report;
-    if (!wire::get_block(from, report, "presence")) {
+    const auto report = layout::from_bytes<Zone_presence_result>(sample.bytes);
+    if (!report) {
       tell_unknown("its report does not decode; update its server");
       continue;
     }
+    const ZonePresence& reported = report->result;
     each([&](ObjectHost& object) {
-      object.presence().take({report.present, report.spell, report.why}, sample.measured);
+      object.presence().take({reported.present, reported.spell, reported.why}, sample.measured);
     });
   }
 }
