@@ -13,7 +13,7 @@ from pathlib import Path
 
 import gecos
 import pytest
-from gecos_idl.presence import Zone
+from gecos_idl.presence import CheckInRefused, Zone
 from processes import Laboratory, Program, until
 from robcl.six_axis import Joints, SixAxis
 
@@ -68,7 +68,7 @@ def check_in(zone: Zone, program: Program) -> None:
     shown = program.wait_for("the code of CELL is ")
     code = re.search(r"is (\w{6}),", shown)
     assert code is not None, shown
-    with pytest.raises(gecos.Fault) as refused:
+    with pytest.raises(CheckInRefused) as refused:
         zone.check_in("WRONG", "anna", 60.0).result()
     assert "is not the one that CELL shows in the laboratory" in str(refused.value)
     zone.check_in(code[1], "anna", 60.0).result()
