@@ -23,8 +23,8 @@ namespace gecos::session {
 
 /// One object of a server: admits and queues calls, keeps the leases, runs handlers and sends
 /// replies. Every accepted call is answered exactly once, by its handler or by the event that ended
-/// it. Thread-safe. It has more methods than other classes, because it is the door to all its parts
-/// for the threads of the server.
+/// it. Thread-safe. It has more methods than other classes, because all threads of the server call
+/// it for all parts of the object.
 class ObjectHost final : public Publisher {
  public:
   /// `audit`: null if nothing is recorded.

@@ -28,7 +28,7 @@ ZoneWatch::~ZoneWatch() {
     const MutexLock lock(mutex_);
     ended_ = true;
   }
-  ending_.notify_all();
+  changed_.notify_all();
   thread_.join();
 }
 
@@ -97,7 +97,7 @@ bool ZoneWatch::ended() {
 bool ZoneWatch::rest() {
   const TimePoint until = deadline_after(between_zone_tries);
   MutexLock lock(mutex_);
-  while (!ended_ && ending_.wait_until(lock, until)) {
+  while (!ended_ && changed_.wait_until(lock, until)) {
   }
   return !ended_;
 }

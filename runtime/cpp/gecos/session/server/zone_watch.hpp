@@ -42,7 +42,7 @@ class ZoneWatch {
   const std::string zone_;
   const LabOrWhyNot lab_;
   Mutex mutex_;
-  ConditionVariable ending_;
+  ConditionVariable changed_;
   std::vector<std::weak_ptr<ObjectHost>> objects_ GECOS_GUARDED_BY(mutex_);
   bool ended_ GECOS_GUARDED_BY(mutex_) = false;
   std::thread thread_;  ///< own thread, because the search for a zone blocks
