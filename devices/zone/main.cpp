@@ -1,5 +1,6 @@
 // The program robcl-zone: serves a zone of the laboratory. Objects that the lab file places in the
 // zone move only while a person is known to be present.
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <sstream>
@@ -22,6 +23,10 @@ std::vector<std::string> names_in(const std::string& list) {
   return names;
 }
 
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::ranges::find(names, name) != names.end();
+}
+
 int run(int count, char** words) {
   const devices::CommandLine line(
       "robcl-zone",
@@ -36,11 +41,17 @@ int run(int count, char** words) {
   if (line.exit_status()) return *line.exit_status();
 
   const std::string name = line.text("name");
+  const auto doors = names_in(line.text("doors")), buttons = names_in(line.text("buttons"));
   const auto simulated = names_in(line.text("simulate"));
+  for (const std::string& source : simulated) {
+    if (!contains(doors, source) && !contains(buttons, source)) {
+      return devices::fail("robcl-zone", "--simulate: the zone has no door or button '" + source +
+                                             "'; name it in --doors or --buttons, too");
+    }
+  }
   gecos::Lab lab;
   devices::ZoneServant servant(
-      name, {.buttons = names_in(line.text("buttons")), .doors = names_in(line.text("doors"))},
-      [&name](const std::string& code) {
+      name, {.buttons = buttons, .doors = doors}, [&name](const std::string& code) {
         std::printf("robcl-zone: the code of %s is %s, for 60 s\n", name.c_str(), code.c_str());
         std::fflush(stdout);
       });

@@ -119,6 +119,7 @@ def test_an_arm_stands_when_the_program_that_guides_it_is_killed(lab_with_arm: L
     places = np.array([tool.next(1).value.position for _ in range(250)])  # m, of a second
     drift = places[-50:].mean(axis=0) - places[:50].mean(axis=0)  # the encoders have noise
     assert np.linalg.norm(drift) < 2e-5
+    assert np.linalg.norm(places - stood.position, axis=1).max() < 1e-4
     with gecos.actor(robot):  # the status is free again
         robot.move(start).result()
 

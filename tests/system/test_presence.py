@@ -143,3 +143,13 @@ def test_the_command_line_checks_in(lab_with_broker: Laboratory) -> None:
     told = lab.run(*GECOS, "get", "CELL", "presence")
     assert told.finish() == 0, str(told)
     assert "anna has checked in" in told.output(), str(told)
+
+
+def test_a_simulated_source_that_the_zone_does_not_have_is_refused(
+    lab_with_broker: Laboratory,
+) -> None:
+    lab = lab_with_broker
+    zone = lab.build / "devices" / "zone" / "robcl-zone"
+    refused = lab.run(zone, "--doors", "DOOR", "--simulate", "GATE")
+    assert refused.finish() == 1
+    assert "the zone has no door or button 'GATE'" in str(refused)
