@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <iomanip>
+#include <iterator>
 #include <sstream>
 #include <utility>
 
@@ -13,8 +14,9 @@ using namespace std::chrono_literals;
 
 constexpr auto beat = 5ms;  // period at which a running motion is looked at
 // A motion stays as it is for so many cycles of the control loop, and for this real time in s, in
-// which the next move is planned: so the control loop learns of that move before it begins.
-constexpr double cycles_ahead = 2, time_to_plan = 0.008;
+// which the next moves are planned: so the control loop learns of them before they begin. The time
+// to plan grows with the number of moves that have not ended.
+constexpr double cycles_ahead = 2, time_to_plan = 0.008, time_to_plan_more = 0.0001;
 // The arm can go over into so many moves, because each keeps a thread of the server.
 constexpr std::size_t most_links = 64;
 
@@ -134,7 +136,8 @@ ArmMotion::Result ArmMotion::move(const Request& request, MotionWatcher& watcher
 /// Waits for the result of `link`. The thread of the first link watches the motion for all links.
 ArmMotion::Result ArmMotion::await(Lock& lock, Link& link) {
   while (!link.result) {
-    if (link.joined && link.request.goes_over && !link.told && links_.size() < most_links) {
+    const bool accepted = link.joined || link.waiting;
+    if (accepted && link.request.goes_over && !link.told && links_.size() < most_links) {
       link.told = true;
       const gecos::MutexUnlock<gecos::Mutex> unlocked(mutex_);
       link.watcher.taken();
@@ -159,6 +162,8 @@ void ArmMotion::watch(Lock&) {
     if (own.interrupted()) controller_.stop();
   }
   look_after_links();
+  plan_made_ = false;
+  if (!ended) join_waiting();
   if (ended) {
     end_motion(*ended);
   } else if (outcome.stalled()) {
@@ -179,10 +184,14 @@ std::optional<MoveFailure> ArmMotion::plan(Link& link) {
 
 std::optional<MoveFailure> ArmMotion::begin_or_follow(Link& link) {
   if (links_.front() == &link) return begin(link);
-  if (!(*(links_.end() - 2))->joined || stopping_) return std::nullopt;
-  auto move = link.request.make(planner_, chain_->goal());
+  const Link& before = **(links_.end() - 2);
+  if (stopping_ || !(before.joined || before.waiting)) return std::nullopt;
+  auto move = link.request.make(planner_, before.waiting ? before.waiting->goal() : chain_->goal());
   if (!move) return move.error();
-  go_over_into(link, *move);
+  link.waiting = *std::move(move);
+  // A plan contains all moves that wait for it. One plan for each would take longer than a short
+  // move.
+  if (!plan_made_) join_waiting();
   return std::nullopt;
 }
 
@@ -201,26 +210,65 @@ std::optional<MoveFailure> ArmMotion::begin(Link& link) {
   return std::nullopt;
 }
 
-/// Lets the motion go over into `move`, if it still can.
-void ArmMotion::go_over_into(Link& link, const robcl::motion::Move& move) {
-  link.plan = plans_;
-  if (move.stands) {
-    link.joined = true;
-    return set_times();
+/// Lets the motion go over into the moves that wait, as far as it can.
+void ArmMotion::join_waiting() {
+  std::vector<Link*> waiting;
+  std::ranges::copy_if(links_, std::back_inserter(waiting), &Link::waits);
+  if (waiting.empty()) return;
+  plan_made_ = true;
+  try {
+    if (!stopping_) join(waiting);
+  } catch (const std::exception&) {
+    // The arm stops before the moves that have not joined. If a plan for one of these fails again,
+    // that move is refused with the reason.
   }
-  const double notice = cycles_ahead * controller_.cycle() + time_to_plan * clock_speed_;
-  const auto corner = chain_->extend(move, playback_->elapsed() + notice);
-  if (!corner) return;
-  playback_->append(chain_->plan(), chain_->begins());
-  link.joined = true;
-  link.plan = ++plans_;
+  for (Link* const link : waiting) link->waiting.reset();
+  set_times();
+}
+
+/// Lets the motion go over into the waiting moves of `links`: by one plan, or else by one plan for
+/// each move until the first one that is impossible.
+void ArmMotion::join(std::span<Link* const> links) {
+  if (go_over_into(links) || links.size() == 1) return;
+  for (std::size_t i = 0; i < links.size() && go_over_into(links.subspan(i, 1)); ++i) {
+  }
+}
+
+/// Lets the motion go over into the waiting moves of `links` by one plan. Returns false, and does
+/// nothing, if that is impossible.
+bool ArmMotion::go_over_into(std::span<Link* const> links) {
+  std::vector<robcl::motion::Move> moves;
+  for (const Link* const link : links) {
+    if (!link->waiting->stands) moves.push_back(*link->waiting);
+  }
+  std::vector<Corner> corners;
+  if (!moves.empty()) {
+    const double to_plan = time_to_plan + time_to_plan_more * static_cast<double>(links_.size());
+    const double notice = cycles_ahead * controller_.cycle() + to_plan * clock_speed_;
+    auto added = chain_->extend(moves, playback_->elapsed() + notice);
+    if (!added) return false;
+    corners = *std::move(added);
+    playback_->append(chain_->plan(), chain_->begins());
+    ++plans_;
+  }
+  auto corner = corners.begin();
+  for (Link* const link : links) {
+    if (!link->waiting->stands) pass_before(*link, *corner++);
+    link->joined = true;
+    link->plan = plans_;
+  }
+  return true;
+}
+
+/// Notes that the arm does not stop at the goals before `next`: it passes them at `corner`.
+void ArmMotion::pass_before(const Link& next, const Corner& corner) {
   for (Link* const before : links_) {
-    if (before == &link || before->corner) continue;
+    if (before == &next) return;
+    if (before->corner) continue;
     before->corner = corner;
     before->corner_plan = plans_;
-    before->watcher.passes_goal(corner->distance);
+    before->watcher.passes_goal(corner.distance);
   }
-  set_times();
 }
 
 /// Sets the times of the planned moves. Those of corners that the chain has left behind stay.

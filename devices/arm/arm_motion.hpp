@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "devices/arm/arm_controller.hpp"
 #include "devices/arm/motion_watcher.hpp"
@@ -80,20 +81,25 @@ class ArmMotion {
   bool while_standing(const std::function<void()>& change);
 
  private:
+  using Corner = robcl::motion::MoveChain::Corner;
+
   /// A move that has not ended, on the stack of the thread that waits for it.
   struct Link {
     const Request& request;
     MotionWatcher& watcher;
-    bool joined = false;   // the motion contains it
-    bool told = false;     // the watcher knows that the move is taken
+    std::optional<robcl::motion::Move> waiting{};  // for the next plan
+    bool joined = false;                           // the motion contains it
+    bool told = false;                             // the watcher knows that the move is taken
     std::size_t plan = 0;  // number of the first plan in `playback_` that leads to its goal
     double begins = 0;     // times in s by MoveChain
     double ends = 0;
     /// The place where the arm goes over into the next move; nullopt if the arm will stop at the
     /// goal.
-    std::optional<robcl::motion::MoveChain::Corner> corner{};
+    std::optional<Corner> corner{};
     std::size_t corner_plan = 0;  // number of the first plan that has the corner
     std::optional<Result> result{};
+
+    static bool waits(const Link* link) { return link->waiting.has_value(); }
   };
   using Lock = gecos::MutexLock<gecos::Mutex>;
 
@@ -101,12 +107,15 @@ class ArmMotion {
   Result while_claimed(const std::function<void()>& start, MotionWatcher& watcher);
   Result await(Lock& lock, Link& link) GECOS_REQUIRES(mutex_);
   void watch(Lock& lock) GECOS_REQUIRES(mutex_);
-  /// Begins the motion of `link`, or lets the running motion go over into it. Returns the reason if
-  /// the move is impossible. Does nothing if the arm must stop first.
+  /// Begins the motion of `link`, or lets the running motion go over into it now or at the next
+  /// look. Returns the reason if the move is impossible. Does nothing if the arm must stop first.
   std::optional<MoveFailure> plan(Link& link) GECOS_REQUIRES(mutex_);
   std::optional<MoveFailure> begin_or_follow(Link& link) GECOS_REQUIRES(mutex_);
   std::optional<MoveFailure> begin(Link& link) GECOS_REQUIRES(mutex_);
-  void go_over_into(Link& link, const robcl::motion::Move& move) GECOS_REQUIRES(mutex_);
+  void join_waiting() GECOS_REQUIRES(mutex_);
+  void join(std::span<Link* const> links) GECOS_REQUIRES(mutex_);
+  bool go_over_into(std::span<Link* const> links) GECOS_REQUIRES(mutex_);
+  void pass_before(const Link& next, const Corner& corner) GECOS_REQUIRES(mutex_);
   void set_times() GECOS_REQUIRES(mutex_);
   void look_after_links() GECOS_REQUIRES(mutex_);
   void end_motion(const ArmController::Outcome& outcome) GECOS_REQUIRES(mutex_);
@@ -126,7 +135,8 @@ class ArmMotion {
   std::deque<Link*> links_ GECOS_GUARDED_BY(mutex_);  // in the order of the motion
   std::optional<robcl::motion::MoveChain> chain_ GECOS_GUARDED_BY(mutex_);
   std::shared_ptr<robcl::motion::Playback> playback_ GECOS_GUARDED_BY(mutex_);
-  std::size_t plans_ GECOS_GUARDED_BY(mutex_) = 0;  // appended to playback_
+  std::size_t plans_ GECOS_GUARDED_BY(mutex_) = 0;   // appended to playback_
+  bool plan_made_ GECOS_GUARDED_BY(mutex_) = false;  // since the motion was last looked at
   std::optional<OutcomeWatch> outcome_ GECOS_GUARDED_BY(mutex_);
   bool stopping_ GECOS_GUARDED_BY(mutex_) = false;
 };

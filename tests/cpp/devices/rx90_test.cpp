@@ -2,6 +2,8 @@
 #include <chrono>
 #include <cmath>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "../robcl/allocations.hpp"
 #include "devices/support/periodic.hpp"
@@ -53,6 +55,34 @@ TEST_F(Rx90Test, WithNoBreakTheArmRoundsTheCornerAndSaysHowFarItPassesTheGoal) {
   EXPECT_FALSE(last.feedback()->corner);
   ASSERT_TRUE(after.get()) << after.get().error();
   EXPECT_LT(distance(robot_.tool().get().value(), start * translate(0, 0, 10_mm)), 1e-4);
+}
+
+TEST_F(Rx90Test, FiftyShortMovesAskedForInOneMomentTakeTheTimeOfOneLine) {
+  const auto lease = gecos::actor(robot_);
+  ASSERT_TRUE(lease) << lease.error();
+  const Frame start = robot_.tool().get().value();
+  const auto move_to = [&](double way, robcl::Blend at_goal) {
+    return robot_.move(start * translate(0, 0, -way),
+                       robcl::Trajectory{.path = robcl::PathType::STRAIGHT, .at_goal = at_goal});
+  };
+  // The time of the arm. It passes slowly, because planning takes real time on any machine.
+  int cycles = 0;
+  const auto slow_cycle = [&] {
+    arm_.step(0.004);
+    ++cycles;
+    std::this_thread::sleep_for(15ms);
+  };
+  ASSERT_TRUE(get(move_to(200_mm, robcl::Blend::BREAK), slow_cycle));
+  const int one_line = std::exchange(cycles, 0);
+  std::vector<decltype(move_to(0, {}))> moves;
+  for (int left = 49; left >= 0; --left) {
+    moves.push_back(move_to(left * 4_mm, left > 0 ? robcl::Blend::NOBREAK : robcl::Blend::BREAK));
+  }
+  const auto moved = get(moves.back(), slow_cycle);
+  ASSERT_TRUE(moved) << moved.error();
+  for (const auto& move : moves) EXPECT_TRUE(move.get()) << move.get().error();
+  EXPECT_LE(cycles, 1.05 * one_line);
+  EXPECT_LT(distance(robot_.tool().get().value(), start), 1e-4);
 }
 
 TEST_F(Rx90Test, ACanceledMoveCancelsThoseThatItWasToGoOverInto) {

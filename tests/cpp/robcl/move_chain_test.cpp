@@ -49,6 +49,11 @@ class Chained {
     if (corner) playback_.append(chain_.plan(), chain_.begins());
     return corner;
   }
+  bool extend(const std::vector<Move>& next) {
+    const bool extended = chain_.extend(next, playback_.elapsed() + 0.02).has_value();
+    if (extended) playback_.append(chain_.plan(), chain_.begins());
+    return extended;
+  }
   std::optional<MoveChain::Corner> straight_to(const Frame& goal, const Pace& pace = {}) {
     const auto next = planner_.straight_move(chain_.goal(), goal, {}, pace);
     EXPECT_TRUE(next) << to_string(next.error());
@@ -142,6 +147,52 @@ TEST_P(MoveChains, FiftyShortLinesTakeTheTimeOfOneLongLine) {
         start_.inverse().transform(planner_.base_from_tool(at, {}).position());
     ASSERT_LT(way.head<2>().norm(), 1e-5);
   }
+}
+
+TEST_P(MoveChains, MovesThatAreAddedTogetherGoLikeThoseThatAreAddedOneByOne) {
+  const std::vector<Frame> goals = {
+      start_ * translate(0, 0.1, 0), start_ * translate(0, 0.1, -0.05),
+      start_ * translate(0, 0.1, -0.052) * Frame::from_euler_zyz(0, 0, 0, 0, -0.5, 0.3),
+      start_ * translate(0.1, 0.1, -0.05), start_};
+  const Move first = straight(ready, start_ * translate(0, 0.01, 0));
+  Chained one_by_one(planner_, first), together(planner_, first);
+  std::vector<Move> moves;
+  std::vector<MoveChain::Corner> corners;
+  for (const Frame& goal : goals) {
+    moves.push_back(straight(one_by_one.chain().goal(), goal));
+    const auto corner = one_by_one.extend(moves.back());
+    ASSERT_TRUE(corner);
+    corners.push_back(*corner);
+  }
+  MoveChain chain(planner_, first);
+  const auto same = chain.extend(moves, 0.02);
+  ASSERT_TRUE(same);
+  ASSERT_EQ(same->size(), corners.size());
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    EXPECT_NEAR((*same)[i].begins, corners[i].begins, 1e-9);
+    EXPECT_NEAR((*same)[i].ends, corners[i].ends, 1e-9);
+    EXPECT_NEAR((*same)[i].distance, corners[i].distance, 1e-5);
+    EXPECT_NEAR((*same)[i].angle, corners[i].angle, 1e-4);
+  }
+  ASSERT_TRUE(together.extend(moves));
+  one_by_one.run();
+  together.run();
+  expect_within_limits(together);
+  EXPECT_NEAR(together.duration(), one_by_one.duration(), 0.01 * one_by_one.duration());
+  EXPECT_EQ(together.set_points().back(), one_by_one.set_points().back());
+}
+
+TEST_P(MoveChains, OneMoveThatCannotFollowLeavesTheChainAsItIs) {
+  Chained chained(planner_, straight(ready, start_ * translate(0, 0.1, 0)));
+  const double ends = chained.chain().ends();
+  const JointValues goal = chained.chain().goal();
+  const Move next = straight(goal, start_ * translate(0, 0.1, -0.05));
+  const Move stays = straight(next.goal(), start_ * translate(0, 0.1, -0.05));
+  ASSERT_TRUE(stays.stands);
+  EXPECT_FALSE(chained.extend(std::vector{next, stays}));
+  EXPECT_EQ(chained.chain().ends(), ends);
+  EXPECT_EQ(chained.chain().goal(), goal);
+  EXPECT_TRUE(chained.extend(next));
 }
 
 TEST_P(MoveChains, ACornerIsMissedByTheDistanceThatIsToldBefore) {
@@ -292,11 +343,17 @@ void RandomChains::try_chains(bool small) {
     double one_by_one = planner.plan(*first).duration();  // s
     Chained chained(planner, *std::move(first), period);
     for (int i = 0; i < 5; ++i, ++made) {
-      const auto next = random_move(chained.chain().goal(), random, engine, small && sometimes(2));
-      if (!next) continue;
-      const bool follows = chained.extend(*next).has_value();
-      follows ? ++followed : ++refused;
-      if (follows) one_by_one += planner.plan(*next).duration();
+      std::vector<Move> together;
+      do {
+        const JointValues& from =
+            together.empty() ? chained.chain().goal() : together.back().goal();
+        auto next = random_move(from, random, engine, small && sometimes(2));
+        if (next) together.push_back(*std::move(next));
+      } while (sometimes(3));
+      if (together.empty()) continue;
+      const bool follow = chained.extend(together);
+      (follow ? followed : refused) += static_cast<int>(together.size());
+      for (const Move& next : together) one_by_one += follow ? planner.plan(next).duration() : 0;
       const auto cycles = std::exponential_distribution<double>(20)(engine) / period;
       for (double k = 0; k < cycles; ++k) {
         if (overridden && sometimes(100)) {

@@ -23,6 +23,7 @@ struct Move {
   std::vector<double> caps{};  ///< greatest (ds/dt)² in each interval; may be empty
 
   double duration() const { return path.end(); }
+  const JointValues& goal() const { return path.knot(path.intervals()); }
 };
 
 /// The distance that the tool moves, in m, and the angle that it turns, in rad, per unit of s.

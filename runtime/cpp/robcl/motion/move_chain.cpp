@@ -136,14 +136,15 @@ MoveChain::Course MoveChain::course_between(std::size_t start, std::size_t entry
 
 /// Returns the joint positions at the knots of the overlap, without its first one; nullopt if a
 /// pose is beyond a limit, or a joint turns too fast.
-std::optional<std::vector<JointValues>> MoveChain::overlap_joints(const Move& next,
-                                                                  const Overlap& overlap,
+std::optional<std::vector<JointValues>> MoveChain::overlap_joints(const Overlap& overlap,
                                                                   std::size_t intervals) {
+  const Move &last = overlap.last, &next = overlap.next;
   const double half = overlap.half;
+  const JointValues& goal = last.goal();
   const Frame tool_from_flange = next.flange_from_tool.inverse();
-  const Frame corner = planner_.base_from_tool(goal(), next.flange_from_tool);
-  const bool lines = last_.line && next.line;
-  const Twist one = lines ? twist_of(last_) : Twist{}, other = lines ? twist_of(next) : Twist{};
+  const Frame corner = planner_.base_from_tool(goal, next.flange_from_tool);
+  const bool lines = last.line && next.line;
+  const Twist one = lines ? twist_of(last) : Twist{}, other = lines ? twist_of(next) : Twist{};
   PoseWalk walk(planner_.model(), planner_.inverse(), overlap.before);
   std::vector<JointValues> all;
   for (std::size_t i = 1; i <= intervals; ++i) {
@@ -157,7 +158,7 @@ std::optional<std::vector<JointValues>> MoveChain::overlap_joints(const Move& ne
       if (walk.step_to(tool * tool_from_flange)) return std::nullopt;
       joints = walk.at().joints;
     } else {
-      joints = last_.path.position(last_.duration() + before) + next.path.position(behind) - goal();
+      joints = last.path.position(last.duration() + before) + next.path.position(behind) - goal;
       if (arm::first_outside(planner_.model(), joints)) return std::nullopt;
     }
     const JointValues& known = all.empty() ? overlap.before : all.back();
@@ -169,28 +170,26 @@ std::optional<std::vector<JointValues>> MoveChain::overlap_joints(const Move& ne
 }
 
 /// Adds the knots of the overlap behind its first one. Returns false if there are none.
-bool MoveChain::add_overlap(Course& course, const Move& next, const Overlap& overlap) {
-  const auto spacing = [](const Move& move) {
-    return move.duration() / static_cast<double>(move.path.intervals());
-  };
-  const double finest = std::min(spacing(last_), spacing(next));
-  const auto wanted = static_cast<std::size_t>(std::ceil(overlap.half / finest)) * 2;
+bool MoveChain::add_overlap(Course& course, const Overlap& overlap) {
+  const Move &last = overlap.last, &next = overlap.next;
+  const double apart = std::min(furthest_apart(last), furthest_apart(next));
+  const auto wanted = static_cast<std::size_t>(std::ceil(overlap.half / apart)) * 2;
   std::size_t intervals = std::clamp(wanted, fewest_intervals, most_intervals);
-  auto joints = overlap_joints(next, overlap, intervals);
+  auto joints = overlap_joints(overlap, intervals);
   for (int finer = 0; !joints && finer < 2; ++finer) {
     intervals *= 2;
-    joints = overlap_joints(next, overlap, intervals);
+    joints = overlap_joints(overlap, intervals);
   }
   if (!joints) return false;
 
   IntervalLimits limits, braking;
-  limits.speed = std::max(last_.pace.speed, next.pace.speed);
-  const double acceleration = std::max(last_.pace.acceleration, next.pace.acceleration);
+  limits.speed = std::max(last.pace.speed, next.pace.speed);
+  const double acceleration = std::max(last.pace.acceleration, next.pace.acceleration);
   limits.acceleration = share_in_overlap * acceleration;
   limits.cap = 1;
   braking.acceleration = share_in_overlap;
-  if (last_.line && next.line) {
-    const Twist one = twist_of(last_), other = twist_of(next);
+  if (last.line && next.line) {
+    const Twist one = twist_of(last), other = twist_of(next);
     const auto tool = [&](const Eigen::Vector3d& v, const Eigen::Vector3d& w, double limit) {
       return tool_in_overlap(std::max(v.norm(), w.norm()), (w - v).norm(), overlap.half,
                              overlap.unhindered, limit);
@@ -202,20 +201,25 @@ bool MoveChain::add_overlap(Course& course, const Move& next, const Overlap& ove
     braking.turn = tool(one.turn, other.turn, full.turn_acceleration);
   }
   const std::size_t begins = course.knots.places.size() - 1;
-  if (begins > 0) course.knots.joins.push_back(begins);
+  std::vector<std::size_t>& joins = course.knots.joins;
+  if (begins > 0 && (joins.empty() || joins.back() != begins)) joins.push_back(begins);
   for (std::size_t i = 1; i <= intervals; ++i) {
     const double part = static_cast<double>(i) / static_cast<double>(intervals);
     course.knots.add(overlap.corner + overlap.half * (2 * part - 1), (*joints)[i - 1]);
     course.limits.moving.push_back(limits);
     course.limits.braking.push_back(braking);
   }
-  course.knots.joins.push_back(course.knots.places.size() - 1);
+  joins.push_back(course.knots.places.size() - 1);
   return true;
 }
 
-/// Adds the part of `next` behind the overlap. A chain of many short moves leaves out knots that
-/// are closer together than its accuracy needs: the time to plan it counts.
-void MoveChain::add_move(Course& course, const Move& next, const Overlap& overlap) const {
+/// Adds the part of the next move behind the overlap, up to its goal or to the `following` overlap.
+/// A chain of many short moves leaves out knots that are closer together than its accuracy needs:
+/// the time to plan it counts.
+void MoveChain::add_move(Course& course, const Overlap& overlap, const Overlap* following) const {
+  const Move& next = overlap.next;
+  const double end = following != nullptr ? following->begins() : overlap.goal();
+  constexpr double rounding = 1e-6;  // of an interval
   const auto limits = limits_of(next, planner_.tool_limits());
   const auto braking = braking_limits_of(next, planner_.tool_limits());
   const double apart = furthest_apart(next);
@@ -224,16 +228,23 @@ void MoveChain::add_move(Course& course, const Move& next, const Overlap& overla
     const double place = overlap.corner + next.path.place(i);
     const double since = place - course.knots.places.back();
     const double step = next.path.step(i - 1);
+    if (end - course.knots.places.back() < rounding * step) break;
     if (since <= 0) continue;
     cap = std::min(cap, limits[i - 1].cap);
     const auto turned = [&](std::size_t knot) {
       return (next.path.knot(knot) - course.knots.joints.back()).cwiseAbs().maxCoeff();
     };
-    if (i < next.path.intervals()) {
+    // A knot just before the following overlap would make a very short interval.
+    const bool before_overlap = following != nullptr && place > end - step / 4;
+    if (i < next.path.intervals() && !before_overlap) {
       const double further = since + next.path.step(i);
       if (since < step / 4 || (further <= apart && turned(i + 1) <= joint_step)) continue;
     }
-    course.knots.add(place, next.path.knot(i));
+    if (before_overlap) {
+      course.knots.add(end, following->before);
+    } else {
+      course.knots.add(place, next.path.knot(i));
+    }
     course.limits.moving.push_back(limits[i - 1]);
     course.limits.moving.back().cap = std::exchange(cap, infinite);
     course.limits.braking.push_back(braking[i - 1]);
@@ -247,50 +258,90 @@ std::optional<Plan> MoveChain::plan_of(const Course& course, const TimeLaw::Star
                       start);
 }
 
-/// Returns whether the motion would be over sooner if it stopped before `next`, which now adds
-/// `added` s to it.
-bool MoveChain::slower_than_a_stop(double added, const Move& next) const {
+/// Returns whether the motion would be over sooner with a stop before one of the moves: exactly for
+/// one move, and for several as far as it can be excluded without planning them alone.
+bool MoveChain::slower_than_stops(const Plan& plan, double begins,
+                                  const std::vector<Overlap>& overlaps) const {
   // Most moves add little more than their duration at full speed: these are not planned alone.
   constexpr double usual = 1.5, at_least = 0.1;
-  if (added <= usual * next.duration() + at_least) return false;
-  return added > planner_.plan(next).duration();
+  const bool several = overlaps.size() > 1;
+  double allowed = 0;
+  for (const Overlap& overlap : overlaps) {
+    allowed += usual * overlap.next.duration() + at_least;
+    const double passing = plan.law.time_at(overlap.ends()) - plan.law.time_at(overlap.begins());
+    const double stopping = 4 * overlap.half;  // from full speed and back to it
+    if (several && passing > stopping + at_least) return true;
+  }
+  const double added = begins + plan.law.duration() - ends();
+  if (added <= allowed) return false;
+  return several || added > planner_.plan(overlaps.front().next).duration();
+}
+
+/// Returns the overlaps of the chain with the moves `next`; nullopt if a move has no length.
+std::optional<std::vector<MoveChain::Overlap>> MoveChain::overlaps_with(
+    std::span<const Move> next) const {
+  const ToolLimits& tool = planner_.tool_limits();
+  std::vector<Overlap> overlaps;
+  const Move* last = &last_;
+  double corner = end();
+  for (const Move& move : next) {
+    if (last->stands || move.stands) return std::nullopt;
+    Overlap overlap{*last, move, corner};
+    overlap.unhindered = std::max(braking_way(*last, planner_.model(), tool),
+                                  braking_way(move, planner_.model(), tool));
+    overlap.half = std::min({overlap.unhindered, last->duration() / 2, move.duration() / 2});
+    overlap.before = last == &last_ ? plan_.path.position(overlap.begins())
+                                    : last->path.position(last->duration() - overlap.half);
+    overlap.after = move.path.position(overlap.half);
+    corner = overlap.goal();
+    last = &move;
+    overlaps.push_back(std::move(overlap));
+  }
+  return overlaps;
+}
+
+MoveChain::Corner MoveChain::corner_of(const Plan& plan, const Overlap& overlap) const {
+  const auto tool_at = [&](const JointValues& joints) {
+    return planner_.base_from_tool(joints, overlap.next.flange_from_tool);
+  };
+  const Frame corner = tool_at(overlap.next.path.knot(0));
+  const Frame passed = tool_at(plan.path.position(overlap.corner));
+  return {overlap.begins(), overlap.ends(), distance(corner, passed), angle(corner, passed)};
 }
 
 std::optional<MoveChain::Corner> MoveChain::extend(const Move& next, double after) {
-  if (last_.stands || next.stands) return std::nullopt;
-  const ToolLimits& tool = planner_.tool_limits();
-  Overlap overlap;
-  overlap.corner = end();
-  overlap.unhindered = std::max(braking_way(last_, planner_.model(), tool),
-                                braking_way(next, planner_.model(), tool));
-  overlap.half = std::min({overlap.unhindered, last_.duration() / 2, next.duration() / 2});
-  const double begin = overlap.corner - overlap.half;
+  const auto corners = extend(std::span(&next, 1), after);
+  return corners ? std::optional(corners->front()) : std::nullopt;
+}
+
+std::optional<std::vector<MoveChain::Corner>> MoveChain::extend(std::span<const Move> next,
+                                                                double after) {
+  const auto overlaps = overlaps_with(next);
+  if (!overlaps) return std::nullopt;
+  const double begin = overlaps->front().begins();
   const auto entry = first_knot_after(after, begin);
   if (!entry) return std::nullopt;
-  overlap.before = plan_.path.position(begin);
-  overlap.after = next.path.position(overlap.half);
 
   const std::size_t start = first_in_window_before(*entry);
   Course course = course_between(start, *entry, begin);
-  if (!add_overlap(course, next, overlap)) return std::nullopt;
-  add_move(course, next, overlap);
+  for (const Overlap& overlap : *overlaps) {
+    if (!add_overlap(course, overlap)) return std::nullopt;
+    add_move(course, overlap, &overlap == &overlaps->back() ? nullptr : &overlap + 1);
+  }
   const auto square = [&](std::size_t knot) {
     return plan_.law.squares().begin() + static_cast<std::ptrdiff_t>(knot);
   };
   auto plan = plan_of(course, {.squares = {square(start), square(*entry + 1)}});
   if (!plan) return std::nullopt;
   const double begins = begins_ + plan_.law.time(start);
-  if (slower_than_a_stop(begins + plan->law.duration() - ends(), next)) return std::nullopt;
-  const auto tool_at = [&](const JointValues& joints) {
-    return planner_.base_from_tool(joints, next.flange_from_tool);
-  };
-  const Frame corner = tool_at(goal()), passed = tool_at(plan->path.position(overlap.corner));
+  if (slower_than_stops(*plan, begins, *overlaps)) return std::nullopt;
+  std::vector<Corner> corners;
+  for (const Overlap& overlap : *overlaps) corners.push_back(corner_of(*plan, overlap));
   begins_ = begins;
   course_ = std::move(course);
   plan_ = *std::move(plan);
-  last_ = next;
-  return Corner{begin, overlap.corner + overlap.half, distance(corner, passed),
-                angle(corner, passed)};
+  last_ = next.back();
+  return corners;
 }
 
 }  // namespace robcl::motion

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "robcl/motion/plan.hpp"
@@ -36,6 +37,11 @@ class MoveChain {
   /// over into `next`. The possible reasons are that it is too late, that the corner is beyond a
   /// limit, that a motion with a stop would end sooner, or that a move has no length.
   std::optional<Corner> extend(const Move& next, double after);
+  /// Adds successive moves and plans the motion only once. Returns the corner before each of them.
+  /// Returns nullopt, and changes nothing, if they cannot be planned together: the caller can then
+  /// add one after the other.
+  /// @pre `next` has at least one move, and each starts at the goal of the one before.
+  std::optional<std::vector<Corner>> extend(std::span<const Move> next, double after);
 
   // All times are in s since the start of the chain, by the time laws of its plans.
 
@@ -57,21 +63,30 @@ class MoveChain {
     Path::Knots knots;
     CourseLimits limits;
   };
-  /// The overlap of two moves.
+  /// The overlap of two moves, which must exist as long as it.
   struct Overlap {
-    double corner = 0;          ///< s
-    double half = 0;            ///< d
-    double unhindered = 0;      ///< d, if both moves are long enough
-    JointValues before, after;  ///< joint positions where the overlap begins and ends
+    const Move& last;
+    const Move& next;
+    double corner = 0;              ///< s
+    double half = 0;                ///< d
+    double unhindered = 0;          ///< d, if both moves are long enough
+    JointValues before{}, after{};  ///< joint positions where the overlap begins and ends
+
+    double begins() const { return corner - half; }           ///< s
+    double ends() const { return corner + half; }             ///< s
+    double goal() const { return corner + next.duration(); }  ///< s at the goal of `next`
   };
   std::optional<std::size_t> first_knot_after(double time, double last_place) const;
   std::size_t first_in_window_before(std::size_t knot) const;
   Course course_between(std::size_t start, std::size_t entry, double end) const;
-  bool add_overlap(Course& course, const Move& next, const Overlap& overlap);
-  void add_move(Course& course, const Move& next, const Overlap& overlap) const;
-  std::optional<std::vector<JointValues>> overlap_joints(const Move& next, const Overlap& overlap,
+  std::optional<std::vector<Overlap>> overlaps_with(std::span<const Move> next) const;
+  bool add_overlap(Course& course, const Overlap& overlap);
+  void add_move(Course& course, const Overlap& overlap, const Overlap* following) const;
+  std::optional<std::vector<JointValues>> overlap_joints(const Overlap& overlap,
                                                          std::size_t intervals);
-  bool slower_than_a_stop(double added, const Move& next) const;
+  bool slower_than_stops(const Plan& plan, double begins,
+                         const std::vector<Overlap>& overlaps) const;
+  Corner corner_of(const Plan& plan, const Overlap& overlap) const;
   std::optional<Plan> plan_of(const Course& course, const TimeLaw::Start& start) const;
 
   Planner& planner_;
