@@ -57,7 +57,7 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
     sdk, peers = "tests/system/test_sdk.py", "tests/system/test_bench_peers.py"
     robots = tuple(
         f"tests/system/test_{name}.py"
-        for name in ("arm_file", "demo", "examples", "follow", "hand_over", "plot")
+        for name in ("arm_file", "arm_pause", "demo", "examples", "follow", "hand_over", "plot")
     )
     of_compiler = (*compiling, sdk)
     of_python = (*compiling, "tests/system", "tests/stress")
