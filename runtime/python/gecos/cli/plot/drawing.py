@@ -161,7 +161,7 @@ def _path(axes: Axes, position: Course, title: str, across: int, up: int) -> Non
     middle, half = (lower + upper) / 2, max(1.0, 0.55 * float((upper - lower).max()))
     axes.set_xlim(middle[across] - half, middle[across] + half)
     axes.set_ylim(middle[up] - half, middle[up] + half)
-    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_aspect("equal", adjustable="box")
 
 
 def _scaled(course: Course, factor: float) -> Course:
