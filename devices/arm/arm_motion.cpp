@@ -13,10 +13,10 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto beat = 5ms;  // period at which a running motion is looked at
-// A motion stays as it is for so many cycles of the control loop, and for this real time in s, in
-// which the next moves are planned: so the control loop learns of them before they begin. The time
-// to plan grows with the number of moves that have not ended.
-constexpr double cycles_ahead = 2, time_to_plan = 0.008, time_to_plan_more = 0.0001;
+// A motion stays as it is for so many cycles of the control loop, and for the real time in s in
+// which the next moves are planned, so that the control loop learns of them before they begin.
+// Planning takes longer for each move that has not ended.
+constexpr double cycles_ahead = 2, time_to_plan = 0.008, time_to_plan_each = 0.0001;
 // The arm can go over into so many moves, because each keeps a thread of the server.
 constexpr std::size_t most_links = 64;
 
@@ -136,11 +136,13 @@ ArmMotion::Result ArmMotion::move(const Request& request, MotionWatcher& watcher
 /// Waits for the result of `link`. The thread of the first link watches the motion for all links.
 ArmMotion::Result ArmMotion::await(Lock& lock, Link& link) {
   while (!link.result) {
-    const bool accepted = link.joined || link.waiting;
+    const bool accepted = link.part != Part::None;
     if (accepted && link.request.goes_over && !link.told && links_.size() < most_links) {
       link.told = true;
       const gecos::MutexUnlock<gecos::Mutex> unlocked(mutex_);
       link.watcher.taken();
+    } else if (is_to_plan(link)) {
+      join_waiting();
     } else if (links_.front() == &link) {
       watch(lock);
     } else {
@@ -150,20 +152,31 @@ ArmMotion::Result ArmMotion::await(Lock& lock, Link& link) {
   return *std::move(link.result);
 }
 
+/// Returns whether the thread of `link` makes the next plan. That is the thread of the first move
+/// that waits, so that the thread of the first link can stop the arm meanwhile.
+bool ArmMotion::is_to_plan(const Link& link) const {
+  if (link.part != Part::Waiting || plan_made_) return false;
+  return *std::ranges::find(links_, Part::Waiting, &Link::part) == &link;
+}
+
 /// Looks at the motion once.
 void ArmMotion::watch(Lock&) {
   std::optional<ArmController::Outcome> ended;
   OutcomeWatch& outcome = *outcome_;
   MotionWatcher& own = links_.front()->watcher;
-  {
-    const gecos::MutexUnlock<gecos::Mutex> unlocked(mutex_);
+  // Another thread may hold the mutex for a long time, to make the next moves. Meanwhile the arm
+  // can be stopped.
+  mutex_.unlock();
+  while (true) {
     ended = outcome.look();
-    // The arm brakes at once: another thread may plan the next move, and hold the mutex for it.
     if (own.interrupted()) controller_.stop();
+    if (mutex_.try_lock()) break;
+    if (!ended) continue;
+    mutex_.lock();
+    break;
   }
   look_after_links();
-  plan_made_ = false;
-  if (!ended) join_waiting();
+  if (std::exchange(plan_made_, false)) changed_.notify_all();
   if (ended) {
     end_motion(*ended);
   } else if (outcome.stalled()) {
@@ -185,13 +198,11 @@ std::optional<MoveFailure> ArmMotion::plan(Link& link) {
 std::optional<MoveFailure> ArmMotion::begin_or_follow(Link& link) {
   if (links_.front() == &link) return begin(link);
   const Link& before = **(links_.end() - 2);
-  if (stopping_ || !(before.joined || before.waiting)) return std::nullopt;
-  auto move = link.request.make(planner_, before.waiting ? before.waiting->goal() : chain_->goal());
+  if (stopping_ || before.part == Part::None) return std::nullopt;
+  auto move = link.request.make(planner_, before.move ? before.move->goal() : chain_->goal());
   if (!move) return move.error();
-  link.waiting = *std::move(move);
-  // A plan contains all moves that wait for it. One plan for each would take longer than a short
-  // move.
-  if (!plan_made_) join_waiting();
+  link.move = *std::move(move);
+  link.part = Part::Waiting;
   return std::nullopt;
 }
 
@@ -204,34 +215,38 @@ std::optional<MoveFailure> ArmMotion::begin(Link& link) {
   controller_.start(playback_);
   outcome_.emplace(controller_);
   stopping_ = false;
-  link.joined = true;
+  link.part = Part::Joined;
   link.plan = plans_ = 0;
   set_times();
   return std::nullopt;
 }
 
-/// Lets the motion go over into the moves that wait, as far as it can.
+/// Lets the motion go over into the moves that wait, as far as it can. One plan for all takes about
+/// as long as a plan for one, which can be longer than a short move: so there is at most one for
+/// each look at the motion.
 void ArmMotion::join_waiting() {
-  std::vector<Link*> waiting;
-  std::ranges::copy_if(links_, std::back_inserter(waiting), &Link::waits);
-  if (waiting.empty()) return;
   plan_made_ = true;
   try {
+    std::vector<Link*> waiting;
+    std::ranges::copy_if(links_, std::back_inserter(waiting),
+                         [](const Link* link) { return link->part == Part::Waiting; });
     if (!stopping_) join(waiting);
   } catch (const std::exception&) {
     // The arm stops before the moves that have not joined. If a plan for one of these fails again,
     // that move is refused with the reason.
   }
-  for (Link* const link : waiting) link->waiting.reset();
+  for (Link* const link : links_) {
+    if (link->part == Part::Waiting) link->leave_motion();
+  }
   set_times();
 }
 
-/// Lets the motion go over into the waiting moves of `links`: by one plan, or else by one plan for
-/// each move until the first one that is impossible.
-void ArmMotion::join(std::span<Link* const> links) {
-  if (go_over_into(links) || links.size() == 1) return;
-  for (std::size_t i = 0; i < links.size() && go_over_into(links.subspan(i, 1)); ++i) {
-  }
+/// Lets the motion go over into the waiting moves of `links`, up to the first one into which it
+/// cannot. Returns whether it can go over into all of them.
+bool ArmMotion::join(std::span<Link* const> links) {
+  if (go_over_into(links)) return true;
+  const std::size_t half = links.size() / 2;
+  return half > 0 && join(links.first(half)) && join(links.subspan(half));
 }
 
 /// Lets the motion go over into the waiting moves of `links` by one plan. Returns false, and does
@@ -239,11 +254,11 @@ void ArmMotion::join(std::span<Link* const> links) {
 bool ArmMotion::go_over_into(std::span<Link* const> links) {
   std::vector<robcl::motion::Move> moves;
   for (const Link* const link : links) {
-    if (!link->waiting->stands) moves.push_back(*link->waiting);
+    if (!link->move->stands) moves.push_back(*link->move);
   }
   std::vector<Corner> corners;
   if (!moves.empty()) {
-    const double to_plan = time_to_plan + time_to_plan_more * static_cast<double>(links_.size());
+    const double to_plan = time_to_plan + time_to_plan_each * static_cast<double>(links_.size());
     const double notice = cycles_ahead * controller_.cycle() + to_plan * clock_speed_;
     auto added = chain_->extend(moves, playback_->elapsed() + notice);
     if (!added) return false;
@@ -253,15 +268,16 @@ bool ArmMotion::go_over_into(std::span<Link* const> links) {
   }
   auto corner = corners.begin();
   for (Link* const link : links) {
-    if (!link->waiting->stands) pass_before(*link, *corner++);
-    link->joined = true;
+    if (!link->move->stands) note_corner(*link, *corner++);
+    link->move.reset();
+    link->part = Part::Joined;
     link->plan = plans_;
   }
   return true;
 }
 
 /// Notes that the arm does not stop at the goals before `next`: it passes them at `corner`.
-void ArmMotion::pass_before(const Link& next, const Corner& corner) {
+void ArmMotion::note_corner(const Link& next, const Corner& corner) {
   for (Link* const before : links_) {
     if (before == &next) return;
     if (before->corner) continue;
@@ -275,7 +291,7 @@ void ArmMotion::pass_before(const Link& next, const Corner& corner) {
 void ArmMotion::set_times() {
   const Link* before = nullptr;
   for (Link* const link : links_) {
-    if (!link->joined) return;
+    if (link->part != Part::Joined) return;
     if (before != nullptr && before->corner) {
       link->begins = chain_->time_at(before->corner->begins).value_or(link->begins);
     }
@@ -293,7 +309,7 @@ void ArmMotion::look_after_links() {
     return link.corner && link.corner_plan <= entered && shown >= link.ends;
   };
   while (passed(*links_.front())) end_first({});
-  for (Link* const link : links_) stopping_ = link->watcher.interrupted() || stopping_;
+  end_interrupted();
   if (stopping_) controller_.stop();
   const Link& first = *links_.front();
   const double whole = first.ends - first.begins, left = std::max(first.ends - now, 0.0);
@@ -303,12 +319,36 @@ void ArmMotion::look_after_links() {
   first.watcher.progress(over ? 1 : std::clamp(1 - left / whole, 0.0, 1.0), remaining);
 }
 
+/// Notes that the arm must stop if a move of the motion is interrupted. Ends interrupted moves that
+/// the motion does not contain: it goes on without them, and stops before their successors.
+void ArmMotion::end_interrupted() {
+  bool apart = false, stop = false;
+  std::erase_if(links_, [&](Link* link) {
+    const bool interrupted = link->watcher.interrupted();
+    if (link->part == Part::Joined) {
+      stop = stop || interrupted;
+      return false;
+    }
+    apart = apart || interrupted;
+    if (interrupted) {
+      link->result = tl::unexpected(MoveFailure(Interrupted{}));
+    } else if (apart) {
+      link->leave_motion();
+    }
+    return interrupted;
+  });
+  stopping_ = stopping_ || stop;
+  if (apart) changed_.notify_all();
+}
+
 /// Ends the moves of a motion that has ended.
 void ArmMotion::end_motion(const ArmController::Outcome& outcome) {
   const Result result = result_of(outcome);
   if (result) {
     const std::size_t entered = playback_->entered();
-    const auto arrived = [&](const Link& link) { return link.joined && link.plan <= entered; };
+    const auto arrived = [&](const Link& link) {
+      return link.part == Part::Joined && link.plan <= entered;
+    };
     while (!links_.empty() && arrived(*links_.front())) end_first({});
   } else if (outcome.end != ArmController::End::Stopped) {
     return end_all(result.error());
@@ -321,9 +361,7 @@ void ArmMotion::end_motion(const ArmController::Outcome& outcome) {
 void ArmMotion::go_on_from_rest() {
   const std::deque<Link*> left = std::exchange(links_, {});
   for (Link* const link : left) {
-    link->joined = false;
-    link->begins = 0;
-    link->corner.reset();
+    link->leave_motion();
     links_.push_back(link);
     std::optional<MoveFailure> failure = Interrupted{};
     if (!link->watcher.interrupted()) failure = plan(*link);

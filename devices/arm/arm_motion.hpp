@@ -83,13 +83,17 @@ class ArmMotion {
  private:
   using Corner = robcl::motion::MoveChain::Corner;
 
+  /// How a move belongs to the motion: not at all, because the arm must stop first; in the next
+  /// plan; or already.
+  enum class Part : std::uint8_t { None, Waiting, Joined };
+
   /// A move that has not ended, on the stack of the thread that waits for it.
   struct Link {
     const Request& request;
     MotionWatcher& watcher;
-    std::optional<robcl::motion::Move> waiting{};  // for the next plan
-    bool joined = false;                           // the motion contains it
-    bool told = false;                             // the watcher knows that the move is taken
+    Part part = Part::None;
+    std::optional<robcl::motion::Move> move{};  // while `part` is Waiting
+    bool told = false;                          // the watcher knows that the move is taken
     std::size_t plan = 0;  // number of the first plan in `playback_` that leads to its goal
     double begins = 0;     // times in s by MoveChain
     double ends = 0;
@@ -99,7 +103,12 @@ class ArmMotion {
     std::size_t corner_plan = 0;  // number of the first plan that has the corner
     std::optional<Result> result{};
 
-    static bool waits(const Link* link) { return link->waiting.has_value(); }
+    void leave_motion() {
+      part = Part::None;
+      move.reset();
+      begins = 0;
+      corner.reset();
+    }
   };
   using Lock = gecos::MutexLock<gecos::Mutex>;
 
@@ -107,17 +116,19 @@ class ArmMotion {
   Result while_claimed(const std::function<void()>& start, MotionWatcher& watcher);
   Result await(Lock& lock, Link& link) GECOS_REQUIRES(mutex_);
   void watch(Lock& lock) GECOS_REQUIRES(mutex_);
-  /// Begins the motion of `link`, or lets the running motion go over into it now or at the next
-  /// look. Returns the reason if the move is impossible. Does nothing if the arm must stop first.
+  bool is_to_plan(const Link& link) const GECOS_REQUIRES(mutex_);
+  /// Begins the motion of `link`, or lets `link` wait for the next plan. Returns the reason if the
+  /// move is impossible. Does nothing if the arm must stop first.
   std::optional<MoveFailure> plan(Link& link) GECOS_REQUIRES(mutex_);
   std::optional<MoveFailure> begin_or_follow(Link& link) GECOS_REQUIRES(mutex_);
   std::optional<MoveFailure> begin(Link& link) GECOS_REQUIRES(mutex_);
   void join_waiting() GECOS_REQUIRES(mutex_);
-  void join(std::span<Link* const> links) GECOS_REQUIRES(mutex_);
+  bool join(std::span<Link* const> links) GECOS_REQUIRES(mutex_);
   bool go_over_into(std::span<Link* const> links) GECOS_REQUIRES(mutex_);
-  void pass_before(const Link& next, const Corner& corner) GECOS_REQUIRES(mutex_);
+  void note_corner(const Link& next, const Corner& corner) GECOS_REQUIRES(mutex_);
   void set_times() GECOS_REQUIRES(mutex_);
   void look_after_links() GECOS_REQUIRES(mutex_);
+  void end_interrupted() GECOS_REQUIRES(mutex_);
   void end_motion(const ArmController::Outcome& outcome) GECOS_REQUIRES(mutex_);
   void go_on_from_rest() GECOS_REQUIRES(mutex_);
   void end_all(const MoveFailure& failure) GECOS_REQUIRES(mutex_);

@@ -36,6 +36,16 @@ Eigen::Quaterniond turned_by(const Eigen::Vector3d& rotation) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(rotation.norm(), rotation.stableNormalized()));
 }
 
+/// Returns d for two moves of these durations. Between two overlaps there is nothing or more than
+/// 1/32 of the move: the curvature of a path of very short intervals is not exact.
+double half_overlap(double unhindered, double last, double next) {
+  double half = std::min({unhindered, last / 2, next / 2});
+  for (const double duration : {last, next}) {
+    if (half < duration / 2) half = std::min(half, duration * 15 / 32);
+  }
+  return half;
+}
+
 /// Returns how far apart in s the knots of a move may be.
 double furthest_apart(const Move& move) {
   double parts = 8;
@@ -43,6 +53,18 @@ double furthest_apart(const Move& move) {
     parts = std::max({parts, move.line->length() / line_step, move.line->turn() / turn_step});
   }
   return move.duration() / parts;
+}
+
+/// Returns the least (ds/dt)² that limits the tool of a joint move between two places; infinite if
+/// none does.
+double least_cap(const Move& move, double from, double to) {
+  double least = infinite;
+  for (std::size_t i = 0; i < move.caps.size(); ++i) {
+    if (move.path.place(i + 1) > from && move.path.place(i) < to) {
+      least = std::min(least, move.caps[i]);
+    }
+  }
+  return least;
 }
 
 /// Returns half the time that the move would need to brake from its full speed: the arm is then
@@ -61,6 +83,14 @@ double braking_way(const Move& move, const arm::ArmModel& model, const ToolLimit
     }
   }
   return longest / 2;
+}
+
+/// Returns the time of `move` from rest to rest if nothing but its acceleration limits it.
+/// `braking`: its braking_way.
+double least_time_alone(const Move& move, double braking) {
+  const double duration = move.duration();
+  const bool reaches_full_speed = duration > 2 * braking;
+  return reaches_full_speed ? duration + 2 * braking : 2 * std::sqrt(2 * braking * duration);
 }
 
 /// The limit of the tool in the overlap of two lines, whose velocities differ by `change`. At the
@@ -169,6 +199,31 @@ std::optional<std::vector<JointValues>> MoveChain::overlap_joints(const Overlap&
   return all;
 }
 
+/// Returns the limits of the motion in the overlap: while it moves, and while it brakes.
+std::pair<IntervalLimits, IntervalLimits> MoveChain::limits_in(const Overlap& overlap) const {
+  const Move &last = overlap.last, &next = overlap.next;
+  const ToolLimits& full = planner_.tool_limits();
+  IntervalLimits moving, braking;
+  moving.speed = std::max(last.pace.speed, next.pace.speed);
+  const double acceleration = std::max(last.pace.acceleration, next.pace.acceleration);
+  moving.acceleration = share_in_overlap * acceleration;
+  moving.cap = std::min({1.0, least_cap(last, last.duration() - overlap.half, last.duration()),
+                         least_cap(next, 0, overlap.half)});
+  braking.acceleration = share_in_overlap;
+  if (last.line && next.line) {
+    const Twist one = twist_of(last), other = twist_of(next);
+    const auto tool = [&](const Eigen::Vector3d& v, const Eigen::Vector3d& w, double limit) {
+      return tool_in_overlap(std::max(v.norm(), w.norm()), (w - v).norm(), overlap.half,
+                             overlap.unhindered, limit);
+    };
+    moving.way = tool(one.way, other.way, full.acceleration * acceleration);
+    moving.turn = tool(one.turn, other.turn, full.turn_acceleration * acceleration);
+    braking.way = tool(one.way, other.way, full.acceleration);
+    braking.turn = tool(one.turn, other.turn, full.turn_acceleration);
+  }
+  return {moving, braking};
+}
+
 /// Adds the knots of the overlap behind its first one. Returns false if there are none.
 bool MoveChain::add_overlap(Course& course, const Overlap& overlap) {
   const Move &last = overlap.last, &next = overlap.next;
@@ -182,31 +237,14 @@ bool MoveChain::add_overlap(Course& course, const Overlap& overlap) {
   }
   if (!joints) return false;
 
-  IntervalLimits limits, braking;
-  limits.speed = std::max(last.pace.speed, next.pace.speed);
-  const double acceleration = std::max(last.pace.acceleration, next.pace.acceleration);
-  limits.acceleration = share_in_overlap * acceleration;
-  limits.cap = 1;
-  braking.acceleration = share_in_overlap;
-  if (last.line && next.line) {
-    const Twist one = twist_of(last), other = twist_of(next);
-    const auto tool = [&](const Eigen::Vector3d& v, const Eigen::Vector3d& w, double limit) {
-      return tool_in_overlap(std::max(v.norm(), w.norm()), (w - v).norm(), overlap.half,
-                             overlap.unhindered, limit);
-    };
-    const ToolLimits& full = planner_.tool_limits();
-    limits.way = tool(one.way, other.way, full.acceleration * acceleration);
-    limits.turn = tool(one.turn, other.turn, full.turn_acceleration * acceleration);
-    braking.way = tool(one.way, other.way, full.acceleration);
-    braking.turn = tool(one.turn, other.turn, full.turn_acceleration);
-  }
+  const auto [moving, braking] = limits_in(overlap);
   const std::size_t begins = course.knots.places.size() - 1;
   std::vector<std::size_t>& joins = course.knots.joins;
   if (begins > 0 && (joins.empty() || joins.back() != begins)) joins.push_back(begins);
   for (std::size_t i = 1; i <= intervals; ++i) {
     const double part = static_cast<double>(i) / static_cast<double>(intervals);
     course.knots.add(overlap.corner + overlap.half * (2 * part - 1), (*joints)[i - 1]);
-    course.limits.moving.push_back(limits);
+    course.limits.moving.push_back(moving);
     course.limits.braking.push_back(braking);
   }
   joins.push_back(course.knots.places.size() - 1);
@@ -214,8 +252,8 @@ bool MoveChain::add_overlap(Course& course, const Overlap& overlap) {
 }
 
 /// Adds the part of the next move behind the overlap, up to its goal or to the `following` overlap.
-/// A chain of many short moves leaves out knots that are closer together than its accuracy needs:
-/// the time to plan it counts.
+/// Leaves out knots that are closer together than `furthest_apart`, because the time to plan a
+/// motion grows with the number of its knots.
 void MoveChain::add_move(Course& course, const Overlap& overlap, const Overlap* following) const {
   const Move& next = overlap.next;
   const double end = following != nullptr ? following->begins() : overlap.goal();
@@ -258,23 +296,23 @@ std::optional<Plan> MoveChain::plan_of(const Course& course, const TimeLaw::Star
                       start);
 }
 
-/// Returns whether the motion would be over sooner with a stop before one of the moves: exactly for
-/// one move, and for several as far as it can be excluded without planning them alone.
+/// Returns whether the motion would be over sooner with a stop before one of the moves: for one
+/// move by .1 s or more, and for several as far as it can be excluded without planning them alone.
 bool MoveChain::slower_than_stops(const Plan& plan, double begins,
                                   const std::vector<Overlap>& overlaps) const {
-  // Most moves add little more than their duration at full speed: these are not planned alone.
-  constexpr double usual = 1.5, at_least = 0.1;
-  const bool several = overlaps.size() > 1;
-  double allowed = 0;
-  for (const Overlap& overlap : overlaps) {
-    allowed += usual * overlap.next.duration() + at_least;
-    const double passing = plan.law.time_at(overlap.ends()) - plan.law.time_at(overlap.begins());
-    const double stopping = 4 * overlap.half;  // from full speed and back to it
-    if (several && passing > stopping + at_least) return true;
-  }
   const double added = begins + plan.law.duration() - ends();
-  if (added <= allowed) return false;
-  return several || added > planner_.plan(overlaps.front().next).duration();
+  if (overlaps.size() == 1) {
+    // Most moves add little more than their duration at full speed: these are not planned alone.
+    constexpr double usual = 1.5, slack = 0.1;  // s
+    const Move& next = overlaps.front().next;
+    return added > usual * next.duration() + slack && added > planner_.plan(next).duration();
+  }
+  const ToolLimits& tool = planner_.tool_limits();
+  double alone = 0;
+  for (const Overlap& overlap : overlaps) {
+    alone += least_time_alone(overlap.next, braking_way(overlap.next, planner_.model(), tool));
+  }
+  return added > alone;
 }
 
 /// Returns the overlaps of the chain with the moves `next`; nullopt if a move has no length.
@@ -289,7 +327,7 @@ std::optional<std::vector<MoveChain::Overlap>> MoveChain::overlaps_with(
     Overlap overlap{*last, move, corner};
     overlap.unhindered = std::max(braking_way(*last, planner_.model(), tool),
                                   braking_way(move, planner_.model(), tool));
-    overlap.half = std::min({overlap.unhindered, last->duration() / 2, move.duration() / 2});
+    overlap.half = half_overlap(overlap.unhindered, last->duration(), move.duration());
     overlap.before = last == &last_ ? plan_.path.position(overlap.begins())
                                     : last->path.position(last->duration() - overlap.half);
     overlap.after = move.path.position(overlap.half);

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "robcl/motion/plan.hpp"
@@ -63,7 +64,7 @@ class MoveChain {
     Path::Knots knots;
     CourseLimits limits;
   };
-  /// The overlap of two moves, which must exist as long as it.
+  /// The overlap of two moves; these must outlive it.
   struct Overlap {
     const Move& last;
     const Move& next;
@@ -80,6 +81,7 @@ class MoveChain {
   std::size_t first_in_window_before(std::size_t knot) const;
   Course course_between(std::size_t start, std::size_t entry, double end) const;
   std::optional<std::vector<Overlap>> overlaps_with(std::span<const Move> next) const;
+  std::pair<IntervalLimits, IntervalLimits> limits_in(const Overlap& overlap) const;
   bool add_overlap(Course& course, const Overlap& overlap);
   void add_move(Course& course, const Overlap& overlap, const Overlap* following) const;
   std::optional<std::vector<JointValues>> overlap_joints(const Overlap& overlap,
