@@ -13,7 +13,7 @@ from gidl.rules import not_yet
 IDL = Path(__file__).parents[2] / "idl"
 
 TEXT = """@final struct Image { @bulk sequence<octet> pixels; };
-@qos(class=TIME_INDEPENDENT, latency="5ms", media="shm", deadline="1s")
+@qos(class=TIME_INDEPENDENT, latency="5ms", media="shm|lcm", deadline="1s")
 interface Arm {
   @actor @idempotent @on_new("blend") @presence(FALSE)
   void move(@bulk in sequence<octet> path);
@@ -52,7 +52,6 @@ def test_each_term_that_does_not_act_is_named_where_it_is_written(
         (5, "@bulk"),
         (8, "@qos(liveliness)"),
         (8, "@qos(lifespan)"),
-        (10, "@open_stream"),
         (10, "@qos(reliability)"),
         (12, "@qos(deadline)"),
     }

@@ -44,6 +44,7 @@ _out = Path(_generated.name)  # now: test modules import from it when they are c
 _generate_python(TREE / "tests" / "system" / "rail", "lab/rail_sensor.gidl", _out)
 _generate_python(TREE / "tests" / "idl" / "inward", "feeder.gidl", _out)
 _generate_python(TREE / "tests" / "idl" / "events", "button.gidl", _out)
+_generate_python(TREE / "tests" / "idl" / "open", "barograph.gidl", _out)
 sys.path.insert(0, str(_out / "python"))
 _before = os.environ.get("PYTHONPATH")
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(_out / "python"), _before]))

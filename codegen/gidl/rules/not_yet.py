@@ -78,7 +78,6 @@ NOT_YET = (
         _needs_status,
         "a call that needs actor status is not sent again in a new session",
     ),
-    Term("open_stream", "", _always, "over lcm the stream is sealed like any other"),
     Term("bulk", "", _always, "the value is sent like any other value"),
     Term("qos", "latency", _no_real_time, "a latency is a limit only with a REALTIME class"),
     Term("qos", "lifespan", _is_call, "only the samples of a stream have an age"),

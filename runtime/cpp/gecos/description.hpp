@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -66,6 +67,8 @@ struct StreamDescription {
   std::size_t largest = 0;  ///< bytes of the largest sample; 0: unbounded, up to 64 KiB are sent
   bool event = false;      ///< each sample is an occurrence: readers start after their subscription
   std::uint64_t hash = 0;  ///< of an event; the hash of a stream is that of the operation
+  /// The LCM fingerprint of the samples of an @open_stream; nullopt for other streams.
+  std::optional<std::uint64_t> open_fingerprint{};
   qos::Quality quality{};
 };
 

@@ -1,9 +1,11 @@
 #include "dynamic_description.hpp"
 
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
 #include <deque>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -93,6 +95,7 @@ StreamDescription stream_of(nb::handle table, OwnedDescription& owner) {
   stream.largest = field<std::size_t>(table, "largest");
   stream.event = field<bool>(table, "event");
   stream.hash = field<std::uint64_t>(table, "hash");
+  stream.open_fingerprint = field<std::optional<std::uint64_t>>(table, "open_fingerprint");
   stream.quality = quality_of(table.attr("quality"));
   return stream;
 }

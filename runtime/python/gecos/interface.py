@@ -124,6 +124,7 @@ class OutwardStream(Record, kw_only=True):
     largest: int = 0  # bytes of the largest sample; 0 when unbounded
     event: bool = False  # each sample is an occurrence: readers start after the subscription
     hash: int = 0  # of an event; the hash of a stream is that of the operation
+    open_fingerprint: int | None = None  # LCM fingerprint of the samples of an @open_stream
     quality: Quality = ASKED_NOTHING
 
 
@@ -261,12 +262,14 @@ def method(
     feedback: type | None = None,
     raises: tuple[type[DeclaredError], ...] = (),
     stream: tuple[float, int] | None = None,
+    open_fingerprint: int | None = None,
     handler: str = "",
 ) -> Method[Any, Any]:
     """Builds the `Method` of an operation. `named` is the name of an `out` parameter that is the
     only result. If the result is also published as a stream, `stream` has its rate in Hz and the
-    size of its largest sample in bytes (0: unbounded). `handler` is the name of the servant's
-    method, if it differs from the name of the operation."""
+    size of its largest sample in bytes (0: unbounded); an open stream also has the LCM fingerprint
+    of its samples. `handler` is the name of the servant's method, if it differs from the name of
+    the operation."""
     name, sender = operation.name, operation.name.removesuffix("=")
     result, body = (nothing, no_result) if gives is None else _answer(kind_of(gives), name)
     outward = None
@@ -281,6 +284,7 @@ def method(
             access=operation.access,
             rate_hz=rate,
             largest=largest,
+            open_fingerprint=open_fingerprint,
             quality=asked,
         )
     arguments = _NO_VALUES if takes is None else Arguments(sender, *takes)

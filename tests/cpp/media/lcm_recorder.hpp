@@ -36,6 +36,7 @@ class Recorder {
     while (port_->pump()) continue;
   }
   const std::vector<Bytes>& all() const { return all_; }
+  const LcmPort& port() const { return *port_; }
   void say(const std::string& channel, ByteView datagram) { port_->publish(channel, datagram); }
 
  private:

@@ -82,6 +82,8 @@ class Tables(CallFacts):
             terms.append(f".largest = {layout.largest}")
         if attribute.event is not None:
             terms += [".event = true", f".hash = {hex64(layout.hash)}"]
+        if attribute.stream.is_open and layout.fingerprint is not None:
+            terms.append(f".open_fingerprint = {hex64(layout.fingerprint)}")
         return StreamRow(
             self._stream_constants[attribute.name], hex32(layout.code), attribute.name,
             filled([*terms, *asked(attribute.qos)]),

@@ -50,6 +50,7 @@ class Tables(CallFacts):
         getter = layout.kind is CallKind.GETTER
         if getter and isinstance(member, Attribute) and member.streams_out:
             terms.append(f"stream={self._stream(member)}")
+            terms += self._openness(member)
         called = self._method_name(layout)
         short = short_name(layout)
         expected = f"set_{short[:-1]}" if short.endswith("=") else short
@@ -71,6 +72,14 @@ class Tables(CallFacts):
         assert attribute.stream is not None
         largest = self._layout.stream(attribute.scoped_name).largest or 0
         return group([repr(float(attribute.stream.rate_hz or 0)), str(largest)])
+
+    def _openness(self, attribute: Attribute) -> list[str]:
+        """Returns the fingerprint of the samples of an open stream."""
+        assert attribute.stream is not None
+        fingerprint = self._layout.stream(attribute.scoped_name).fingerprint
+        if not attribute.stream.is_open or fingerprint is None:
+            return []
+        return [f"open_fingerprint=0x{fingerprint & 0xFFFFFFFFFFFFFFFF:016X}"]
 
     def _inward_table(self, attribute: Attribute) -> str:
         layout = self._layout.stream(attribute.scoped_name)

@@ -10,4 +10,9 @@ Whereabouts Connection::peer_whereabouts() { return {}; }
 
 std::string Connection::why_no_stream(std::uint32_t /*id*/) { return {}; }
 
+tl::expected<std::unique_ptr<OpenChannel>, MediumError> Acceptor::open_channel(
+    const std::string& /*name*/) {
+  return nullptr;
+}
+
 }  // namespace gecos::media

@@ -123,6 +123,15 @@ class StreamWriter {
   virtual void move_on() {}
 };
 
+/// Publishes messages in clear on a channel of the network: anybody who receives them can read
+/// them, and nothing proves who sent them. Messages may be lost. Any thread may use it.
+class OpenChannel {
+ public:
+  virtual ~OpenChannel() = default;
+  /// Sends `message` once, to nobody in particular. The only possible error is TooLarge.
+  virtual tl::expected<void, SendProblem> publish(ByteView message) = 0;
+};
+
 /// Reads one stream. Only one thread at a time may use a reader.
 class StreamReader {
  public:
@@ -259,6 +268,10 @@ class Connection {
 /// refused; an empty text admits the client. Must not throw.
 using AdmitPeer = std::function<std::string(const Peer&)>;
 
+struct MediumError {
+  std::string text;  ///< what failed, where, and what to do
+};
+
 /// The server's side of one object on one medium. Makes a connection for each client that connects.
 class Acceptor {
  public:
@@ -285,10 +298,10 @@ class Acceptor {
   /// Makes a stream that all connections of this acceptor can share. `largest` is the largest size
   /// of a sample in bytes; `depth` is the number of samples that are kept.
   virtual std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) = 0;
-};
-
-struct MediumError {
-  std::string text;  ///< what failed, where, and what to do
+  /// Opens the channel `name` for messages in clear. Returns null on a medium without such
+  /// channels; only lcm has them.
+  virtual tl::expected<std::unique_ptr<OpenChannel>, MediumError> open_channel(
+      const std::string& name);
 };
 
 /// A medium: a way to move packets between programs. Makes acceptors and connections.

@@ -219,7 +219,7 @@ def _how_read(attribute: Attribute) -> str:
         words.append(f"set: {attribute.write_access.name.lower()}")
     if attribute.stream is not None:
         rate = f" at {attribute.stream.rate_hz:g} Hz" if attribute.stream.rate_hz else ""
-        words.append(f"stream out{rate}")
+        words.append(f"stream out{rate}{', open to anybody' if attribute.stream.open else ''}")
     return f"  ({', '.join(words)})" if words else ""
 
 

@@ -190,6 +190,7 @@ class AttributeStream(Record):
     rate_hz: float = 0.0  # 0: not declared
     largest: int = 0  # bytes of the largest sample; 0 when unbounded
     watchdog_ns: int = 0  # of a stream that clients send; 0: none
+    open: bool = False  # over lcm it is also sent in clear
 
 
 class Attribute(Record, kw_only=True):

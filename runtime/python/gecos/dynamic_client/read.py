@@ -341,6 +341,7 @@ def _attribute(data: JsonObject, interface: str, event: bool) -> Attribute:
             float(declared.number("rate_hz") or 0.0),
             declared.whole("largest", 0, _MAX_NS, 0),
             declared.whole("watchdog_ns", 0, _MAX_NS, 0),
+            declared.flag("open"),
         )
     readonly = data.flag("readonly")
     inward = stream is not None and stream.direction == "in"

@@ -24,6 +24,10 @@ class AcceptorLayer final : public Acceptor {
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
     return inner_->make_stream(largest, depth);
   }
+  tl::expected<std::unique_ptr<OpenChannel>, MediumError> open_channel(
+      const std::string& name) override {
+    return inner_->open_channel(name);
+  }
 
  private:
   const std::unique_ptr<Acceptor> inner_;

@@ -20,6 +20,7 @@ namespace gecos::media {
 struct LcmOptions {
   std::string group = "239.255.76.67";
   std::uint16_t well_known_port = 7668;  ///< not LCM's 7667, so that calls do not wake lcm-spy
+  std::uint16_t open_port = 7667;        ///< of open streams: the port at which LCM's tools listen
   /// The number of routers that a packet may pass. With 0, packets stay on this host.
   int ttl = 0;
   /// The size of the receive buffer that each socket requests. The kernel setting net.core.rmem_max

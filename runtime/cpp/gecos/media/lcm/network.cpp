@@ -104,6 +104,7 @@ tl::expected<std::unique_ptr<Medium>, MediumError> open_lcm() {
 
 std::unique_ptr<Medium> make_lcm(LcmOptions options) {
   SealedOptions sealed{.well_known_port = options.well_known_port,
+                       .open_port = options.open_port,
                        .key_directory = options.key_directory,
                        .rekey = options.rekey,
                        .clock = options.clock};

@@ -10,6 +10,7 @@
 #include "gecos/base/log.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/base/system_error.hpp"
+#include "gecos/media/sealed/clear_channel.hpp"
 #include "gecos/media/sealed/connection.hpp"
 #include "gecos/media/sealed/responder.hpp"
 
@@ -100,6 +101,10 @@ class SealedAcceptor final : public Acceptor {
 
   std::unique_ptr<StreamWriter> make_stream(std::size_t largest, std::size_t depth) override {
     return responder_->make_stream(largest, depth);
+  }
+  tl::expected<std::unique_ptr<OpenChannel>, MediumError> open_channel(
+      const std::string& name) override {
+    return open_clear_channel(responder_->options(), name);
   }
 
  private:

@@ -78,6 +78,7 @@ class DatagramNetwork {
 struct SealedOptions {
   std::shared_ptr<const DatagramNetwork> network{};
   std::uint16_t well_known_port = 0;  ///< the port of all well-known addresses
+  std::uint16_t open_port = 0;        ///< the port of all open channels; 0: there are none
   /// The path of the key directory, which is opened on first use. If the path is empty,
   /// crypto::KeyDirectory::default_path() is used.
   std::string key_directory{};

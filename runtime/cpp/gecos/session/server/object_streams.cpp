@@ -12,6 +12,7 @@ ObjectStreams::ObjectStreams(std::string object, const InterfaceDescription& int
 }
 
 void ObjectStreams::offer(std::shared_ptr<media::Acceptor> acceptor) {
+  for (const auto& port : ports_) port->publish_in_clear(*acceptor);
   const MutexLock lock(mutex_);
   const std::string_view name = acceptor->capabilities().name;
   acceptors_[name] = std::move(acceptor);

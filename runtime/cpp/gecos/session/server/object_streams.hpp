@@ -17,7 +17,8 @@ class ObjectStreams {
  public:
   ObjectStreams(std::string object, const InterfaceDescription& interface);
 
-  /// Allows clients that connect through `acceptor` to subscribe.
+  /// Allows clients that connect through `acceptor` to subscribe, and publishes the open streams on
+  /// its open channels.
   void offer(std::shared_ptr<media::Acceptor> acceptor);
   /// After this call, published samples reach no client.
   void close();

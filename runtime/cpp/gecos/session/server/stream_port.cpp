@@ -1,8 +1,10 @@
 #include "gecos/session/server/stream_port.hpp"
 
+#include <algorithm>
 #include <exception>
 
 #include "gecos/base/log.hpp"
+#include "gecos/wire/encoder.hpp"
 
 namespace gecos::session {
 namespace {
@@ -54,15 +56,42 @@ void StreamPort::publish(ByteView sample, const SampleTime& time) {
   ++samples_;
   bytes_ += sample.size();
   for (const auto& [medium, writer] : writers_) {
-    if (writer->publish(latest_, time.stamp_ns)) continue;
-    ++dropped_;
-    if (complained_) continue;
-    complained_ = !stream_.event;
-    log_error("session", object_ + ": a sample of '" + std::string(stream_.name) + "' takes " +
-                             std::to_string(sample.size()) + " bytes, more than " +
-                             std::string(medium) +
-                             " can send for this stream; the sample is dropped");
+    if (!writer->publish(latest_, time.stamp_ns)) drop(sample.size(), medium);
   }
+  if (!open_channels_.empty()) send_in_clear(sample);
+}
+
+void StreamPort::publish_in_clear(media::Acceptor& acceptor) {
+  if (!stream_.open_fingerprint) return;
+  const std::string channel = object_ + "." + std::string(stream_.name);
+  auto opened = acceptor.open_channel(channel);
+  if (!opened) {
+    log_warning("session", named() + " is not published in clear over " +
+                               std::string(acceptor.capabilities().name) + ": " +
+                               opened.error().text);
+    return;
+  }
+  const MutexLock lock(mutex_);
+  if (*opened) open_channels_.insert_or_assign(acceptor.capabilities().name, std::move(*opened));
+}
+
+void StreamPort::send_in_clear(ByteView sample) {
+  const auto fingerprint = static_cast<std::int64_t>(stream_.open_fingerprint.value_or(0));
+  open_message_.resize(sizeof fingerprint + sample.size());
+  wire::Encoder(open_message_).put(fingerprint);
+  std::ranges::copy(sample, open_message_.begin() + sizeof fingerprint);
+  for (const auto& [medium, channel] : open_channels_) {
+    if (!channel->publish(open_message_)) drop(sample.size(), medium);
+  }
+}
+
+void StreamPort::drop(std::size_t size, std::string_view medium) {
+  ++dropped_;
+  if (complained_) return;
+  complained_ = !stream_.event;
+  log_error("session", object_ + ": a sample of '" + std::string(stream_.name) + "' takes " +
+                           std::to_string(size) + " bytes, more than " + std::string(medium) +
+                           " can send for this stream; the sample is dropped");
 }
 
 StreamStats StreamPort::stats() {
@@ -86,6 +115,7 @@ void StreamPort::move_on(std::string_view medium) {
 void StreamPort::close() {
   const MutexLock lock(mutex_);
   writers_.clear();
+  open_channels_.clear();
 }
 
 }  // namespace gecos::session

@@ -35,6 +35,9 @@ class StreamPort {
   /// failure returns the reason.
   tl::expected<std::uint64_t, std::string> share(std::uint32_t id, media::Connection& connection,
                                                  media::Acceptor& acceptor);
+  /// Publishes all later samples of an @open_stream in clear, too, if `acceptor` has channels for
+  /// that. Does nothing for other streams.
+  void publish_in_clear(media::Acceptor& acceptor);
   /// Makes all later samples over `medium` unreadable for clients with whom the stream is no longer
   /// shared.
   void move_on(std::string_view medium);
@@ -44,6 +47,8 @@ class StreamPort {
  private:
   tl::expected<media::StreamWriter*, std::string> writer_for(media::Acceptor& acceptor)
       GECOS_REQUIRES(mutex_);
+  void send_in_clear(ByteView sample) GECOS_REQUIRES(mutex_);
+  void drop(std::size_t size, std::string_view medium) GECOS_REQUIRES(mutex_);
   std::string named() const;
 
   const std::string& object_;
@@ -51,6 +56,9 @@ class StreamPort {
   Mutex mutex_;
   std::map<std::string_view, std::unique_ptr<media::StreamWriter>> writers_
       GECOS_GUARDED_BY(mutex_);
+  std::map<std::string_view, std::unique_ptr<media::OpenChannel>> open_channels_
+      GECOS_GUARDED_BY(mutex_);  ///< by medium; of an @open_stream only
+  Bytes open_message_ GECOS_GUARDED_BY(mutex_);
   Bytes latest_ GECOS_GUARDED_BY(mutex_);  ///< the latest sample, with the measurement time
                                            ///< appended
   std::int64_t latest_stamp_ns_ GECOS_GUARDED_BY(mutex_) = 0;

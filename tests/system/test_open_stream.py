@@ -1,0 +1,182 @@
+"""Open streams: stock LCM tools record and decode what a server publishes."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from importlib.metadata import distribution
+from pathlib import Path
+from typing import Any
+
+import gecos
+import pytest
+from barograph import Barograph, Reading
+from lcm import LCM, EventLog
+from processes import PATIENCE_S, Laboratory, Program, until
+
+TREE = Path(__file__).resolve().parents[2]
+HERE = Path(__file__).parent / "open"
+CHANNEL = "BARO.readings"
+FIRST, TIMES = 100, 10
+
+
+def of_wheel(path: str) -> Path:
+    return Path(str(distribution("lcm").locate_file(path)))
+
+
+@pytest.fixture(scope="module")
+def lcm_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The `.lcm` file that gidl makes of the interface."""
+    out = tmp_path_factory.mktemp("gidl")
+    words = ["--lang", "lcm", "-I", TREE / "idl", "--out", out]
+    made = [sys.executable, "-m", "gidl", "gen", *words, TREE / "tests/idl/open/barograph.gidl"]
+    subprocess.run(made, check=True, stdout=subprocess.DEVNULL)
+    return out / "lcm" / "barograph.lcm"
+
+
+@pytest.fixture(scope="module")
+def stock_python(lcm_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """The class that lcm-gen makes of the type."""
+    out = tmp_path_factory.mktemp("lcm_python")
+    subprocess.run([of_wheel("bin/lcm-gen"), "-p", "--ppath", out, lcm_file], check=True)
+    sys.path.insert(0, str(out))
+    from weather import Reading as StockReading  # type: ignore[import-not-found]
+
+    yield StockReading
+    sys.path.remove(str(out))
+
+
+def start_server(lab: Laboratory, language: str) -> Program:
+    if language == "C++":
+        server: list[str | Path] = [lab.build / "tests" / "system" / "open" / "open_server"]
+    else:
+        server = [sys.executable, HERE / "server.py"]
+    return lab.start(*server, ready="serving")
+
+
+def logged(log: Path) -> list[bytes]:
+    """The messages of the open stream in a log, which may still be growing."""
+    if not log.exists() or log.stat().st_size == 0:
+        return []
+    return [bytes(each.data) for each in EventLog(str(log)) if each.channel == CHANNEL]
+
+
+def record(lab: Laboratory, log: Path) -> list[Reading]:
+    """Has stock lcm-logger record some readings. Returns the same readings as a client got them."""
+    lab.env.pop("LCM_DEFAULT_URL", None)
+    logger = lab.start(of_wheel("bin/lcm-logger"), "--flush-interval=10", log)
+    with gecos.Lab() as mine:
+        baro = mine.create(Barograph, "BARO", medium="lcm")
+
+        def heard(first: int, times: int) -> bool:
+            baro.record(0, 1, 1).result()  # the logger writes a message to the file with the next
+            numbers = [number_of(each) for each in logged(log)]
+            return len([number for number in numbers if number >= first]) >= times
+
+        until(lambda: heard(0, 1), "lcm-logger hears the stream")
+        stream = baro.sealed.stream()
+        baro.record(FIRST, TIMES, 3).result()
+        came: list[Reading] = []
+        while len(came) < TIMES:
+            sample = stream.next(PATIENCE_S)
+            came.extend([sample.value] if sample.value.number >= FIRST else [])
+        until(lambda: heard(FIRST, TIMES), "lcm-logger has all readings")
+    logger.terminate()
+    return came
+
+
+def number_of(message: bytes) -> int:
+    """The number of the reading, which follows the fingerprint."""
+    return int.from_bytes(message[8:12], "big")
+
+
+def recorded(log: Path) -> list[bytes]:
+    """The messages of the readings from FIRST on."""
+    return [each for each in logged(log) if number_of(each) >= FIRST]
+
+
+@pytest.mark.parametrize("server", ["C++", "Python"])
+@pytest.mark.usefixtures("here")
+def test_stock_logger_records_and_stock_python_decodes_what_was_published(
+    server: str, lab_with_broker: Laboratory, stock_python: Any, tmp_path: Path
+) -> None:
+    start_server(lab_with_broker, server)
+    published = record(lab_with_broker, tmp_path / "log")
+    read = [stock_python.decode(each) for each in recorded(tmp_path / "log")]
+    assert [each.number for each in read] == list(range(FIRST, FIRST + TIMES))
+    for stock, ours in zip(read, published, strict=True):
+        assert stock.number == ours.number
+        assert (stock.place.name, stock.place.latitude) == (ours.place.name, ours.place.latitude)
+        assert stock.place.name == "Königstuhl"
+        assert stock.trend == int(ours.trend)
+        assert list(stock.pressures) == list(ours.pressures)
+        assert [each % 2**16 for each in stock.histogram] == [1, 2, 65535]
+        assert stock.remark == ([] if ours.remark is None else [ours.remark])
+    assert {len(each.remark) for each in read} == {0, 1}
+
+
+@pytest.mark.skipif(shutil.which("javac") is None, reason="needs javac (a JDK, 11 or newer)")
+@pytest.mark.usefixtures("here")
+def test_the_decoder_of_lcm_spy_shows_the_same_values(
+    lab_with_broker: Laboratory, lcm_file: Path, tmp_path: Path
+) -> None:
+    jar, out = of_wheel("share/java/lcm.jar"), tmp_path / "java"
+    subprocess.run([of_wheel("bin/lcm-gen"), "-j", "--jpath", out, lcm_file], check=True)
+    sources = [HERE / "Decode.java", *out.rglob("*.java")]
+    subprocess.run(["javac", "-encoding", "UTF-8", "-cp", jar, "-d", out, *sources], check=True)
+    types = tmp_path / "types.jar"  # lcm-spy looks for types in the jars of CLASSPATH
+    subprocess.run(["jar", "cf", types, "-C", out, "weather"], check=True)
+
+    start_server(lab_with_broker, "C++")
+    published = record(lab_with_broker, tmp_path / "log")
+    path = os.pathsep.join(map(str, [out, jar, types]))
+    shown = subprocess.run(
+        ["java", "-cp", path, "Decode", tmp_path / "log", CHANNEL],
+        env={**os.environ, "CLASSPATH": path},
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
+    expected = [
+        f"weather.Reading{{number={each.number},"
+        f"place={{name={each.place.name},latitude={each.place.latitude}}},"
+        f"trend={int(each.trend)},pressures_n={len(each.pressures)},"
+        f"pressures=[{','.join(str(float(p)) for p in each.pressures)}],histogram=[1,2,-1],"
+        f"remark_n={int(each.remark is not None)},remark=[{each.remark or ''}]}}"
+        for each in published
+    ]
+    # LCMTypeDatabase prints which jars it looks into.
+    lines = [each for each in shown.splitlines() if each.startswith("weather.")]
+    # The Java of lcm-gen takes the bytes of a string, which are UTF-8, for ISO 8859-1.
+    lines = [each.encode("latin-1").decode("utf-8") for each in lines]
+    assert [each for each in lines if "{number=0," not in each] == expected
+
+
+@pytest.mark.usefixtures("here")
+def test_only_a_server_that_uses_lcm_publishes_in_clear(lab_with_broker: Laboratory) -> None:
+    """A message that the test sends afterwards arrives, and none of the server before it."""
+    start = "import gecos, sys; sys.path.insert(0, sys.argv[1]); import server"
+    serve = f"{start}; gecos.serve({{'BARO': server.Barograph()}}, simulated=True, media=['shm'])"
+    lab_with_broker.start(sys.executable, "-c", serve, HERE, ready="serving")
+    heard: list[str] = []
+    bus = LCM("udpm://239.255.76.67:7667?ttl=0")
+    bus.subscribe("BARO.*", lambda channel, _: heard.append(channel))
+    with gecos.Lab() as mine:
+        mine.create(Barograph, "BARO").record(FIRST, TIMES, 3).result()
+    bus.publish("BARO.end", b"")
+    until(lambda: bool(bus.handle_timeout(1000)) and "BARO.end" in heard, "the last message")
+    assert heard == ["BARO.end"]
+
+
+@pytest.mark.parametrize("server", ["C++", "Python"])
+@pytest.mark.usefixtures("here")
+def test_a_sample_that_is_too_large_for_a_message_is_dropped_with_a_line_in_the_log(
+    server: str, lab_with_broker: Laboratory
+) -> None:
+    program = start_server(lab_with_broker, server)
+    with gecos.Lab() as mine:
+        mine.create(Barograph, "BARO", medium="shm").record(FIRST, 1, 20_000).result()
+    program.wait_for("BARO: a sample of 'readings' takes 160")
