@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import secrets
 import shutil
 import subprocess
 import sys
@@ -19,7 +20,6 @@ from processes import PATIENCE_S, Laboratory, Program, until
 
 TREE = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).parent / "open"
-CHANNEL = "BARO.readings"
 FIRST, TIMES = 100, 10
 
 
@@ -49,31 +49,38 @@ def stock_python(lcm_file: Path, tmp_path_factory: pytest.TempPathFactory) -> It
     sys.path.remove(str(out))
 
 
-def start_server(lab: Laboratory, language: str) -> Program:
+@pytest.fixture
+def name() -> str:
+    """An object of this test alone: all programs of the host meet at the port of LCM."""
+    return f"BARO{secrets.token_hex(4)}"
+
+
+def start_server(lab: Laboratory, language: str, name: str) -> Program:
     if language == "C++":
         server: list[str | Path] = [lab.build / "tests" / "system" / "open" / "open_server"]
     else:
         server = [sys.executable, HERE / "server.py"]
-    return lab.start(*server, ready="serving")
+    return lab.start(*server, name, ready="serving")
 
 
-def logged(log: Path) -> list[bytes]:
+def logged(log: Path, name: str) -> list[bytes]:
     """The messages of the open stream in a log, which may still be growing."""
     if not log.exists() or log.stat().st_size == 0:
         return []
-    return [bytes(each.data) for each in EventLog(str(log)) if each.channel == CHANNEL]
+    channel = f"{name}.readings"
+    return [bytes(each.data) for each in EventLog(str(log)) if each.channel == channel]
 
 
-def record(lab: Laboratory, log: Path) -> list[Reading]:
+def record(lab: Laboratory, name: str, log: Path) -> list[Reading]:
     """Has stock lcm-logger record some readings. Returns the same readings as a client got them."""
     lab.env.pop("LCM_DEFAULT_URL", None)
     logger = lab.start(of_wheel("bin/lcm-logger"), "--flush-interval=10", log)
     with gecos.Lab() as mine:
-        baro = mine.create(Barograph, "BARO", medium="lcm")
+        baro = mine.create(Barograph, name, medium="lcm")
 
         def heard(first: int, times: int) -> bool:
             baro.record(0, 1, 1).result()  # the logger writes a message to the file with the next
-            numbers = [number_of(each) for each in logged(log)]
+            numbers = [number_of(each) for each in logged(log, name)]
             return len([number for number in numbers if number >= first]) >= times
 
         until(lambda: heard(0, 1), "lcm-logger hears the stream")
@@ -93,19 +100,19 @@ def number_of(message: bytes) -> int:
     return int.from_bytes(message[8:12], "big")
 
 
-def recorded(log: Path) -> list[bytes]:
+def recorded(log: Path, name: str) -> list[bytes]:
     """The messages of the readings from FIRST on."""
-    return [each for each in logged(log) if number_of(each) >= FIRST]
+    return [each for each in logged(log, name) if number_of(each) >= FIRST]
 
 
 @pytest.mark.parametrize("server", ["C++", "Python"])
 @pytest.mark.usefixtures("here")
 def test_stock_logger_records_and_stock_python_decodes_what_was_published(
-    server: str, lab_with_broker: Laboratory, stock_python: Any, tmp_path: Path
+    server: str, name: str, lab_with_broker: Laboratory, stock_python: Any, tmp_path: Path
 ) -> None:
-    start_server(lab_with_broker, server)
-    published = record(lab_with_broker, tmp_path / "log")
-    read = [stock_python.decode(each) for each in recorded(tmp_path / "log")]
+    start_server(lab_with_broker, server, name)
+    published = record(lab_with_broker, name, tmp_path / "log")
+    read = [stock_python.decode(each) for each in recorded(tmp_path / "log", name)]
     assert [each.number for each in read] == list(range(FIRST, FIRST + TIMES))
     for stock, ours in zip(read, published, strict=True):
         assert stock.number == ours.number
@@ -121,7 +128,7 @@ def test_stock_logger_records_and_stock_python_decodes_what_was_published(
 @pytest.mark.skipif(shutil.which("javac") is None, reason="needs javac (a JDK, 11 or newer)")
 @pytest.mark.usefixtures("here")
 def test_the_decoder_of_lcm_spy_shows_the_same_values(
-    lab_with_broker: Laboratory, lcm_file: Path, tmp_path: Path
+    name: str, lab_with_broker: Laboratory, lcm_file: Path, tmp_path: Path
 ) -> None:
     jar, out = of_wheel("share/java/lcm.jar"), tmp_path / "java"
     subprocess.run([of_wheel("bin/lcm-gen"), "-j", "--jpath", out, lcm_file], check=True)
@@ -130,11 +137,11 @@ def test_the_decoder_of_lcm_spy_shows_the_same_values(
     types = tmp_path / "types.jar"  # lcm-spy looks for types in the jars of CLASSPATH
     subprocess.run(["jar", "cf", types, "-C", out, "weather"], check=True)
 
-    start_server(lab_with_broker, "C++")
-    published = record(lab_with_broker, tmp_path / "log")
+    start_server(lab_with_broker, "C++", name)
+    published = record(lab_with_broker, name, tmp_path / "log")
     path = os.pathsep.join(map(str, [out, jar, types]))
     shown = subprocess.run(
-        ["java", "-cp", path, "Decode", tmp_path / "log", CHANNEL],
+        ["java", "-cp", path, "Decode", tmp_path / "log", f"{name}.readings"],
         env={**os.environ, "CLASSPATH": path},
         check=True,
         capture_output=True,
@@ -156,27 +163,35 @@ def test_the_decoder_of_lcm_spy_shows_the_same_values(
 
 
 @pytest.mark.usefixtures("here")
-def test_only_a_server_that_uses_lcm_publishes_in_clear(lab_with_broker: Laboratory) -> None:
+def test_only_a_server_that_uses_lcm_publishes_in_clear(
+    name: str, lab_with_broker: Laboratory
+) -> None:
     """A message that the test sends afterwards arrives, and none of the server before it."""
-    start = "import gecos, sys; sys.path.insert(0, sys.argv[1]); import server"
-    serve = f"{start}; gecos.serve({{'BARO': server.Barograph()}}, simulated=True, media=['shm'])"
-    lab_with_broker.start(sys.executable, "-c", serve, HERE, ready="serving")
+    lab_with_broker.start(sys.executable, HERE / "server.py", name, "shm", ready="serving")
     heard: list[str] = []
     bus = LCM("udpm://239.255.76.67:7667?ttl=0")
-    bus.subscribe("BARO.*", lambda channel, _: heard.append(channel))
+    bus.subscribe(f"{name}.*", lambda channel, _: heard.append(channel))
     with gecos.Lab() as mine:
-        mine.create(Barograph, "BARO").record(FIRST, TIMES, 3).result()
-    bus.publish("BARO.end", b"")
-    until(lambda: bool(bus.handle_timeout(1000)) and "BARO.end" in heard, "the last message")
-    assert heard == ["BARO.end"]
+        mine.create(Barograph, name).record(FIRST, TIMES, 3).result()
+    bus.publish(f"{name}.end", b"")
+    until(lambda: bool(bus.handle_timeout(1000)), "the last message")
+    assert heard == [f"{name}.end"]
+
+
+def test_an_object_whose_channel_has_too_long_a_name_is_served_without_it(
+    lab_with_broker: Laboratory,
+) -> None:
+    name = "B" * 60
+    server = lab_with_broker.start(sys.executable, HERE / "server.py", name, ready="serving")
+    assert f"stream 'readings' of {name} is not published in clear over lcm: " in server.output()
 
 
 @pytest.mark.parametrize("server", ["C++", "Python"])
 @pytest.mark.usefixtures("here")
 def test_a_sample_that_is_too_large_for_a_message_is_dropped_with_a_line_in_the_log(
-    server: str, lab_with_broker: Laboratory
+    server: str, name: str, lab_with_broker: Laboratory
 ) -> None:
-    program = start_server(lab_with_broker, server)
+    program = start_server(lab_with_broker, server, name)
     with gecos.Lab() as mine:
-        mine.create(Barograph, "BARO", medium="shm").record(FIRST, 1, 20_000).result()
-    program.wait_for("BARO: a sample of 'readings' takes 160")
+        mine.create(Barograph, name, medium="shm").record(FIRST, 1, 20_000).result()
+    program.wait_for(f"{name}: a sample of 'readings' takes 160")

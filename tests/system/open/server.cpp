@@ -1,4 +1,4 @@
-// Serves BARO with an open stream: the C++ half of the servers in test_open_stream.py.
+// Serves an object with an open stream: the C++ half of the servers in test_open_stream.py.
 #include "barograph_server.hpp"
 #include "gecos/gecos.hpp"
 
@@ -31,8 +31,8 @@ class Barograph final : public weather::BarographServant {
 
 }  // namespace
 
-int main() {
+int main(int, char** argv) {
   gecos::Lab lab;
   Barograph barograph;
-  return gecos::serve(lab, {{"BARO", barograph, {.simulated = true}}});
+  return gecos::serve(lab, {{argv[1], barograph, {.simulated = true}}});
 }

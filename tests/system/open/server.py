@@ -1,6 +1,8 @@
-"""Serves BARO with an open stream: the Python half of the servers in test_open_stream.py."""
+"""Serves an object with an open stream: the Python half of the servers in test_open_stream.py."""
 
 from __future__ import annotations
+
+import sys
 
 import gecos
 import numpy as np
@@ -32,4 +34,4 @@ class Barograph(BarographServant):
 
 
 if __name__ == "__main__":
-    gecos.serve({"BARO": Barograph()}, simulated=True)
+    gecos.serve({sys.argv[1]: Barograph()}, simulated=True, media=sys.argv[2:])

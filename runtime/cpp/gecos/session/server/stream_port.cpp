@@ -1,10 +1,9 @@
 #include "gecos/session/server/stream_port.hpp"
 
-#include <algorithm>
 #include <exception>
 
 #include "gecos/base/log.hpp"
-#include "gecos/wire/encoder.hpp"
+#include "gecos/session/protocol/open_message.hpp"
 
 namespace gecos::session {
 namespace {
@@ -76,10 +75,7 @@ void StreamPort::publish_in_clear(media::Acceptor& acceptor) {
 }
 
 void StreamPort::send_in_clear(ByteView sample) {
-  const auto fingerprint = static_cast<std::int64_t>(stream_.open_fingerprint.value_or(0));
-  open_message_.resize(sizeof fingerprint + sample.size());
-  wire::Encoder(open_message_).put(fingerprint);
-  std::ranges::copy(sample, open_message_.begin() + sizeof fingerprint);
+  write_open_message(open_message_, stream_.open_fingerprint.value_or(0), sample);
   for (const auto& [medium, channel] : open_channels_) {
     if (!channel->publish(open_message_)) drop(sample.size(), medium);
   }
