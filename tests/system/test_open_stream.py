@@ -193,5 +193,15 @@ def test_a_sample_that_is_too_large_for_a_message_is_dropped_with_a_line_in_the_
 ) -> None:
     program = start_server(lab_with_broker, server, name)
     with gecos.Lab() as mine:
-        mine.create(Barograph, name, medium="shm").record(FIRST, 1, 20_000).result()
+        baro = mine.create(Barograph, name, medium="shm")
+        baro.record(FIRST, 1, 20_000).result()
+        counted = {each.stream: each.dropped for each in gecos.stats(baro).result().streams}
+    assert counted == {"readings": 1, "sealed": 0}, "over shm nobody subscribes"
     program.wait_for(f"{name}: a sample of 'readings' takes 160")
+
+
+def test_describe_says_which_streams_are_open(name: str, lab_with_broker: Laboratory) -> None:
+    start_server(lab_with_broker, "Python", name)
+    said = lab_with_broker.run(sys.executable, "-m", "gecos.cli", "describe", name).lines
+    assert "  readings: weather::Reading  (stream out at 10 Hz, open to anybody)" in said
+    assert "  sealed: weather::Reading  (stream out at 10 Hz)" in said

@@ -77,7 +77,8 @@ void StreamPort::publish_in_clear(media::Acceptor& acceptor) {
 void StreamPort::send_in_clear(ByteView sample) {
   write_open_message(open_message_, stream_.open_fingerprint.value_or(0), sample);
   for (const auto& [medium, channel] : open_channels_) {
-    if (!channel->publish(open_message_)) drop(sample.size(), medium);
+    if (channel->publish(open_message_)) continue;
+    if (!writers_.contains(medium)) drop(sample.size(), medium);  // else it is counted already
   }
 }
 
