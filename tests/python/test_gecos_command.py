@@ -3,7 +3,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from types import SimpleNamespace
+from typing import Any
 
 import gecos
 import pytest
@@ -130,40 +130,57 @@ def test_stats_shows_the_calls_of_an_object_and_of_its_clients(
         assert counted["label"]["worst"] > 0
 
 
+@pytest.mark.parametrize("words", [("holders", "LAMP", "--watch"), ("watch", "LAMP")])
 @pytest.mark.parametrize("form", ["--json", None])
-def test_holders_are_shown_at_each_change(
+def test_each_change_of_the_holders_is_shown(
+    words: tuple[str, ...],
     form: str | None,
     lamp: Lamp,
     server: gecos.Server,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    def nothing() -> None: ...
-
-    def end() -> None:
-        raise KeyboardInterrupt
-
-    steps = iter(
-        [
-            nothing,
-            lambda: gecos.take_over(lamp).result(),
-            lambda: gecos.give_back(lamp).result(),
-            end,
-        ]
-    )
-    clock = SimpleNamespace(sleep=lambda _: next(steps)(), strftime=lambda _: "12:30:00")
-    monkeypatch.setattr("gecos.cli.holders.time", clock)
     with gecos.actor(lamp):
-        assert run(monkeypatch, "holders", "LAMP", "--watch", *[form] * bool(form)) == 130
+        seen = changing_meanwhile(lamp, monkeypatch)
+        assert run(monkeypatch, *words, *[form] * bool(form)) == 130
     out = capsys.readouterr().out
-    if form:
-        told = [json.loads(line) for line in out.splitlines()[:-1]]  # the last says how it ended
-        assert [holder["taken_over"] for (holder,) in told] == [False, True, False]
+    assert seen.count("taken over") == 1
+    if not form:
+        changed = [line for line in out.splitlines() if f"pid {os.getpid()}) has" in line]
+        assert [line.rpartition(") ")[2] for line in changed] == [
+            "has taken over",
+            "has given back",
+        ]
+        return
+    told = [json.loads(line) for line in out.splitlines()[:-1]]  # the last says how it ended
+    if words[0] == "holders":
+        assert [holder["taken_over"] for (holder,) in told] == [False, False]
     else:
-        rows = [line for line in out.splitlines() if line.startswith("actor")]
-        assert [row.split()[-1] for row in rows] == ["none", "ago", "none"]
-        assert ["took over" in row for row in rows] == [False, True, False]
-        assert out.count("12:30:00\n") == 3
+        assert [[change["what"] for change in each["changes"]] for each in told] == [
+            [],
+            ["TAKEN_OVER", "GIVEN_BACK"],
+        ]
+        assert all(valid(line, "watch") for line in out.splitlines()[:-1])
+
+
+def changing_meanwhile(lamp: Lamp, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Lets `lamp` take over and give back between the first and second question of the command
+    about the roster, and presses Ctrl-C before the third."""
+    ask = gecos.roster
+    seen: list[str] = []
+
+    def asked(robot: Any, after: int = 0, timeout: float | None = 0.0) -> Any:
+        seen.append("asked")
+        if len(seen) == 2:
+            gecos.take_over(lamp).result()
+            gecos.give_back(lamp).result()
+            seen.append("taken over")
+        if len(seen) > 3:
+            raise KeyboardInterrupt
+        return ask(robot, after, timeout)
+
+    monkeypatch.setattr(gecos, "roster", asked)
+    return seen
 
 
 def test_holders_of_a_free_object_says_so(

@@ -475,6 +475,12 @@ def test_watch_reads_an_attribute_without_a_stream(arm: Arm, run: Run) -> None:
     assert (code, out.splitlines()) == (0, ['{"arm": "LEFTY", "bend": null, "hand": null}'] * 2)
 
 
+def test_watch_without_an_attribute_ends_when_the_holders_do_not_change(arm: Arm, run: Run) -> None:
+    code, out, err = run("watch", "ARM", "--timeout", "0")
+    assert (code, out) == (3, "ARM: nobody holds actor or master status\n")
+    assert err == "gecos: ARM: its holders have not changed within 0.0 s\n"
+
+
 def test_hz_counts_samples_and_losses(arm: Arm, run: Run) -> None:
     with publishing(arm):
         code, out, _ = run("hz", "ARM", "tool", "--count", "2", "--window", "0.3", "--json")
@@ -629,6 +635,7 @@ JSON_VERBS = [
     ("call", "ARM", "move", json.dumps({"goal": GOAL})),
     ("watch", "ARM", "tool", "--count", "1"),
     ("watch", "ARM", "posture", "--count", "1"),
+    ("watch", "ARM", "--count", "1"),
     ("hz", "ARM", "tool", "--count", "1", "--window", "0.1"),
     ("wait", "ARM"),
     ("stop", "ARM"),
@@ -671,7 +678,13 @@ def test_every_verb_has_json_and_the_schema_describes_it(run: Run) -> None:
         path for path, verb in verbs.items() if "as_json" not in {p.name for p in verb.params}
     ]
     assert not without
-    assert verbs.keys() == schema["$defs"].keys() - {"failure", "error", "key", "ls --watch"}
+    assert verbs.keys() == schema["$defs"].keys() - {
+        "failure",
+        "error",
+        "key",
+        "ls --watch",
+        "roster",
+    }
 
 
 def contexts(group: click.Group, above: click.Context | None = None) -> Iterator[click.Context]:

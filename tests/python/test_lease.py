@@ -202,6 +202,20 @@ def test_holders_lists_who_has_status(held: Lamp, other: Lamp) -> None:
     assert not holder.releasing
 
 
+def test_an_observer_is_told_each_change_of_the_holders(lamp: Lamp, other: Lamp) -> None:
+    first = gecos.roster(other).result()
+    assert (first.holders, first.changes) == ([], [])
+    asked = gecos.roster(other, first.newest, timeout=None)
+    with gecos.actor(lamp, password="sesame"):
+        (came,) = asked.result().changes
+        gecos.take_over(lamp).result()
+    later = gecos.roster(other, came.number, timeout=None).result()
+    assert [change.what.name for change in later.changes] == ["TAKEN_OVER", "ENDED"]
+    assert (came.number, later.newest) == (first.newest + 1, first.newest + 3)
+    assert came.holder.pid == later.changes[-1].holder.pid == os.getpid()
+    assert later.changes[-1].why == "released"
+
+
 def test_a_program_that_shares_the_status_takes_over_and_gives_back(
     lamp: Lamp, other: Lamp, servant: PlainLamp
 ) -> None:

@@ -44,6 +44,10 @@ CASES: list[tuple[str, str, Any]] = [
     ("gecos::WaitingRequest", "somebody", {
         "id": 3, "wanted": "ACTOR", "user": "ada", "host": "lab", "program": "02_grip_block",
         "pid": 4711, "waited_for": 1.5, "expires_in": 58.5}),
+    ("gecos::RosterChange", "silent", {
+        "number": 2**52, "what": "ENDED", "holder": {"user": "ada", "pid": 4711}, "ago": 0.25,
+        "why": "its holder has been silent for 500 ms"}),
+    ("gecos::Roster", "nobody", {"newest": 2**52}),
     ("gecos::OutcomeCount", "done", {"detail": 5, "calls": 2**40}),
     ("gecos::OperationStats", "moves", {
         "operation": "move", "begun": 3, "ended": [{"detail": 5, "calls": 2}],

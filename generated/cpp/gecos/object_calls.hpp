@@ -127,6 +127,20 @@ struct GecosObject_break_status_arguments {
   }
 };
 
+/// The arguments of `roster`.
+struct GecosObject_roster_arguments {
+  std::uint64_t after = 0;
+  double patience = 0;  ///< [s, at least 0.0]
+
+  static bool gecos_members(auto& each, auto& self) {
+    return each("roster.after", self.after) &&
+           each(
+               "roster.patience",
+               self.patience,
+               gecos::layout::Ranged<double>{{.low = 0.0}, "[0.0, inf] s"});
+  }
+};
+
 using GecosObject_holders_result = gecos::layout::Result<
     std::vector<::gecos::Holder>,
     gecos::layout::Items<gecos::layout::Block>>;
@@ -148,5 +162,6 @@ using GecosObject_requests_result = gecos::layout::Result<
     gecos::layout::Items<gecos::layout::Block>>;
 using GecosObject_deny_result = gecos::layout::Result<bool>;
 using GecosObject_stats_result = gecos::layout::Result<::gecos::ObjectStats, gecos::layout::Block>;
+using GecosObject_roster_result = gecos::layout::Result<::gecos::Roster, gecos::layout::Block>;
 
 }  // namespace gecos

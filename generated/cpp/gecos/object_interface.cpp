@@ -42,12 +42,14 @@ constinit const gecos::OperationDescription GecosObjectInterface::operations[] =
         {.status = gecos::access::Status::Sensor, .presence = false}),
     gecos::operation(0x00000013, "stats", 0x75c51f0c961e74e2U,
         {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
+    gecos::operation(0x00000014, "roster", 0xf55418462c54156fU,
+        {.status = gecos::access::Status::Sensor, .presence = false, .idempotent = true}),
 };
 
 constinit const gecos::InterfaceDescription GecosObjectInterface::description{
     .name = "gecos::GecosObject",
-    .version = "1.4",
-    .hash = 0x2652282b7d45925cU,
+    .version = "1.5",
+    .hash = 0x5e5a55abac8cb2e5U,
     .operations = operations,
 };
 

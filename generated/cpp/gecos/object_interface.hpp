@@ -9,7 +9,7 @@ namespace gecos {
 struct GecosObjectInterface {
   static const gecos::InterfaceDescription description;
 
-  static const gecos::OperationDescription operations[19];
+  static const gecos::OperationDescription operations[20];
   static constexpr const gecos::OperationDescription& holders = operations[0];
   static constexpr const gecos::OperationDescription& stop = operations[1];
   static constexpr const gecos::OperationDescription& ping = operations[2];
@@ -29,6 +29,7 @@ struct GecosObjectInterface {
   static constexpr const gecos::OperationDescription& deny = operations[16];
   static constexpr const gecos::OperationDescription& break_status = operations[17];
   static constexpr const gecos::OperationDescription& stats = operations[18];
+  static constexpr const gecos::OperationDescription& roster = operations[19];
 };
 
 }  // namespace gecos

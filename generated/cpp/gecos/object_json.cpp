@@ -86,6 +86,34 @@ bool JsonStruct<::gecos::WaitingRequest>::visit(JsonMembers& each, ::gecos::Wait
 }
 
 template <>
+JsonNames JsonEnum<::gecos::HolderChange>::names() {
+  static constexpr std::array<JsonName, 5> all{{
+      {"ACQUIRED", static_cast<std::uint64_t>(::gecos::HolderChange::ACQUIRED)},
+      {"RELEASING", static_cast<std::uint64_t>(::gecos::HolderChange::RELEASING)},
+      {"TAKEN_OVER", static_cast<std::uint64_t>(::gecos::HolderChange::TAKEN_OVER)},
+      {"GIVEN_BACK", static_cast<std::uint64_t>(::gecos::HolderChange::GIVEN_BACK)},
+      {"ENDED", static_cast<std::uint64_t>(::gecos::HolderChange::ENDED)},
+  }};
+  return all;
+}
+
+template <>
+bool JsonStruct<::gecos::RosterChange>::visit(JsonMembers& each, ::gecos::RosterChange& value) {
+  return each.member("number", value.number) &&
+         each.member("what", value.what) &&
+         each.member("holder", value.holder) &&
+         each.member("ago", value.ago) &&
+         each.member("why", value.why);
+}
+
+template <>
+bool JsonStruct<::gecos::Roster>::visit(JsonMembers& each, ::gecos::Roster& value) {
+  return each.member("newest", value.newest) &&
+         each.member("holders", value.holders) &&
+         each.member("changes", value.changes);
+}
+
+template <>
 bool JsonStruct<::gecos::Subscription>::visit(JsonMembers& each, ::gecos::Subscription& value) {
   return each.member("stream", value.stream) &&
          each.member("newest", value.newest);

@@ -42,6 +42,21 @@ template <>
 bool JsonStruct<::gecos::WaitingRequest>::visit(JsonMembers& each, ::gecos::WaitingRequest& value);
 
 template <>
+struct JsonShape<::gecos::HolderChange> : JsonEnum<::gecos::HolderChange> {};
+template <>
+JsonNames JsonEnum<::gecos::HolderChange>::names();
+
+template <>
+struct JsonShape<::gecos::RosterChange> : JsonStruct<::gecos::RosterChange> {};
+template <>
+bool JsonStruct<::gecos::RosterChange>::visit(JsonMembers& each, ::gecos::RosterChange& value);
+
+template <>
+struct JsonShape<::gecos::Roster> : JsonStruct<::gecos::Roster> {};
+template <>
+bool JsonStruct<::gecos::Roster>::visit(JsonMembers& each, ::gecos::Roster& value);
+
+template <>
 struct JsonShape<::gecos::Subscription> : JsonStruct<::gecos::Subscription> {};
 template <>
 bool JsonStruct<::gecos::Subscription>::visit(JsonMembers& each, ::gecos::Subscription& value);

@@ -332,6 +332,114 @@ std::ostream& operator<<(std::ostream& out, const WaitingRequest& value) {
       value.waited_for, " s, expires_in=", value.expires_in, " s}");
 }
 
+std::string_view to_string(HolderChange value) {
+  switch (value) {
+    case HolderChange::ACQUIRED: return "ACQUIRED";
+    case HolderChange::RELEASING: return "RELEASING";
+    case HolderChange::TAKEN_OVER: return "TAKEN_OVER";
+    case HolderChange::GIVEN_BACK: return "GIVEN_BACK";
+    case HolderChange::ENDED: return "ENDED";
+  }
+  return "unknown HolderChange";
+}
+
+std::ostream& operator<<(std::ostream& out, HolderChange value) { return out << to_string(value); }
+
+bool decode_enum(gecos::wire::Decoder& from, HolderChange& value, const char* field) {
+  std::int32_t number = 0;
+  if (!from.get(number, field)) return false;
+  switch (number) {
+    case 0: case 1: case 2: case 3: case 4:
+      value = static_cast<HolderChange>(number);
+      return true;
+    default:
+      value = HolderChange::ACQUIRED;
+      return true;
+  }
+}
+
+std::size_t RosterChange::encoded_size() const { return 29 + holder.encoded_size() + why.size(); }
+
+void RosterChange::encode(gecos::wire::Encoder& to) const {
+  to.put(number, static_cast<std::int32_t>(what));
+  to.put_count(holder.encoded_size());
+  holder.encode(to);
+  to.put(ago);
+  to.put_string(why);
+}
+
+bool RosterChange::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(number, "RosterChange.number") &&
+         ::gecos::decode_enum(from, what, "RosterChange.what") &&
+         gecos::wire::get_block(from, holder, "RosterChange.holder") &&
+         from.get(ago, "RosterChange.ago") &&
+         from.get_string(why, gecos::wire::npos, "RosterChange.why") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const RosterChange& value) {
+  if (auto why = ::gecos::gecos_violation(value.holder); !why.empty()) return why;
+  if (!gecos::wire::valid_text(value.why)) return gecos::wire::bad_text("RosterChange.why");
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const RosterChange& value) {
+  return gecos::wire::print_all(out,
+      "RosterChange{number=", value.number, ", what=", value.what, ", holder=", value.holder,
+      ", ago=", value.ago, " s, why=", value.why, "}");
+}
+
+std::size_t Roster::encoded_size() const {
+  std::size_t size = 16 + 4 * holders.size();
+  for (const auto& item : holders) size += item.encoded_size();
+  size += 4 * changes.size();
+  for (const auto& item : changes) size += item.encoded_size();
+  return size;
+}
+
+void Roster::encode(gecos::wire::Encoder& to) const {
+  to.put(newest);
+  to.put_count(holders.size());
+  for (const auto& item : holders) {
+    to.put_count(item.encoded_size());
+    item.encode(to);
+  }
+  to.put_count(changes.size());
+  for (const auto& item : changes) {
+    to.put_count(item.encoded_size());
+    item.encode(to);
+  }
+}
+
+bool Roster::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(newest, "Roster.newest") &&
+         gecos::wire::get_sequence(from, holders, 4, gecos::wire::npos, "Roster.holders",
+             [&](auto& item) {
+               return gecos::wire::get_block(from, item, "Roster.holders");
+             }) &&
+         gecos::wire::get_sequence(from, changes, 4, gecos::wire::npos, "Roster.changes",
+             [&](auto& item) {
+               return gecos::wire::get_block(from, item, "Roster.changes");
+             }) &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const Roster& value) {
+  for (const auto& item : value.holders) {
+    if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
+  }
+  for (const auto& item : value.changes) {
+    if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
+  }
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const Roster& value) {
+  return gecos::wire::print_all(out,
+      "Roster{newest=", value.newest, ", holders=", value.holders, ", changes=", value.changes,
+      "}");
+}
+
 std::size_t Subscription::encoded_size() const { return 12; }
 
 void Subscription::encode(gecos::wire::Encoder& to) const { to.put(stream, newest); }

@@ -177,6 +177,65 @@ std::ostream& operator<<(std::ostream& out, const WaitingRequest& value);
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const WaitingRequest& value);
 
+/// What changed for a holder. ACQUIRED: it has a status, a higher one, or again the one
+/// that it was releasing.
+enum class HolderChange : std::int32_t {
+  ACQUIRED = 0,
+  RELEASING = 1,
+  TAKEN_OVER = 2,
+  GIVEN_BACK = 3,
+  ENDED = 4,
+};
+std::string_view to_string(HolderChange value);
+std::ostream& operator<<(std::ostream& out, HolderChange value);
+/// An unknown number becomes ACQUIRED.
+[[nodiscard]] bool decode_enum(gecos::wire::Decoder& from, HolderChange& value, const char* field);
+
+/// One change of the holders of an object.
+struct RosterChange {
+  /// one more than that of the change before
+  std::uint64_t number = 0;
+  ::gecos::HolderChange what = ::gecos::HolderChange::ACQUIRED;
+  /// at the moment of the change; for ENDED, as it was before
+  ::gecos::Holder holder{};
+  /// since the change [s]
+  double ago = 0;
+  /// why the status ended; empty for other changes
+  std::string why{};
+
+  static constexpr std::string_view type_name() { return "gecos::RosterChange"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xbf56555c035c3002U); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const RosterChange&, const RosterChange&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const RosterChange& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const RosterChange& value);
+
+/// Who holds the status of an object, and how that came to be.
+struct Roster {
+  /// the number of the newest change, with which the next call asks for later ones
+  std::uint64_t newest = 0;
+  /// now
+  std::vector<::gecos::Holder> holders{};
+  /// the oldest first
+  std::vector<::gecos::RosterChange> changes{};
+
+  static constexpr std::string_view type_name() { return "gecos::Roster"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x1125d09c3b00cafbU); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const Roster&, const Roster&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const Roster& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const Roster& value);
+
 /// A stream that is open for the caller.
 struct Subscription {
   /// its id on the connection

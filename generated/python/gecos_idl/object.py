@@ -20,11 +20,14 @@ from gecos_idl.object_types import (
     FeedReport,
     Grant,
     Holder,
+    HolderChange,
     InwardStats,
     ObjectStats,
     OperationStats,
     OutcomeCount,
     OutcomeRecord,
+    Roster,
+    RosterChange,
     RunningHandler,
     SessionStats,
     Status,
@@ -41,11 +44,14 @@ __all__ = [
     "GecosObjectServant",
     "Grant",
     "Holder",
+    "HolderChange",
     "InwardStats",
     "ObjectStats",
     "OperationStats",
     "OutcomeCount",
     "OutcomeRecord",
+    "Roster",
+    "RosterChange",
     "RunningHandler",
     "SessionStats",
     "Status",
@@ -200,10 +206,22 @@ _GECOS_OBJECT_STATS: _Method[ObjectStats, None] = _method(
     ),
     gives=ObjectStats,
 )
+_GECOS_OBJECT_ROSTER: _Method[Roster, None] = _method(
+    _Operation(
+        0x00000014,
+        "roster",
+        _Access.SENSOR,
+        presence=False,
+        idempotent=True,
+        hash=0xF55418462C54156F,
+    ),
+    takes=_values("after patience", "Q", _layout.ranged("d", 0.0, unit="s")),
+    gives=Roster,
+)
 _GECOS_OBJECT = _interface(
     "gecos::GecosObject",
-    "1.4",
-    0x2652282B7D45925C,
+    "1.5",
+    0x5E5A55ABAC8CB2E5,
     (),
     (
         _GECOS_OBJECT_HOLDERS,
@@ -225,6 +243,7 @@ _GECOS_OBJECT = _interface(
         _GECOS_OBJECT_DENY,
         _GECOS_OBJECT_BREAK_STATUS,
         _GECOS_OBJECT_STATS,
+        _GECOS_OBJECT_ROSTER,
     ),
 )
 
@@ -382,6 +401,18 @@ class GecosObject(_Object):
         """
         return self._gecos_call(_GECOS_OBJECT_STATS, [])
 
+    def roster(self, after: int, patience: float) -> _Command[Roster]:
+        """Who holds the status, and the changes with larger numbers than `after`. The answer
+        waits until there is one, at
+        most `patience`. A number that is not of this object, such as 0, asks for all changes
+        that it keeps, and is
+        answered at once.
+        Since 1.5.
+
+        patience: [s, at least 0.0]
+        """
+        return self._gecos_call(_GECOS_OBJECT_ROSTER, _GECOS_OBJECT_ROSTER.request(after, patience))
+
 
 class GecosObjectServant(_Servant):
     """What every object answers."""
@@ -518,4 +549,16 @@ class GecosObjectServant(_Servant):
         """What the object has counted since it is served: calls by outcome, times of handlers,
         samples of streams.
         Since 1.4.
+        """
+
+    @_abstractmethod
+    def roster(self, after: int, patience: float) -> Roster:
+        """Who holds the status, and the changes with larger numbers than `after`. The answer
+        waits until there is one, at
+        most `patience`. A number that is not of this object, such as 0, asks for all changes
+        that it keeps, and is
+        answered at once.
+        Since 1.5.
+
+        patience: [s, at least 0.0]
         """

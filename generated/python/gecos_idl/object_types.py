@@ -15,11 +15,14 @@ __all__ = [
     "FeedReport",
     "Grant",
     "Holder",
+    "HolderChange",
     "InwardStats",
     "ObjectStats",
     "OperationStats",
     "OutcomeCount",
     "OutcomeRecord",
+    "Roster",
+    "RosterChange",
     "RunningHandler",
     "SessionStats",
     "Status",
@@ -191,6 +194,54 @@ class WaitingRequest(_layout.Struct):
     """[s]"""
     expires_in: float = 0.0
     """until it is refused if nobody grants it [s]"""
+
+
+@_layout.enumeration("i", "ACQUIRED")
+class HolderChange(_IntEnum):
+    """What changed for a holder. ACQUIRED: it has a status, a higher one, or again the one
+    that it was releasing.
+    """
+
+    ACQUIRED = 0
+    RELEASING = 1
+    TAKEN_OVER = 2
+    GIVEN_BACK = 3
+    ENDED = 4
+
+
+@_layout.struct(0xBF56555C035C3002, "Q", HolderChange, Holder, "d", _layout.text(), open=True)
+@_dataclass(slots=True)
+class RosterChange(_layout.Struct):
+    """One change of the holders of an object."""
+
+    number: int = 0
+    """one more than that of the change before"""
+    what: HolderChange = HolderChange.ACQUIRED
+    holder: Holder = _field(default_factory=Holder)
+    """at the moment of the change; for ENDED, as it was before"""
+    ago: float = 0.0
+    """since the change [s]"""
+    why: str = ""
+    """why the status ended; empty for other changes"""
+
+
+@_layout.struct(
+    0x1125D09C3B00CAFB,
+    "Q",
+    _layout.items(Holder),
+    _layout.items(RosterChange),
+    open=True,
+)
+@_dataclass(slots=True)
+class Roster(_layout.Struct):
+    """Who holds the status of an object, and how that came to be."""
+
+    newest: int = 0
+    """the number of the newest change, with which the next call asks for later ones"""
+    holders: list[Holder] = _field(default_factory=list)
+    """now"""
+    changes: list[RosterChange] = _field(default_factory=list)
+    """the oldest first"""
 
 
 @_layout.struct(0x3B4166F3CAD74759, "IQ")

@@ -123,6 +123,15 @@ Command<void> break_status(const Object& object, const std::string& why);
 Command<void> ping(const Object& object);
 Command<Description> describe(const Object& object);
 Command<std::vector<Holder>> holders(const Object& object);
+/// Returns who holds actor or master status, and the changes of that with larger numbers than
+/// `after`. The command ends as soon as there is such a change, at the latest after `timeout`. A
+/// program that asks again and again with the `newest` of the last result is told each change once:
+/// `gecos::roster(*robot, last.newest, 60s).then(…)`. The first question has 0, is answered at
+/// once, and its result contains all changes that the object keeps, at most 256; so does the result
+/// when another server has taken the place of the one that gave the number. Numbers are
+/// consecutive, so a gap shows that changes were lost because the program asked too late. A server
+/// that was built before this operation existed answers UNKNOWN_OPERATION.
+Command<Roster> roster(const Object& object, std::uint64_t after = 0, Duration timeout = {});
 /// Returns what the object has counted since it is served: the calls of each operation and of each
 /// open session by outcome, the times of handlers, and the samples of each stream. All counts are
 /// made at the server. The samples that a reader of a stream lost are in `Stream::counts`, and the

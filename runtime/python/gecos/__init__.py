@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from gecos.builtin_operations import outcome as outcome
     from gecos.builtin_operations import ping as ping
     from gecos.builtin_operations import requests as requests
+    from gecos.builtin_operations import roster as roster
     from gecos.builtin_operations import stats as stats
     from gecos.builtin_operations import stop as stop
     from gecos.builtin_operations import take_over as take_over
@@ -103,7 +104,7 @@ _NAMES = {
     "object_watch": "ObjectWatch",
     "proxy": "Event Object StreamAttribute reference with_deadline",
     "builtin_operations": "Outcome break_status deny describe give_back holders model outcome ping "
-    "requests stats stop take_over",
+    "requests roster stats stop take_over",
     "servant": "Servant",
     "server": "Server serve",
     "stream": "Sample Stream StreamCounts",

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         FeedReport,
         Holder,
         ObjectStats,
+        Roster,
         WaitingRequest,
     )
 
@@ -96,6 +97,21 @@ def describe(robot: Object) -> Command[Description]:
 def holders(robot: Object) -> Command[list[Holder]]:
     """Asks for the clients that hold actor or master status."""
     return _answers_of(robot).holders()
+
+
+def roster(robot: Object, after: int = 0, timeout: float | None = 0.0) -> Command[Roster]:
+    """Asks who holds actor or master status, and for the changes of that with larger numbers than
+    `after`.
+
+    The command ends as soon as there is such a change, at the latest after `timeout` s; None waits
+    without limit. A program that asks again and again with the `newest` of the last result is told
+    each change once. The first question has 0, is answered at once, and its result contains all
+    changes that the object keeps, at most 256; so does the result when another server has taken the
+    place of the one that gave the number. Numbers are consecutive, so a gap shows that changes were
+    lost because the program asked too late. A server that was built before this operation existed
+    answers UNKNOWN_OPERATION.
+    """
+    return _answers_of(robot).roster(after, math.inf if timeout is None else timeout)
 
 
 def stats(robot: Object) -> Command[ObjectStats]:

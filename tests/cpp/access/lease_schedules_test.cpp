@@ -1,7 +1,8 @@
 // 100,000 random schedules of a lease table: acquire, release, take over, give back, stop, break,
 // silence and death, compared step by step with a model of its own. The model knows no epochs as
 // numbers: it keeps for each session the set of moments at which a command must have been issued to
-// start. SCHEDULES and SCHEDULES_SEED ask for others.
+// start. A watcher that asks for the changes of the holders now and then must know the holders of
+// the model after each answer. SCHEDULES and SCHEDULES_SEED ask for others.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -12,6 +13,7 @@
 #include <string>
 
 #include "gecos/access/lease_table.hpp"
+#include "gecos/access/roster_history.hpp"
 
 namespace gecos::access {
 namespace {
@@ -28,7 +30,8 @@ enum class Mutant {
   TakerOutlivesDeath,
   TakerOutlivesGiveBack,
   AnyoneJoins,
-  BreakSparesAHolder
+  BreakSparesAHolder,
+  ReleaseIsNotTold,
 };
 
 /// Era: the number of times that everything issued before was fenced for at least one session.
@@ -156,6 +159,42 @@ class Model {
   const Mutant mutant_;
 };
 
+/// What a program knows of the holders that is told changes only.
+class Watcher {
+ public:
+  /// Asks for the changes after the newest one that it knows. Returns what is wrong with them.
+  std::string ask(const RosterHistory& history) {
+    for (const RosterChange& change : history.after(known_)) {
+      if (change.number != known_ + 1) return "a change is lost or told twice";
+      known_ = change.number;
+      if (change.kind == RosterChange::Kind::Ended) {
+        if (known_holders_.erase(change.holder.session) == 0) return "an unknown status ended";
+      } else {
+        known_holders_[change.holder.session] = change.holder;
+      }
+    }
+    return known_ == history.newest() ? "" : "the newest change is not told";
+  }
+  std::string difference(const Model& model) const {
+    if (known_holders_.size() != model.shares.size()) return "a watcher knows other holders";
+    for (const auto& [who, holder] : known_holders_) {
+      const auto share = model.shares.find(who);
+      if (share == model.shares.end() || share->second.status != holder.status ||
+          share->second.releasing != holder.releasing ||
+          holder.taken_over != (model.taker == who)) {
+        return "a watcher knows another status of " + holder.client.user;
+      }
+    }
+    return {};
+  }
+
+  static constexpr std::uint64_t start = 1000;
+
+ private:
+  std::uint64_t known_ = start;
+  std::map<SessionId, Holder> known_holders_;
+};
+
 struct Issued {
   SessionId session{};
   std::optional<Era> era;
@@ -165,13 +204,17 @@ struct Issued {
 
 class Schedule {
  public:
-  Schedule(std::uint64_t seed, Mutant mutant) : random_(seed), model_(mutant) {}
+  Schedule(std::uint64_t seed, Mutant mutant) : random_(seed), model_(mutant), mutant_(mutant) {}
 
   /// Returns the first difference between table and model; empty when there is none.
   std::string run() {
     for (int step = 0; step < 20; ++step) {
       const std::string done = act();
+      if (mutant_ != Mutant::ReleaseIsNotTold || !done.ends_with("releases")) {
+        history_.note(table_.roster(), now_, done);
+      }
       std::string wrong = difference();
+      if (wrong.empty() && step % 3 == 2) wrong = watch();
       if (!wrong.empty()) return "step " + std::to_string(step) + ", " + done + ": " + wrong;
       issue();
       wrong = judge();
@@ -296,10 +339,18 @@ class Schedule {
     return {};
   }
 
+  std::string watch() {
+    const std::string wrong = watcher_.ask(history_);
+    return wrong.empty() ? watcher_.difference(model_) : wrong;
+  }
+
   std::mt19937_64 random_;
   TimePoint now_{10s};
   LeaseTable table_{IncarnationId{0x1234'5678'9abc'def0U}, ttl};
+  RosterHistory history_{Watcher::start};
+  Watcher watcher_;
   Model model_;
+  const Mutant mutant_;
   std::vector<std::pair<Era, Epoch>> epochs_;
   std::vector<Issued> on_their_way_;
   std::optional<Epoch> last_;
@@ -342,7 +393,7 @@ class LeaseMutants : public ::testing::TestWithParam<Mutant> {};
 INSTANTIATE_TEST_SUITE_P(Of, LeaseMutants,
                          ::testing::Values(Mutant::FenceForgotten, Mutant::TakerOutlivesDeath,
                                            Mutant::TakerOutlivesGiveBack, Mutant::AnyoneJoins,
-                                           Mutant::BreakSparesAHolder));
+                                           Mutant::BreakSparesAHolder, Mutant::ReleaseIsNotTold));
 
 TEST_P(LeaseMutants, AreFound) {
   const Found found = search(1'000, GetParam());

@@ -135,7 +135,7 @@ TEST(BuiltInOperations, KeepTheirCodes) {
     EXPECT_EQ(number(operation.code), ++code) << operation.name;
     EXPECT_TRUE(is_builtin(operation.code)) << operation.name;
   }
-  EXPECT_EQ(code, 19u);
+  EXPECT_EQ(code, 20u);
   EXPECT_EQ(number(BrokerInterface::enlist.code), 0x17d413ce);
   EXPECT_EQ(number(BrokerInterface::lookup.code), 0x49e3d3e3);
   EXPECT_EQ(number(BrokerInterface::withdraw.code), 0xc5ebb42f);

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -11,11 +10,9 @@ import click
 from gecos.cli.options import broker_option, json_option, name_argument, plain, print_json
 
 if TYPE_CHECKING:
-    from gecos_idl.object_types import Holder
+    from gecos_idl.object_types import Roster
 
     import gecos
-
-_BETWEEN_LOOKS = 0.2  # s
 
 
 @click.command()
@@ -26,39 +23,43 @@ _BETWEEN_LOOKS = 0.2  # s
 def holders(name: str, watching: bool, broker: str | None, as_json: bool) -> None:
     """Shows the clients that hold actor or master status of an object."""
     import gecos
+    from gecos.cli import report
     from gecos.dynamic_client.connect import find
 
     with gecos.Lab(broker) as lab:
         robot = find(lab, name)
-        for found in _changes(robot) if watching else [gecos.holders(robot).result()]:
-            if as_json:
-                print_json([plain(holder) for holder in found])
-            else:
-                _print(name, found, watching)
+        if watching:
+            for told in rosters(robot):
+                _print(name, told, as_json)
+        elif as_json:
+            print_json([plain(holder) for holder in gecos.holders(robot).result()])
+        else:
+            report.holders(name, gecos.holders(robot).result())
 
 
-def _print(name: str, found: list[Holder], watching: bool) -> None:
+def _print(name: str, told: Roster, as_json: bool) -> None:
     from gecos.cli import report
 
-    if watching:
-        print(f"\n{time.strftime('%H:%M:%S')}")
-    report.holders(name, found)
-    print(end="", flush=True)
+    if as_json:
+        print_json([plain(holder) for holder in told.holders])
+        return
+    for change in told.changes:
+        report.roster_change(change)
+    report.holders(name, told.holders)
+    print(flush=True)
 
 
-def _changes(robot: gecos.Object) -> Iterator[list[Holder]]:
-    """Yields the present holders, and again each time that a holder came, left, released, took over
-    or gave back. Changes that last less than `_BETWEEN_LOOKS` may be missed."""
+def rosters(robot: gecos.Object, timeout: float | None = None) -> Iterator[Roster]:
+    """Yields the present roster without its past, and then the roster at each change, with the
+    changes since the last one. Raises TimeoutError if no change comes within `timeout` s."""
     import gecos
 
-    before = None
+    told = gecos.roster(robot).result()
+    told.changes = []
     while True:
-        found = gecos.holders(robot).result()
-        now = [
-            (each.status, each.user, each.host, each.pid, each.releasing, each.taken_over)
-            for each in found
-        ]
-        if now != before:
-            yield found
-        before = now
-        time.sleep(_BETWEEN_LOOKS)
+        yield told
+        known = told.newest
+        told = gecos.roster(robot, known, timeout).result()
+        if told.newest == known:
+            name = robot._gecos_session.object_name
+            raise TimeoutError(f"{name}: its holders have not changed within {timeout} s")

@@ -17,6 +17,7 @@ from gecos.cli.options import (
     json_option,
     members,
     name_argument,
+    plain,
     print_json,
     value_of,
 )
@@ -42,6 +43,7 @@ settable_argument = click.argument(
 )
 watched_argument = click.argument(
     "attribute",
+    required=False,
     shell_complete=members(lambda m: m.kind != "operation" and (m.can_be_read or m.can_be_watched)),
 )
 stream_argument = click.argument(
@@ -307,7 +309,7 @@ def _ended_within(
 @json_option
 def watch(
     name: str,
-    attribute: str,
+    attribute: str | None,
     count: int | None,
     every: float,
     timeout: float | None,
@@ -316,7 +318,8 @@ def watch(
     as_json: bool,
 ) -> None:
     """Shows an attribute again and again: the samples of its stream, or repeated readings. Shows
-    the arguments of an event each time it occurs.
+    the arguments of an event each time it occurs. Without ATTRIBUTE, shows who holds actor or
+    master status, and each change of that.
 
     On a terminal, each value of an attribute replaces the previous one. Each event is printed on a
     line of its own, and so is each value if the output is a pipe.
@@ -324,6 +327,9 @@ def watch(
     from gecos.cli import report
     from gecos.dynamic_client import by_name
 
+    if attribute is None:
+        _watch_holders(name, count, timeout, broker, as_json)
+        return
     with ExitStack() as opened:
         robot = opened.enter_context(_connected(broker, name, attribute))
         wanted = by_name.attribute_or_event(robot, attribute)
@@ -332,6 +338,26 @@ def watch(
         shown = opened.enter_context(samples)
         for number, sample in enumerate(_samples(robot, attribute, every, timeout), 1):
             shown.show(sample)
+            if number == count:
+                return
+
+
+def _watch_holders(
+    name: str, count: int | None, timeout: float | None, broker: str | None, as_json: bool
+) -> None:
+    import gecos
+    from gecos.cli import report
+    from gecos.cli.holders import rosters
+    from gecos.dynamic_client.connect import find
+
+    with gecos.Lab(broker) as lab:
+        for number, told in enumerate(rosters(find(lab, name), timeout), 1):
+            if as_json:
+                print_json(plain(told))
+            elif number == 1:
+                report.holders(name, told.holders)
+            for change in [] if as_json else told.changes:
+                report.roster_change(change)
             if number == count:
                 return
 

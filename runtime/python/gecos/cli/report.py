@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import time
 from collections.abc import Iterator, Sequence
 from datetime import datetime
 from shutil import get_terminal_size
@@ -14,7 +15,7 @@ from gecos.cli.options import print_json
 
 if TYPE_CHECKING:
     from gecos_idl.broker_types import Entry
-    from gecos_idl.object_types import Description, Holder, RunningHandler
+    from gecos_idl.object_types import Description, Holder, RosterChange, RunningHandler
 
     from gecos.cli.presence import Presence
     from gecos.dynamic_client import Attribute, Member, Model, Operation, Value
@@ -109,6 +110,28 @@ def holders(name: str, who: Sequence[Holder]) -> None:
     ]
     heads = ("status", "client", "program", "pid", "held for", "ends if silent", "take-over")
     table(heads, rows)
+
+
+def roster_change(of: RosterChange) -> None:
+    """Prints one line: when the holders of an object changed, and how."""
+    at = datetime.fromtimestamp(time.time() - of.ago).strftime("%H:%M:%S")
+    print(printable(f"{at} {_changed(of)}"), flush=True)
+
+
+def _changed(of: RosterChange) -> str:
+    holder = of.holder
+    who = f"{holder.user}@{holder.host} ({holder.program}, pid {holder.pid})"
+    status = f"{holder.status.name.lower()} status"
+    match of.what.name:
+        case "ACQUIRED":
+            return f"{who} has {status}"
+        case "RELEASING":
+            return f"{who} has released {status}; its last commands still run"
+        case "TAKEN_OVER":
+            return f"{who} has taken over"
+        case "GIVEN_BACK":
+            return f"{who} has given back"
+    return f"{status} of {who} ended after {holder.held_for:.1f} s: {of.why}"
 
 
 def members(model: Model) -> None:

@@ -47,6 +47,11 @@ tl::expected<Lease, LeaseRefusal> acquire(const Object& object, Status wanted,
   return session::lease_from(session, *asked);
 }
 
+/// Returns how long a server may let a question wait, in s.
+double patience_for(Duration timeout) {
+  return std::chrono::duration<double>(std::max(timeout, Duration::zero())).count();
+}
+
 /// Returns the number of calls of the session, plus the number of calls that this process refused
 /// before they were sent.
 std::uint64_t issued_calls(session::ClientSession& session) {
@@ -142,10 +147,8 @@ Command<void> give_back(const Object& object) {
 
 Command<std::vector<WaitingRequest>> requests(const Object& object, std::uint64_t after,
                                               Duration timeout) {
-  const double patience =
-      std::chrono::duration<double>(std::max(timeout, Duration::zero())).count();
   return {own_call(*session_of(object), GecosObjectInterface::requests,
-                   GecosObject_requests_arguments{after, patience}),
+                   GecosObject_requests_arguments{after, patience_for(timeout)}),
           read_result<GecosObject_requests_result, std::vector<WaitingRequest>>};
 }
 
@@ -172,6 +175,12 @@ Command<Description> describe(const Object& object) {
 Command<std::vector<Holder>> holders(const Object& object) {
   return {own_call(*session_of(object), GecosObjectInterface::holders),
           read_result<GecosObject_holders_result, std::vector<Holder>>};
+}
+
+Command<Roster> roster(const Object& object, std::uint64_t after, Duration timeout) {
+  return {own_call(*session_of(object), GecosObjectInterface::roster,
+                   GecosObject_roster_arguments{after, patience_for(timeout)}),
+          read_result<GecosObject_roster_result, Roster>};
 }
 
 Command<ObjectStats> stats(const Object& object) {

@@ -35,6 +35,7 @@ void BuiltinOperations::answer(const std::shared_ptr<ServerSession>& session,
   if (asked == &BuiltIn::describe) return describe(*session, counter);
   if (asked == &BuiltIn::model) return model(*session, counter);
   if (asked == &BuiltIn::stats) return stats(*session, counter);
+  if (asked == &BuiltIn::roster) return roster(session, counter, arguments);
   if (asked == &BuiltIn::acquire) return acquire(session, counter, arguments);
   if (asked == &BuiltIn::release) return release(*session, counter, arguments);
   if (asked == &BuiltIn::take_over) return take_over(*session, counter);
@@ -56,7 +57,8 @@ void BuiltinOperations::answer(const std::shared_ptr<ServerSession>& session,
 }
 
 void BuiltinOperations::holders(ServerSession& session, std::uint64_t counter) {
-  session.reply(counter, layout::to_bytes(GecosObject_holders_result{statuses_.holders()}));
+  session.reply(counter,
+                layout::to_bytes(GecosObject_holders_result{statuses_.roster().holders()}));
 }
 
 void BuiltinOperations::describe(ServerSession& session, std::uint64_t counter) {
@@ -95,6 +97,13 @@ void BuiltinOperations::stats(ServerSession& session, std::uint64_t counter) {
                              stats_of(*session.object(), calls_, setup_.clock().now())}));
 }
 
+void BuiltinOperations::roster(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
+                               ByteView arguments) {
+  const auto asked = layout::from_bytes<GecosObject_roster_arguments>(arguments);
+  if (!asked) return session->reply(counter, undecodable(asked.error()));
+  statuses_.roster().ask(session, counter, *asked);
+}
+
 void BuiltinOperations::acquire(const std::shared_ptr<ServerSession>& session,
                                 std::uint64_t counter, ByteView arguments) {
   auto asked = layout::from_bytes<GecosObject_acquire_arguments>(arguments);
@@ -121,8 +130,9 @@ void BuiltinOperations::give_back(ServerSession& session, std::uint64_t counter)
 
 void BuiltinOperations::refuse(ServerSession& session, std::uint64_t counter,
                                const OperationDescription& asked, const std::string& why) {
-  const Failure refused = status_refusal(
-      setup_.name + ": " + why + named_request(session.id(), counter), statuses_.holders());
+  const Failure refused =
+      status_refusal(setup_.name + ": " + why + named_request(session.id(), counter),
+                     statuses_.roster().holders());
   setup_.audit->refused(session, counter, asked.code, asked.name, refused);
   session.reply(counter, refused);
 }

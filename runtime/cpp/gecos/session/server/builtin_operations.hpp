@@ -37,6 +37,8 @@ class BuiltinOperations {
   void describe(ServerSession& session, std::uint64_t counter);
   void model(ServerSession& session, std::uint64_t counter);
   void stats(ServerSession& session, std::uint64_t counter);
+  void roster(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
+              ByteView arguments);
   void acquire(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
                ByteView arguments);
   void release(ServerSession& session, std::uint64_t counter, ByteView arguments);

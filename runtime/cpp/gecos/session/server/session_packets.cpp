@@ -104,6 +104,7 @@ void SessionPackets::withdraw(ServerSession& session) {
 void SessionPackets::cancel(ServerSession& session, std::uint64_t counter) {
   const Failure left_line{Detail::Canceled, "canceled while the request waited", {}, {}};
   if (statuses_.line().end(session.id(), counter, left_line)) return;
+  if (statuses_.roster().questions().end(session.id(), counter, left_line)) return;
   if (session.intake.is_aside(counter)) {
     return end_early(session, counter, Detail::Canceled, "canceled before it started");
   }
@@ -147,6 +148,10 @@ void SessionPackets::answer_again(ServerSession& session, std::uint64_t counter)
   if (const Bytes* kept = session.replies->find(counter)) return session.sender().send_again(*kept);
   if (const auto before = statuses_.line().place_of(session.id(), counter)) {
     session.report_queued(counter, *before);
+    return;
+  }
+  if (statuses_.roster().questions().waits(session.id(), counter)) {
+    session.report_queued(counter, 0);
     return;
   }
   const auto* found = session.calls.find(counter);

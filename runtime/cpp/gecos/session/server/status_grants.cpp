@@ -16,36 +16,16 @@ namespace {
 
 /// How long a request for a status without patience waits for a handler to return.
 constexpr Duration longest_wait_for_handler = std::chrono::seconds(1);
+/// Why a status ended whose holder released it.
+constexpr std::string_view released = "released";
 
 access::Status status_of(Status status) { return static_cast<access::Status>(status); }
 Status status_of(access::Status status) { return static_cast<Status>(status); }
 
-double seconds(Duration duration) { return std::chrono::duration<double>(duration).count(); }
 /// Converts seconds to a Duration. Returns about 30 years for longer times, including infinity.
 Duration duration(double seconds) {
   return std::chrono::duration_cast<Duration>(
       std::chrono::duration<double>(std::min(seconds, 1e9)));
-}
-
-Holder shown(const access::Holder& holder, TimePoint now) {
-  Holder line;
-  line.status = status_of(holder.status);
-  line.user = cut_to(holder.client.user, 64);
-  line.host = cut_to(holder.client.host, 64);
-  line.program = cut_to(holder.client.program, 128);
-  line.pid = holder.client.pid;
-  line.held_for = seconds(now - holder.since);
-  line.expires_in = std::max(0.0, seconds(holder.expires - now));
-  line.releasing = holder.releasing;
-  line.taken_over = holder.taken_over;
-  if (holder.taken_over) line.taken_over_for = seconds(now - holder.taken_over_since);
-  return line;
-}
-
-std::vector<Holder> shown(const std::vector<access::Holder>& roster, TimePoint now) {
-  std::vector<Holder> lines;
-  for (const auto& holder : roster) lines.push_back(shown(holder, now));
-  return lines;
 }
 
 /// Returns the password as a proof, and wipes the text.
@@ -105,9 +85,13 @@ StatusGrants::StatusGrants(const ObjectSetup& setup, const NameClaim& claim, Obj
       leases_(process_incarnation(), setup.runtime->options().lease_ttl),
       clock_(setup.clock().now(), setup.runtime->options().heartbeat * 2),
       line_(setup.name, setup.clock()),
+      roster_(setup, leases_, clock_),
       prover_(prover) {}
 
-std::vector<Holder> StatusGrants::holders() const { return shown(leases_.roster(), clock_.now()); }
+void StatusGrants::note_change(std::string_view why_ended) {
+  standings_.note_change(leases_, clock_.now());
+  roster_.note_change(why_ended);
+}
 
 // Requests
 
@@ -146,7 +130,7 @@ void StatusGrants::prove(StatusRequest request, access::Proof password) {
   }
   if (const auto refused = too_many_wrong(*session, status_of(request.wanted))) {
     return refuse(setup_, *session, counter, request.wanted, refused->text,
-                  shown(refused->holders, clock_.now()));
+                  shown_to_clients(refused->holders, clock_.now()));
   }
   if (!line_.add(std::move(request))) return;
   if (prover_.prove(session->id(), counter, std::move(password))) return;
@@ -239,13 +223,13 @@ bool StatusGrants::answer(StatusRequest& request, std::size_t before) {
       session->held_from = number(granted->epoch);
       standings_.add_holder(session);
     }
-    note_standings();
+    note_change();
     const Grant given{status_of(granted->status), number(granted->epoch)};
     session->reply(counter, layout::to_bytes(GecosObject_acquire_result{given}));
   } else {
     refuse(setup_, *session, counter, request.wanted,
            granted.error().text + waited_in_vain(request.patience, before),
-           shown(granted.error().holders, now));
+           shown_to_clients(granted.error().holders, now));
   }
   return true;
 }
@@ -275,7 +259,7 @@ void StatusGrants::refuse_late(TimePoint now) {
                "' still runs (issued by " + who(runs->caller()) +
                "), although the status under which it was issued has ended; the handler was told "
                "to end: try again",
-           shown(std::vector{last}, clock_.now()));
+           shown_to_clients(std::vector{last}, clock_.now()));
     return true;
   });
   line_.tell_places();
@@ -286,14 +270,16 @@ bool StatusGrants::deny(std::uint64_t id, const std::string& why) {
   if (denied == nullptr) return false;
   const auto session = denied->session;
   const std::uint64_t counter = denied->counter;
-  return line_.end(session->id(), counter,
-                   recorded_refusal(setup_, *session, counter, denied->wanted, why, holders()));
+  return line_.end(
+      session->id(), counter,
+      recorded_refusal(setup_, *session, counter, denied->wanted, why, roster_.holders()));
 }
 
 void StatusGrants::close() {
   const Failure ends{Detail::Rejected, "the server is about to end", {}, {}};
   line_.end_all(ends);
   line_.end_questions(ends);
+  roster_.close();
 }
 
 // The end of a status
@@ -316,7 +302,7 @@ void StatusGrants::release(ServerSession& session, const GecosObject_release_arg
   }
   leases_.release(session.id(), Epoch{epoch},
                   session.commands != 0 && !asked.now ? Commands::Pending : Commands::None);
-  note_standings();
+  note_change(released);
   serve_line();
   if (log_enabled(LogLevel::Info)) {
     log_info("server", setup_.name + ": " + who(session.caller()) + " releases its status" +
@@ -332,7 +318,7 @@ void StatusGrants::release_all(ServerSession& session) {
                     session.commands != 0 ? Commands::Pending : Commands::None);
     setup_.audit->status("status_released", session);
   }
-  note_standings();
+  note_change(released);
   serve_line();
 }
 
@@ -340,12 +326,12 @@ std::optional<Failure> StatusGrants::take_over(ServerSession& session) {
   const TimePoint now = clock_.now();
   if (const auto taken = leases_.take_over(session.id(), now); !taken) {
     return status_refusal(setup_.name + ": " + taken.error().text,
-                          shown(taken.error().holders, now));
+                          shown_to_clients(taken.error().holders, now));
   }
   log_info("server", setup_.name + ": " + who(session.caller()) + " takes over");
   setup_.audit->status("taken_over", session);
-  note_standings();
-  standings_.note_newer_epoch(leases_);  // before the ends of commands, which tell the epoch
+  standings_.note_newer_epoch(leases_);  // before all that tells the epoch: replies and ends
+  note_change();
   calls_.end_commands(
       [&](const ServerCall& call) {
         return call.client != session.id() && commands_the_object(call.operation());
@@ -356,7 +342,7 @@ std::optional<Failure> StatusGrants::take_over(ServerSession& session) {
 
 void StatusGrants::give_back(ServerSession& session) {
   if (!leases_.give_back(session.id())) return;
-  note_standings();
+  note_change();
   log_info("server", setup_.name + ": " + who(session.caller()) + " gives back");
   setup_.audit->status("given_back", session);
 }
@@ -364,7 +350,7 @@ void StatusGrants::give_back(ServerSession& session) {
 void StatusGrants::commands_ended(SessionId session) {
   const bool releases = leases_.releasing(session);
   leases_.drained(session);
-  if (releases) note_standings();
+  if (releases) note_change(released);
   serve_line();
 }
 
@@ -375,8 +361,8 @@ void StatusGrants::stop(SessionId by, const std::string& why) {
     if (holder.session != by) setup_.audit->status_lost(holder.client, why);
   }
   leases_.stop(by, why);
-  note_standings();
   standings_.note_newer_epoch(leases_);
+  note_change(why);
 }
 
 void StatusGrants::break_all(const std::string& why) {
@@ -396,6 +382,7 @@ void StatusGrants::depart(ServerSession& session, bool in_order) {
   session.standing->clear();  // before another client gets the status
   standings_.remove(session);
   line_.forget(session.id());
+  roster_.questions().forget(session.id());
   if (in_order) return release_all(session);
   if (!leases_.lose(session.id())) return;
   setup_.audit->status_lost(session.client(), session.parted_because);
@@ -412,15 +399,16 @@ void StatusGrants::on_tick(TimePoint now) {
   }
   if (!line_.empty()) refuse_late(now);
   line_.on_tick();
+  roster_.on_tick();
 }
 
 void StatusGrants::note_feeder(const std::shared_ptr<ServerSession>& session) {
   standings_.add_feeder(session);
-  note_standings();
+  standings_.note_change(leases_, clock_.now());
 }
 
 void StatusGrants::lose(const std::vector<SessionId>& sessions, const std::string& why) {
-  note_standings();
+  note_change(why);
   log_info("server", setup_.name + ": a status ended: " + why);
   const Failure failure{
       Detail::LeaseLost, "the status under which the command was issued ended: " + why, {}, {}};

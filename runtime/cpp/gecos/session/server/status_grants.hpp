@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gecos/access/lease_table.hpp"
@@ -13,6 +14,7 @@
 #include "gecos/session/server/object_calls.hpp"
 #include "gecos/session/server/object_setup.hpp"
 #include "gecos/session/server/password_check.hpp"
+#include "gecos/session/server/roster_watch.hpp"
 #include "gecos/session/server/server_session.hpp"
 #include "gecos/session/server/session_standings.hpp"
 #include "gecos/session/server/status_line.hpp"
@@ -44,8 +46,8 @@ class StatusGrants {
   TimePoint now() const { return clock_.now(); }
   /// Returns the state of this object that decides whether a call is admitted now.
   AdmittingObject admitting() const { return {setup_.name, leases_, clock_.now()}; }
-  /// Returns the holders in the form in which clients see them.
-  std::vector<Holder> holders() const;
+  /// The holders and their changes, as clients see them.
+  RosterWatch& roster() { return roster_; }
 
   /// Replies to a request for a status. A request with `patience` waits while other clients hold
   /// the status. Any request also waits briefly while a handler still runs whose command was issued
@@ -65,7 +67,7 @@ class StatusGrants {
   /// Refuses the waiting request with this id, as its holder wants. Returns false when it does not
   /// wait.
   bool deny(std::uint64_t id, const std::string& why);
-  /// Refuses all waiting requests, because the server is about to end.
+  /// Refuses all waiting requests and replies to all questions, because the server is about to end.
   void close();
 
   /// Keeps `session->standing` up to date until `depart`, because the session feeds inward streams.
@@ -107,7 +109,7 @@ class StatusGrants {
                                                                    TimePoint now);
   void refuse_late(TimePoint now);
   void lose(const std::vector<SessionId>& sessions, const std::string& why);
-  void note_standings() { standings_.note_change(leases_, clock_.now()); }
+  void note_change(std::string_view why_ended = {});
 
   const ObjectSetup& setup_;
   const NameClaim& claim_;
@@ -115,6 +117,7 @@ class StatusGrants {
   access::LeaseTable leases_;
   SuspendAwareClock clock_;  ///< for leases and peer time-outs
   StatusLine line_;
+  RosterWatch roster_;
   Prover& prover_;
   PasswordCheck passwords_;
   SessionStandings standings_;

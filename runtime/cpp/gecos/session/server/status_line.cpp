@@ -9,18 +9,9 @@
 namespace gecos::session {
 namespace {
 
-/// Maximum number of questions about the line. A correct client has one at a time.
-constexpr std::size_t most_questions = 64;
-
 double in_seconds(Duration duration) { return std::chrono::duration<double>(duration).count(); }
 
-/// Converts seconds to a Duration. Returns about 30 years for longer times, including infinity.
-Duration from_seconds(double seconds) {
-  return std::chrono::duration_cast<Duration>(
-      std::chrono::duration<double>(std::min(1e9, seconds)));
-}
-
-/// Returns a predicate for the request or question with this counter in this session.
+/// Returns a predicate for the request with this counter in this session.
 auto is(SessionId session, std::uint64_t counter) {
   return
       [=](const auto& asked) { return asked.session->id() == session && asked.counter == counter; };
@@ -89,7 +80,7 @@ const StatusRequest* StatusLine::find(std::uint64_t id) const {
 }
 
 std::optional<std::size_t> StatusLine::place_of(SessionId session, std::uint64_t counter) const {
-  if (std::ranges::any_of(questions_, is(session, counter))) return 0;
+  if (questions_.waits(session, counter)) return 0;
   const auto found = std::ranges::find_if(requests_, is(session, counter));
   if (found == requests_.end()) return std::nullopt;
   return static_cast<std::size_t>(found - requests_.begin());
@@ -104,13 +95,8 @@ bool StatusLine::end(std::vector<StatusRequest>::iterator request, const Failure
 }
 
 bool StatusLine::end(SessionId session, std::uint64_t counter, const Failure& failure) {
-  const auto asked = std::ranges::find_if(questions_, is(session, counter));
-  if (asked == questions_.end()) {
-    return end(std::ranges::find_if(requests_, is(session, counter)), failure);
-  }
-  asked->session->reply(counter, failure);
-  questions_.erase(asked);
-  return true;
+  return questions_.end(session, counter, failure) ||
+         end(std::ranges::find_if(requests_, is(session, counter)), failure);
 }
 
 void StatusLine::end_all(const Failure& failure) {
@@ -120,9 +106,9 @@ void StatusLine::end_all(const Failure& failure) {
 }
 
 void StatusLine::forget(SessionId session) {
-  const auto of_session = [&](const auto& asked) { return asked.session->id() == session; };
-  std::erase_if(requests_, of_session);
-  std::erase_if(questions_, of_session);
+  std::erase_if(requests_,
+                [&](const StatusRequest& asked) { return asked.session->id() == session; });
+  questions_.forget(session);
   tell_places();
 }
 
@@ -135,19 +121,11 @@ bool StatusLine::waits(const StatusRequest& request) const {
 
 void StatusLine::ask(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
                      const GecosObject_requests_arguments& asked) {
-  if (questions_.size() >= most_questions) {
-    return session->reply(counter, Failure{Detail::QueueFull,
-                                           object_ + ": " + std::to_string(questions_.size()) +
-                                               " questions about requests already wait",
-                                           {},
-                                           {}});
-  }
-  questions_.push_back(
-      {session, counter, asked.after, clock_.now() + from_seconds(asked.patience)});
+  questions_.add(session, counter, asked.after, asked.patience);
   reply_to_questions();
 }
 
-void StatusLine::reply(const Question& question) const {
+void StatusLine::reply(const OpenQuestions::Question& question) const {
   const TimePoint now = clock_.now();
   GecosObject_requests_result answer;
   for (const StatusRequest& request : requests_) {
@@ -157,25 +135,16 @@ void StatusLine::reply(const Question& question) const {
 }
 
 void StatusLine::reply_to_questions() {
-  std::erase_if(questions_, [&](const Question& question) {
-    const bool answered = question.give_up <= clock_.now() ||
-                          std::ranges::any_of(requests_, [&](const StatusRequest& request) {
-                            return request.id > question.after && waits(request);
-                          });
-    if (answered) reply(question);
-    return answered;
-  });
+  questions_.answer(
+      [&](std::uint64_t known) {
+        return std::ranges::any_of(requests_, [&](const StatusRequest& request) {
+          return request.id > known && waits(request);
+        });
+      },
+      [&](const OpenQuestions::Question& question) { reply(question); });
 }
 
-void StatusLine::on_tick() {
-  if (!questions_.empty()) reply_to_questions();
-}
-
-void StatusLine::end_questions(const Failure& failure) {
-  for (const Question& question : std::exchange(questions_, {})) {
-    question.session->reply(question.counter, failure);
-  }
-}
+void StatusLine::on_tick() { reply_to_questions(); }
 
 void StatusLine::tell_places() {
   for (std::size_t before = 0; before < requests_.size(); ++before) {

@@ -9,6 +9,7 @@
 
 #include "gecos/access/proof.hpp"
 #include "gecos/object_calls.hpp"  // generated from idl/gecos/object.gidl
+#include "gecos/session/server/open_questions.hpp"
 #include "gecos/session/server/server_session.hpp"
 
 namespace gecos::session {
@@ -37,7 +38,10 @@ Failure status_refusal(std::string reason, std::vector<Holder> holders);
 /// clients that asked to be told of such requests. Not thread-safe: the object's mutex guards it.
 class StatusLine {
  public:
-  StatusLine(std::string object, const Clock& clock) : object_(std::move(object)), clock_(clock) {}
+  StatusLine(std::string object, const Clock& clock)
+      : object_(std::move(object)),
+        clock_(clock),
+        questions_(object_ + ": questions about requests", clock) {}
 
   /// Maximum number of requests. A correct client has one request at a time.
   static constexpr std::size_t longest = 64;
@@ -72,7 +76,7 @@ class StatusLine {
   /// Replies to the questions that have waited for too long.
   void on_tick();
   /// Replies to all questions with `failure`.
-  void end_questions(const Failure& failure);
+  void end_questions(const Failure& failure) { questions_.end_all(failure); }
 
   /// Calls `answer(request, before)` for each request in order, where `before` is the number of
   /// requests before it that stay, and removes those for which it returns true.
@@ -90,23 +94,15 @@ class StatusLine {
   void tell_places();
 
  private:
-  /// A question about the line that has no reply yet.
-  struct Question {
-    std::shared_ptr<ServerSession> session;
-    std::uint64_t counter = 0;
-    std::uint64_t after = 0;
-    TimePoint give_up{};
-  };
-
   bool waits(const StatusRequest& request) const;
-  void reply(const Question& question) const;
+  void reply(const OpenQuestions::Question& question) const;
   void reply_to_questions();
   bool end(std::vector<StatusRequest>::iterator request, const Failure& failure);
 
   const std::string object_;
   const Clock& clock_;
   std::vector<StatusRequest> requests_;
-  std::vector<Question> questions_;
+  OpenQuestions questions_;
   std::uint64_t last_id_ = 0;
 };
 

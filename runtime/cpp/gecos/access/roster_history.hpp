@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gecos/access/lease_table.hpp"
+#include "gecos/base/clock.hpp"
+
+namespace gecos::access {
+
+/// One change of the holders of an object.
+struct RosterChange {
+  enum class Kind : std::uint8_t {
+    Acquired,   ///< a client has the status, a higher status, or has acquired it again while it
+                ///< was releasing it
+    Releasing,  ///< the status was released, but the last commands under it still run
+    TakenOver,
+    GivenBack,
+    Ended,
+  };
+  std::uint64_t number = 0;  ///< one more than that of the change before
+  Kind kind = Kind::Acquired;
+  Holder holder;  ///< after the change; before it when the status ended
+  TimePoint at{};
+  std::string why{};  ///< why the status ended; empty for other kinds
+};
+
+/// Numbers the changes of the holders of one object, and keeps the newest changes. A client that
+/// asks for the changes after the newest one that it knows is told each change once.
+///
+/// The caller passes the current time. Reads no clock and does no I/O.
+class RosterHistory {
+ public:
+  /// Number of changes that are kept.
+  static constexpr std::size_t kept = 256;
+
+  /// The first change has the number `start + 1`. Two servers of one object must not use the same
+  /// numbers, so that a client can ask one with a number of the other. @pre `start` is not 0
+  explicit RosterHistory(std::uint64_t start) : start_(start) {}
+
+  /// Must be called after each change of a LeaseTable, with its holders. `why_ended` is the reason
+  /// for the end of each status that has ended.
+  void note(std::vector<Holder> roster, TimePoint now, std::string_view why_ended);
+
+  /// Returns the number of the newest change; `start` before the first change.
+  std::uint64_t newest() const { return start_ + count_; }
+  /// Returns the kept changes with larger numbers than `number`, the oldest first. Returns all of
+  /// them when no change of this history has that number.
+  std::vector<RosterChange> after(std::uint64_t number) const;
+
+ private:
+  void add(RosterChange::Kind kind, const Holder& holder, TimePoint now,
+           std::string_view why_ended = {});
+
+  const std::uint64_t start_;
+  std::uint64_t count_ = 0;
+  std::vector<Holder> roster_;  ///< as it was last noted
+  std::deque<RosterChange> changes_;
+};
+
+}  // namespace gecos::access

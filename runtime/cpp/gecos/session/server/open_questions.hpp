@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gecos/base/clock.hpp"
+#include "gecos/session/server/server_session.hpp"
+
+namespace gecos::session {
+
+/// Calls that ask what is newer than something that the caller knows, and that have no reply yet
+/// because nothing is. Not thread-safe: the object's mutex guards it.
+class OpenQuestions {
+ public:
+  struct Question {
+    std::shared_ptr<ServerSession> session;
+    std::uint64_t counter = 0;
+    std::uint64_t after = 0;  ///< the number of the newest thing that the caller knows
+    TimePoint give_up{};
+  };
+
+  /// `about`: what is asked, for texts, for example "RX90: questions about requests".
+  OpenQuestions(std::string about, const Clock& clock) : about_(std::move(about)), clock_(clock) {}
+
+  /// Maximum number of questions. A correct client has one at a time.
+  static constexpr std::size_t most = 64;
+
+  /// Keeps a question until `answer` replies to it, at most `patience` s. When there are too many,
+  /// replies to this one that it is refused.
+  void add(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
+           std::uint64_t after, double patience);
+  bool waits(SessionId session, std::uint64_t counter) const;
+  /// Removes a question and replies with `failure`. Returns false when it does not wait.
+  bool end(SessionId session, std::uint64_t counter, const Failure& failure);
+  void end_all(const Failure& failure);
+  /// Removes the questions of `session` without a reply.
+  void forget(SessionId session);
+
+  /// Calls `reply(question)` for each question that has waited for long enough, or for which
+  /// `is_news(question.after)` is true, and removes it.
+  template <class IsNews, class Reply>
+  void answer(IsNews is_news, Reply reply) {
+    std::erase_if(questions_, [&](const Question& question) {
+      const bool answered = question.give_up <= clock_.now() || is_news(question.after);
+      if (answered) reply(question);
+      return answered;
+    });
+  }
+
+ private:
+  const std::string about_;
+  const Clock& clock_;
+  std::vector<Question> questions_;
+};
+
+}  // namespace gecos::session

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "gecos/access/lease_table.hpp"
+#include "gecos/access/roster_history.hpp"
+#include "gecos/object_calls.hpp"  // generated from idl/gecos/object.gidl
+#include "gecos/session/protocol/suspend_aware_clock.hpp"
+#include "gecos/session/server/object_setup.hpp"
+#include "gecos/session/server/open_questions.hpp"
+#include "gecos/session/server/server_session.hpp"
+
+namespace gecos::session {
+
+/// Returns `roster` in the form in which clients see it.
+std::vector<Holder> shown_to_clients(const std::vector<access::Holder>& roster, TimePoint now);
+
+/// Tells clients who holds the status of one object, and each change of that. Not thread-safe: the
+/// object's mutex guards it.
+class RosterWatch {
+ public:
+  /// `clock` is the clock of the leases.
+  RosterWatch(const ObjectSetup& setup, const access::LeaseTable& leases,
+              const SuspendAwareClock& clock);
+
+  std::vector<Holder> holders() const;
+  /// Must be called whenever a status or a take-over begins or ends. `why_ended` is the reason for
+  /// the end of each status that has ended.
+  void note_change(std::string_view why_ended);
+
+  /// Replies with the roster. While there is no newer change than `asked.after`, the reply waits,
+  /// at most `asked.patience`.
+  void ask(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
+           const GecosObject_roster_arguments& asked);
+  OpenQuestions& questions() { return questions_; }
+  /// Replies to the questions that have waited for too long.
+  void on_tick() { answer(); }
+  /// Replies to all questions, because the server is about to end.
+  void close();
+
+ private:
+  void answer();
+  void reply(const OpenQuestions::Question& question) const;
+
+  const access::LeaseTable& leases_;
+  const SuspendAwareClock& clock_;
+  access::RosterHistory history_;
+  OpenQuestions questions_;
+};
+
+}  // namespace gecos::session
