@@ -1,10 +1,11 @@
 // Lowers the tool towards the block, under a status that programs share which know the password.
 // When `guard` takes over, the motion ends, and this program waits until it may command again.
+// Where the robot is in a zone, the motion also ends when nobody is present any more
+// (`hold_button`).
 
 #include <algorithm>
 #include <chrono>
 #include <iostream>
-#include <thread>
 
 #include "gecos/gecos.hpp"
 #include "robcl/frames/frame.hpp"
@@ -35,12 +36,11 @@ int main(int argc, char** argv) {
   if (const auto end = lowered.get(); !end) std::cout << end.error() << std::endl;
   if (const auto end = robot->move(start).get(); !end) std::cout << end.error() << std::endl;
 
-  for (;;) {
-    const auto holders = gecos::holders(*robot).get();
-    if (!holders) return fail(holders.error());
-    if (std::ranges::none_of(*holders, &gecos::Holder::taken_over)) break;
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  auto told = gecos::roster(*robot).get();
+  while (told && std::ranges::any_of(told->holders, &gecos::Holder::taken_over)) {
+    told = gecos::roster(*robot, told->newest, std::chrono::hours(1)).get();  // waits for a change
   }
+  if (!told) return fail(told.error());
   // Nothing resumes by itself: this is a new command.
   const auto again = robot->move(start).get();
   if (!again) return fail(again.error());

@@ -1,9 +1,9 @@
 """Lowers the tool towards the block, under a status that programs share which know the password.
-When `guard` takes over, the motion ends, and this program waits until it may command again.
+When `guard` takes over, the motion ends, and this program waits until it may command again. Where
+the robot is in a zone, the motion also ends when nobody is present any more (`hold_button`).
 """
 
 import sys
-import time
 
 import gecos
 from robcl.frames import Frame, deg, mm, translate
@@ -26,8 +26,9 @@ def main(password: str) -> None:
             robot.move(START).result()
         except gecos.CommandFailed as held_off:
             print(held_off, flush=True)
-        while any(holder.taken_over for holder in gecos.holders(robot).result()):
-            time.sleep(0.1)
+        told = gecos.roster(robot).result()
+        while any(holder.taken_over for holder in told.holders):
+            told = gecos.roster(robot, told.newest, timeout=None).result()  # waits for a change
         robot.move(START).result()  # nothing resumes by itself: this is a new command
         print("at the start again")
 
@@ -35,5 +36,5 @@ def main(password: str) -> None:
 if __name__ == "__main__":
     try:
         main(sys.argv[1] if len(sys.argv) > 1 else "")
-    except gecos.LeaseRefused as refused:
-        sys.exit(str(refused))
+    except (gecos.LeaseRefused, gecos.CommandFailed) as failed:
+        sys.exit(str(failed))

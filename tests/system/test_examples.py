@@ -7,15 +7,21 @@ import re
 import signal
 import subprocess
 import sys
+import time
 from itertools import pairwise
 from pathlib import Path
 
 import gecos
 import pytest
-from processes import Laboratory, Program
+from processes import Laboratory, Program, until
+from robcl.manipulator import Manipulator
 from robcl.puma560 import Puma560
 from robcl.world import World
 
+GECOS = [sys.executable, "-m", "gecos.cli"]
+PRESENCE_ENDS_S = 0.25
+"""Promised: from the loss of presence until the commands end."""
+SLACK = 5
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 
@@ -291,16 +297,13 @@ def test_a_guard_takes_over_retreats_and_gives_back(
 
     mover = lab.start(*mover_command, "two hands", ready="lowering the tool")
     guard = lab.start(*guard_command, "two hands", ready="watching", listens=True)
-    roster = lab.start(
-        sys.executable, "-m", "gecos.cli", "holders", "RX90", "--watch", ready="held for"
-    )
+    roster = lab.start(*GECOS, "watch", "RX90", ready="held for")
     taken = guard.wait_for("taken over at ")
     preempted = mover.wait_for("PREEMPTED")
     assert f"pid {guard.pid}" in preempted, preempted
     held_off = mover.wait_for("DENIED")
     assert f"pid {guard.pid}" in held_off and "is held off" in held_off, held_off
-    assert str(mover.pid) in roster.wait_for("held off")
-    assert str(guard.pid) in roster.wait_for("took over")
+    assert f"pid {guard.pid}" in roster.wait_for("has taken over")
     stranger = lab.run(*mover_command, "third hand")
     assert stranger.finish() != 0
     assert "it is shared by password, and the given password is wrong" in stranger.output()
@@ -311,8 +314,49 @@ def test_a_guard_takes_over_retreats_and_gives_back(
     assert guard.finish() == 0, str(guard)
     assert mover.finish() == 0, str(mover)
     assert mover.lines[-1] == "at the start again"
+    assert f"pid {guard.pid}" in roster.wait_for("has given back")
+    for program in (guard, mover):
+        assert roster.wait_for(f"pid {program.pid}) ended after").endswith(": released")
     near, far = (int(line.split()[-2]) for line in (taken, guard.lines[-1]))
     assert near <= 200 < far, (near, far)
+
+
+@LANGUAGES
+def test_the_arm_stands_when_the_button_of_a_person_is_released(
+    language: str, lab_with_broker: Laboratory, tmp_path: Path, here: None
+) -> None:
+    lab = lab_with_broker
+    (tmp_path / "lab.toml").write_text('[objects.RX90]\nzone = "CELL"\n')
+    lab.env["GECOS_LAB_FILE"] = str(tmp_path / "lab.toml")
+    lab.start(lab.build / "devices/zone/robcl-zone", "--buttons", "BUTTON", ready="ready")
+    lab.start(lab.build / "devices/rx90/robcl-rx90", ready="ready")
+    mover_command = example(lab, "19_two_programs_one_robot", "lower_tool", language)
+    refused = lab.run(*mover_command)
+    assert refused.finish() == 1
+    assert "was not started: nobody is known to be present in zone CELL" in str(refused)
+    assert "Traceback" not in str(refused)
+
+    button_command = example(lab, "19_two_programs_one_robot", "hold_button", language)
+    button = lab.start(*button_command, ready="the button is held", listens=True)
+    presence = lab.start(*GECOS, "watch", "CELL", "presence", "--json", ready='"present": true')
+    roster = lab.start(*GECOS, "watch", "RX90", ready="nobody holds")
+    with gecos.Lab() as client:
+        arm = client.create(Manipulator, "RX90")
+        until(lambda: "a person is present" in gecos.describe(arm).result().presence, "present")
+        bound = PRESENCE_ENDS_S + arm.braking_time().result()
+        mover = lab.start(*mover_command, ready="lowering the tool")
+        until(lambda: not arm.standing().result(), "the arm moves")
+        button.tell("")
+        assert button.finish() == 0, str(button)
+        released_at = time.monotonic()
+        until(lambda: arm.standing().result(), "the arm stands")
+        assert time.monotonic() - released_at < SLACK * bound
+    assert "BUTTON" in mover.wait_for("PRESENCE_LOST")
+    assert mover.finish() == 1, str(mover)
+    assert mover.lines[-1] != "at the start again", "nothing resumes"
+    presence.wait_for('"present": false')
+    roster.wait_for(f"pid {mover.pid}) has actor status")
+    assert roster.wait_for(f"pid {mover.pid}) ended after").endswith(": released")
 
 
 @LANGUAGES
