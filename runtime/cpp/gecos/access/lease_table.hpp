@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -159,7 +160,9 @@ class LeaseTable {
     std::string preempted_by{};  ///< the client that preempted them
     TimePoint preempted_at{};
   };
-  using Members = std::unordered_map<SessionId, Member>;
+  /// Ordered: each command is looked up here, and in a list of a few holders a comparison costs
+  /// less than a hash.
+  using Members = std::map<SessionId, Member>;
   /// The reason why a session lost its last status: its silence, or a stop.
   struct Loss {
     Epoch first;  ///< the epochs in which it held the status

@@ -348,9 +348,10 @@ void StatusGrants::give_back(ServerSession& session) {
 }
 
 void StatusGrants::commands_ended(SessionId session) {
-  const bool releases = leases_.releasing(session);
-  leases_.drained(session);
-  if (releases) note_change(released);
+  if (leases_.releasing(session)) {
+    leases_.drained(session);
+    note_change(released);
+  }
   serve_line();
 }
 
