@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import json
 import os
 import sys
 import tempfile
 from collections.abc import Iterator
+from getpass import getuser
 from pathlib import Path
 
 import report
@@ -34,7 +36,10 @@ def own_laboratory(build: Path) -> Iterator[dict[str, str]]:
     # Not below a long path: the name of a Unix socket has at most 107 characters.
     with tempfile.TemporaryDirectory(prefix="bench-peers-") as room:
         env = {name: value for name, value in os.environ.items() if name != "GECOS_BROKER"}
-        env["GECOS_RUNTIME_DIR"] = env["GECOS_KEY_DIR"] = room
+        env["GECOS_RUNTIME_DIR"] = env["GECOS_KEY_DIR"] = env["GECOS_AUDIT_DIR"] = room
+        admitted = Path(room) / "lab.toml"
+        admitted.write_text(f"[objects.EXCHANGE.allow]\nusers = [{json.dumps(getuser())}]\n")
+        env["GECOS_LAB_FILE"] = str(admitted)
         python = build / "benchmarks" / "peers" / "python"
         env["PYTHONPATH"] = os.pathsep.join(filter(None, [str(python), env.get("PYTHONPATH")]))
         yield env

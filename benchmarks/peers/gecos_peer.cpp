@@ -1,8 +1,11 @@
 // Ours: an operation that moves the device, so with a lease that is checked, the object's queue,
 // and a typed reply; waiting as it comes. The broker lives in the server, in GECOS_RUNTIME_DIR.
 //   shm, lcm   the medium; over lcm all is encrypted
+// A list of the lab file admits this user to EXCHANGE, and the audit records its calls. OPEN has no
+// list, and its readings are neither checked nor recorded.
 
 #include <deque>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -33,6 +36,7 @@ T must(tl::expected<T, E> result) {
 
 class Echo final : public bench::ExchangeServant {
   gecos::Result<bench::Sample> echo(const bench::Sample& given) override { return given; }
+  gecos::Result<bench::Sample> echo_unchecked(const bench::Sample& given) override { return given; }
   gecos::Result<bench::Sample> echo_late(const bench::Sample& given, double seconds,
                                          gecos::Execution<>& run) override {
     const auto later = std::chrono::duration_cast<gecos::Duration>(Seconds(seconds));
@@ -43,11 +47,13 @@ class Echo final : public bench::ExchangeServant {
 
 void serve(const std::string& how) {
   gecos::broker::Broker broker;
-  Echo echo;
+  Echo echo, open;
   gecos::Lab lab;
   gecos::Server server(lab);
   auto served = broker.serve(server, {gecos::media::Kind::Shm});
-  if (served) served = server.add("EXCHANGE", echo, {.simulated = true, .media = {medium(how)}});
+  const gecos::ObjectOptions options{.simulated = true, .media = {medium(how)}};
+  if (served) served = server.add("EXCHANGE", echo, options);
+  if (served) served = server.add("OPEN", open, options);
   if (!served) throw std::runtime_error(served.error().text);
   say_ready("EXCHANGE");
   server.run();
@@ -57,9 +63,14 @@ class GecosClient final : public PipeliningClient {
  public:
   GecosClient(const std::string& how, const std::string& name)
       : object_(must(lab_.create<bench::Exchange>(name, {.medium = medium(how)}))),
+        how_(how),
         lease_(must(gecos::actor(object_, password))) {}
 
   Sample call(const Sample& sample) override { return answer(object_.echo(typed(sample))); }
+  Sample call_unchecked(const Sample& sample) override {
+    if (!open_) open_ = must(lab_.create<bench::Exchange>("OPEN", {.medium = medium(how_)}));
+    return answer(open_->echo_unchecked(typed(sample)));
+  }
   Sample call_late(const Sample& sample, Seconds late) override {
     return answer(object_.echo_late(typed(sample), late.count()));
   }
@@ -83,6 +94,8 @@ class GecosClient final : public PipeliningClient {
 
   gecos::Lab lab_;
   bench::Exchange object_;
+  std::string how_;
+  std::optional<bench::Exchange> open_;
   gecos::Lease lease_;
   std::deque<gecos::Command<bench::Sample>> issued_;
 };

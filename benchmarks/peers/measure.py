@@ -35,6 +35,7 @@ class Measured:
     rate: float = 0.0
     loops: float = 0.0
     share: float = 0.0
+    unchecked: float = 0.0  # p50 of the calls that nothing checks
 
     def figure(self, of: Figure) -> float:
         return {
@@ -43,6 +44,7 @@ class Measured:
             Figure.RATE: self.rate,
             Figure.LOOPS: self.loops,
             Figure.SHARE: 100 * self.share,
+            Figure.CHECKS: self.p50 / self.unchecked if self.unchecked else 0.0,
         }[of]
 
 
@@ -122,6 +124,9 @@ def _once(
         _ask(client, "trips 0.1")  # warm
         if setting.figure is Figure.SHARE:
             return _share(client, pair.server, line.late, pace.seconds)
+        if line.beside:
+            checked, unchecked = _ask(client, f"beside {pace.seconds}")
+            return Measured(p50=checked * 1e-3, unchecked=unchecked * 1e-3)
         if setting.outstanding:
             _ask(client, f"outstanding {setting.outstanding} {pace.seconds / 4}")
             (rate,) = _ask(client, f"outstanding {setting.outstanding} {pace.seconds}")

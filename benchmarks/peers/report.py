@@ -50,11 +50,13 @@ def _what(bar: Bar) -> str:
 def _unit(bar: Bar) -> str:
     if bar.others:
         return " in 8 of 9" if bar.rounds else ""
-    return {Figure.SHARE: " %", Figure.RATE: "/s"}.get(bar.figure, " µs")
+    return {Figure.SHARE: " %", Figure.RATE: "/s", Figure.CHECKS: ""}.get(bar.figure, " µs")
 
 
 def table(setting: Setting, done: Run) -> str:
-    columns = {Figure.RATE: RATES, Figure.SHARE: SHARES}.get(setting.figure, TRIPS)
+    columns = {Figure.RATE: RATES, Figure.SHARE: SHARES, Figure.CHECKS: CHECKS}.get(
+        setting.figure, TRIPS
+    )
     if setting.loops is not None:
         columns = BESIDE_LOOPS
     rows = [
@@ -96,6 +98,11 @@ RATES: dict[str, Column] = {
 SHARES: dict[str, Column] = {
     "% of a core": _median(Figure.SHARE, ".3f"),
     "in the rounds": _spread(Figure.SHARE, ".3f"),
+}
+CHECKS: dict[str, Column] = {
+    "p50 µs": _median(Figure.P50, ".3f"),
+    "with / without": _median(Figure.CHECKS, ".3f"),
+    "in the rounds": _spread(Figure.CHECKS, ".3f"),
 }
 BESIDE_LOOPS: dict[str, Column] = {
     **TRIPS,

@@ -15,6 +15,7 @@ class Figure(enum.Enum):
     RATE = "calls/s"
     LOOPS = "share of the loops"
     SHARE = "% of a core"
+    CHECKS = "p50 with all checks / without"
 
     @property
     def more_is_better(self) -> bool:
@@ -33,6 +34,7 @@ class Line:
     suffix: str = ""
     idle_clients: int = 0
     flooded: bool = False  # one more client keeps 64 calls outstanding
+    beside: bool = False  # in turn with calls that nothing checks, of the same client
     late: float = 0.0  # its calls are answered after so many seconds
 
     @property
@@ -90,6 +92,7 @@ def settings(of: Candidates) -> list[Setting]:
     busy_lab = Line(of.ours_lcm, ", 16 idle processes", idle_clients=16)
     flooded = Line(of.ours, ", another client floods", flooded=True)
     idle_server = Line(of.ours, ", a server whose client is silent")
+    checked = Line(of.ours, ", admitted by a list, with a status and an audit", beside=True)
     late = Line(of.ours, ", a client whose answers take 11 ms", late=0.011)
     python, iceoryx2_python = lines(of.ours_python, of.iceoryx2_python)
     all_peers = (iceoryx_polled, iceoryx2_polled, *blocking)
@@ -103,6 +106,12 @@ def settings(of: Candidates) -> list[Setting]:
                 bar(idle, 5.0, spin),
                 bar(idle, 0.6, iceoryx_polled),
             ),
+        ),
+        Setting(
+            "what the checks add, two cores",
+            (checked,),
+            (bar(checked, 1.05, figure=Figure.CHECKS),),
+            figure=Figure.CHECKS,
         ),
         Setting(
             "a busy loop on each of two cores",

@@ -73,6 +73,31 @@ void silent(Client& client, Seconds rest, std::size_t count) {
   say(times);
 }
 
+void beside(Client& client, Seconds how_long) {
+  constexpr int in_turn = 100;  // so that whatever disturbs the machine disturbs both
+  std::vector<Nanoseconds> checked;
+  std::vector<Nanoseconds> unchecked;
+  Sample sample;
+  auto before = Clock::now();
+  const auto turn = [&](std::vector<Nanoseconds>& times, auto call) {
+    for (int i = 0; i < in_turn; ++i) {
+      sample.stamp += 1;
+      if (call().stamp != sample.stamp)
+        throw std::runtime_error("the answer belongs to another call");
+      const auto after = Clock::now();
+      times.push_back(after - before);
+      before = after;
+    }
+  };
+  for (const auto end = before + how_long; before < end;) {
+    turn(checked, [&] { return client.call(sample); });
+    turn(unchecked, [&] { return client.call_unchecked(sample); });
+  }
+  const auto clock = of_the_clock();
+  std::printf("%.1f %.1f\n", (quantile(checked, 0.5) - clock).count(),
+              (quantile(unchecked, 0.5) - clock).count());
+}
+
 void late(Client& client, Seconds each, Seconds how_long) {
   Sample sample;
   std::size_t count = 0;
@@ -101,6 +126,8 @@ void answer(Client& client, const std::string& line) {
     silent(client, Seconds(first), static_cast<std::size_t>(second));
   } else if (word == "late" && second > 0) {
     late(client, Seconds(first), Seconds(second));
+  } else if (word == "beside" && first > 0) {
+    beside(client, Seconds(first));
   } else if (word == "outstanding" && first >= 1 && second > 0) {
     outstanding(client, static_cast<unsigned>(first), Seconds(second));
   } else {
@@ -110,6 +137,10 @@ void answer(Client& client, const std::string& line) {
 }
 
 }  // namespace
+
+Sample Client::call_unchecked(const Sample& /*sample*/) {
+  throw std::logic_error("this peer has no call that is not checked");
+}
 
 Sample Client::call_late(const Sample& /*sample*/, Seconds /*late*/) {
   throw std::logic_error("this peer has no call that is answered late");

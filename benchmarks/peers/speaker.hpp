@@ -6,6 +6,7 @@
 //     ns silent SECONDS COUNT         each after that long a rest   -> COUNT P50 P99 outstanding
 //     NUMBER SECONDS   so many calls at a time       -> CALLS_PER_SECOND
 //     late EACH SECONDS            each answered so late        -> COUNT
+//     beside SECONDS               calls of both kinds in turn  -> P50 of `call`, of call_unchecked
 // What reading the clock takes is taken off P50 and P99. Needs nothing but the standard library,
 // since the peers are built without ours.
 #pragma once
@@ -34,6 +35,8 @@ class Client {
  public:
   virtual ~Client() = default;
   virtual Sample call(const Sample& sample) = 0;
+  /// A call that needs no status and is not recorded; only ours has one.
+  virtual Sample call_unchecked(const Sample& sample);
   /// A call that the server answers `late`; not every peer has one.
   virtual Sample call_late(const Sample& sample, Seconds late);
   /// Keeps `outstanding` calls on their way until `end`; how many were answered.

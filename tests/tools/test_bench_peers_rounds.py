@@ -96,3 +96,14 @@ def test_a_bar_whose_peers_were_not_measured_is_not_met() -> None:
     verdict = measure.judge(bar, rounds(ours=[1.0]))
     assert not verdict.met
     assert not verdict.ratios
+
+
+def test_the_price_of_the_checks_is_the_ratio_of_calls_with_and_without_them() -> None:
+    bar = Bar("ours", (), 1.05, Figure.CHECKS)
+    rounds = [Measured(p50=p50, unchecked=1.0) for p50 in (1.02, 1.04, 1.2)]
+    verdict = measure.judge(bar, {"ours": rounds})
+    assert (verdict.ratios, verdict.met) == ([1.02, 1.04, 1.2], True)
+    assert not measure.judge(bar, {"ours": [Measured(p50=1.06, unchecked=1.0)]}).met
+    assert "| ours: p50 with all checks / without | ≤ 1.05 | 1.04 |" in report.bars(
+        [(SETTING, verdict)]
+    )
