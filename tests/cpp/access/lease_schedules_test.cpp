@@ -13,7 +13,7 @@
 #include <string>
 
 #include "gecos/access/lease_table.hpp"
-#include "gecos/access/roster_history.hpp"
+#include "gecos/access/roster_changes.hpp"
 
 namespace gecos::access {
 namespace {
@@ -163,8 +163,8 @@ class Model {
 class Watcher {
  public:
   /// Asks for the changes after the newest one that it knows. Returns what is wrong with them.
-  std::string ask(const RosterHistory& history) {
-    for (const RosterChange& change : history.after(known_)) {
+  std::string ask(const RosterChanges& changes) {
+    for (const RosterChange& change : changes.after(known_)) {
       if (change.number != known_ + 1) return "a change is lost or told twice";
       known_ = change.number;
       if (change.kind == RosterChange::Kind::Ended) {
@@ -173,7 +173,7 @@ class Watcher {
         known_holders_[change.holder.session] = change.holder;
       }
     }
-    return known_ == history.newest() ? "" : "the newest change is not told";
+    return known_ == changes.newest() ? "" : "the newest change is not told";
   }
   std::string difference(const Model& model) const {
     if (known_holders_.size() != model.shares.size()) return "a watcher knows other holders";
@@ -211,7 +211,7 @@ class Schedule {
     for (int step = 0; step < 20; ++step) {
       const std::string done = act();
       if (mutant_ != Mutant::ReleaseIsNotTold || !done.ends_with("releases")) {
-        history_.note(table_.roster(), now_, done);
+        changes_.note(table_.roster(), now_, done);
       }
       std::string wrong = difference();
       if (wrong.empty() && step % 3 == 2) wrong = watch();
@@ -340,14 +340,14 @@ class Schedule {
   }
 
   std::string watch() {
-    const std::string wrong = watcher_.ask(history_);
+    const std::string wrong = watcher_.ask(changes_);
     return wrong.empty() ? watcher_.difference(model_) : wrong;
   }
 
   std::mt19937_64 random_;
   TimePoint now_{10s};
   LeaseTable table_{IncarnationId{0x1234'5678'9abc'def0U}, ttl};
-  RosterHistory history_{Watcher::start};
+  RosterChanges changes_{Watcher::start};
   Watcher watcher_;
   Model model_;
   const Mutant mutant_;

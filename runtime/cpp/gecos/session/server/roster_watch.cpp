@@ -56,7 +56,7 @@ RosterWatch::RosterWatch(const ObjectSetup& setup, const access::LeaseTable& lea
                          const SuspendAwareClock& clock)
     : leases_(leases),
       clock_(clock),
-      history_(first_number(setup.clock().now())),
+      changes_(first_number(setup.clock().now())),
       questions_(setup.name + ": questions about the roster", setup.clock()) {}
 
 std::vector<Holder> RosterWatch::holders() const {
@@ -64,7 +64,7 @@ std::vector<Holder> RosterWatch::holders() const {
 }
 
 void RosterWatch::note_change(std::string_view why_ended) {
-  history_.note(leases_.roster(), clock_.now(), why_ended);
+  changes_.note(leases_.roster(), clock_.now(), why_ended);
   answer();
 }
 
@@ -75,7 +75,7 @@ void RosterWatch::ask(const std::shared_ptr<ServerSession>& session, std::uint64
 }
 
 void RosterWatch::answer() {
-  questions_.answer([&](std::uint64_t known) { return known != history_.newest(); },
+  questions_.answer([&](std::uint64_t known) { return known != changes_.newest(); },
                     [&](const OpenQuestions::Question& question) { reply(question); });
 }
 
@@ -86,9 +86,9 @@ void RosterWatch::close() {
 
 void RosterWatch::reply(const OpenQuestions::Question& question) const {
   Roster roster;
-  roster.newest = history_.newest();
+  roster.newest = changes_.newest();
   roster.holders = holders();
-  for (const access::RosterChange& change : history_.after(question.after)) {
+  for (const access::RosterChange& change : changes_.after(question.after)) {
     roster.changes.push_back(change_line(change, clock_.now()));
   }
   question.session->reply(question.counter,

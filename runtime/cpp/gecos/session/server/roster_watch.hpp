@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gecos/access/lease_table.hpp"
-#include "gecos/access/roster_history.hpp"
+#include "gecos/access/roster_changes.hpp"
 #include "gecos/object_calls.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/protocol/suspend_aware_clock.hpp"
 #include "gecos/session/server/object_setup.hpp"
@@ -47,7 +47,7 @@ class RosterWatch {
 
   const access::LeaseTable& leases_;
   const SuspendAwareClock& clock_;
-  access::RosterHistory history_;
+  access::RosterChanges changes_;
   OpenQuestions questions_;
 };
 

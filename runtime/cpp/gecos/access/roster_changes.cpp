@@ -1,4 +1,4 @@
-#include "gecos/access/roster_history.hpp"
+#include "gecos/access/roster_changes.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -13,7 +13,7 @@ const Holder* entry_of(SessionId session, const std::vector<Holder>& roster) {
 
 }  // namespace
 
-void RosterHistory::note(std::vector<Holder> roster, TimePoint now, std::string_view why_ended) {
+void RosterChanges::note(std::vector<Holder> roster, TimePoint now, std::string_view why_ended) {
   using Kind = RosterChange::Kind;
   for (const Holder& before : roster_) {
     if (entry_of(before.session, roster) == nullptr) add(Kind::Ended, before, now, why_ended);
@@ -32,14 +32,14 @@ void RosterHistory::note(std::vector<Holder> roster, TimePoint now, std::string_
   roster_ = std::move(roster);
 }
 
-std::vector<RosterChange> RosterHistory::after(std::uint64_t number) const {
+std::vector<RosterChange> RosterChanges::after(std::uint64_t number) const {
   const bool known = start_ <= number && number <= newest();
   const std::size_t wanted = known ? static_cast<std::size_t>(newest() - number) : kept;
   return {changes_.end() - static_cast<std::ptrdiff_t>(std::min(wanted, changes_.size())),
           changes_.end()};
 }
 
-void RosterHistory::add(RosterChange::Kind kind, const Holder& holder, TimePoint now,
+void RosterChanges::add(RosterChange::Kind kind, const Holder& holder, TimePoint now,
                         std::string_view why_ended) {
   if (changes_.size() == kept) changes_.pop_front();
   ++count_;

@@ -33,14 +33,14 @@ struct RosterChange {
 /// asks for the changes after the newest one that it knows is told each change once.
 ///
 /// The caller passes the current time. Reads no clock and does no I/O.
-class RosterHistory {
+class RosterChanges {
  public:
   /// Number of changes that are kept.
   static constexpr std::size_t kept = 256;
 
   /// The first change has the number `start + 1`. Two servers of one object must not use the same
   /// numbers, so that a client can ask one with a number of the other. @pre `start` is not 0
-  explicit RosterHistory(std::uint64_t start) : start_(start) {}
+  explicit RosterChanges(std::uint64_t start) : start_(start) {}
 
   /// Must be called after each change of a LeaseTable, with its holders. `why_ended` is the reason
   /// for the end of each status that has ended.
@@ -49,7 +49,7 @@ class RosterHistory {
   /// Returns the number of the newest change; `start` before the first change.
   std::uint64_t newest() const { return start_ + count_; }
   /// Returns the kept changes with larger numbers than `number`, the oldest first. Returns all of
-  /// them when no change of this history has that number.
+  /// them when none of these changes has that number.
   std::vector<RosterChange> after(std::uint64_t number) const;
 
  private:
