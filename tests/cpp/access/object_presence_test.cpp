@@ -65,6 +65,38 @@ TEST(ObjectPresence, CountsAgainOnlyASecondAfterALoss) {
   EXPECT_TRUE(object.present(noon + 1s));
 }
 
+TEST(ObjectPresence, ThatIsLostAgainBeforeItCountsWaitsAnewForASecond) {
+  for (const bool blinks : {false, true}) {
+    InCell object;
+    EXPECT_TRUE(object.report(false, 1, noon));
+    EXPECT_FALSE(object.report(true, 2, noon + 500ms));
+    if (!blinks) {
+      EXPECT_FALSE(object.report(false, 2, noon + 900ms)) << "no command can run";
+    }
+    // A command that was issued at 700 ms may still be on its way.
+    EXPECT_FALSE(object.report(true, 3, noon + 900ms));
+    object.report(true, 3, noon + 1400ms);
+    EXPECT_FALSE(object.present(noon + 1400ms));
+    object.report(true, 3, noon + 1900ms);
+    EXPECT_TRUE(object.present(noon + 1900ms));
+  }
+}
+
+TEST(ObjectPresence, ThatFallsSilentBeforeItCountsWaitsAnewForASecond) {
+  InCell object;
+  EXPECT_TRUE(object.report(false, 1, noon));
+  EXPECT_FALSE(object.report(true, 2, noon + 100ms));
+  EXPECT_FALSE(object.report(true, 2, noon + 1100ms));
+  EXPECT_FALSE(object.present(noon + 1100ms));
+}
+
+TEST(ObjectPresence, AReportFromTheFutureCountsForASecondFromItsReceipt) {
+  InCell object;
+  object.take({true, 1, "anna has checked in"}, noon + 24h, noon);
+  EXPECT_TRUE(object.present(noon + 999ms));
+  EXPECT_FALSE(object.present(noon + 1s));
+}
+
 TEST(ObjectPresence, ALossThatNoReportShowedIsFoundByTheSpell) {
   InCell object;
   EXPECT_TRUE(object.report(true, 2, noon + 100ms));

@@ -30,6 +30,8 @@ enum class Mutant {
   CodeForTwo,
   BlinkUnnoticed,
   NoSettling,
+  UncountedLossForgotten,
+  FutureBelieved,
 };
 
 /// What the sources of a zone have said so far.
@@ -78,27 +80,37 @@ struct Issued {
 
 /// What the object was told, and the losses that follow from it.
 struct Told {
-  std::optional<Report> last;
+  std::optional<Report> last;  ///< nullopt when nothing is known
   bool counted = false;
-  std::vector<TimePoint> losses;
+  std::vector<TimePoint> losses;  ///< each end of what was told, also before it counted
+  std::size_t announced = 0;      ///< losses of what counted
   Mutant mutant;
 
-  bool fresh(TimePoint now) const { return last && last->verdict.present && now - last->made < 1s; }
+  bool present() const { return last && last->verdict.present; }
   void lose(TimePoint now) {
+    if (counted || mutant != Mutant::UncountedLossForgotten) losses.push_back(now);
+    announced += counted ? 1 : 0;
     counted = false;
-    losses.push_back(now);
+  }
+  void forget(TimePoint now) {
+    if (present()) lose(now);
+    last.reset();
   }
   void look(TimePoint now) {
-    if (counted && !fresh(now)) lose(now);
+    if (present() && now - last->made >= 1s) forget(now);
   }
-  void take(const Report& report, TimePoint now) {
+  void take(Report report, TimePoint now) {
     look(now);
+    if (mutant != Mutant::FutureBelieved) report.made = std::min(report.made, now);
+    const bool late = now - report.made >= 1s;
     const bool blinked = last && last->verdict.spell != report.verdict.spell;
+    const bool ends = !report.verdict.present || late;
+    if (present() && ((blinked && mutant != Mutant::BlinkUnnoticed) || ends)) lose(now);
     last = report;
-    if (counted && ((blinked && mutant != Mutant::BlinkUnnoticed) || !fresh(now))) lose(now);
+    if (late) last->verdict.present = false;
     const bool settled =
         losses.empty() || now - losses.back() >= 1s || mutant == Mutant::NoSettling;
-    if (fresh(now) && settled) counted = true;
+    if (present() && settled) counted = true;
   }
 };
 
@@ -136,7 +148,10 @@ class Schedule {
     }
     if (verdict.spell != spell_) return "spell " + std::to_string(verdict.spell);
     if (verdict.why.empty()) return "the zone does not say why";
-    if (draw(4) != 0) on_their_way_.push_back({now_, now_ + Duration(10ms) * draw(20), verdict});
+    const Duration ahead = draw(30) == 0 ? Duration(1h) : Duration{};  // of the zone's clock
+    if (draw(4) != 0) {
+      on_their_way_.push_back({now_ + ahead, now_ + Duration(10ms) * draw(20), verdict});
+    }
     return {};
   }
 
@@ -212,8 +227,7 @@ class Schedule {
     told_.look(now_);
     bool lost = object_.on_tick(now_);
     if (draw(60) == 0) {  // a pause, or the end of the zone's server
-      if (told_.counted) told_.lose(now_);
-      told_.last.reset();
+      told_.forget(now_);
       lost = object_.forget("the server stood still", now_) || lost;
     }
     for (const Report& report : on_their_way_) {
@@ -224,8 +238,8 @@ class Schedule {
              lost;
     }
     std::erase_if(on_their_way_, [&](const Report& report) { return report.arrives <= now_; });
-    if (lost != (told_.losses.size() != seen_losses_)) return "a loss was announced, or was not";
-    seen_losses_ = told_.losses.size();
+    if (lost != (told_.announced != seen_losses_)) return "a loss was announced, or was not";
+    seen_losses_ = told_.announced;
     if (object_.present(now_) != told_.counted) {
       return "for the object " + object_.text(now_) + ", but presence " +
              (told_.counted ? "counts" : "does not count");
@@ -243,7 +257,7 @@ class Schedule {
       ++started_;
       if (one.losses != told_.losses.size())
         wrong = "a command started that was issued before presence was lost";
-      if (!told_.last || now_ - told_.last->made >= 1s || !told_.last->verdict.present)
+      if (!told_.present() || now_ - told_.last->made >= 1s)
         wrong = "a command started on an old report";
       return true;
     });
@@ -305,7 +319,8 @@ class PresenceMutants : public ::testing::TestWithParam<Mutant> {};
 INSTANTIATE_TEST_SUITE_P(Of, PresenceMutants,
                          ::testing::Values(Mutant::DoorForgotten, Mutant::SilentButtonHeld,
                                            Mutant::StayWithoutEnd, Mutant::CodeForTwo,
-                                           Mutant::BlinkUnnoticed, Mutant::NoSettling));
+                                           Mutant::BlinkUnnoticed, Mutant::NoSettling,
+                                           Mutant::UncountedLossForgotten, Mutant::FutureBelieved));
 
 TEST_P(PresenceMutants, AreFound) {
   const Found found = search(1'000, GetParam());

@@ -1,5 +1,8 @@
 #include "gecos/access/object_presence.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace gecos::access {
 namespace {
 
@@ -9,43 +12,47 @@ constexpr const char* zone_is_silent = "the zone has been silent for 1 s; look a
 
 bool ObjectPresence::take(Report report, TimePoint made, TimePoint now) {
   const bool silent = on_tick(now);
-  const bool present = report.present && now < made + report_life;
-  const bool same_spell = report.spell == spell_;
+  // A clock of another host may be ahead, or wrong: nothing counts for more than 1 s from now.
+  const TimePoint until = std::min(made, now) + report_life;
+  const bool present = report.present && now < until;
+  const bool goes_on = present && report.spell == spell_;
+  const bool lost = told_ == Told::Present && !goes_on && lose(now);
   told_ = present ? Told::Present : Told::Absent;
+  told_until_ = until;
   spell_ = report.spell;
   why_ =
       report.present && !present ? "the report of the zone came too late" : std::move(report.why);
-  const bool lost = counts_ && !(present && same_spell) && lose(now);
   if (present && now >= not_before_) {
     counts_ = true;
-    until_.store(made + report_life, std::memory_order_relaxed);
+    until_.store(until, std::memory_order_relaxed);
   }
   return silent || lost;
 }
 
 bool ObjectPresence::on_tick(TimePoint now) {
-  if (!counts_ || present(now)) return false;
+  if (told_ != Told::Present || now < told_until_) return false;
   return forget(zone_is_silent, now);
 }
 
 bool ObjectPresence::forget(std::string why, TimePoint now) {
-  told_ = Told::Nothing;
   why_ = std::move(why);
-  return counts_ && lose(now);
+  return std::exchange(told_, Told::Nothing) == Told::Present && lose(now);
 }
 
+/// Also what the zone reports while presence does not count yet can be lost: a command may have
+/// been issued meanwhile.
 bool ObjectPresence::lose(TimePoint now) {
-  counts_ = false;
   not_before_ = now + settling;
   until_.store(TimePoint::min(), std::memory_order_relaxed);
-  return true;
+  return std::exchange(counts_, false);
 }
 
 std::string ObjectPresence::text(TimePoint now) const {
   if (present(now)) return "a person is present in zone " + zone_ + ": " + why_;
-  if (counts_ || told_ != Told::Present) {
+  const bool silent = told_ == Told::Present && now >= told_until_;
+  if (silent || told_ != Told::Present) {
     return "nobody is known to be present in zone " + zone_ + ": " +
-           (counts_ ? zone_is_silent : why_);
+           (silent ? zone_is_silent : why_);
   }
   return "presence has just returned to zone " + zone_ +
          " and counts again 1 s after it was lost; wait and command again";

@@ -12,7 +12,8 @@ namespace gecos::access {
 /// Records what an object knows about the presence of a person in its zone. What is not known
 /// counts as absent: a report of the zone counts for 1 s. After presence was lost it counts again
 /// only after `settling`: then every command that was issued before the loss has been refused, so
-/// the return of presence resumes nothing.
+/// the return of presence resumes nothing. The zone may lose it again meanwhile; then `settling`
+/// begins anew.
 ///
 /// Pure: the caller passes the time, CLOCK_BOOTTIME, which also counts while the machine is
 /// suspended. Any thread may call present(); the object's mutex guards the rest.
@@ -35,8 +36,9 @@ class ObjectPresence {
     std::uint64_t spell = 0;  ///< number of the present time of presence, or of the last one
     std::string why;          ///< a text for people
   };
-  // These functions return true when presence was lost: then the commands that need it must end.
-  /// Takes a report that was made at `made`.
+  // These functions return true when presence that counted was lost: then the commands that need it
+  // must end.
+  /// Takes a report that was made at `made`. A moment in the future stands for `now`.
   bool take(Report report, TimePoint made, TimePoint now);
   /// Must be called now and then, so that the loss by silence is noticed.
   bool on_tick(TimePoint now);
@@ -57,6 +59,7 @@ class ObjectPresence {
 
   const std::string zone_;
   Told told_ = Told::Nothing;  ///< by the last report, unless it was forgotten
+  TimePoint told_until_{};     ///< until when the last report is believed
   std::uint64_t spell_ = 0;
   std::string why_ = "the zone has not reported yet; start its server";
   bool counts_ = false;                      ///< presence counts, unless until_ has passed
