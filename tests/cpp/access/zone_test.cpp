@@ -19,6 +19,15 @@ struct Cell : Zone {
   }
 };
 
+TEST(Zone, ChecksInNobodyWhoseNameIsNoName) {
+  Cell cell;
+  ASSERT_TRUE(cell.show("K7P", morning));
+  for (const char* const name : {"", " ", "anna\ngecos: RX90 is ready", "\x1b[2J"}) {
+    EXPECT_FALSE(cell.check_in("K7P", name, 1min, morning)) << name;
+  }
+  EXPECT_TRUE(cell.check_in("K7P", "Ännchen", 1min, morning)) << "the code was not used up";
+}
+
 TEST(Zone, IsEmptyUntilAPersonIsKnownToBeThere) {
   Cell cell;
   EXPECT_EQ(

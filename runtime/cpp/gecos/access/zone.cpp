@@ -26,6 +26,13 @@ std::map<std::string, TimePoint> silent(const std::vector<std::string>& names) {
   return all;
 }
 
+/// A name is part of texts for people and of lines in logs.
+bool is_name(const std::string& person) {
+  const auto control = [](unsigned char one) { return one < ' ' || one == 0x7f; };
+  return person.find_first_not_of(' ') != std::string::npos &&
+         std::ranges::none_of(person, control);
+}
+
 bool take_report(std::map<std::string, TimePoint>& sources, const std::string& name, bool good,
                  TimePoint now) {
   const auto source = sources.find(name);
@@ -123,7 +130,10 @@ tl::expected<void, std::string> Zone::check_in(const std::string& code, const st
                                                Duration stay, TimePoint now) {
   judge(now);
   if (auto why = too_many_wrong(now)) return tl::unexpected(*std::move(why));
-  if (person.empty()) return tl::unexpected(std::string("say who checks in: the name is empty"));
+  if (!is_name(person)) {
+    return tl::unexpected(
+        std::string("say who checks in: the name is empty or contains control characters"));
+  }
   if (!code_ || now >= code_->until) {
     return tl::unexpected("no code is shown; call show_code() of " + name_ +
                           ", and read the code in the laboratory");
