@@ -40,6 +40,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import statuses
+import zones
 from statuses import ACTOR, Act, Grant
 
 BOUND_S = 1.5
@@ -139,6 +140,7 @@ class Server:
 class History:
     clients: list[Client] = field(default_factory=list)
     servers: list[Server] = field(default_factory=list)
+    zones: list[zones.Zone] = field(default_factory=list)
     kills: dict[int, int] = field(default_factory=dict)
     """When the process of that pid was gone."""
     cuts: list[tuple[int, int]] = field(default_factory=list)
@@ -289,12 +291,14 @@ def read_server(name: str, lines: Iterable[list[str]]) -> Server:
 
 
 def read(directory: Path) -> History:
-    """client.*.log, server.*.log, kills.log and machine.log of one run."""
+    """client.*.log, server.*.log, zone.*.log, kills.log and machine.log of one run."""
     history = History()
     for path in sorted(directory.glob("client.*.log")):
         history.clients.append(read_client(path.name, lines_of(path)))
     for path in sorted(directory.glob("server.*.log")):
         history.servers.append(read_server(path.name, lines_of(path)))
+    for path in sorted(directory.glob("zone.*.log")):
+        history.zones.append(zones.read_zone(path.name, lines_of(path)))
     kills = directory / "kills.log"
     for time, event, *rest in lines_of(kills) if kills.exists() else ():
         match event, rest:
@@ -324,6 +328,7 @@ def check(history: History, bound_s: float = BOUND_S) -> list[str]:
         *one_at_a_time(history),
         *begun_for_a_live_caller(history),
         *statuses.check(history, bound_s),
+        *zones.check(history),
     ]
 
 

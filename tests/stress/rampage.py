@@ -62,6 +62,8 @@ class Plan:
     """How often the line between the host of the server and that of all clients is cut."""
     longest_cut_s: float = 2.0
     faults: str = ""
+    zone: bool = False
+    """The server is in a zone in which a person comes and leaves."""
     pretends: str = ""
     """A request that clients note as done and do not send, for a test of the judge: take, stop,
     break, or master."""
@@ -133,6 +135,11 @@ class Rampage:
         """Groups of killed servers in which a child lives on; nobody else gets their numbers."""
         self._clients = 0
         self._servers = 0
+        self._zones = 0
+        if plan.zone:
+            lab_file = self.place / "lab.toml"
+            lab_file.write_text('[objects.BENCH]\nzone = "CELL"\n')
+            self._env["GECOS_LAB_FILE"] = str(lab_file)
 
     # What the roles are played by
 
@@ -171,6 +178,16 @@ class Rampage:
             *(["child=yes"] if self.plan.children else []),
         ]
 
+    def _zone(self) -> list[str]:
+        self._zones += 1
+        return [
+            sys.executable,
+            str(HERE / "programs" / "zone.py"),
+            f"record={self.records / f'zone.{self._zones}.log'}",
+            f"medium={self.plan.medium}",
+            f"seed={self._random.randrange(1 << 30)}",
+        ]
+
     def add(self, name: str, command: Callable[[], Sequence[str]]) -> Role:
         env = self._env
         if self._hosts is not None:
@@ -195,6 +212,8 @@ class Rampage:
         if self.plan.medium == "inproc":
             self.add("whole", self._whole).wait_ready()
             return
+        if self.plan.zone:
+            self.add("zone", self._zone).wait_ready()
         self.add("server", self._server).wait_ready()
         if not self.plan.waiters:
             self.add("witness", lambda: self._client(cpp)).wait_ready()
@@ -315,7 +334,7 @@ class Rampage:
         """Ends all programs, in order, and checks that they leave no files or resources behind."""
         self._end_children()
         self._end_waiters()
-        for name in "client", "witness", "whole", "server", "broker":
+        for name in "client", "witness", "whole", "server", "zone", "broker":
             self._await_ready(name)
             for role in self.roles:
                 if role.name == name:
@@ -325,7 +344,7 @@ class Rampage:
         left = [
             str(path)
             for path in self.place.rglob("*")
-            if not path.is_dir() and path.name != "BROKER.names"
+            if not path.is_dir() and path.name not in ("BROKER.names", "lab.toml")
         ]
         assert not left, f"left behind: {left}"
 
