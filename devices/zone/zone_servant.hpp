@@ -27,6 +27,8 @@ class ZoneServant final : public gecos::ZoneServant {
   void simulate(const std::vector<std::string>& sources);
 
  private:
+  /// Refuses the reports of programs that may not report for the source.
+  bool gecos_answer(gecos::IncomingCall& call) override;
   gecos::Result<gecos::ZonePresence> presence() override;
   gecos::Result<void> show_code() override;
   gecos::Result<void> check_in(const std::string& code, const std::string& person,

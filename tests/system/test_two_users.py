@@ -62,3 +62,35 @@ def test_a_server_in_python_names_who_is_admitted() -> None:
         'the server does not name user bin; add "bin" to its users (request '
     )
     assert rule in refused
+
+
+def test_the_lab_file_says_who_may_report_for_a_door(build: Path) -> None:
+    with tempfile.TemporaryDirectory(prefix="gecos-") as folder:
+        lab_file = Path(folder) / "lab.toml"
+        lab_file.write_text(
+            '[objects.BROKER.allow]\nusers = ["*"]\n[objects.CELL.allow]\nusers = ["daemon"]\n'
+        )
+        lab_file.chmod(0o644)
+        subprocess.run([*WITH_OTHER_USERS, "chmod", "1777", folder], check=True)
+        places = {"GECOS_RUNTIME_DIR": folder, "GECOS_LAB_FILE": str(lab_file)}
+        program = TREE / "tests" / "system" / "programs" / "two_reporters.py"
+        ran = subprocess.run(
+            [*WITH_OTHER_USERS, sys.executable, program, build / "devices" / "zone" / "robcl-zone"],
+            env={**os.environ, **places},
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    own, stranger, bound, unbound = ran.stdout.splitlines()
+    host = socket.gethostname()
+    assert own == "root: reported"
+    assert stranger == (
+        f"daemon: REJECTED: a program of user daemon of host {host} may not report for DOOR of "
+        "CELL: no [objects.CELL.sources] of a lab file binds this source, so only the user of the "
+        f'zone\'s server may; write DOOR = "daemon@{host}" there'
+    )
+    assert bound == "daemon: reported"
+    assert "a program of user root" in unbound
+    assert f"binds this source to user daemon of host {host}" in unbound

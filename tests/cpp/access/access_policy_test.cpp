@@ -49,6 +49,30 @@ TEST(AccessPolicy, RefusesWithWordsThatSayWhatToChangeWhere) {
             "RX90 admits user anna of host cell: named by [allow] in lab.toml:3");
 }
 
+TEST(MayReport, TheOwnerOfASourceAloneAndOtherwiseTheUserOfTheZone) {
+  LabAccess lab;
+  lab.sources["CELL"]["DOOR"] = {{"door", "gate"}, "[objects.CELL.sources] in lab.toml:2"};
+  const Reporter owner{UserAtHost{"door", "gate"}}, own{UserAtHost{"robcl", "cell"}, true},
+      other{UserAtHost{"ben", "gate"}}, unknown{std::nullopt, true};
+  EXPECT_TRUE(may_report(lab, "CELL", "DOOR", owner).allowed);
+  for (const Reporter& one : {own, other, unknown}) {
+    EXPECT_FALSE(may_report(lab, "CELL", "DOOR", one).allowed);
+  }
+  for (const auto& [zone, source] : {std::pair("CELL", "GRIP"), std::pair("HALL", "DOOR")}) {
+    EXPECT_TRUE(may_report(lab, zone, source, own).allowed);
+    EXPECT_TRUE(may_report(lab, zone, source, unknown).allowed);
+    EXPECT_FALSE(may_report(lab, zone, source, owner).allowed);
+  }
+  EXPECT_EQ(may_report(lab, "CELL", "DOOR", other).text,
+            "a program of user ben of host gate may not report for DOOR of CELL: "
+            "[objects.CELL.sources] in lab.toml:2 binds this source to user door of host gate; "
+            "report as this user, or name another one there");
+  EXPECT_EQ(may_report(lab, "CELL", "GRIP", other).text,
+            "a program of user ben of host gate may not report for GRIP of CELL: no "
+            "[objects.CELL.sources] of a lab file binds this source, so only the user of the "
+            "zone's server may; write GRIP = \"ben@gate\" there");
+}
+
 TEST(MayRegister, OnlyTheOwnerOfANameThatTheFileBinds) {
   const LabAccess lab{.file = "lab.toml",
                       .names = {{"RX90", {{"robcl", "cell"}, "[names] in lab.toml:3"}}}};

@@ -53,6 +53,21 @@ users = ["eve"]
   EXPECT_EQ(lists.objects.at("RX90").place, "[objects.RX90.allow] in lab.toml:13");
 }
 
+TEST(LabFile, BindsSourcesOfZonesToUsers) {
+  const LabAccess lab = lists_in("[objects.CELL.sources]\nDOOR = \"door@gate\"\n");
+  ASSERT_TRUE(lab.sources.contains("CELL"));
+  EXPECT_EQ(lab.sources.at("CELL").at("DOOR").owner, (UserAtHost{"door", "gate"}));
+  EXPECT_EQ(lab.sources.at("CELL").at("DOOR").place, "[objects.CELL.sources] in lab.toml:2");
+  EXPECT_EQ(error_in("[objects.CELL.sources]\nDOOR = \"door\"\n"),
+            "lab.toml:2: objects.CELL.sources.DOOR: a user and a host are expected, for example "
+            "DOOR = \"robcl@cell\"");
+}
+
+TEST(LabFile, WithACommentInAHeaderHasAnError) {
+  EXPECT_NE(error_in("[#allow]\nusers = []\n").find("lab.toml:1: this is not TOML"),
+            std::string::npos);
+}
+
 TEST(LabFile, BindsNamesOfObjectsToUsers) {
   const LabAccess lab = lists_in("[names]\nRX90 = \"robcl@cell\"\n\"a b\" = \"uid 7@desk.lab\"\n");
   ASSERT_EQ(lab.names.size(), 2u);

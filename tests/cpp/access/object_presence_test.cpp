@@ -28,8 +28,8 @@ TEST(ObjectPresence, IsAbsentBeforeTheFirstReport) {
   const ObjectPresence unheard("CELL");
   EXPECT_FALSE(unheard.present(noon));
   EXPECT_EQ(unheard.text(noon),
-            "nobody is known to be present in zone CELL: the zone has not reported yet; start its "
-            "server");
+            "nobody is known to be present in zone CELL: the zone has not reported yet; wait a "
+            "moment, or start its server");
 }
 
 TEST(ObjectPresence, LastsASecondAfterAReport) {
@@ -107,6 +107,23 @@ TEST(ObjectPresence, AReportThatComesLateDoesNotCount) {
   InCell object;
   EXPECT_TRUE(object.take({true, 1, "anna has checked in"}, noon - 2s, noon + 100ms));
   EXPECT_FALSE(object.present(noon + 100ms));
+}
+
+TEST(ObjectPresence, OfAnotherZoneIsNotKnown) {
+  InCell object;
+  EXPECT_TRUE(object.enter("HALL", noon));
+  EXPECT_FALSE(object.present(noon));
+  EXPECT_FALSE(object.report(true, 1, noon + 999ms));
+  EXPECT_FALSE(object.present(noon + 999ms)) << "a command may still be on its way";
+  EXPECT_FALSE(object.report(true, 1, noon + 1s));
+  EXPECT_TRUE(object.present(noon + 1s));
+}
+
+TEST(ObjectPresence, IsLostByAnObjectThatEntersAZone) {
+  ObjectPresence object("");
+  EXPECT_TRUE(object.enter("CELL", noon)) << "its commands began without a person";
+  EXPECT_TRUE(object.required());
+  EXPECT_FALSE(object.present(noon));
 }
 
 TEST(ObjectPresence, IsForgottenWhenTheObjectHearsNoMore) {

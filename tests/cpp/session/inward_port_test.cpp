@@ -154,6 +154,26 @@ TEST_F(Port, ASampleIsRefusedWhileNobodyIsPresentInTheZone) {
             "admitted 1, no_status 2; nobody is known to be present in the zone of the object");
 }
 
+TEST_F(Port, ASampleThatWasSentBeforePresenceWasLostIsRefusedAfterItsReturn) {
+  InwardDescription patient = stream;
+  patient.watchdog = {};
+  InwardPort port(patient, clock_, pauses_, claim_, presence_);
+  port.add(ada_.feeder());
+  const auto report = [&](bool present, std::uint64_t spell) {
+    presence_.take({present, spell, "DOOR"}, clock_.since_boot(), clock_.since_boot());
+  };
+  report(true, 1);
+  ada_.send(1, clock_.since_boot());
+  clock_.advance(10ms);
+  report(false, 1);
+  ada_.send(2, clock_.since_boot());
+  clock_.advance(1s);
+  report(true, 2);
+  EXPECT_FALSE(port.next(raw_, Unfed::Taken)) << "the servant has read nothing meanwhile";
+  ada_.send(3, clock_.since_boot());
+  EXPECT_TRUE(port.next(raw_, Unfed::Taken));
+}
+
 TEST_F(Port, ASampleThatIsOlderThanItsLifespanIsRefusedAlsoWithoutAWatchdog) {
   InwardDescription brief = stream;
   brief.watchdog = {};

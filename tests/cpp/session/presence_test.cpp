@@ -68,15 +68,16 @@ class ReportingZone final : public gecos::ZoneServant {
 /// Made before the labs of the test, which read it.
 struct LabFileWithZone {
   LabFileWithZone() {
-    std::ofstream(path) << "[objects.PROBE]\nzone = \"CELL\"\n";
+    write("[objects.PROBE]\nzone = \"CELL\"\n");
     setenv("GECOS_LAB_FILE", path.c_str(), 1);
   }
   ~LabFileWithZone() { unsetenv("GECOS_LAB_FILE"); }
+  void write(const std::string& text) const { std::ofstream(path) << text; }
   const gecos::media::ScratchDirectory directory;
   const std::string path = directory.path() + "/lab.toml";
 };
 
-class Presence : private LabFileWithZone, public probe::OverMedia {
+class Presence : protected LabFileWithZone, public probe::OverMedia {
  protected:
   void SetUp() override {
     OverMedia::SetUp();
@@ -86,9 +87,10 @@ class Presence : private LabFileWithZone, public probe::OverMedia {
     lease.emplace(*gecos::actor(robot));
   }
   /// The object knows of the zone and says this.
-  bool says(const std::string& text) {
+  bool says(const std::string& text) { return says(robot, text); }
+  bool says(const probe::Probe& object, const std::string& text) {
     return settles([&] {
-      const auto about = gecos::describe(robot).get();
+      const auto about = gecos::describe(object).get();
       return about && about->presence.find(text) != std::string::npos;
     });
   }
@@ -157,6 +159,34 @@ TEST_P(Presence, ThatWasLostBetweenTwoReportsIsLost) {
   servant_.await_moves(1);
   zone_.blink();
   expect_lost(runs, "presence was lost: presence has just returned to zone CELL");
+}
+
+TEST_P(Presence, IsLostWhenAnEditOfTheLabFileMovesTheObjectToAnotherZone) {
+  person_comes();
+  const auto runs = robot.move(1);
+  servant_.await_moves(1);
+  write("[objects.PROBE]\nzone = \"HALL\"\n");
+  expect_lost(runs, "presence was lost: nobody is known to be present in zone HALL");
+  ASSERT_TRUE(says("in zone HALL: the zone cannot be reached"));
+  write("[objects.PROBE]\nzone = \"CELL\"\n");
+  ASSERT_TRUE(says("a person is present in zone CELL"));
+  EXPECT_EQ(robot.set(3).get().value(), 3);
+}
+
+TEST_P(Presence, IsNeededByAnObjectThatEntersAZoneAndByOneThatLeavesItsZone) {
+  probe::ProbeServant free;
+  gecos::Server its_server(zone_lab_);
+  ASSERT_TRUE(its_server.add("FREE", free, {.simulated = true, .media = {kind_}}));
+  const auto moves = connect(lab_, "FREE");
+  const auto its_lease = gecos::actor(moves);
+  ASSERT_TRUE(its_lease);
+  const auto runs = moves.move(1);
+  free.await_moves(1);
+  ASSERT_TRUE(says("no person has checked in"));
+  write("[objects.FREE]\nzone = \"HALL\"\n");
+  expect_lost(runs, "presence was lost: nobody is known to be present in zone HALL");
+  ASSERT_TRUE(says("in zone CELL")) << "PROBE leaves its zone only when it is served anew";
+  expect_lost(robot.move(2), "nobody is known to be present in zone CELL");
 }
 
 TEST_P(Presence, EndsWithTheServerOfTheZone) {

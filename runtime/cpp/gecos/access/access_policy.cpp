@@ -95,6 +95,30 @@ NameDecision may_register(const LabAccess& lab, const std::string& name,
                      "@" + who->host + "\" there"};
 }
 
+NameDecision may_report(const LabAccess& lab, const std::string& zone, const std::string& source,
+                        const Reporter& reporter) {
+  const std::string what = source + " of " + zone;
+  const std::string who =
+      "a program of " + (reporter.who ? words(*reporter.who) : std::string("an unknown user"));
+  const auto owners = lab.sources.find(zone);
+  const auto bound =
+      owners == lab.sources.end() ? SourceOwners::const_iterator() : owners->second.find(source);
+  if (owners == lab.sources.end() || bound == owners->second.end()) {
+    const std::string rule = "no [objects." + zone + ".sources] of a lab file binds this source";
+    if (reporter.own) return {true, who + " may report for " + what + ": " + rule};
+    const std::string owner = reporter.who ? reporter.who->user + "@" + reporter.who->host : "…";
+    return {false, who + " may not report for " + what + ": " + rule +
+                       ", so only the user of the zone's server may; write " + source + " = \"" +
+                       owner + "\" there"};
+  }
+  const auto& [owner, place] = bound->second;
+  if (reporter.who == owner) {
+    return {true, who + " may report for " + what + ": " + place + " names this user"};
+  }
+  return {false, who + " may not report for " + what + ": " + place + " binds this source to " +
+                     words(owner) + "; report as this user, or name another one there"};
+}
+
 AccessDecision AccessPolicy::decide(const UserAtHost& server, const UserAtHost& who,
                                     std::string_view object) const {
   if (who == server) {

@@ -32,11 +32,14 @@ struct AllowList {
   std::string place;  ///< for messages, for example "[allow] in /etc/gecos/lab.toml:3"
 };
 
-/// The only user who may register an object under a name.
+/// The only user who may register an object under a name, or report for a source of a zone.
 struct NameOwner {
   UserAtHost owner;
   std::string place;  ///< for messages, for example "[names] in /etc/gecos/lab.toml:3"
 };
+
+/// The owners of the sources of one zone, by the name of the source.
+using SourceOwners = std::map<std::string, NameOwner>;
 
 /// The rules of a lab file: which users may connect to objects, which users may serve objects, and
 /// in which zone an object is.
@@ -47,6 +50,7 @@ struct LabAccess {
   std::optional<AllowList> admin{};            ///< who may end the status of other users
   std::map<std::string, NameOwner> names{};    ///< by the name of the object
   std::map<std::string, std::string> zones{};  ///< the zone of each object that is in one
+  std::map<std::string, SourceOwners> sources{};  ///< by the name of the zone
 };
 
 enum class AccessRule {
@@ -75,6 +79,19 @@ struct AccessDecision {
 /// @param who no value if nothing proves the user and the host of the server
 NameDecision may_register(const LabAccess& lab, const std::string& name,
                           const std::optional<UserAtHost>& who);
+
+/// A program that wants to report for a source of a zone, such as a door.
+struct Reporter {
+  /// no value if nothing proves the user and the host of the program
+  std::optional<UserAtHost> who{};
+  bool own = false;  ///< of the user of the zone's server, or of root of its host
+};
+
+/// Decides whether `reporter` may report for `source` of `zone`. If the lab file binds the source,
+/// only its owner may. Otherwise only the programs of the user of the zone's server may, although
+/// other users may connect to the zone: a report can make a person present.
+NameDecision may_report(const LabAccess& lab, const std::string& zone, const std::string& source,
+                        const Reporter& reporter);
 
 /// Who may connect to the objects of one server. The user of the server and root may always connect
 /// on the server's host. Other users may connect when there is a list of the program or a list of

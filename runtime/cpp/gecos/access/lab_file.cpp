@@ -1,6 +1,8 @@
 #include "gecos/access/lab_file.hpp"
 
 #define TOML_EXCEPTIONS 0
+// toml++ asserts what a text such as "[#allow]" does not fulfil, and reports the error afterwards.
+#define TOML_ASSERT(condition) static_assert(true)
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -21,7 +23,7 @@ constexpr std::array<std::string_view, 7> known_tables = {"admin", "allow",   "b
 constexpr std::array<std::string_view, 2> broker_keys = {"address", "start"};
 constexpr std::array<std::string_view, 1> clock_keys = {"speed"};
 constexpr std::array<std::string_view, 4> program_keys = {"environment", "ready", "restart", "run"};
-constexpr std::array<std::string_view, 2> object_keys = {"allow", "zone"};
+constexpr std::array<std::string_view, 3> object_keys = {"allow", "sources", "zone"};
 constexpr std::array<std::string_view, 2> allow_keys = {"hosts", "users"};
 
 /// Returns how many letters must be added, removed or replaced to make `two` of `one`.
@@ -77,7 +79,12 @@ class LabFileReader {
     });
     if (const auto* names = find(root, "names", "names")) {
       for (const auto& [name, owner] : *names) {
-        lab.names.emplace(name.str(), owner_of(std::string(name.str()), name.source(), owner));
+        if (name.str() == broker_object) {
+          refuse(name.source(), "names.BROKER",
+                 "the broker is not registered, so nobody can be kept from this name; a client "
+                 "takes only brokers whose key or user it admits");
+        }
+        lab.names.emplace(name.str(), owner_of(name, owner, "names"));
       }
     }
     return lab;
@@ -125,6 +132,11 @@ class LabFileReader {
     }
     const auto* const allow = find(table, "allow", place + ".allow");
     if (allow != nullptr) lab.objects.emplace(name, list_of(*allow, place + ".allow"));
+    if (const auto* const sources = find(table, "sources", place + ".sources")) {
+      for (const auto& [source, owner] : *sources) {
+        lab.sources[name].emplace(source.str(), owner_of(source, owner, place + ".sources"));
+      }
+    }
     if (const toml::node* const zone = table.get("zone")) {
       lab.zones.emplace(name, zone_of(name, *zone, place + ".zone"));
     }
@@ -153,23 +165,18 @@ class LabFileReader {
             "[" + place + "] in " + file_ + ":" + std::to_string(line_of(table.source()))};
   }
 
-  NameOwner owner_of(const std::string& name, const toml::source_region& key,
-                     const toml::node& value) const {
-    const std::string place = "names." + name;
+  NameOwner owner_of(const toml::key& key, const toml::node& value,
+                     const std::string& within) const {
+    const std::string name(key.str());
     const std::string text = value.value_or(std::string());
     const std::size_t at = text.find('@');
     if (at == 0 || at >= text.size() - 1 || text.find('@', at + 1) != std::string::npos ||
         text.find(everyone) != std::string::npos) {
-      refuse(value.source(), place,
+      refuse(value.source(), within + "." + name,
              "a user and a host are expected, for example " + name + " = \"robcl@cell\"");
     }
-    if (name == broker_object) {
-      refuse(key, place,
-             "the broker is not registered, so nobody can be kept from this name; a client takes "
-             "only brokers whose key or user it admits");
-    }
     return {{text.substr(0, at), text.substr(at + 1)},
-            "[names] in " + file_ + ":" + std::to_string(line_of(key))};
+            "[" + within + "] in " + file_ + ":" + std::to_string(line_of(key.source()))};
   }
 
   std::vector<std::string> names_of(const toml::table& table, const std::string& of,

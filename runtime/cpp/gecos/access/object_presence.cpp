@@ -23,8 +23,8 @@ bool ObjectPresence::take(Report report, TimePoint made, TimePoint now) {
   why_ =
       report.present && !present ? "the report of the zone came too late" : std::move(report.why);
   if (present && now >= not_before_) {
-    counts_ = true;
-    until_.store(until, std::memory_order_relaxed);
+    if (!std::exchange(counts_, true)) since_.store(now, std::memory_order_relaxed);
+    until_.store(until, std::memory_order_release);
   }
   return silent || lost;
 }
@@ -37,6 +37,14 @@ bool ObjectPresence::on_tick(TimePoint now) {
 bool ObjectPresence::forget(std::string why, TimePoint now) {
   why_ = std::move(why);
   return std::exchange(told_, Told::Nothing) == Told::Present && lose(now);
+}
+
+bool ObjectPresence::enter(std::string zone, TimePoint now) {
+  const bool needed_nobody = !required();
+  zone_ = std::move(zone);
+  told_ = Told::Nothing;
+  why_ = unheard;
+  return lose(now) || needed_nobody;
 }
 
 /// Also what the zone reports while presence does not count yet can be lost: a command may have

@@ -16,7 +16,8 @@ namespace gecos::access {
 /// begins anew.
 ///
 /// Pure: the caller passes the time, CLOCK_BOOTTIME, which also counts while the machine is
-/// suspended. Any thread may call present(); the object's mutex guards the rest.
+/// suspended. Any thread may call present() and present_since(); the object's mutex guards the
+/// rest.
 class ObjectPresence {
  public:
   static constexpr Duration report_life = std::chrono::seconds(1);
@@ -25,7 +26,8 @@ class ObjectPresence {
 
   /// `zone`: the name of the object's zone; empty for an object in no zone, which never needs a
   /// person.
-  explicit ObjectPresence(std::string zone) : zone_(std::move(zone)) {}
+  explicit ObjectPresence(std::string zone)
+      : zone_(std::move(zone)), until_(zone_.empty() ? TimePoint::max() : TimePoint::min()) {}
 
   bool required() const { return !zone_.empty(); }
   const std::string& zone() const { return zone_; }
@@ -44,10 +46,15 @@ class ObjectPresence {
   bool on_tick(TimePoint now);
   /// Forgets the last report, because nothing is known any more. `why`: a text for people.
   bool forget(std::string why, TimePoint now);
+  /// The object is in `zone` from now on, of which nothing is known yet.
+  bool enter(std::string zone, TimePoint now);
 
   /// Returns whether a command that needs a person may start, and a running one may go on.
-  bool present(TimePoint now) const {
-    return !required() || now < until_.load(std::memory_order_relaxed);
+  bool present(TimePoint now) const { return now < until_.load(std::memory_order_acquire); }
+  /// Returns whether a sample that was sent at `sent` may have an effect: presence counts now, and
+  /// has counted since.
+  bool present_since(TimePoint sent, TimePoint now) const {
+    return present(now) && sent >= since_.load(std::memory_order_relaxed);
   }
   /// Returns why presence does not count, and what to do; or who is present.
   std::string text(TimePoint now) const;
@@ -55,17 +62,20 @@ class ObjectPresence {
  private:
   enum class Told : std::uint8_t { Nothing, Absent, Present };
 
+  static constexpr const char* unheard =
+      "the zone has not reported yet; wait a moment, or start its server";
+
   bool lose(TimePoint now);
 
-  const std::string zone_;
+  std::string zone_;
   Told told_ = Told::Nothing;  ///< by the last report, unless it was forgotten
   TimePoint told_until_{};     ///< until when the last report is believed
   std::uint64_t spell_ = 0;
-  std::string why_ = "the zone has not reported yet; start its server";
-  bool counts_ = false;                      ///< presence counts, unless until_ has passed
-  TimePoint not_before_ = TimePoint::min();  ///< presence does not count before
-  /// Until when presence counts. Publishes only itself.
-  std::atomic<TimePoint> until_{TimePoint::min()};
+  std::string why_ = unheard;
+  bool counts_ = false;                             ///< presence counts, unless until_ has passed
+  TimePoint not_before_ = TimePoint::min();         ///< presence does not count before
+  std::atomic<TimePoint> since_{TimePoint::min()};  ///< since when presence counts
+  std::atomic<TimePoint> until_;  ///< until when presence counts; publishes since_
 };
 
 }  // namespace gecos::access

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <thread>
 #include <utility>
 
 #include "gecos/base/descriptor.hpp"
@@ -26,6 +27,12 @@ using access::LabFileError;
 constexpr const char* of_this_host = "/etc/gecos/lab.toml";
 // The parser recurses over the parts of a key: one of 200,000 parts ended the process.
 constexpr std::size_t largest_file = 1 << 16;
+/// An edit counts when the file has not changed for so long.
+constexpr Duration settled = std::chrono::milliseconds(100);
+constexpr Duration settled_empty = std::chrono::seconds(1);
+/// While a server starts.
+constexpr Duration longest_wait = std::chrono::seconds(3);
+constexpr Duration between_reads = std::chrono::milliseconds(25);
 
 /// Returns whether `peer` is of the user of the server or of root. A client whose user nothing
 /// proves as another one is of the user of the server.
@@ -57,13 +64,14 @@ std::string distrust(const struct stat& file, const std::string& path) {
   return "";
 }
 
-/// Returns whether the file was emptied just now: most editors empty a file before they write it.
+/// Returns whether somebody seems to be writing the file. Most editors empty a file before they
+/// write it, and a part of a text may be without error and without its last rules.
 bool is_being_written(const struct stat& file) {
   using std::chrono::system_clock;
   const auto changed = system_clock::time_point(std::chrono::duration_cast<system_clock::duration>(
       std::chrono::seconds(file.st_mtim.tv_sec) + std::chrono::nanoseconds(file.st_mtim.tv_nsec)));
   const auto age = system_clock::now() - changed;
-  return file.st_size == 0 && std::chrono::abs(age) < std::chrono::seconds(1);
+  return std::chrono::abs(age) < (file.st_size == 0 ? settled_empty : settled);
 }
 
 /// Reads the file, and sets `must_exist` when it exists. A file that need not exist has no text.
@@ -114,10 +122,22 @@ void AccessControl::reread_file() {
 }
 
 tl::expected<void, std::string> AccessControl::read() {
+  for (Duration waited{}; waited < longest_wait; waited += between_reads) {
+    {
+      const MutexLock lock(mutex_);
+      read_file();
+      if (file_.known()) return {};
+      if (file_.error()) return tl::unexpected(to_string(*file_.error()));
+    }
+    std::this_thread::sleep_for(between_reads);
+  }
   const MutexLock lock(mutex_);
-  const auto error = read_file();
-  if (file_.known() || !error) return {};
-  return tl::unexpected(to_string(*error));
+  return tl::unexpected(file_.lists().file + ": the file is being written all the time; try again");
+}
+
+void AccessControl::reread() {
+  const MutexLock lock(mutex_);
+  reread_file();
 }
 
 std::string AccessControl::zone_of(const std::string& object) {
@@ -183,6 +203,20 @@ AccessControl::Judgement AccessControl::judge_registration(const std::string& na
     return {decision.allowed, false, who, std::move(decision.text)};
   } catch (const std::exception& failed) {
     return {false, false, {}, "no server may register " + name + ": " + failed.what()};
+  }
+}
+
+AccessControl::Judgement AccessControl::judge_report(const std::string& zone,
+                                                     const std::string& source,
+                                                     const media::Peer& peer) noexcept {
+  try {
+    const access::UserAtHost who = user_of(peer, host_name());
+    const MutexLock lock(mutex_);
+    const auto proved = who.user.empty() ? std::nullopt : std::optional(who);
+    auto decision = access::may_report(policy_.lab, zone, source, {proved, is_of_server(peer)});
+    return {decision.allowed, false, who, std::move(decision.text)};
+  } catch (const std::exception& failed) {
+    return {false, false, {}, "nobody may report for " + source + ": " + failed.what()};
   }
 }
 

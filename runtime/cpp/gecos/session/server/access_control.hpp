@@ -16,15 +16,18 @@ namespace gecos::session {
 /// Decides which users may connect to the objects of one server (access::AccessPolicy). Reads the
 /// lab file again for each client of another user than the server's own, so that an edit acts on
 /// the next connection. An edit with an error is logged once and changes nothing; nor
-/// does a file that an editor has just emptied, until it has been empty for a second. Thread-safe.
+/// does a file that is being written: one that was changed within the last 100 ms, or emptied
+/// within the last second. Thread-safe.
 class AccessControl {
  public:
   /// @param lab_file as LabOptions::lab_file
   explicit AccessControl(const std::string& lab_file);
 
-  /// Reads the lab file. Fails when the file has an error, unless an earlier text of the file was
-  /// correct.
+  /// Reads the lab file. Waits while the file is being written. Fails when the file has an error or
+  /// is still being written after 3 s, unless an earlier text of the file was correct.
   tl::expected<void, std::string> read();
+  /// Reads the lab file again, because it may have been edited.
+  void reread();
 
   /// Returns the zone in which the lab file, as it was read last, places an object; an empty text
   /// for an object in no zone.
@@ -53,6 +56,10 @@ class AccessControl {
   /// process (access::may_register). While the lab file has an error, no server may register: the
   /// file might bind the name to another server.
   Judgement judge_registration(const std::string& name, const media::Peer& peer) noexcept;
+  /// Decides whether `peer` may report for `source` of `zone` (access::may_report), by the lab file
+  /// as it was read last.
+  Judgement judge_report(const std::string& zone, const std::string& source,
+                         const media::Peer& peer) noexcept;
 
  private:
   access::UserAtHost user_of(const media::Peer& peer, const std::string& host);

@@ -164,8 +164,9 @@ InwardVerdict InwardPort::judge(Source& source, RawInward& into, const Look& loo
   for (const Duration limit : {stream_.watchdog, stream_.quality.lifespan}) {
     if (limit > Duration{}) age.limit = std::min(age.limit, limit);
   }
-  const InwardVerdict verdict = source.admission.judge(
-      sample->header, into.sample.sequence, sender_of(source, sample->header, look), age);
+  const InwardVerdict verdict =
+      source.admission.judge(sample->header, into.sample.sequence,
+                             sender_of(source, sample->header, by_our_clock, look), age);
   if (verdict != InwardVerdict::Admitted) return verdict;
   fresh_before_ = fresh_at_;
   fresh_at_ = fresh_at_ ? std::max(*fresh_at_, by_our_clock) : by_our_clock;
@@ -176,7 +177,7 @@ InwardVerdict InwardPort::judge(Source& source, RawInward& into, const Look& loo
   return verdict;
 }
 
-InwardSender InwardPort::sender_of(const Source& source, const InwardHeader& header,
+InwardSender InwardPort::sender_of(const Source& source, const InwardHeader& header, TimePoint sent,
                                    const Look& look) const {
   InwardSender sender;
   sender.session = source.feeder.session;
@@ -185,7 +186,8 @@ InwardSender InwardPort::sender_of(const Source& source, const InwardHeader& hea
   // A stream that needs no status has no epoch, so the epoch is not checked.
   if (sender.epoch && !moves_the_object()) sender.epoch = header.epoch;
   sender.name_unconfirmed = moves_the_object() && claim_.refuses();
-  sender.nobody_present = moves_the_object() && stream_.presence && !presence_.present(look.now);
+  sender.nobody_present =
+      moves_the_object() && stream_.presence && !presence_.present_since(sent, look.now);
   sender.feeding = fed_by(sender.session, look.unfed);
   return sender;
 }

@@ -93,8 +93,9 @@ class InwardPort final : public InwardCore {
   bool moves_the_object() const { return stream_.status != access::Status::Sensor; }
   bool next_of(Source& source, RawInward& into, const Look& look) GECOS_REQUIRES(mutex_);
   InwardVerdict judge(Source& source, RawInward& into, const Look& look) GECOS_REQUIRES(mutex_);
-  InwardSender sender_of(const Source& source, const InwardHeader& header, const Look& look) const
-      GECOS_REQUIRES(mutex_);
+  /// `sent`: when the sample was sent, by the clock of this host.
+  InwardSender sender_of(const Source& source, const InwardHeader& header, TimePoint sent,
+                         const Look& look) const GECOS_REQUIRES(mutex_);
   std::optional<std::uint64_t> fed_by(SessionId session, Unfed unfed) const GECOS_REQUIRES(mutex_);
   bool expired_now() const GECOS_REQUIRES(mutex_);
   Source* find(SessionId session) GECOS_REQUIRES(mutex_);

@@ -18,6 +18,9 @@ struct UserRights {
   /// Returns why the user may not register an object under a name; an empty text when it may.
   std::function<std::string(const std::string& name, const media::Peer&)> refusal_to_register =
       [](const auto&, const auto&) { return std::string(); };
+  /// Returns why the user may not report for a source of a zone; an empty text when it may.
+  std::function<std::string(const std::string& zone, const std::string& source, const media::Peer&)>
+      refusal_to_report = [](const auto&, const auto&, const auto&) { return std::string(); };
 };
 
 /// The settings of one object of a server, constant while it is served.

@@ -14,7 +14,7 @@ void PresenceGuard::change(Change change) {
   {
     const MutexLock lock(object_.mutex);
     const TimePoint now = object_.setup.clock().since_boot();
-    if (!object_.presence.required() || !change(object_.presence, now)) return;
+    if (!change(object_.presence, now)) return;
     text = "presence was lost: " + object_.presence.text(now);
     object_.calls.end_commands(
         [](const ServerCall& call) { return needs_presence(call.operation()); },
@@ -24,9 +24,26 @@ void PresenceGuard::change(Change change) {
   log_warning("session", object_.setup.name + " is stopped: " + text);
 }
 
-void PresenceGuard::take(access::ObjectPresence::Report report, TimePoint made) {
+std::string PresenceGuard::zone() {
+  const MutexLock lock(object_.mutex);
+  return object_.presence.zone();
+}
+
+void PresenceGuard::enter(const std::string& zone) {
+  change(
+      [&](access::ObjectPresence& presence, TimePoint now) { return presence.enter(zone, now); });
+}
+
+void PresenceGuard::take(const std::string& zone, access::ObjectPresence::Report report,
+                         TimePoint made) {
   change([&](access::ObjectPresence& presence, TimePoint now) {
-    return presence.take(std::move(report), made, now);
+    return presence.zone() == zone && presence.take(std::move(report), made, now);
+  });
+}
+
+void PresenceGuard::forget(const std::string& zone, const std::string& why) {
+  change([&](access::ObjectPresence& presence, TimePoint now) {
+    return presence.zone() == zone && presence.forget(why, now);
   });
 }
 

@@ -14,9 +14,16 @@ class PresenceGuard {
  public:
   explicit PresenceGuard(HostState& object) : object_(object) {}
 
-  /// Takes a report of the zone that was made at `made`, by CLOCK_BOOTTIME of this host.
-  void take(access::ObjectPresence::Report report, TimePoint made);
-  /// Forgets the last report: nothing is known any more. `why`: a text for people.
+  /// Returns the name of the zone in which the object is; an empty text if it is in none.
+  std::string zone();
+  /// The object is in `zone` from now on.
+  void enter(const std::string& zone);
+  // What is known of another zone than the object's has no effect: the object may have left it.
+  /// Takes a report of `zone` that was made at `made`, by CLOCK_BOOTTIME of this host.
+  void take(const std::string& zone, access::ObjectPresence::Report report, TimePoint made);
+  /// Forgets the last report of `zone`: nothing is known any more. `why`: a text for people.
+  void forget(const std::string& zone, const std::string& why);
+  /// Forgets the last report, whatever the zone.
   void forget(const std::string& why);
   void on_tick();
 

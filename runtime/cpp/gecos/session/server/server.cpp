@@ -32,6 +32,8 @@ namespace {
 /// Number of descriptors that must be left to accept a client. LCM opens this many to send to one
 /// client.
 constexpr std::size_t descriptors_of_a_client = 16;
+/// Time between two looks at the lab file.
+constexpr Duration between_looks = std::chrono::seconds(1);
 
 bool within_process(const std::shared_ptr<media::Acceptor>& acceptor) {
   return acceptor->capabilities().reach == media::Reach::Process;
@@ -91,6 +93,9 @@ class Server::Core {
   tl::expected<Opened, ServeError> open_places(const std::string& name,
                                                const ObjectOptions& options);
   session::UserRights rights() const;
+  /// Moves objects to the zones in which an edit of the lab file has placed them. An object leaves
+  /// all zones only when it is served anew.
+  void follow_lab_file(TimePoint now) GECOS_REQUIRES(mutex_);
 
   const pid_t owner_ = getpid();
   const std::shared_ptr<Context> lab_;
@@ -103,6 +108,7 @@ class Server::Core {
   session::IoLoop io_;
   session::Registrar registrar_;
   session::ZoneWatches zones_ GECOS_GUARDED_BY(mutex_);
+  TimePoint next_look_ GECOS_GUARDED_BY(mutex_){};  ///< at the lab file
   std::shared_ptr<Upkeep> upkeep_;
 };
 
@@ -122,6 +128,7 @@ TimePoint Server::Core::Upkeep::on_tick(TimePoint now) {
   core->registrar_.look();
   core->connections_->on_tick();
   const MutexLock objects(core->mutex_);
+  core->follow_lab_file(now);
   for (const auto& object : core->objects_) next = std::min(next, object->on_tick(now));
   return next;
 }
@@ -133,6 +140,23 @@ void Server::Core::Upkeep::after_pause(Duration stood_still) {
   const MutexLock objects(core->mutex_);
   for (const auto& object : core->objects_) object->after_pause(stood_still);
   core->registrar_.ask_again();
+}
+
+void Server::Core::follow_lab_file(TimePoint now) {
+  if (now < next_look_) return;
+  next_look_ = now + between_looks;
+  try {
+    access_->reread();
+    for (const auto& object : objects_) {
+      const std::string zone = access_->zone_of(object->name());
+      if (zone.empty() || zone == object->presence().zone()) continue;
+      log_warning("session", "the lab file places " + object->name() + " in zone " + zone);
+      zones_.add(zone, object);
+      object->presence().enter(zone);
+    }
+  } catch (const std::exception& failed) {  // the next look tries again
+    log_error("session", std::string("an edit of the lab file was not followed: ") + failed.what());
+  }
 }
 
 Server::Core::~Core() {
@@ -158,6 +182,11 @@ session::UserRights Server::Core::rights() const {
             const auto judgement = access->judge_registration(object, peer);
             return judgement.admitted ? std::string()
                                       : recorded->refused("name_refused", object, judgement);
+          },
+          [access = access_](const std::string& zone, const std::string& source,
+                             const media::Peer& peer) {
+            auto judgement = access->judge_report(zone, source, peer);
+            return judgement.admitted ? std::string() : std::move(judgement.text);
           }};
 }
 

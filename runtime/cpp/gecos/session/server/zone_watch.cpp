@@ -35,10 +35,17 @@ ZoneWatch::~ZoneWatch() {
 void ZoneWatch::add(const std::shared_ptr<ObjectHost>& object) {
   const MutexLock lock(mutex_);
   objects_.push_back(object);
+  changed_.notify_all();
+}
+
+void ZoneWatch::remove(const ObjectHost& object) {
+  const MutexLock lock(mutex_);
+  std::erase_if(objects_, [&](const auto& each) { return each.lock().get() == &object; });
 }
 
 void ZoneWatch::run() {
   do {
+    if (!await_object()) return;
     const auto made =
         create(lab_, ZoneInterface::description, {zone_}, {.patience = zone_patience});
     if (!made) {
@@ -56,7 +63,7 @@ void ZoneWatch::run() {
 
 void ZoneWatch::follow(StreamCore& reports) {
   RawSample sample;
-  while (!ended()) {
+  while (watches()) {
     if (const auto got = reports.next(sample, deadline_after(between_zone_tries)); !got) {
       if (got.error() != StreamEnd::Lost && !reports.lost()) continue;
       return tell_unknown("the session with its server ended; start the server again");
@@ -68,13 +75,14 @@ void ZoneWatch::follow(StreamCore& reports) {
     }
     const ZonePresence& reported = report->result;
     each([&](ObjectHost& object) {
-      object.presence().take({reported.present, reported.spell, reported.why}, sample.measured);
+      object.presence().take(zone_, {reported.present, reported.spell, reported.why},
+                             sample.measured);
     });
   }
 }
 
 void ZoneWatch::tell_unknown(const std::string& why) {
-  each([&](ObjectHost& object) { object.presence().forget(why); });
+  each([&](ObjectHost& object) { object.presence().forget(zone_, why); });
 }
 
 template <class Tell>
@@ -89,9 +97,15 @@ void ZoneWatch::each(Tell tell) {
   for (const auto& object : alive) tell(*object);
 }
 
-bool ZoneWatch::ended() {
+bool ZoneWatch::watches() {
   const MutexLock lock(mutex_);
-  return ended_;
+  return !ended_ && !objects_.empty();
+}
+
+bool ZoneWatch::await_object() {
+  MutexLock lock(mutex_);
+  while (!ended_ && objects_.empty()) changed_.wait(lock);
+  return !ended_;
 }
 
 bool ZoneWatch::rest() {
@@ -103,6 +117,7 @@ bool ZoneWatch::rest() {
 }
 
 void ZoneWatches::add(const std::string& zone, const std::shared_ptr<ObjectHost>& object) {
+  for (const auto& watch : watches_) watch->remove(*object);
   const auto found =
       std::ranges::find_if(watches_, [&](const auto& watch) { return watch->zone() == zone; });
   if (found != watches_.end()) return (*found)->add(object);

@@ -26,6 +26,7 @@ class ZoneWatch {
 
   const std::string& zone() const { return zone_; }
   void add(const std::shared_ptr<ObjectHost>& object);
+  void remove(const ObjectHost& object);
 
  private:
   void run();
@@ -35,7 +36,10 @@ class ZoneWatch {
   /// Calls `tell` for each object that still exists.
   template <class Tell>
   void each(Tell tell);
-  bool ended();
+  /// Returns false when the watch ends, or has no objects.
+  bool watches();
+  /// Sleeps while the watch has no objects. Returns false when the watch ends.
+  bool await_object();
   /// Sleeps a while before the next try. Returns false when the watch ends.
   bool rest();
 
@@ -53,7 +57,8 @@ class ZoneWatches {
  public:
   explicit ZoneWatches(std::shared_ptr<Runtime> runtime) : runtime_(std::move(runtime)) {}
 
-  /// Tells `object`, which is in `zone`, from now on whether a person is present.
+  /// Tells `object`, which is in `zone` and in no other zone any more, from now on whether a person
+  /// is present.
   void add(const std::string& zone, const std::shared_ptr<ObjectHost>& object);
   void end() { watches_.clear(); }
 
