@@ -5,6 +5,7 @@ nobody."""
 from __future__ import annotations
 
 import json
+import os
 import re
 import sys
 import tempfile
@@ -47,6 +48,11 @@ class TwoHosts:
     hosts: Hosts
     labs: list[Laboratory]
     lab_file: Path
+
+    def edit(self, text: str) -> None:
+        """Writes the lab file. The edit acts at once: a young file would act .1 s later."""
+        self.lab_file.write_text(text)
+        os.utime(self.lab_file, (0, 0))
 
     def start(self, host: int, *command: str | Path, ready: str | None = None) -> Program:
         return self.labs[host].start(*self.hosts.on(host), *command, ready=ready)
@@ -122,7 +128,7 @@ def test_a_user_of_another_host_enrols_is_admitted_by_a_list_moves_and_is_revoke
     assert refused.finish() == 4
     assert "BROKER refuses user ben of host desk: it admits only" in refused.output()
 
-    two.lab_file.write_text(
+    two.edit(
         '[objects.BROKER.allow]\nusers = ["ben"]\nhosts = ["desk"]\n[allow]\nusers = ["ben"]\n'
     )
     refused = two.gecos(DESK, "call", "RAIL", "measure")
@@ -132,7 +138,7 @@ def test_a_user_of_another_host_enrols_is_admitted_by_a_list_moves_and_is_revoke
     tested = two.gecos(CELL, "policy", "test", "ben", "desk", "RAIL")
     assert tested.finish() == 5 and rule in tested.output()
 
-    two.lab_file.write_text('[allow]\nusers = ["ben"]\nhosts = ["desk"]\n')
+    two.edit('[allow]\nusers = ["ben"]\nhosts = ["desk"]\n')
     read = two.gecos(DESK, "call", "RAIL", "measure")
     assert read.finish() == 0, read
     holder = two.start(DESK, sys.executable, "-c", HOLDS, ready="moves")
@@ -157,7 +163,7 @@ def test_a_user_of_another_host_enrols_is_admitted_by_a_list_moves_and_is_revoke
 
 
 def test_a_server_of_another_host_that_was_not_reached_is_listed(two: TwoHosts) -> None:
-    two.lab_file.write_text('[allow]\nusers = ["ben"]\nhosts = ["desk"]\n')
+    two.edit('[allow]\nusers = ["ben"]\nhosts = ["desk"]\n')
     two.admits(DESK, CELL)
     two.admits(CELL, DESK, "ben@desk")
     two.broker(CELL)
@@ -176,7 +182,7 @@ def refused_at(two: TwoHosts, host: int) -> str:
 
 def test_a_name_that_the_lab_file_binds_goes_to_its_owner_alone(two: TwoHosts) -> None:
     everyone = '[objects.BROKER.allow]\nusers = ["*"]\nhosts = ["*"]\n[names]\n'
-    two.lab_file.write_text(everyone + 'RAIL = "ann@cell"\n')
+    two.edit(everyone + 'RAIL = "ann@cell"\n')
     two.labs[DESK].env["GECOS_LAB_FILE"] = str(two.lab_file.with_name("desk.toml"))
     two.lab_file.with_name("desk.toml").touch(mode=0o644)  # only the broker's file binds names
     two.admits(DESK, CELL)
@@ -204,7 +210,7 @@ def test_a_name_that_the_lab_file_binds_goes_to_its_owner_alone(two: TwoHosts) -
     assert "a server whose key has no owner may not register RAIL" in keyless
     assert "gecos keys add FILE ann@cell" in keyless
 
-    two.lab_file.write_text(everyone + 'RAIL = "ben"\n')
+    two.edit(everyone + 'RAIL = "ben"\n')
     broken = refused_at(two, DESK)
     assert "no server may register RAIL while the lab file has an error" in broken
     assert f"{two.lab_file}:5: names.RAIL: a user and a host are expected" in broken
@@ -212,7 +218,7 @@ def test_a_name_that_the_lab_file_binds_goes_to_its_owner_alone(two: TwoHosts) -
     assert "other users may write to the file" in refused_at(two, DESK), "nobody believes it"
     two.lab_file.chmod(0o644)
 
-    two.lab_file.write_text(everyone + 'RAIL = "ben@desk"\n')
+    two.edit(everyone + 'RAIL = "ben@desk"\n')
     two.rail(DESK).wait_for("serving RAIL")
     assert "a server whose key has no owner" in refused_at(two, CELL)
     listed = json.loads(two.gecos(CELL, "ls", "--json").output())

@@ -98,14 +98,15 @@ def check(history: History) -> Iterator[str]:
                 if at <= absence.begin:
                     continue
                 until = min(at, absence.end)
-                knew = _awake_s(history, server.pid, absence.begin, at) - absence.heard_s
-                if at < absence.end and knew > BOUND_S:
+                since = _awake_s(history, server.pid, absence.begin, at) - absence.heard_s
+                knew = since > BOUND_S
+                if at < absence.end and knew:
                     yield (
                         f"{server.name}: {what} began"
                         f" {(until - absence.begin) * 1e-9:.3f} s after {absence.why}"
                     )
                 sent = call.sent if call is not None else None
-                heard = _awake_s(history, server.pid, absence.end, at) > BOUND_S
+                heard = knew and _awake_s(history, server.pid, absence.end, at) > BOUND_S
                 if at > absence.end and heard and sent is not None and sent < absence.begin:
                     yield f"{server.name}: {what} began, and was sent before {absence.why}"
 

@@ -46,7 +46,7 @@ def test_after_a_long_pause_the_arm_brakes_and_does_not_go_on(lab_with_broker: L
         server.signal(signal.SIGCONT)
         with pytest.raises(gecos.CommandFailed, match=r"silent|stood still"):
             move.result()
-    robot = gecos.Lab().create(Manipulator, "RX90")
+    robot = gecos.Lab().create(Manipulator, "RX90", wait=10.0)  # the name was free meanwhile
     until(lambda: robot.standing().result(), "the arm stands")
     stood, tool = robot.tool().result(), robot.tool.stream()
     assert distance(before, stood) < 0.1 * SPEED, "it brakes at once"
