@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 BOUND_S = 0.25
 """Promised: from the loss of presence until nothing starts any more."""
 REPORT_LIVES_S = 1.0
-"""For so long an object believes the last report of a zone that has fallen silent."""
+"""For so long an object believes the last report of a zone that has fallen silent. The zone is also
+silent for an object until they have a new session, after one of them stood still or ended."""
 
 
 @dataclass(slots=True)
@@ -77,7 +78,7 @@ def absences(history: History) -> Iterator[Absence]:
         for (begin, present), (end, _) in zip(zone.changes, zone.changes[1:], strict=False):
             if present:
                 continue
-            silent = any(freeze.begin < end and begin < freeze.end for freeze in frozen)
+            silent = _is_silent(history, zone.pid, begin, end)
             yield Absence(begin, end, REPORT_LIVES_S if silent else 0.0, "the person had left")
 
 
@@ -98,8 +99,9 @@ def check(history: History) -> Iterator[str]:
                 if at <= absence.begin:
                     continue
                 until = min(at, absence.end)
-                since = _awake_s(history, server.pid, absence.begin, at) - absence.heard_s
-                knew = since > BOUND_S
+                silent = _is_silent(history, server.pid, absence.begin, absence.end)
+                heard_s = REPORT_LIVES_S if silent else absence.heard_s
+                knew = _awake_s(history, server.pid, absence.begin, at) > heard_s + BOUND_S
                 if at < absence.end and knew:
                     yield (
                         f"{server.name}: {what} began"
@@ -109,6 +111,17 @@ def check(history: History) -> Iterator[str]:
                 heard = knew and _awake_s(history, server.pid, absence.end, at) > BOUND_S
                 if at > absence.end and heard and sent is not None and sent < absence.begin:
                     yield f"{server.name}: {what} began, and was sent before {absence.why}"
+
+
+def _is_silent(history: History, pid: int, begin: int, end: int) -> bool:
+    """Whether the process stood still between two times or shortly before, or a zone ended then."""
+    before = begin - int(REPORT_LIVES_S * 1e9)
+    still = any(
+        freeze.pid == pid and freeze.begin < end and before < freeze.end
+        for freeze in history.freezes
+    )
+    ended = (history.kills.get(zone.pid, zone.done) for zone in history.zones)
+    return still or any(at is not None and before < at < end for at in ended)
 
 
 def _awake_s(history: History, pid: int, begin: int, end: int) -> float:
