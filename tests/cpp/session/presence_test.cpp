@@ -131,6 +131,7 @@ TEST_P(Presence, ThatIsLostStopsWhatRunsAndQueuesAndItsReturnResumesNothing) {
   const auto runs = robot.move(1);
   const auto waits = robot.set(2);
   servant_.await_moves(1);
+  probe::await_detail(waits, Detail::Queued);
   zone_.say(false, "DOOR is open or silent; close it");
   for (const auto& command : {runs, waits}) {
     expect_lost(command,
