@@ -28,6 +28,7 @@ from gidl.model import (
     Typedef,
     Union,
 )
+from gidl.model.types import named_in
 from gidl.rules.walk import slots
 
 Call = Operation | Attribute
@@ -164,9 +165,9 @@ def _keys(model: Model, used: Type) -> Iterator[str]:
 
 def reached(model: Model, used: Type | None, into: set[str]) -> None:
     """Adds to `into` the names of all types that a value of type `used` may contain."""
-    from gidl.lint.uses import declared_names, direct_names
+    from gidl.lint.uses import declared_names
 
-    work = list(direct_names(used)) if used is not None else []
+    work = list(named_in(used)) if used is not None else []
     while work:
         name = work.pop()
         if name not in into and model.has(name):

@@ -6,24 +6,21 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from gidl.model import (
-    ArrayType,
     Bitset,
     Constant,
     EnumValue,
     Facts,
     File,
     Interface,
-    MapType,
     Model,
-    NamedType,
     Operation,
-    SequenceType,
     Struct,
     Type,
     Typedef,
     Union,
     Value,
 )
+from gidl.model.types import named_in
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,27 +82,10 @@ def _members(interface: Interface, old: bool) -> Iterator[Use]:
 
 def _slot(used: Type, default: Value | None, what: str, facts: Facts, old: bool) -> Iterator[Use]:
     is_old = old or facts.deprecated is not None
-    for name in _names(used):
+    for name in named_in(used):
         yield Use(name, what, facts, is_old)
     if isinstance(default, EnumValue):
         yield Use(default.enum, what, facts, is_old)
-
-
-def _names(used: Type) -> Iterator[str]:
-    match used:
-        case NamedType(name):
-            yield name
-        case SequenceType(element=element) | ArrayType(element=element):
-            yield from _names(element)
-        case MapType(key, value):
-            yield from _names(key)
-            yield from _names(value)
-
-
-def direct_names(used: Type) -> list[str]:
-    """Returns the names of the declarations that the text of a type contains. Typedefs are not
-    resolved."""
-    return list(_names(used))
 
 
 def declared_names(model: Model, name: str) -> set[str]:

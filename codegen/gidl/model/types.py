@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -159,3 +160,16 @@ class NamedType:
 
 
 Type = PrimitiveType | StringType | SequenceType | MapType | ArrayType | NamedType
+
+
+def named_in(used: Type) -> Iterator[str]:
+    """Yields the names of the declarations that the text of a type contains. Typedefs are not
+    resolved."""
+    match used:
+        case NamedType(name):
+            yield name
+        case SequenceType(element=element) | ArrayType(element=element):
+            yield from named_in(element)
+        case MapType(key, value):
+            yield from named_in(key)
+            yield from named_in(value)

@@ -8,16 +8,13 @@ from collections.abc import Iterator
 from gidl.diagnostics.findings import Findings
 from gidl.model import (
     AnyDeclaration,
-    ArrayType,
-    MapType,
     Model,
-    NamedType,
-    SequenceType,
     Struct,
     Type,
     Typedef,
     Union,
 )
+from gidl.model.types import named_in
 
 MAX_CHAIN = 64
 
@@ -57,7 +54,7 @@ def _lengths(model: Model) -> dict[str, int]:
 
 def _used(declaration: AnyDeclaration) -> list[str]:
     """Returns the names of the declared types that a declaration uses."""
-    names = [name for used in _types(declaration) for name in _names(used)]
+    names = [name for used in _types(declaration) for name in named_in(used)]
     if isinstance(declaration, Struct) and declaration.base is not None:
         names.append(declaration.base)
     return names
@@ -71,14 +68,3 @@ def _types(declaration: AnyDeclaration) -> Iterator[Type]:
             yield from (case.member.type for case in cases)
         case Typedef():
             yield declaration.type
-
-
-def _names(used: Type) -> Iterator[str]:
-    match used:
-        case NamedType(name):
-            yield name
-        case SequenceType(element=element) | ArrayType(element=element):
-            yield from _names(element)
-        case MapType(key, value):
-            yield from _names(key)
-            yield from _names(value)

@@ -7,20 +7,17 @@ from collections.abc import Iterator
 from gidl.diagnostics.findings import Findings
 from gidl.model import (
     AnyDeclaration,
-    ArrayType,
     Attribute,
-    MapType,
     Member,
     Model,
     NamedType,
-    SequenceType,
     Struct,
-    Type,
     Typedef,
     Union,
 )
 from gidl.model.declarations import Extensibility
 from gidl.model.policy import Access, QualityClass
+from gidl.model.types import named_in
 from gidl.rules.walk import members
 
 CODE = "G0411"
@@ -123,9 +120,9 @@ def _used(declaration: AnyDeclaration) -> Iterator[str]:
     if isinstance(declaration, Struct) and declaration.base is not None:
         yield declaration.base
     if isinstance(declaration, Typedef):
-        yield from _names(declaration.type)
+        yield from named_in(declaration.type)
     for member in _members(declaration):
-        yield from _names(member.type)
+        yield from named_in(member.type)
 
 
 def _members(declaration: AnyDeclaration) -> tuple[Member, ...]:
@@ -136,17 +133,6 @@ def _members(declaration: AnyDeclaration) -> tuple[Member, ...]:
             return tuple(case.member for case in cases)
         case _:
             return ()
-
-
-def _names(used: Type) -> Iterator[str]:
-    match used:
-        case NamedType(name):
-            yield name
-        case SequenceType(element=element) | ArrayType(element=element):
-            yield from _names(element)
-        case MapType(key, value):
-            yield from _names(key)
-            yield from _names(value)
 
 
 def _is_appendable(declaration: AnyDeclaration) -> bool:
