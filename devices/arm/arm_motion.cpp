@@ -319,8 +319,9 @@ void ArmMotion::look_after_links() {
   first.watcher.progress(over ? 1 : std::clamp(1 - left / whole, 0.0, 1.0), remaining);
 }
 
-/// Notes that the arm must stop if a move of the motion is interrupted. Ends interrupted moves that
-/// the motion does not contain: it goes on without them, and stops before their successors.
+/// Notes that the arm must stop if a move that belongs to the running motion is interrupted. An
+/// interrupted move that does not belong to the motion ends at once: the motion goes on, and the
+/// arm stops before it makes the moves that were to follow the interrupted one.
 void ArmMotion::end_interrupted() {
   bool apart = false, stop = false;
   std::erase_if(links_, [&](Link* link) {
