@@ -319,9 +319,9 @@ void ArmMotion::look_after_links() {
   first.watcher.progress(over ? 1 : std::clamp(1 - left / whole, 0.0, 1.0), remaining);
 }
 
-/// Notes that the arm must stop if a move of the motion is interrupted. An interrupted move that is
-/// not part of the motion ends alone. Its successors leave the motion, and begin when the arm
-/// stands.
+/// Notes that the arm must stop if a move that belongs to the running motion is interrupted. An
+/// interrupted move that does not belong to the motion ends at once: the motion goes on, but the
+/// moves after the interrupted one leave the motion, and begin when the arm stands.
 void ArmMotion::end_interrupted() {
   bool apart = false, stop = false;
   std::erase_if(links_, [&](Link* link) {

@@ -7,7 +7,8 @@
 namespace devices {
 namespace {
 
-/// Watches a call that reports no progress.
+/// Passes an interruption of a call to the arm. Does not report the progress of the arm to the
+/// caller.
 class InterruptionWatcher final : public MotionWatcher {
  public:
   explicit InterruptionWatcher(gecos::Execution<>& run) : run_(run) {}

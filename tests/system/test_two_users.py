@@ -89,7 +89,8 @@ def test_the_lab_file_says_who_may_report_for_a_door(build: Path) -> None:
     assert stranger == (
         f"daemon: REJECTED: a program of user daemon of host {host} may not report for DOOR of "
         "CELL: no [objects.CELL.sources] of a lab file binds this source, so only the user of the "
-        f'zone\'s server may; write DOOR = "daemon@{host}" there'
+        f'zone\'s server may report for it; write DOOR = "daemon@{host}" under '
+        "[objects.CELL.sources]"
     )
     assert bound == "daemon: reported"
     assert "a program of user root" in unbound

@@ -154,7 +154,8 @@ def _kept(
         report.add("G1002", subject,
                    f"{what} may be left out of messages in only one of the two versions",
                    "the hashes of operations differ, so old and new programs refuse each other",
-                   "keep @default and everything after it unchanged",
+                   "leave the @default of this declaration, and all declarations after it, "
+                   "unchanged",
                    new=places[0], old=places[1])  # fmt: skip
     elif had and not has and not new.optional:
         report.add("G1102", subject, f"{what} has no default any more",

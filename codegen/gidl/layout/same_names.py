@@ -60,7 +60,7 @@ def same_names(model: Model, findings: Findings) -> None:
             other.location if user is None else Location(user, 1, 1),
             f"{files} give the same C++ name '{shared}' to {one.what} and to {other.what}",
             f"rename '{one.declared}' or '{other.declared}', or include one of the two files in the"
-            " other: gidl then changes a name that it adds itself",
+            " other, so that gidl sees both names and can change one that it generates",
             notes=(
                 Note(f"'{one.declared}' is declared here", one.location),
                 Note(f"'{other.declared}' is declared here", other.location),

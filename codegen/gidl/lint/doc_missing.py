@@ -20,7 +20,7 @@ def check(model: Model, findings: Findings) -> None:
                 what = "event" if operation.is_event else "operation"
                 about = "with its effect, and when it is refused"
                 if operation.is_event:
-                    about = "that says when it occurs"
+                    about = "that says when the event occurs"
                 findings.warning(
                     "G0907",
                     operation.facts.location,

@@ -20,8 +20,9 @@ from gidl.syntax.annotation_places import PLACES
 
 
 class Token(NamedTuple):
-    # "id", "escaped", "op", "directive" or "eof"; for literals "int", "float", "fixed", "string",
-    # "char", "wide_string" or "wide_char". The preprocessor adds "macro": the use of a macro with
+    # The kind of the token: "id", "escaped" (an identifier after an underscore, as in `_module`),
+    # "op", "directive" or "eof"; for literals "int", "float", "fixed", "string", "char",
+    # "wide_string" or "wide_char". The preprocessor adds the kind "macro": the use of a macro with
     # parameters, which is already reported.
     kind: str
     text: str  # identifiers without the escaping underscore, literals with quotes

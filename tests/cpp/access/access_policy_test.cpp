@@ -70,7 +70,8 @@ TEST(MayReport, TheOwnerOfASourceAloneAndOtherwiseTheUserOfTheZone) {
   EXPECT_EQ(may_report(lab, "CELL", "GRIP", other).text,
             "a program of user ben of host gate may not report for GRIP of CELL: no "
             "[objects.CELL.sources] of a lab file binds this source, so only the user of the "
-            "zone's server may; write GRIP = \"ben@gate\" there");
+            "zone's server may report for it; write GRIP = \"ben@gate\" under "
+            "[objects.CELL.sources]");
 }
 
 TEST(MayRegister, OnlyTheOwnerOfANameThatTheFileBinds) {

@@ -90,8 +90,8 @@ TEST_P(HandlerWaits, ForEachOtherEndWithTheWholeCircle) {
   EXPECT_EQ(
       of_other.error().text.find(
           "'read' of PROBE was not started: the handler of 'read' of OTHER waits for it, and it "
-          "cannot start before the handler of 'read' of PROBE returns, which waits for a call "
-          "that cannot end before the first handler returns"),
+          "cannot start before the handler of 'read' of PROBE returns; that handler waits for a "
+          "call that cannot end before the first handler returns"),
       0u)
       << of_other.error();
 }

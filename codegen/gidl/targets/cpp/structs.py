@@ -197,8 +197,10 @@ def missing_value(lowering: Lowering, member: Member) -> str:
 
 
 def _mistaken_unit(content: Content) -> str:
-    """A call that asks whether `value` was given in degrees or millimetres, for an exception with
-    numbers `value`, `lower` and `upper`. Empty for other exceptions."""
+    """Returns the C++ text of a call of gecos::wire::mistaken_unit, for an exception whose members
+    `value`, `lower` and `upper` are numbers with units. Returns an empty text for other exceptions.
+    When the generated code runs, the call adds to the text of the exception the question whether
+    `value` was given in degrees or millimetres."""
     found = {m.name: (m, f.node) for m, f in zip(content.members, content.fields, strict=True)}
     names = ("value", "lower", "upper")
     members, nodes = zip(*(found.get(name, (None, None)) for name in names), strict=True)

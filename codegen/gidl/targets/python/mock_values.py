@@ -30,7 +30,7 @@ from gidl.targets.python.type_text import DTYPES, bulk_code, is_octet
 
 class OwnNames:
     """The names that a mock needs for itself. These names differ from the names of parameters and
-    methods. The names of types are chosen later, and differ from them as well."""
+    methods. The names of types are chosen later, and differ from the names of this class, too."""
 
     def __init__(self, taken: Iterable[str]) -> None:
         free = LocalNames(taken)

@@ -108,8 +108,8 @@ NameDecision may_report(const LabAccess& lab, const std::string& zone, const std
     if (reporter.own) return {true, who + " may report for " + what + ": " + rule};
     const std::string owner = reporter.who ? reporter.who->user + "@" + reporter.who->host : "…";
     return {false, who + " may not report for " + what + ": " + rule +
-                       ", so only the user of the zone's server may; write " + source + " = \"" +
-                       owner + "\" there"};
+                       ", so only the user of the zone's server may report for it; write " +
+                       source + " = \"" + owner + "\" under [objects." + zone + ".sources]"};
   }
   const auto& [owner, place] = bound->second;
   if (reporter.who == owner) {

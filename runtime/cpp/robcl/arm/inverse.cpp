@@ -39,8 +39,8 @@ double travel_time(const ArmModel& model, const JointValues& from, const JointVa
 double nearest_turn(double angle, double reference, const JointLimits& limits) {
   const double nearest = nearest_angle(angle, reference);
   double best = nearest;
-  // Tries the sum that is nearest to `reference`, and then the sums that are one and two turns away
-  // from it. No known joint turns further.
+  // Tries the angle that is nearest to `reference` and differs from `angle` by whole turns, then
+  // the angles that are one and two turns away from that one. No known joint turns further.
   for (const int turns : {1, -1, 2, -2}) {
     if (outside(best, limits) == 0) break;
     const double copy = nearest + turns * whole_turn;

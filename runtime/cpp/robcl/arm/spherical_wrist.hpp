@@ -22,7 +22,8 @@ class SphericalWristInverse final : public InverseKinematics {
  public:
   /// Makes a solver for `model`. Returns null if the arm has another geometry, or if the solver's
   /// solutions for test poses are wrong by forward kinematics. Throws std::invalid_argument if the
-  /// model's `front` is at a singularity, or if the elbow is not above there.
+  /// joint positions `model.front()` are at a singularity, or have the elbow below the line from
+  /// the shoulder to the wrist.
   static std::unique_ptr<SphericalWristInverse> for_arm(const ArmModel& model);
 
   tl::expected<JointValues, Failure> solve(const Frame& base_from_flange,

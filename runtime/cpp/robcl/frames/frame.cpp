@@ -53,8 +53,8 @@ Eigen::Quaterniond from_rotation(const Eigen::Matrix3d& m) {
   return {wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
 }
 
-/// Returns the Euler angles a, b, c of the rotation Rz(a)·Ry(b)·Rz(c), from the half angles: they
-/// are accurate for every rotation.
+/// Returns the Euler angles a, b, c of the rotation Rz(a)·Ry(b)·Rz(c). Computes these angles from
+/// (a+c)/2, (a-c)/2 and b/2, so that they are accurate for every rotation.
 std::array<double, 3> zyz_of(const Eigen::Quaterniond& q) {
   // With s = (a+c)/2 and d = (a-c)/2, the quaternion w, x, y, z is cos(b/2)·cos s, -sin(b/2)·sin d,
   // sin(b/2)·cos d, cos(b/2)·sin s.

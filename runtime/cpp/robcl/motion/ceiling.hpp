@@ -28,7 +28,7 @@ class Ceiling {
     double hold = 0;
     bool whole = false;  ///< each value is held up to the next knot, even after its time
   };
-  /// Returns whether the motion stays below the ceiling. A motion that stops stays below it.
+  /// Returns whether the motion stays below the ceiling. When the motion stops, the check ends.
   bool admits(State state, const Course& course) const;
 
  private:

@@ -77,14 +77,15 @@ class ClientConnection final : public ClientSession,
   /// session.
   void found_at(std::string address) { place_ = std::move(address); }
   const std::string& place() const { return place_; }
-  /// Checks the `@qos` that single operations and streams of `wanted` have. Must be called before
-  /// the program knows the session.
+  /// Refuses the operations and streams of `wanted` whose `@qos` demands more than `line` promises.
+  /// `simulated`: whether the object is a simulated device. Must be called before the
+  /// program receives the session.
   void check_quality(const InterfaceDescription& wanted, const qos::LineCapabilities& line,
                      bool simulated) {
     refused_.check_quality(wanted, line, simulated);
   }
   /// Makes `inbound`, another session with the same object, the one that receives the streams and
-  /// events. Must be called before the program knows the session.
+  /// events. Must be called before the program receives the session.
   void receive_over(std::shared_ptr<ClientConnection> inbound) { inbound_ = std::move(inbound); }
   /// Returns a failure when no call or subscription of `name` may be sent. `outcome`: see
   /// RefusedOperations::why.

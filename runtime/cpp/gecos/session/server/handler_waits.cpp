@@ -75,7 +75,7 @@ std::string waits_for_itself(const std::shared_ptr<ServerCall>& handler) {
   if (way.size() == 1) return text + "that handler returns";
   for (auto next = way.begin() + 1; next != way.end(); ++next) {
     text += "the handler of " + (*next)->title() +
-            " returns, which waits for a call that cannot end before ";
+            " returns; that handler waits for a call that cannot end before ";
   }
   return text + "the first handler returns";
 }

@@ -29,8 +29,8 @@ class HandlerWaits {
   std::optional<CommandId> awaited_by(const ServerCall& call);
   /// Returns the call with the id `call`; null when that call has not arrived or has ended.
   std::shared_ptr<ServerCall> find(const CommandId& call);
-  /// Returns the calls whose handlers must return before `call` can start; empty when `call` has
-  /// started, has ended or has a deadline.
+  /// Returns the calls whose handlers must return before `call` can start. Empty when `call` has
+  /// started or has ended, or when `call` has a deadline, which ends the wait in any case.
   std::vector<std::shared_ptr<ServerCall>> held_up_by(const ServerCall& call);
 
   /// Finds the cycles of waits in which a handler of this object takes part, and ends one awaited
