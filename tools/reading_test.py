@@ -80,11 +80,22 @@ def of_cpp(path: Path) -> Iterator[tuple[str, int, str]]:
             texts = []
 
 
+def no_text(node: ast.AST) -> list[ast.expr]:
+    """Strings in `node` that no user reads: lists of names, which are split, and patterns."""
+    if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
+        return []
+    if node.func.attr == "split":
+        return [node.func.value]
+    in_re = isinstance(node.func.value, ast.Name) and node.func.value.id == "re"
+    return node.args[:1] if in_re else []
+
+
 def of_python(path: Path) -> Iterator[tuple[str, int, str]]:
     source = path.read_text(encoding="utf-8")
     documented: set[int] = set()  # lines of docstrings
-    inner: set[int] = set()  # ids of the constant pieces of f-strings
-    for node in ast.walk(ast.parse(source)):
+    inner: set[int] = set()  # ids of the constant pieces of f-strings, and of what is no text
+    for node in ast.walk(ast.parse(source)):  # parents first
+        inner.update(map(id, no_text(node)))
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
             docstring = ast.get_docstring(node)
             if docstring:

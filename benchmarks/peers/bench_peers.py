@@ -19,7 +19,7 @@ from pathlib import Path
 
 import report
 from candidates import candidates
-from measure import Pace, Verdict, judge, run
+from measure import OTHER_USER, Pace, Verdict, judge, run
 from pair import Broken
 from settings import Line, Setting, settings
 
@@ -28,6 +28,11 @@ FULL = Pace(rounds=9, seconds=0.25, rests=5)
 QUICK = Pace(rounds=3, seconds=0.15, rests=2)
 SMOKE = Pace(rounds=1, seconds=0.02, rests=1)
 MISSING = 3
+LISTS = """[objects.BROKER.allow]
+users = {users}
+[objects.EXCHANGE.allow]
+users = {users}
+"""
 
 
 @contextlib.contextmanager
@@ -36,9 +41,14 @@ def own_laboratory(build: Path) -> Iterator[dict[str, str]]:
     # Not below a long path: the name of a Unix socket has at most 107 characters.
     with tempfile.TemporaryDirectory(prefix="bench-peers-") as room:
         env = {name: value for name, value in os.environ.items() if name != "GECOS_BROKER"}
-        env["GECOS_RUNTIME_DIR"] = env["GECOS_KEY_DIR"] = env["GECOS_AUDIT_DIR"] = room
+        keys = Path(room) / "keys"
+        keys.mkdir(mode=0o700)
+        env["GECOS_RUNTIME_DIR"] = room
+        env["GECOS_KEY_DIR"] = env["GECOS_AUDIT_DIR"] = str(keys)
         admitted = Path(room) / "lab.toml"
-        admitted.write_text(f"[objects.EXCHANGE.allow]\nusers = [{json.dumps(getuser())}]\n")
+        admitted.write_text(LISTS.format(users=json.dumps([getuser(), OTHER_USER])))
+        admitted.chmod(0o644)
+        Path(room).chmod(0o1777)  # for the sockets that programs of another user need
         env["GECOS_LAB_FILE"] = str(admitted)
         python = build / "benchmarks" / "peers" / "python"
         env["PYTHONPATH"] = os.pathsep.join(filter(None, [str(python), env.get("PYTHONPATH")]))

@@ -1,13 +1,20 @@
 // Ours: an operation that moves the device, so with a lease that is checked, the object's queue,
 // and a typed reply; waiting as it comes. The broker lives in the server, in GECOS_RUNTIME_DIR.
 //   shm, lcm   the medium; over lcm all is encrypted
-// A list of the lab file admits this user to EXCHANGE, and the audit records its calls. OPEN has no
-// list, and its readings are neither checked nor recorded.
+// A client becomes the user that BENCHMARK_USER names, whom a list of the lab file admits to
+// EXCHANGE; the audit records the commands. OPEN has no list, so it serves the user of the server
+// alone; its readings need no status, and are not recorded.
 
+#include <grp.h>
+#include <pwd.h>
+#include <unistd.h>
+
+#include <cstdlib>
 #include <deque>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <string>
 
 #include "exchange_client.hpp"
 #include "exchange_server.hpp"
@@ -20,6 +27,18 @@ namespace {
 
 /// Lets the clients of one benchmark share actor status.
 constexpr const char* password = "all clients of one benchmark";
+
+/// Makes this process one of `user`.
+void become(const std::string& user) {
+  const passwd* const entry = ::getpwnam(user.c_str());
+  if (entry == nullptr) throw std::runtime_error("this host has no user " + user);
+  if (::setgroups(0, nullptr) != 0 || ::setgid(entry->pw_gid) != 0 ||
+      ::setuid(entry->pw_uid) != 0) {
+    throw std::runtime_error("only root can become " + user +
+                             "; run the benchmark as root, or after `unshare --map-root-user "
+                             "--map-auto`");
+  }
+}
 
 gecos::media::Kind medium(const std::string& how) {
   if (const auto kind = gecos::media::kind_from(how)) return *kind;
@@ -106,6 +125,8 @@ class GecosClient final : public PipeliningClient {
 int main(int argc, char** argv) {
   return peers::speak(argc, argv, peers::serve,
                       [](const std::string& how, const std::string& name) {
+                        const char* const user = std::getenv("BENCHMARK_USER");
+                        if (user != nullptr && *user != '\0') peers::become(user);
                         return std::make_unique<peers::GecosClient>(how, name);
                       });
 }

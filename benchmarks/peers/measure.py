@@ -44,7 +44,7 @@ class Measured:
             Figure.RATE: self.rate,
             Figure.LOOPS: self.loops,
             Figure.SHARE: 100 * self.share,
-            Figure.CHECKS: self.p50 / self.unchecked if self.unchecked else 0.0,
+            Figure.CHECKS: _quotient(self.p50, self.unchecked),
         }[of]
 
 
@@ -65,6 +65,12 @@ class Run:
     rounds: Rounds
     repeated: dict[str, int] = field(default_factory=dict)  # by line: how often it failed
 
+
+OTHER_USER = "daemon"
+"""A user of every host whom the server of the benchmark admits by a list."""
+
+TURNS = 20
+"""How often calls with and without checks take turns in a round."""
 
 TRIES = 3
 """Attempts to measure a candidate in a round before it counts as failed."""
@@ -125,8 +131,8 @@ def _once(
         if setting.figure is Figure.SHARE:
             return _share(client, pair.server, line.late, pace.seconds)
         if line.beside:
-            checked, unchecked = _ask(client, f"beside {pace.seconds}")
-            return Measured(p50=checked * 1e-3, unchecked=unchecked * 1e-3)
+            other = pair.client([mine], OTHER_USER)
+            return _beside(other, client, pace.seconds)
         if setting.outstanding:
             _ask(client, f"outstanding {setting.outstanding} {pace.seconds / 4}")
             (rate,) = _ask(client, f"outstanding {setting.outstanding} {pace.seconds}")
@@ -143,6 +149,17 @@ def _once(
         measured = _trips(_ask(client, f"trips {pace.seconds}"))
         flooder.line()
         return measured
+
+
+def _beside(checked: Process, unchecked: Process, seconds: float) -> Measured:
+    """Calls of both kinds in short turns, so that whatever disturbs the machine disturbs both."""
+    turn = max(seconds / TURNS, 0.01)
+    figures: list[tuple[float, float]] = []
+    for _ in range(TURNS):
+        with_checks = _trips(_ask(checked, f"trips {turn}")).p50
+        figures.append((with_checks, _trips(_ask(unchecked, f"unchecked {turn}")).p50))
+    p50, without = map(statistics.median, zip(*figures, strict=True))
+    return Measured(p50=p50, unchecked=without)
 
 
 def _share(client: Process, server: Process, late: float, seconds: float) -> Measured:

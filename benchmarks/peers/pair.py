@@ -131,8 +131,10 @@ class Pair:
         self._clients: list[Process] = []
         self.server = Process(candidate.server, [core], env)
 
-    def client(self, cores: Sequence[int]) -> Process:
-        client = Process((*self._candidate.client, self.server.address), cores, self._env)
+    def client(self, cores: Sequence[int], user: str = "") -> Process:
+        """Starts a client, which becomes `user` where one is named. Only ours can."""
+        env = {**self._env, "BENCHMARK_USER": user}
+        client = Process((*self._candidate.client, self.server.address), cores, env)
         self._clients.append(client)
         return client
 

@@ -13,7 +13,7 @@ from bench_peers import own_laboratory
 from candidates import candidates
 from pair import Candidate, Pair
 
-QUESTIONS = ("trips 0.5", "beside 0.5", "outstanding 64 0.5", "silent 0.02 25")
+QUESTIONS = ("trips 0.5", "unchecked 0.5", "outstanding 64 0.5", "silent 0.02 25")
 
 
 def record(candidate: Candidate, cores: list[int], env: dict[str, str]) -> None:

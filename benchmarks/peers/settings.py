@@ -34,7 +34,7 @@ class Line:
     suffix: str = ""
     idle_clients: int = 0
     flooded: bool = False  # one more client keeps 64 calls outstanding
-    beside: bool = False  # in turn with calls that nothing checks, of the same client
+    beside: bool = False  # of another user, in turn with unchecked calls of the server's own user
     late: float = 0.0  # its calls are answered after so many seconds
 
     @property
@@ -92,7 +92,7 @@ def settings(of: Candidates) -> list[Setting]:
     busy_lab = Line(of.ours_lcm, ", 16 idle processes", idle_clients=16)
     flooded = Line(of.ours, ", another client floods", flooded=True)
     idle_server = Line(of.ours, ", a server whose client is silent")
-    checked = Line(of.ours, ", admitted by a list, with a status and an audit", beside=True)
+    checked = Line(of.ours, ", another user, with a list, a status and an audit", beside=True)
     late = Line(of.ours, ", a client whose answers take 11 ms", late=0.011)
     python, iceoryx2_python = lines(of.ours_python, of.iceoryx2_python)
     all_peers = (iceoryx_polled, iceoryx2_polled, *blocking)

@@ -39,21 +39,23 @@ void say(std::vector<Nanoseconds>& times) {
               (quantile(times, 0.99) - clock).count());
 }
 
+using Call = Sample (Client::*)(const Sample&);
+
 /// One call with a number that the answer must carry.
-void exchange(Client& client, Sample& sample) {
+void exchange(Client& client, Sample& sample, Call call = &Client::call) {
   sample.stamp += 1;
-  if (client.call(sample).stamp != sample.stamp)
+  if ((client.*call)(sample).stamp != sample.stamp)
     throw std::runtime_error("the answer belongs to another call");
 }
 
-void trips(Client& client, Seconds how_long) {
+void trips(Client& client, Seconds how_long, Call call) {
   std::vector<Nanoseconds> times;
   times.reserve(1 << 22);
   Sample sample;
   auto before = Clock::now();
   const auto end = before + how_long;
   while (before < end) {
-    exchange(client, sample);
+    exchange(client, sample, call);
     const auto after = Clock::now();
     times.push_back(after - before);
     before = after;
@@ -71,31 +73,6 @@ void silent(Client& client, Seconds rest, std::size_t count) {
     times.push_back(Clock::now() - before);
   }
   say(times);
-}
-
-void beside(Client& client, Seconds how_long) {
-  constexpr int in_turn = 100;  // so that whatever disturbs the machine disturbs both
-  std::vector<Nanoseconds> checked;
-  std::vector<Nanoseconds> unchecked;
-  Sample sample;
-  auto before = Clock::now();
-  const auto turn = [&](std::vector<Nanoseconds>& times, auto call) {
-    for (int i = 0; i < in_turn; ++i) {
-      sample.stamp += 1;
-      if (call().stamp != sample.stamp)
-        throw std::runtime_error("the answer belongs to another call");
-      const auto after = Clock::now();
-      times.push_back(after - before);
-      before = after;
-    }
-  };
-  for (const auto end = before + how_long; before < end;) {
-    turn(checked, [&] { return client.call(sample); });
-    turn(unchecked, [&] { return client.call_unchecked(sample); });
-  }
-  const auto clock = of_the_clock();
-  std::printf("%.1f %.1f\n", (quantile(checked, 0.5) - clock).count(),
-              (quantile(unchecked, 0.5) - clock).count());
 }
 
 void late(Client& client, Seconds each, Seconds how_long) {
@@ -121,13 +98,13 @@ void answer(Client& client, const std::string& line) {
   double second = 0;
   words >> word >> first >> second;
   if (word == "trips" && first > 0) {
-    trips(client, Seconds(first));
+    trips(client, Seconds(first), &Client::call);
+  } else if (word == "unchecked" && first > 0) {
+    trips(client, Seconds(first), &Client::call_unchecked);
   } else if (word == "silent" && second >= 1) {
     silent(client, Seconds(first), static_cast<std::size_t>(second));
   } else if (word == "late" && second > 0) {
     late(client, Seconds(first), Seconds(second));
-  } else if (word == "beside" && first > 0) {
-    beside(client, Seconds(first));
   } else if (word == "outstanding" && first >= 1 && second > 0) {
     outstanding(client, static_cast<unsigned>(first), Seconds(second));
   } else {

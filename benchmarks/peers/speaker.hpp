@@ -1,12 +1,13 @@
 // What every program of `make bench-peers` says, so that one runner can drive all of them:
 //   PROGRAM serve HOW           prints "ready ADDRESS" once it can be called, and serves until it
-//   is killed PROGRAM call HOW ADDRESS    prints "ready", then answers each line of standard input
-//   with a line:
-//     trips SECONDS                one call after the other      -> COUNT P50 P99, the last two in
-//     ns silent SECONDS COUNT         each after that long a rest   -> COUNT P50 P99 outstanding
-//     NUMBER SECONDS   so many calls at a time       -> CALLS_PER_SECOND
-//     late EACH SECONDS            each answered so late        -> COUNT
-//     beside SECONDS               calls of both kinds in turn  -> P50 of `call`, of call_unchecked
+//   is killed
+//   PROGRAM call HOW ADDRESS    prints "ready", then answers each line of standard input with a
+//   line:
+//     trips SECONDS                one call after the other      -> COUNT P50 P99 (ns)
+//     unchecked SECONDS            the same with call_unchecked  -> COUNT P50 P99 (ns)
+//     silent SECONDS COUNT         each after that long a rest   -> COUNT P50 P99 (ns)
+//     outstanding NUMBER SECONDS   so many calls at a time       -> CALLS_PER_SECOND
+//     late EACH SECONDS            each answered so late         -> COUNT
 // What reading the clock takes is taken off P50 and P99. Needs nothing but the standard library,
 // since the peers are built without ours.
 #pragma once

@@ -15,6 +15,17 @@ from pathlib import Path
 PATIENCE_S = 30.0
 """How long a test waits for a line or an end: far beyond what is promised, a miss is a defect."""
 
+WITH_OTHER_USERS = () if os.geteuid() == 0 else ("unshare", "--map-root-user", "--map-auto")
+"""Before a command: it runs as root of a namespace that has other users, too, namely those that
+/etc/subuid gives to this user."""
+
+OTHER_USERS_MISSING = (
+    "this test needs two users of this host: run it as root, or allow user namespaces "
+    "(sysctl -w kernel.unprivileged_userns_clone=1) and give this user others in /etc/subuid and "
+    "/etc/subgid (usermod --add-subuids 100000-165535 --add-subgids 100000-165535 USER); "
+    "newuidmap comes with the package uidmap"
+)
+
 
 def until(happened: Callable[[], bool], what: str, patience: float = PATIENCE_S) -> float:
     """Asks again and again; how long it took, in s."""

@@ -6,12 +6,15 @@ import subprocess
 import sys
 from pathlib import Path
 
+from processes import WITH_OTHER_USERS
+
 TREE = Path(__file__).resolve().parents[2]
 
 
 def bench_peers(build: Path, *words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [
+            *WITH_OTHER_USERS,
             sys.executable,
             TREE / "benchmarks" / "peers" / "bench_peers.py",
             "--build",

@@ -9,22 +9,15 @@ import tempfile
 from pathlib import Path
 
 import pytest
+from processes import OTHER_USERS_MISSING, WITH_OTHER_USERS
 
 TREE = Path(__file__).resolve().parents[2]
-# Root of a namespace that has other users, too: those that /etc/subuid gives to this user.
-WITH_OTHER_USERS = () if os.geteuid() == 0 else ("unshare", "--map-root-user", "--map-auto")
-MISSING = (
-    "this test needs two users of this host: run it as root, or allow user namespaces "
-    "(sysctl -w kernel.unprivileged_userns_clone=1) and give this user others in /etc/subuid and "
-    "/etc/subgid (usermod --add-subuids 100000-165535 --add-subgids 100000-165535 USER); "
-    "newuidmap comes with the package uidmap"
-)
 
 
 @pytest.fixture(autouse=True)
 def _has_other_users() -> None:
     tried = subprocess.run([*WITH_OTHER_USERS, "true"], capture_output=True, text=True, check=False)
-    assert tried.returncode == 0, f"{MISSING}: {tried.stderr}"
+    assert tried.returncode == 0, f"{OTHER_USERS_MISSING}: {tried.stderr}"
 
 
 def test_one_is_admitted_and_one_is_told_why_not(build: Path) -> None:
