@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "robcl/arm/xml_nesting.hpp"
+#include "robcl/frames/units.hpp"
 
 namespace robcl::arm {
 namespace {
