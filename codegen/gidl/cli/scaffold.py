@@ -123,8 +123,8 @@ def _write(folder: Path, texts: dict[str, str]) -> None:
 
 
 def _is_accepted(name: str, interface: str) -> bool:
-    """Returns whether `interface` has no finding. The interface has a finding if `name` is an IDL
-    keyword, or if the template already declares this name."""
+    """Returns whether the text `interface` of a new file NAME.gidl compiles without a finding. A
+    finding means that `name` is an IDL keyword, or that the template already declares this name."""
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / f"{name}.gidl"
         place.write_text(interface, encoding="utf-8")

@@ -22,8 +22,8 @@ _DECLARED = re.compile(
 
 
 def point_at_includes(findings: Findings, folders: Sequence[Path]) -> None:
-    """Adds a help line, which names the file to include, to each finding about an unknown name.
-    Findings that have a help line stay as they are."""
+    """Adds a help line, which names the file to include, to each finding about an unknown name. A
+    finding that already has a help line is not changed."""
     homes: dict[str, str] | None = None
     for index, finding in enumerate(findings.found):
         wanted = _wanted(finding)
