@@ -47,13 +47,14 @@ _CPP_BASE_MEMBERS = words(
     """
 )
 CPP_METHOD_WORDS = CPP_WORDS | _CPP_BASE_MEMBERS
-# In a class that derives from gecos::Object or gecos::Servant, these names are members.
+# A class that derives from gecos::Object or gecos::Servant also has the name of its base as a
+# member.
 CPP_PARAMETER_WORDS = CPP_METHOD_WORDS | {"Object", "Servant"}
 
 # Functions in the namespaces of generated types.
 _CPP_FUNCTIONS = words("decode_enum gecos_violation has to_string")
-# Parameters and local variables of generated functions, which would hide a constant or an alias of
-# the same name.
+# Names of parameters and local variables in generated functions. Such a name would hide a constant
+# or an alias with the same name, so no type or constant keeps one of these names.
 _CPP_LOCALS = words(
     """
     a all arm b bases call code core description each entry field flags from guard item key main
