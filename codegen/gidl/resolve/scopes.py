@@ -307,8 +307,8 @@ class Names:
                 return f"did you mean '{built_in[0]}'?"
         if self.cut:
             return (
-                f"{self.cut[0]} includes this file, so gidl reads {self.cut[0]} after this file: move "
-                "the declarations that both files need into a third file"
+                f"{self.cut[0]} includes this file, so gidl reads {self.cut[0]} after this file: "
+                "move the declarations that both files need into a third file"
             )
         return ""
 

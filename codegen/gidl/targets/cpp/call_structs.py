@@ -46,7 +46,7 @@ from gidl.targets.groups import WIDTH, call, flat, group
 
 @dataclass(frozen=True, slots=True)
 class ListedView:
-    """A struct that lists its members."""
+    """A struct with a function that lists its members, from which the runtime gets its codec."""
 
     name: str
     doc: str
@@ -57,7 +57,8 @@ class ListedView:
 
 @dataclass(frozen=True, slots=True)
 class ResultView:
-    """A result that a class template of the runtime describes."""
+    """A result of a call for which no struct is generated, because a class template of the runtime
+    has the codec."""
 
     name: str
     type: str
@@ -199,8 +200,8 @@ class _Calls(Structs):
         )
 
     def _step(self, node: Node, inside: bool, secret: bool = False) -> _Step:
-        """`inside`: the value is an element of a sequence or map, whose decoder must know how many
-        bytes an element takes at least."""
+        """`inside` tells that the value is an element of a sequence or map. The decoder of a
+        sequence or map must know the smallest size of an element in bytes."""
         if secret:
             step = self._step(node, inside)
             arguments = (step.value,) if step.arguments else ()

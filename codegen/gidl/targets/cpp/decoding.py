@@ -1,7 +1,7 @@
 """Prints C++ expressions that decode a value.
 
-Each value is decoded by one boolean expression, so that fields are joined by && and the first
-failure ends decoding. For the elements of a value, a lambda is passed to a function of
+One boolean expression decodes each value. The expressions of several fields are joined by &&, so
+the first failure ends decoding. For the elements of a value, a lambda is passed to a function of
 gecos/wire/fields.hpp.
 """
 

@@ -129,6 +129,7 @@ class Enums(ValueNames):
 
 
 def _known(enum: EnumDeclaration) -> str:
-    """ "no Speed; give one of SLOW, FAST"; of many enumerators the first ones."""
+    """Returns a text such as "no Speed; give one of SLOW, FAST". A long list of enumerators is
+    cut."""
     shown = textwrap.shorten(", ".join(e.name for e in enum.enumerators), 50, placeholder=" …")
     return f"no {enum.simple_name}; give one of {shown}"

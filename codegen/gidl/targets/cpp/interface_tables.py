@@ -111,8 +111,8 @@ class Tables(CallFacts):
 
 
 def _of_calls(member: Operation | Attribute) -> Qos:
-    """The quality of the calls of `member`. The deadline of a stream is its longest gap, and does
-    not limit a call of the getter."""
+    """Returns the quality of the calls of `member`. The deadline of a stream is the longest time
+    between two samples. It does not limit a call of the getter, so it is left out."""
     streams = isinstance(member, Attribute) and member.streams_out
     return replace(member.qos, deadline_ns=None) if streams else member.qos
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 Written = Literal["plain", "block", "here"]
-"""How a value is encoded: by the library, by the library as a block, or by generated statements."""
+"""How a value is encoded: "plain" and "block" mean that a function of the runtime encodes it, as it
+is or as a block; "here" means that generated statements encode it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,9 +17,10 @@ OBJECT_REF_STEM = "gecos/object_ref"
 
 
 class Locals(LocalNames):
-    """Unique names for the variables in a function body. A name that is already taken gets an
-    underscore at its start, which no name of an interface has; with one at its end, it could hide
-    a constant: a constant `item` is called `item_`."""
+    """Chooses unique names for the variables in a function body. A name that is already taken gets
+    an underscore at its start. No name in an interface begins with an underscore, so the variable
+    hides nothing. An underscore at its end would not do: `item_` may be the C++ name of a constant
+    `item`."""
 
     def fresh(self, wanted: str) -> str:
         name, number = wanted, 1
@@ -67,9 +68,9 @@ def method_name(name: str) -> str:
 
 
 def parameter_name(layout: Layout, interface: Interface, name: str) -> str:
-    """The name of a parameter in the methods of its interface. Underscores at its end keep it
-    different from all names that it would hide, and from the names of other parameters: of `speed`,
-    `speed_` and so on, each gets the next free name."""
+    """Returns the name of a parameter in the methods of its interface. Underscores are added at its
+    end until the name hides no other name. Parameters whose names differ only in underscores at
+    their ends (`speed`, `speed_`) get different names."""
     hidden = layout.cpp_names.hidden[interface.name]
     plain = name.rstrip("_")
     taken, underscores = "", -1

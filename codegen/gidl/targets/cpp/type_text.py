@@ -142,7 +142,8 @@ class Types:
         return "{}"
 
     def _initial_array(self, array: ArrayType) -> str:
-        """The initialiser of an array; `{}` would not set enumerators whose number is not 0."""
+        """Returns the initialiser of an array. For an array of enums it is not `{}` if the default
+        enumerator has another number than 0, because `{}` would set all elements to 0."""
         element: Type = array
         while isinstance(element, ArrayType):
             element = self.model.target(element.element)
@@ -156,8 +157,8 @@ class Types:
 
 
 def is_bulk(element: Node) -> bool:
-    """Returns whether arrays of a type are byte-swapped in one pass. This is so for all scalars
-    except booleans."""
+    """Returns whether an array of such elements is byte-swapped in one pass. All scalars except
+    booleans are."""
     return isinstance(element, ScalarNode) and element.primitive is not Primitive.BOOLEAN
 
 

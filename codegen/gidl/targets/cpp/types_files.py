@@ -106,8 +106,8 @@ _Shown = EnumDeclaration | Bitmask | Bitset | Struct | Union | Typedef | Constan
 
 class _Types(Enums, Structs, Unions):
     def namespaces(self, declarations: tuple[AnyDeclaration, ...]) -> Iterator[NamespaceView]:
-        """Views by namespace: declarations, then the result structs of operations with several
-        results."""
+        """Yields the views of a file by namespace: first the declarations, then the structs of
+        results of operations with several results."""
         ordered = in_order(self._model, [d for d in declarations if isinstance(d, _Shown)])
         early = sorted({name for each in ordered for name in each.incomplete})
         parts = [_forward(self._place(name)) for name in early]

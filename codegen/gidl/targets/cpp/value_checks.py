@@ -1,4 +1,5 @@
-"""Prints C++ statements that check whether a value may be sent, and return the reason if not."""
+"""Prints C++ statements that check whether a value may be sent. If the value must not be sent, the
+statements return the reason."""
 
 from __future__ import annotations
 
@@ -82,7 +83,8 @@ class Checks(Types):
     def _check(
         self, node: Node, x: str, label: str, local: Locals, inner: bool = False
     ) -> list[str]:
-        """`inner`: `x` is an element, so that its own elements have more than one index."""
+        """`inner` tells that `x` is itself an element, so that a message about an element of `x`
+        needs more than one index."""
         match node:
             case ScalarNode():
                 return self._check_number(node, x, label)
