@@ -51,7 +51,7 @@ def _homes(folders: Sequence[Path]) -> dict[str, str]:
         try:
             places = interfaces_below(folder)[:_MOST_FILES]
         except OSError:
-            continue  # the findings only lack their help line
+            continue  # without this folder, some findings lack a help line
         for place in places:
             try:
                 if not place.is_file() or place.stat().st_size > _MOST_BYTES:

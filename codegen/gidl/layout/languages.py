@@ -29,7 +29,8 @@ _MACROS, _GLOBALS = _names_of_headers()
 CPP_WORDS = CPP | {"std", "tl", "nlohmann"} | _MACROS
 """Keywords, namespaces that generated code uses, and macros that system headers define."""
 
-# Members that generated code adds to every struct. A member with one of these names is renamed.
+# Members that generated code adds to every struct. A member in the interface file that has one of
+# these names gets an underscore at its end.
 CPP_STRUCT_WORDS = CPP_WORDS | {"encoded_size", "encode", "decode", "fingerprint", "type_name"}
 CPP_UNION_WORDS = CPP_STRUCT_WORDS | {"tag", "value", "Held"}
 CPP_BITSET_WORDS = CPP_STRUCT_WORDS | {"bits", "set_bits", "raw"}

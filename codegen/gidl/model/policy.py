@@ -84,7 +84,7 @@ class Qos:
     liveliness: Liveliness | None = None
     depth: int | None = None
     media: tuple[str, ...] | None = None
-    on_degraded: OnDegraded | None = None  # of an interface
+    on_degraded: OnDegraded | None = None  # only an interface has this term
 
     def over(self, outer: Qos) -> Qos:
         """Returns the terms of this quality. A term that is not set has the value from `outer`."""

@@ -51,7 +51,7 @@ class ListedView:
     name: str
     doc: str
     fields: tuple[FieldView, ...]
-    head: str  # of the function that lists the members
+    head: str  # head of the function that lists the members
     body: tuple[str, ...]
 
 
@@ -122,7 +122,7 @@ class _Step:
 
     type: str
     arguments: tuple[str, ...] = ()
-    default: bool = field(default=False, kw_only=True)  # True: the C++ type of the value says it
+    default: bool = field(default=False, kw_only=True)  # True: follows from the C++ type
 
     @property
     def value(self) -> str:
@@ -248,7 +248,7 @@ def _around(name: str, steps: list[_Step], bound: int | None = None) -> _Step:
 
 
 def _conjunction(terms: list[str]) -> list[str]:
-    """The statement `return a && b;`, in lines that contain as many terms as fit."""
+    """Returns the statement `return a && b;` in lines that contain as many terms as fit."""
     lines = [f"return {terms[0]}"]
     for term in terms[1:]:
         if len(flat(lines[-1])) + len(flat(term)) + 12 > WIDTH:

@@ -41,8 +41,9 @@ def in_order(model: Model, declarations: list[AnyDeclaration]) -> list[Placed]:
 
 
 def held(model: Model, used: Type, sequences: bool = True) -> set[str]:
-    """Names of the declarations that a type contains, directly or through typedefs. If `sequences`
-    is False, leaves out the elements of sequences, because their C++ types may be incomplete."""
+    """Returns the names of the declarations that a type contains, directly or through typedefs. If
+    `sequences` is False, leaves out the elements of sequences, because their C++ types may be
+    incomplete."""
     match used:
         case SequenceType() if not sequences:
             return set()
@@ -81,8 +82,9 @@ class _Ordering:
         self._complete.add(declaration.name)
 
     def _needed(self, declaration: AnyDeclaration) -> set[str]:
-        """The name of `declaration`, and the names of the types in the file that must be complete
-        before it: all types that it contains outside sequences."""
+        """Returns the name of `declaration`, and the names of the types in the file that must be
+        complete before it. These are all types that it contains, directly or indirectly, except in
+        sequences."""
         needed, open_names = set[str](), {declaration.name}
         while open_names:
             name = open_names.pop()

@@ -48,8 +48,8 @@ class Sizes(Types):
         return [*lines[:-1], f"{lines[-1]};", *rest], total
 
     def size(self, slot: Slot, total: str, local: Locals) -> tuple[int, list[str]]:
-        """The constant part of the encoded size in bytes, and statements that add the rest to
-        `total`."""
+        """Returns the constant part of the encoded size in bytes, and statements that add the
+        variable part to `total`."""
         return self._size(slot.node, slot.expression, total, local)
 
     def _size(self, node: Node, x: str, total: str, local: Locals) -> tuple[int, list[str]]:

@@ -182,8 +182,8 @@ class InterfaceView:
 
     @property
     def answers_else(self) -> str:
-        """C++ expression that asks each base servant to answer the call; true if one of them
-        did."""
+        """A C++ expression that asks each base servant to answer the call. The expression is true
+        if one of them has answered."""
         asked = (f"{base}::gecos_answer({self.request})" for base in self.servant_bases)
         return " || ".join(asked) or "false"
 

@@ -265,7 +265,8 @@ def _free(wanted: str, taken: Collection[str]) -> str:
 
 
 def sample(lowering: Lowering, value: CallValue, taken: Collection[str] = ()) -> list[str]:
-    """The initialiser of a member variable, as the lines after its name."""
+    """Returns the initialiser of a member variable: the lines that follow the name of the
+    variable."""
     if value.optional:
         return ["{}"]
     local = _free("mock_value", taken)
@@ -280,7 +281,8 @@ def sample(lowering: Lowering, value: CallValue, taken: Collection[str] = ()) ->
 
 
 def in_place(lowering: Lowering, value: CallValue, taken: Collection[str]) -> str:
-    """The value that a mock returns for `value`, as an expression."""
+    """Returns an expression for the value that a mock returns for the parameter or result
+    `value`."""
     kind = lowering.type(value.type, value.optional)
     first, *rest = sample(lowering, value, taken)
     if not rest:
@@ -291,7 +293,8 @@ def in_place(lowering: Lowering, value: CallValue, taken: Collection[str]) -> st
 def assigned(
     lowering: Lowering, x: str, used: Type, limits: Range | None, alone: bool
 ) -> list[str]:
-    """Statements that change the C++ default value `x` into the value that the mock returns."""
+    """Returns statements that change the variable `x` from its C++ default value to the value that
+    the mock returns."""
     model: Model = lowering.model
     node = node_of(model, used, False, limits)
     if samples.is_made_by_default(model, node, alone):

@@ -36,7 +36,8 @@ def absolute(place: TypeName) -> str:
 
 
 def hand_written(declaration: AnyDeclaration) -> tuple[str, str] | None:
-    """Type and header of the hand-written C++ type that a declaration maps to, or None."""
+    """Returns the name and the header of the hand-written C++ type that a declaration maps to, or
+    None."""
     maps_to = declaration.maps_to if isinstance(declaration, Struct) else None
     return maps_to.cpp if maps_to is not None else None
 
@@ -63,7 +64,8 @@ def member_name(name: str) -> str:
 
 
 def method_name(name: str) -> str:
-    """The name of an operation or an attribute in the classes of its interface."""
+    """Returns the C++ name of an operation or an attribute, as it is in the proxy and the servant
+    of its interface."""
     return escaped(name, CPP_METHOD_WORDS)
 
 

@@ -15,7 +15,7 @@ def quoted(text: str) -> str:
 
 
 def rows(words: list[str]) -> list[str]:
-    """`words` in lines of at most 90 characters."""
+    """Returns `words` in lines of at most 90 characters."""
     lines: list[str] = []
     for word in words:
         if lines and len(lines[-1]) + len(word) < 90:
@@ -69,7 +69,7 @@ def or_at_end(reader: str, term: list[str]) -> list[str]:
 
 
 def joined_terms(terms: list[list[str]]) -> list[str]:
-    """The terms joined as `a && b`, one term per line."""
+    """Returns the terms joined by &&, one term on each line."""
     lines: list[str] = []
     for i, term in enumerate(terms):
         lines += term
@@ -79,14 +79,15 @@ def joined_terms(terms: list[list[str]]) -> list[str]:
 
 
 def conjunction(terms: list[list[str]]) -> list[str]:
-    """The statement `return a && b;`, one term per line."""
+    """Returns the statement `return a && b;`, with one term on each line."""
     if not terms:
         return ["return true;"]
     return returning(joined_terms(terms))
 
 
 def joined_puts(lines: list[str], writer: str) -> list[str]:
-    """`lines` with consecutive statements `to.put(x);` joined to one `to.put(x, y);`."""
+    """Returns `lines` with consecutive statements such as `to.put(x);` and `to.put(y);` joined to
+    `to.put(x, y);`."""
     head, joined, values = f"{writer}.put(", list[str](), list[str]()
     for line in [*lines, ""]:
         if line.startswith(head):

@@ -190,7 +190,7 @@ def _may_be_missing(member: Member) -> bool:
 
 
 def missing_value(lowering: Lowering, member: Member) -> str:
-    """The C++ value that a member gets when an older writer does not send it."""
+    """Returns the C++ value that a member gets if an older writer has not sent this member."""
     if member.optional:
         return "std::nullopt"
     assert member.default is not None

@@ -86,7 +86,8 @@ class Types:
                 return self.named(name)
 
     def parameter(self, used: Type, optional: bool = False) -> str:
-        """The type of a function's parameter: small values are passed by value."""
+        """Returns the type of a parameter: small values are passed by value, other values by const
+        reference."""
         text = self.type(used, optional)
         target = self.model.target(used)
         small = isinstance(target, PrimitiveType)
@@ -166,7 +167,8 @@ _ESCAPES = {"\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t", "\0": "\\0"}
 
 
 def _quoted(text: str, quote: str) -> str:
-    """A C++ literal in `quote`: a char is one byte of Latin-1, a string is UTF-8."""
+    """Returns a C++ literal between two characters `quote`. A char is one byte of Latin-1, and a
+    string is UTF-8."""
     out = ""
     for letter in text:
         if letter == quote or (letter == "?" and out.endswith("?")):  # avoids a trigraph

@@ -82,14 +82,14 @@ def _system_includes(declared: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _members(spaces: tuple[NamespaceView, ...]) -> Iterator[str]:
-    """C++ text of the types and initial values of all struct members."""
+    """Yields the C++ texts of the types and initial values of all struct members."""
     for view in (view for space in spaces for view in space.types):
         if isinstance(view, StructView):
             yield from (f"{member.type} {member.initial}" for member in view.fields)
 
 
 def _declared(lowering: Lowering, declarations: tuple[AnyDeclaration, ...]) -> Iterator[str]:
-    """C++ text of the types and values in unions, typedefs and constants."""
+    """Yields the C++ texts of the types and values in unions, typedefs and constants."""
     for declaration in declarations:
         match declaration:
             case Union():

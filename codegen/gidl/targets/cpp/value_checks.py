@@ -69,7 +69,8 @@ class Checks(Types):
         return self._checked[name]
 
     def check(self, slot: Slot, local: Locals, refuse: Refuse = lambda text: text) -> list[str]:
-        """Statements that return `refuse(reason)` if the value must not be sent."""
+        """Returns statements that return `refuse(reason)` if the value of the slot must not be
+        sent."""
         return self._refused(self._check(slot.node, slot.expression, slot.label, local), refuse)
 
     @staticmethod
