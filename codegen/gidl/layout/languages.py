@@ -48,8 +48,8 @@ _CPP_BASE_MEMBERS = words(
     """
 )
 CPP_METHOD_WORDS = CPP_WORDS | _CPP_BASE_MEMBERS
-# A class that derives from gecos::Object or gecos::Servant also has the name of its base as a
-# member.
+# In a class that derives from gecos::Object or gecos::Servant, C++ also declares the name of this
+# base as a member (the injected class name).
 CPP_PARAMETER_WORDS = CPP_METHOD_WORDS | {"Object", "Servant"}
 
 # Functions in the namespaces of generated types.

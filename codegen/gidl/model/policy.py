@@ -29,8 +29,7 @@ class OnNew(Enum):
 
 
 class OnLoss(Enum):
-    """What the server does with a running actor operation when the session of the holder of the
-    lease is lost."""
+    """What the server does with a running actor operation when the holder of the lease is lost."""
 
     STOP = "stop"
     FINISH = "finish"

@@ -23,8 +23,8 @@ def bounds(number: ScalarNode) -> str:
 
 
 def limits_text(number: ScalarNode) -> str:
-    """Returns a string literal with the limits of a number, for messages: for example `"[0.01, 1.0]
-    m/s"`. @pre the number has limits"""
+    """Returns the limits of a number as messages show them, in a string literal: for example
+    `"[0.01, 1.0] m/s"`. @pre the number has limits"""
     assert number.limits is not None
     return f'"{range_text(number.limits, number.unit)}"'
 

@@ -69,7 +69,8 @@ class Tables(CallFacts):
 
     def _stream(self, attribute: Attribute) -> str:
         """Returns the text of a tuple: the rate of a stream in Hz, and the size of its largest
-        sample in bytes. 0 stands for a value that is not known."""
+        sample in bytes. 0 stands for a rate that is not declared, and for a size that is not
+        limited."""
         assert attribute.stream is not None
         largest = self._layout.stream(attribute.scoped_name).largest or 0
         return group([repr(float(attribute.stream.rate_hz or 0)), str(largest)])

@@ -62,8 +62,8 @@ def method_name(name: str) -> str:
     return escaped(name, METHOD_WORDS)
 
 
-# The rule gidl.rules.accessors refuses a member of an interface that has a name which one of the
-# next two functions returns.
+# No member of an interface has a name that one of the next two functions returns: the rule
+# gidl.rules.accessors refuses such a member.
 def setter(attribute: str) -> str:
     return f"set_{attribute}"
 
