@@ -86,8 +86,8 @@ def _status(arguments: Sequence[str]) -> int:
 
 
 def _not_usable(problem: OSError) -> Finding:
-    """Returns the finding for a file or folder that the operating system refuses to open. A JSON,
-    SARIF or GitHub report contains this finding; a text report does not."""
+    """Returns the finding for a file or folder that the operating system does not let gidl use.
+    JSON, SARIF and GitHub reports contain this finding; a text report does not."""
     findings = Findings()
     findings.file_error(
         "G0001",

@@ -77,9 +77,7 @@ def write_mock(
         asked = f"no interface {wanted}" if wanted else "no interface to mock"
         raise ScaffoldRefusal(f"{file.path} declares {asked}; there is {known}")
     layout = wire_layout.build(model)
-    render(
-        model, layout, [language]
-    )  # raises UnsupportedError if gidl cannot generate the interfaces
+    render(model, layout, [language])  # raises UnsupportedError before any file is written
     # Names of CMake targets cannot contain spaces.
     stem = re.sub(r"\W", "_", Path(source_stem(file.path)).name)
     folder = _new_folder(into if into is not None else Path(f"{stem}_mock"))
