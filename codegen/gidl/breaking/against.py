@@ -1,4 +1,5 @@
-"""Reads the old interfaces, from a folder or from a git commit, to compare the new ones with."""
+"""Reads the older version of the interfaces from a folder or from a git commit. `gidl breaking`
+compares the new interfaces with this version."""
 
 from __future__ import annotations
 
@@ -53,10 +54,10 @@ class Baseline:
 
 @contextmanager
 def baseline(text: str, roots: Sequence[Path]) -> Iterator[Baseline]:
-    """Gives access to the old interfaces that `text` names. If `text` is a folder, it is the old
-    version of the first of `roots`. `git#ref=main` reads the folders `roots` from a commit;
-    `git#ref=v1.2,subdir=interfaces` reads only the folder `interfaces`. Files of a commit are
-    copied to disk, and deleted when the context ends. Raises AgainstError."""
+    """Gives access to the old interfaces that `text` names. If `text` is a folder, this folder
+    holds the old version of the first folder in `roots`. `git#ref=main` reads the folders `roots`
+    from a commit; `git#ref=v1.2,subdir=interfaces` reads only the folder `interfaces`. Files of a
+    commit are copied to disk, and deleted when the context ends. Raises AgainstError."""
     if not text.startswith(_GIT):
         folder = Path(text)
         if not folder.is_dir():

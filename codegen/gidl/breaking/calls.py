@@ -55,7 +55,8 @@ def _call(sides: Sides, old: Call, new: Call, told: frozenset[str], report: Repo
     if codes[0] != codes[1] or old.id != new.id:
         report.add("G1005", subject,
                    f"'{subject}' had the function code {codes[0]} and now has {codes[1]}",
-                   "calls with the other code fail with UNKNOWN_OPERATION", "keep @id as it was",
+                   "calls between old and new programs fail with UNKNOWN_OPERATION",
+                   "keep @id as it was",
                    new=places[0], old=places[1])  # fmt: skip
     if isinstance(old, Operation) and isinstance(new, Operation):
         _operation(sides, old, new, report)

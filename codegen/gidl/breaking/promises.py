@@ -16,7 +16,7 @@ _ASK = "keep the old declaration, or ask the person responsible for the laborato
 
 def interface(old: Interface, new: Interface, report: Report) -> frozenset[str]:
     """Reports the quality terms that became weaker for the whole interface. Returns the reported
-    texts, so that `call` does not report them again for each member."""
+    texts. The function `call` does not report these texts again for each member."""
     weaker = tuple(_weaker(old.qos, new.qos))
     for text in weaker:
         _qos(report, old.name, f"'{old.name}' {text}", new.facts, old.facts)
@@ -164,7 +164,7 @@ def _access(what: str, old: Access, new: Access) -> Iterator[tuple[str, str]]:
     if new < old:
         yield text, "more clients than before have access"
     elif new > old:
-        yield text, "clients with the old status are refused"
+        yield text, f"clients that have only {old.name.lower()} status are refused"
 
 
 def _presence(old: bool, new: bool) -> Iterator[tuple[str, str]]:

@@ -74,7 +74,8 @@ def _key(model: Model, declaration: AnyDeclaration) -> str:
 
 
 def wire_text(model: Model, used: Type | None) -> str:
-    """Returns the text of a type with its typedefs resolved."""
+    """Returns the text of a type, for messages and for the comparison of two types. Typedefs are
+    resolved, and a renamed type has the name that its @hash_as keeps."""
     match used:
         case None:
             return "void"
@@ -114,9 +115,9 @@ def units(model: Model, used: Type) -> str:
 
 
 def ranges(model: Model, used: Type, limits: Range | None) -> dict[str, Range]:
-    """Returns the ranges in which the numbers of a value of type `used` must be, including the
-    ranges of typedefs of elements, keys and values. A key of the result says which numbers: for
-    example "the elements of ", or "" for the value itself."""
+    """Returns the ranges that limit the numbers in a value of type `used`, including the ranges
+    that the typedefs of its elements, keys and values declare. Each key of the result names the
+    numbers that the range limits: for example "the elements of ", or "" for the value itself."""
     return dict(_ranges(node_of(model, used, limits=limits), ""))
 
 
@@ -136,9 +137,10 @@ def _ranges(node: Node, part: str) -> Iterator[tuple[str, Range]]:
 
 
 def read_exactly(model: Model) -> dict[str, str]:
-    """Returns the enums whose unknown enumerators readers refuse despite @default_literal, each
-    with the reason. A union cannot tell which arm follows an unknown enumerator, and a map must not
-    have the same key twice."""
+    """Returns the names of the enums for which @default_literal does not help: a reader still
+    refuses an enumerator that it does not know. Each name comes with the reason. If the enum is the
+    discriminator of a union, the reader cannot tell which arm follows. If it is the key of a map,
+    two unknown keys would become the same key."""
     found: dict[str, str] = {}
     for slot in slots(model):
         for key in _keys(model, slot.type):

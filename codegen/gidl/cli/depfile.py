@@ -13,8 +13,8 @@ def depfile_text(
     outputs: Iterable[Path], sources: Mapping[str, Source], others: Iterable[Path]
 ) -> str:
     """Returns the text of a depfile with one rule. Every output depends on all files that gidl
-    read, including included files, and on `others`. It also depends on the program files of gidl,
-    because another version of gidl may write other output."""
+    read, including included files, and on the files `others`. Every output also depends on the
+    program files of gidl, because another version of gidl may write other output."""
     read = {
         _place(path, source)
         for path, source in sources.items()

@@ -86,7 +86,8 @@ def _status(arguments: Sequence[str]) -> int:
 
 
 def _not_usable(problem: OSError) -> Finding:
-    """The finding for a file or folder that the system refuses, for a report that is not text."""
+    """Returns the finding for a file or folder that the operating system does not let gidl use.
+    JSON, SARIF and GitHub reports contain this finding; a text report does not."""
     findings = Findings()
     findings.file_error(
         "G0001",
@@ -107,9 +108,9 @@ def _find_current_folder() -> None:
 
 
 def _replace_closed_streams() -> None:
-    """Replaces standard streams that were closed before the start; for such a stream, Python has
-    None. After the replacement, reading stdin and writing stdout fail as for any closed file. Text
-    for stderr is lost."""
+    """Replaces each standard stream that was closed before gidl started, for which Python has None.
+    After the replacement, reading stdin and writing stdout fail with an OSError, and text for
+    stderr is lost."""
     if sys.stdin is None:
         sys.stdin = os.fdopen(os.open(os.devnull, os.O_WRONLY))
     if sys.stdout is None:
@@ -119,8 +120,8 @@ def _replace_closed_streams() -> None:
 
 
 def _no_more_output() -> None:
-    """Discards buffered output. Otherwise Python would try to write it to the closed stdout at
-    exit."""
+    """Discards the buffered output. Otherwise Python would try to write this output to the closed
+    stdout at exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 

@@ -72,8 +72,8 @@ def compare(
     stems: Collection[str] | None,
 ) -> Difference:
     """Compares `files` with the files on disk. A generated file on disk that is not in `files` is
-    stale if it was made from an interface file with one of `stems`; None stands for all interface
-    files."""
+    stale if its interface file has one of the `stems` (paths without suffix). If `stems` is None,
+    every such file is stale."""
     changed, missing = [], []
     for path, text in files.items():
         current = read_output(outputs.place(path))
@@ -94,9 +94,9 @@ def compare(
 
 
 def _ours(folder: Path, language: str, stems: Collection[str] | None) -> list[Path]:
-    """Returns the generated files at their expected paths below `folder`. Left out are copies under
-    another name, and files of other projects inside `folder`, for example in a build folder or a
-    virtual environment."""
+    """Returns the generated files at their expected paths below `folder`. The result leaves out
+    copies under another name, and files of other projects inside `folder`, for example in a build
+    folder or a virtual environment."""
     found = []
     for place in (Path(at, name) for at, _, names in os.walk(folder) for name in names):
         if place.suffix in _ENDINGS[language] and place.is_file() and not place.is_symlink():
@@ -113,14 +113,14 @@ def _head(place: Path) -> str:
     try:
         with place.open("rb") as stream:
             return stream.read(_MARK_WITHIN).decode("utf-8", "ignore")
-    # A NotADirectoryError means that a file is in place of the folder.
+    # A NotADirectoryError means that a file has the path of the folder.
     except (FileNotFoundError, NotADirectoryError):
         return ""
 
 
 def not_ours(outputs: Outputs, difference: Difference) -> list[Path]:
-    """Returns the files on disk that gidl did not generate, but that have the path of a generated
-    file. Also returns pipes and devices with such a path, because gidl would write into them."""
+    """Returns the hand-written files that gidl would overwrite with a generated file. Also returns
+    the pipes and devices that gidl would write into."""
     places = [outputs.place(path) for path in difference.changed]
     return [
         place
@@ -181,8 +181,8 @@ def replace_texts(texts: Mapping[Path, str]) -> None:
 
 @contextmanager
 def _naming(file: Path) -> Iterator[None]:
-    """Makes an OSError of the `with` block name `file`, even if a temporary file caused the
-    error."""
+    """If the `with` block raises an OSError, changes its file name to `file`, because a temporary
+    file may have caused the error."""
     try:
         yield
     except OSError as problem:

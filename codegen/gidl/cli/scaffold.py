@@ -77,7 +77,7 @@ def write_mock(
         asked = f"no interface {wanted}" if wanted else "no interface to mock"
         raise ScaffoldRefusal(f"{file.path} declares {asked}; there is {known}")
     layout = wire_layout.build(model)
-    render(model, layout, [language])  # raises if the interfaces cannot be generated
+    render(model, layout, [language])  # raises UnsupportedError before any file is written
     # Names of CMake targets cannot contain spaces.
     stem = re.sub(r"\W", "_", Path(source_stem(file.path)).name)
     folder = _new_folder(into if into is not None else Path(f"{stem}_mock"))
@@ -123,8 +123,8 @@ def _write(folder: Path, texts: dict[str, str]) -> None:
 
 
 def _is_accepted(name: str, interface: str) -> bool:
-    """Returns whether `interface` has no finding. The interface has a finding if `name` is an IDL
-    keyword, or if the template already declares this name."""
+    """Returns whether the text `interface` of a new file NAME.gidl compiles without a finding. A
+    finding means that `name` is an IDL keyword, or that the template already declares this name."""
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / f"{name}.gidl"
         place.write_text(interface, encoding="utf-8")

@@ -152,8 +152,8 @@ def files_of(chosen: argparse.Namespace) -> list[str] | None:
 
 
 def compiled_from(chosen: argparse.Namespace, files: list[str]) -> Compiled:
-    """Compiles `files` with the options of the command line and gidl.toml. The caller must print
-    the findings."""
+    """Compiles `files` with the options of the command line and of gidl.toml. The caller must print
+    the findings in the result."""
     return compile_files(files, chosen.search, wide=chosen.wide is not None, defines=chosen.defines)
 
 

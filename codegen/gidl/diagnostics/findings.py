@@ -82,7 +82,8 @@ class Findings:
             self.warning(code, at, message, *help_lines)
 
     def take(self, others: Findings, without: Iterable[range]) -> None:
-        """Adds the findings of `others`, except the findings in the line ranges `without`."""
+        """Adds the findings of `others`, except those that are located in the line ranges
+        `without`."""
         for finding in others.found:
             place = finding.location
             if place is None or not any(place.line in lines for lines in without):

@@ -46,9 +46,9 @@ class LoadedFile:
 
 @dataclass(slots=True)
 class Loader:
-    """Loads files and all that they include. An included file is searched first in `search` (the
-    folders of -I), then in the folder of the including file, among the packaged gecos/ files, and
-    in installed packages."""
+    """Loads files and all files that they include. The loader searches for an included file first
+    in `search` (the folders of -I), then in the folder of the including file, then among the gecos/
+    files of gidl itself, and at last in installed packages."""
 
     findings: Findings
     search: tuple[Path, ...] = ()
@@ -113,10 +113,12 @@ class Loader:
 
     def _include_path(self, place: Path, beside: tuple[str, str] | None = None) -> str:
         """Returns the path by which other files include the file `place`. The path is relative to
-        the search folder that contains the file, or else to the including file. `beside` has the
-        path of the including file, and the path that its `#include` names."""
+        the search folder that contains the file. If no search folder contains the file, the path is
+        relative to the folder of the including file. `beside` has the path of the including file,
+        and the path that its `#include` names."""
         whole = absolute(place)
-        # The folders of -I come last, because one of them may contain the others.
+        # The folders of -I come last: one of them may contain a package, but the path of a file in
+        # a package is relative to the folder of the package.
         for folder in (*self._installed, PACKAGED, *self.search):
             if whole.is_relative_to(absolute(folder)):
                 return whole.relative_to(absolute(folder)).as_posix()
@@ -234,8 +236,8 @@ class Loader:
         return self._load(place, path, _shown(place), asked_for=False)
 
     def _header(self, include: Include, place: Path, path: str) -> str | None:
-        """Loads a header, which may contain IDL or preprocessor constants. A header with C code
-        gives one finding only."""
+        """Loads a header, which may contain IDL or preprocessor constants. If the header has
+        errors, all of them are replaced by one finding: the header contains C code."""
         before, findings = set(self.files), len(self.findings.found)
         found = self._load(place, path, _shown(place), asked_for=False)
         if all(f.severity is not Severity.ERROR for f in self.findings.found[findings:]):
@@ -247,7 +249,8 @@ class Loader:
         return None
 
     def _forget_files(self, paths: Set[str]) -> None:
-        """Forgets files, so that the loader reads them again when another file includes them."""
+        """Removes files from the result, so that the loader reads them again when another file
+        includes them."""
         for path in paths:
             del self.files[path], self.sources[path]
         for place in [place for place, path in self._by_place.items() if path in paths]:

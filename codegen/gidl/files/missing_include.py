@@ -22,8 +22,8 @@ _DECLARED = re.compile(
 
 
 def point_at_includes(findings: Findings, folders: Sequence[Path]) -> None:
-    """Adds a help line, which names the file to include, to each finding about an unknown name.
-    Findings that have a help line stay as they are."""
+    """Adds a help line, which names the file to include, to each finding about an unknown name. A
+    finding that already has a help line is not changed."""
     homes: dict[str, str] | None = None
     for index, finding in enumerate(findings.found):
         wanted = _wanted(finding)
@@ -51,7 +51,7 @@ def _homes(folders: Sequence[Path]) -> dict[str, str]:
         try:
             places = interfaces_below(folder)[:_MOST_FILES]
         except OSError:
-            continue  # the findings only lack their help line
+            continue  # without this folder, some findings lack a help line
         for place in places:
             try:
                 if not place.is_file() or place.stat().st_size > _MOST_BYTES:

@@ -30,13 +30,14 @@ def is_interface(path: str) -> bool:
 
 def interfaces_below(folder: Path) -> list[Path]:
     """Returns the interface files in a folder and its subfolders, sorted. Hidden folders, for
-    example .venv, are skipped. Links to folders are followed, but each folder is read once. Raises
-    OSError, naming the folder, if a folder cannot be read."""
+    example .venv, are skipped. Links to folders are followed, but each folder is read once. If a
+    folder cannot be read, raises an OSError that names the folder."""
     found: list[Path] = []
     read: set[Path] = set()
     starts = [folder] if folder.is_dir() else []
     while starts:
-        # Links are read last: a file that can be found without links gets that path.
+        # Links are followed last, so that a file in both a real and a linked folder gets the path
+        # without the link.
         links: list[Path] = []
         for start in sorted(starts):
             _collect(start, found, read, links)

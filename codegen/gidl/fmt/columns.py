@@ -26,8 +26,8 @@ def align(keyword: str, run: list[Laid], indent: int) -> None:
 
 
 def _members(run: list[Laid], indent: int) -> None:
-    """Aligns the types and names of members in columns. Members with annotations are aligned
-    separately from members without."""
+    """Aligns the types and names of members in columns. Members with annotations and members
+    without annotations are aligned separately."""
     plain: list[tuple[Laid, list[str]]] = []
     annotated: list[tuple[Laid, list[str]]] = []
     for laid in run:
@@ -105,7 +105,8 @@ def _text(pieces: list[Piece]) -> str:
 
 
 def _heads(run: list[Laid]) -> None:
-    """Aligns the braces of consecutive short enums, exceptions or structs in one column."""
+    """Aligns the opening braces of consecutive one-line enums, exceptions or structs in one
+    column."""
     group: list[Laid] = []
     for laid in [*run, None]:
         body = _short_body(laid.item) if laid is not None else None
@@ -117,8 +118,8 @@ def _heads(run: list[Laid]) -> None:
 
 
 def _short_body(item: Item) -> Body | None:
-    """Returns the body of an enum, exception or struct without annotations; None for any other
-    item."""
+    """Returns the body of `item` if this is an enum, an exception or a struct, and has no
+    annotation and no second body. Returns None for any other item, and for an empty body."""
     bodies = item.bodies
     first = item.parts[0]
     is_plain = isinstance(first, Piece) and bool(bodies) and first.text == bodies[0].keyword

@@ -59,7 +59,7 @@ def scan(text: str) -> list[Piece]:
             newlines += body.count("\n")
         else:
             if kind == "directive":
-                # Other text precedes the '#', which is possible where '#if' skips text.
+                # Other text precedes the '#'. The parser accepts this in text that an '#if' skips.
                 if newlines == 0:
                     raise UnreadableError(line, "has text before a '#' on the same line")
                 body = text[at : directive_line(text, at)[1]]
@@ -93,7 +93,8 @@ def _adjoins(piece: Piece, following: Piece) -> bool:
 
 
 class _Spacing:
-    """Sets `spaced` for each token, and `role` for each bracket."""
+    """Decides for each token whether a space precedes it (`spaced`), and for each bracket what it
+    encloses (`role`)."""
 
     def __init__(self, pieces: list[Piece]) -> None:
         self._pieces = [p for p in pieces if p.kind not in ("comment", "directive")]

@@ -122,7 +122,7 @@ def _shifted(lines: list[str], shift: int, column: int) -> list[str]:
 
 
 def _item(item: Item, indent: int, keyword: str) -> list[str]:
-    """Returns the lines of an item; lines that are too long are broken."""
+    """Returns the lines of an item. A line that is too long is broken into several lines."""
     breaks_kept = keyword != "("
     split = False
     while True:
@@ -142,8 +142,7 @@ def _item(item: Item, indent: int, keyword: str) -> list[str]:
 
 
 def leading(item: Item) -> int:
-    """Returns how many parts at the beginning of an item are annotations, or comments between
-    annotations."""
+    """Returns how many parts at the beginning of an item are comments or belong to annotations."""
     parts = item.parts
     at = 0
     while at < len(parts):

@@ -81,7 +81,8 @@ class _Reader:
                 self._item(body)
 
     def _same_line(self, body: Body, piece: Piece) -> None:
-        """Keeps comments that follow a preprocessor line on the same line."""
+        """Adds a preprocessor line and the comments at its end to `body` as one element, so that
+        the comments stay on this line."""
         comments = self._comments_behind(piece)
         if comments:
             body.elements[-1] = Item([piece], comments)
@@ -111,9 +112,9 @@ class _Reader:
         body.elements.extend(self._left_over(item))
 
     def _left_over(self, item: Item) -> list[Item | Piece]:
-        """Moves comments out of `item`, the last parameter or enumerator of a list, which no comma
-        ends. Comments on the line of the item become its trailing comments. Returns the other
-        comments."""
+        """Moves the comments at the end of `item` out of its parts. There are such comments only if
+        no separator ends the item, as after the last enumerator of a list. Comments on the line of
+        the item become its trailing comments. Returns the other comments."""
         last = len(item.parts)
         while last > 1 and isinstance(part := item.parts[last - 1], Piece) and part.is_comment:
             last -= 1

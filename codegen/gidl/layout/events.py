@@ -1,9 +1,10 @@
-"""Turns each event into a stream of its parameters, so that media and sessions carry
-events as they carry streams.
+"""Turns each event into a stream of its parameters. Media and sessions then handle events in the
+same way as streams.
 
-The event `touched(in Pose where)` of the interface `Arm` becomes the stream `touched`, which cannot
-be read by a call, and the struct `Arm::touched` of its samples. The struct is appendable, so
-parameters with defaults may be added at the end. In C++ and Python it is called `Arm_touched`.
+For example, the event `touched(in Pose where)` of the interface `Arm` becomes the stream `touched`,
+whose samples are structs of the type `Arm::touched`. A call cannot read this stream. The struct is
+appendable, so parameters with defaults may be added at the end. In C++ and Python, the struct is
+called `Arm_touched`.
 """
 
 from __future__ import annotations

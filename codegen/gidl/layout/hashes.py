@@ -65,8 +65,8 @@ def interface_hash(model: Model, interface: Interface) -> int:
 
 
 def interface_text(model: Model, interface: Interface) -> str:
-    """Returns the canonical text of an interface: one line for each member, inherited ones too,
-    sorted."""
+    """Returns the canonical text of an interface: one line for each member and each inherited
+    member, sorted."""
     writer = _Writer(model, whole=True)
     lines = []
     for member in model.all_interface_members(interface):
@@ -187,8 +187,8 @@ def _old_name(member: Member) -> str:
 
 
 def _core_length(slots: tuple[Member, ...] | tuple[Parameter, ...]) -> int:
-    """Returns the number of members or parameters before the trailing defaulted and optional
-    ones."""
+    """Returns the number of members or parameters that remain when all defaulted and optional ones
+    at the end are left out."""
     length = len(slots)
     while length and (slots[length - 1].optional or slots[length - 1].default is not None):
         length -= 1

@@ -29,7 +29,8 @@ _MACROS, _GLOBALS = _names_of_headers()
 CPP_WORDS = CPP | {"std", "tl", "nlohmann"} | _MACROS
 """Keywords, namespaces that generated code uses, and macros that system headers define."""
 
-# Members that generated code adds to every struct. A member with one of these names is renamed.
+# Members that generated code adds to every struct. A member in the interface file that has one of
+# these names gets an underscore at its end.
 CPP_STRUCT_WORDS = CPP_WORDS | {"encoded_size", "encode", "decode", "fingerprint", "type_name"}
 CPP_UNION_WORDS = CPP_STRUCT_WORDS | {"tag", "value", "Held"}
 CPP_BITSET_WORDS = CPP_STRUCT_WORDS | {"bits", "set_bits", "raw"}
@@ -47,13 +48,14 @@ _CPP_BASE_MEMBERS = words(
     """
 )
 CPP_METHOD_WORDS = CPP_WORDS | _CPP_BASE_MEMBERS
-# In a class that derives from gecos::Object or gecos::Servant, these names are members.
+# In a class that derives from gecos::Object or gecos::Servant, C++ also declares the name of this
+# base as a member (the injected class name).
 CPP_PARAMETER_WORDS = CPP_METHOD_WORDS | {"Object", "Servant"}
 
 # Functions in the namespaces of generated types.
 _CPP_FUNCTIONS = words("decode_enum gecos_violation has to_string")
-# Parameters and local variables of generated functions, which would hide a constant or an alias of
-# the same name.
+# Names of parameters and local variables in generated functions. Such a name would hide a constant
+# or an alias with the same name, so no type or constant keeps one of these names.
 _CPP_LOCALS = words(
     """
     a all arm b bases call code core description each entry field flags from guard item key main

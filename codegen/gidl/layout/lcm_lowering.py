@@ -1,10 +1,10 @@
 """Computes the .lcm struct of every type, and its fingerprint exactly as lcm-gen computes it.
 
-LCM has primitives, strings, structs, and arrays of these, whose dimensions are constants or count
-fields. Any other type inside a sequence, optional, union or array is wrapped in a helper struct
-(for example "Scan_rows_item" or "Scan_names_entry"); wrapping adds no byte to the encoding. Count
-fields are named "<x>_n", and block sizes "<x>_size". Underscores are added to the names of such
-fields and of helper structs until the names are unique.
+LCM has primitives, strings, structs, and arrays of these. A dimension of an array is a constant, or
+a field that holds the count. Any other type inside a sequence, optional, union or array is wrapped
+in a helper struct (for example "Scan_rows_item" or "Scan_names_entry"); wrapping adds no byte to
+the encoding. Count fields are named "<x>_n", and block sizes "<x>_size". Underscores are added to
+the names of such fields and of helper structs until the names are unique.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class LcmMember:
     name: str
     type: str  # an LCM primitive, or the full name of a struct
     dimensions: tuple[LcmDimension, ...] = ()
-    # Name of the .gidl member; None for count fields and for members of helper structs.
+    # Name of the member in the .gidl file; None for count fields and for members of helper structs.
     source: str | None = None
 
 
@@ -138,8 +138,9 @@ class Lowering:
                 self._full_names[declaration.name] = wanted if ours else self._free(wanted)
 
     def _dotted(self, scoped_name: str) -> str:
-        """Returns the LCM name of a type. The modules of the type are the package. The name of an
-        enclosing declaration becomes a prefix of the name."""
+        """Returns the LCM name of a type, for example "lab.Arm_Mode" for "lab::Arm::Mode". The
+        modules of the type become its package. The name of an enclosing declaration becomes a
+        prefix."""
         parts = scoped_name.split("::")
         split = len(parts) - 1
         while split > 0:

@@ -1,8 +1,9 @@
 """Finds declarations in different files that would get the same name in C++.
 
-Within a file and its includes, a name that gidl adds (for example `LampServant` or `Lamp_Mode`) is
-changed if it is already in use: see type_names.py. If neither of two files includes the other, gidl
-cannot do so, and both files may get the same name. A program that includes both would not compile.
+gidl adds names, for example `LampServant` or `Lamp_Mode`. It changes an added name that is already
+in use in the same file or in an included file: see type_names.py. If neither of two files includes
+the other, gidl cannot compare their names, and both files may get the same name. A program that
+includes the headers of both files would not compile.
 """
 
 from __future__ import annotations

@@ -1,13 +1,14 @@
 """Chooses the names of types, constants and interfaces in the output of one language.
 
-A declaration keeps its simple name if possible. A type inside an interface or another type gets
-both names, joined by an underscore (`Manipulator_Mode`), because C++ and Python cannot add a type
-to a class later. A reserved word of the language gets an underscore at its end (`escaped`).
+A declaration keeps its simple name if possible. A type inside an interface or another type gets the
+names of both, joined by an underscore (`Manipulator_Mode`), because C++ and Python cannot add a
+type to a class later. A reserved word of the language gets an underscore at its end (`escaped`).
 Servants, and structs of arguments and results, are named here too, so that the names in a scope are
 unique.
 
-An operation with several results has a struct of results. Where `calls_are_structs`, every call,
-also of an attribute, has a struct of arguments if it takes any, and a struct of its result.
+An operation with several results has a struct of results. If `calls_are_structs` is True for the
+language, every operation, getter and setter has a struct of its arguments and a struct of its
+result; a call without arguments or without a result lacks this struct.
 
 The names in a file depend on the file and its includes, but not on other files of the run, so a
 declaration has the same name in every run.
@@ -100,7 +101,7 @@ class _Naming:
         self._model = model
         self._language = language
         self._taken: dict[str, set[_Place]] = {}  # names in each file and its includes
-        # The names in `_taken` that constants and aliases have.
+        # The names of constants and aliases, which are a part of the names in `_taken`.
         self._values: dict[str, set[_Place]] = {}
         self._top_types = language.type_words | language.root_words
         self._top_modules = language.module_words | language.root_words
@@ -115,8 +116,8 @@ class _Naming:
             taken |= {(scope[:i], scope[i]) for i in range(len(scope))}
         joined = {d.name: "_".join(self._parts(d)) for d in declared}
         wanted = {d.name: self._wanted(d, joined) for d in declared}
-        # Declarations that can keep their simple names are named first. The others avoid these
-        # names.
+        # Declarations that can keep their simple names are named first, because the names of the
+        # others must differ from these names.
         for as_written in (True, False):
             for declaration in declared:
                 name = wanted[declaration.name]
@@ -154,15 +155,17 @@ class _Naming:
             self.names.descriptions[interface.name] = described
 
     def _classes(self, interface: Interface) -> set[str]:
-        """Returns the names of the classes of an interface and of all its bases: a class is also a
-        member of itself and of each class that derives from it."""
+        """Returns the names of the proxies and servants of an interface and of all its bases. In
+        C++, the name of a class is also a member of this class and of all classes that derive from
+        it."""
         tables = self.names.types, self.names.servants
         family = self._model.with_bases(interface)
         return {names[each.name].name for names in tables for each in family}
 
     def _name_structs_of_calls(self, interface: Interface, taken: set[_Place]) -> None:
         own, all_calls = self.names.types[interface.name], self._language.calls_are_structs
-        # Structs of several results first: proxies and servants need them.
+        # Structs of several results are named first, so that these structs, which users see, get
+        # the plain names.
         for member in sorted(interface.members, key=lambda m: _given(m) <= 1):
             wanted, name = f"{own.name}_{member.name}", member.scoped_name
             if all_calls and isinstance(member, Operation) and member.inputs:
@@ -186,8 +189,8 @@ class _Naming:
         return escaped(name, self._top_modules)
 
     def _is_own(self, declaration: AnyDeclaration) -> bool:
-        """Returns whether the declaration is in an interface file of the runtime. False if
-        `own_module` is not set."""
+        """Returns whether the declaration is in an interface file of the runtime. If the language
+        has no `own_module`, returns False."""
         own = self._language.own_module
         return bool(own) and self._model.file_of(declaration.name).startswith(f"{own}/")
 

@@ -164,8 +164,8 @@ class Layout:
         return tuple(c for i in model.with_bases(interface) for c in self.interfaces[i.name].calls)
 
     def call(self, scoped_name: str) -> CallLayout:
-        """Finds a call by the scoped name of its operation or attribute; for a setter, add "=" to
-        the name."""
+        """Returns the call with the scoped name of its operation or attribute. The name of a setter
+        has "=" at its end."""
         owner = scoped_name.rpartition("::")[0]
         return next(c for c in self.interfaces[owner].calls if c.name == scoped_name)
 
@@ -401,8 +401,9 @@ class _Builder:
         )
 
     def _largest(self, sample: FieldLayout) -> int | None:
-        """The sender of a stream makes its samples by its own declaration. Therefore an appendable
-        sample is not larger than this declaration says."""
+        """Returns the size of the largest sample in bytes, or None if the size is not limited. The
+        size is that of samples from a sender with this declaration. Members that a later version of
+        an appendable struct adds therefore do not count."""
         if not isinstance(sample.node, AppendableNode):
             return sample.fixed_size
         members = _sum_fixed(self._struct_fields(self._model.struct(sample.node.name)))
@@ -427,8 +428,8 @@ def wire_tag_of(tag: ScalarNode | EnumNode) -> Primitive:
 
 
 def min_size_of(model: Model, node: Node) -> int:
-    """Returns the size of the smallest value in bytes. A reader may expect at least this many bytes
-    for each element."""
+    """Returns the size of the smallest value in bytes. A decoder uses the size to refuse an element
+    count for which the message has too few bytes."""
     match node:
         case ScalarNode(primitive):
             return primitive.size

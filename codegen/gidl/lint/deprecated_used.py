@@ -1,4 +1,4 @@
-"""Lint: a declaration should not use a deprecated declaration, unless it is deprecated itself."""
+"""Lint: a declaration that is not deprecated itself should not use a deprecated declaration."""
 
 from __future__ import annotations
 

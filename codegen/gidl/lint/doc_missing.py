@@ -18,7 +18,7 @@ def check(model: Model, findings: Findings) -> None:
         for operation in (*interface.operations, *interface.events):
             if not operation.facts.doc:
                 what = "event" if operation.is_event else "operation"
-                about = "with its effect, and when it is refused"
+                about = "that says what the operation does, and when it is refused"
                 if operation.is_event:
                     about = "that says when the event occurs"
                 findings.warning(

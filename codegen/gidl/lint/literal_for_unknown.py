@@ -1,4 +1,5 @@
-"""Lint: an enum should have a @default_literal, which old readers use for literals added later."""
+"""Lint: an enum should have a @default_literal, which old readers use for enumerators that are
+added later."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def check(model: Model, findings: Findings) -> None:
         if core is None or not core.kind.is_floating or _has_unit(model, slot):
             continue
         if slot.what.startswith("type ") or _is_fraction(slot):
-            continue  # a typedef leaves the unit to its members; a fraction has none
+            continue  # members declare the unit of a typedef; a fraction has no unit
         name = _name(slot)
         if name is None:
             continue

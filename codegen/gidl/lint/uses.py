@@ -26,9 +26,9 @@ from gidl.model.types import named_in
 @dataclass(frozen=True, slots=True)
 class Use:
     name: str  # scoped name of the used declaration
-    what: str  # words for the user in messages, for example "member 'pose'"
-    facts: Facts  # facts of the user, which is a member or a declaration
-    by_deprecated: bool  # True: the user itself is deprecated
+    what: str  # the declaration that uses it, in messages: for example "member 'pose'"
+    facts: Facts  # facts of the member or declaration that uses it
+    by_deprecated: bool  # True: the declaration that uses it is deprecated
 
 
 def uses(model: Model, file: File) -> Iterator[Use]:

@@ -1,4 +1,4 @@
-"""The files of a run, and the model, which finds declarations by their names."""
+"""The files of a run of gidl, and the model, which finds declarations by their names."""
 
 from __future__ import annotations
 
@@ -86,8 +86,8 @@ class Model:
         return found
 
     def target(self, used: Type) -> Type:
-        """Returns the type that `used` stands for, with typedefs resolved. The typedefs of its
-        elements stay."""
+        """Returns the type that `used` stands for, with typedefs resolved. Typedefs of its
+        elements, keys and values are not resolved."""
         while isinstance(used, NamedType):
             declaration = self.find(used.name)
             if not isinstance(declaration, Typedef):

@@ -71,7 +71,7 @@ class Operation:
 
     @property
     def outputs(self) -> tuple[Parameter, ...]:
-        """The `out` and `inout` parameters, without the result."""
+        """The `out` and `inout` parameters. The result of the operation is not one of them."""
         return tuple(p for p in self.parameters if p.direction is not Direction.IN)
 
 
@@ -99,7 +99,8 @@ class Attribute:
     secret: bool = False
     bulk: bool = False
     id: int | None = None
-    # The event whose parameters are the samples of this stream; see gidl.layout.events.
+    # The event that this attribute stands for; None for other attributes. The samples of the stream
+    # are the parameters of the event: see gidl.layout.events.
     event: Operation | None = None
 
     @property
@@ -116,8 +117,8 @@ class Attribute:
 
     @property
     def idempotent(self) -> bool:
-        """Always False. Getters and setters are sent at most once, as all calls without @idempotent
-        are."""
+        """Always False. Like all calls without @idempotent, calls of getters and setters are never
+        sent a second time."""
         return False
 
     @property
@@ -137,8 +138,8 @@ class Attribute:
 
     @property
     def has_getter(self) -> bool:
-        """False for an attribute with an inward stream and for an event, because clients cannot
-        read them by a call."""
+        """False for an attribute with an inward stream, and for the attribute that stands for an
+        event: clients cannot read their values by a call."""
         return not self.streams_in and self.event is None
 
     @property

@@ -1,4 +1,4 @@
-"""Access, quality and streams: what a caller needs, and what a connection promises.
+"""Access, quality and streams: the status that a caller needs, and the promises of a connection.
 
 Durations are whole nanoseconds, rates are hertz. `None` means "not set".
 """
@@ -29,15 +29,15 @@ class OnNew(Enum):
 
 
 class OnLoss(Enum):
-    """Decides what the server does with a running actor operation when the holder of the lease is
-    lost."""
+    """What the server does with a running actor operation when the holder of the lease is lost."""
 
     STOP = "stop"
     FINISH = "finish"
 
 
 class QualityClass(IntEnum):
-    """The strictness with which a connection keeps its promises about time, in rising order."""
+    """How strictly a connection keeps its promises about time. The values are ordered from the
+    least to the most strict."""
 
     TIME_INDEPENDENT = 0
     SOFT_REALTIME = 1
@@ -83,10 +83,10 @@ class Qos:
     liveliness: Liveliness | None = None
     depth: int | None = None
     media: tuple[str, ...] | None = None
-    on_degraded: OnDegraded | None = None  # of an interface
+    on_degraded: OnDegraded | None = None  # only an interface has this term
 
     def over(self, outer: Qos) -> Qos:
-        """Returns this quality, with each term that it does not set taken from `outer`."""
+        """Returns the terms of this quality. A term that is not set has the value from `outer`."""
         merged = {}
         for field in fields(self):
             own = getattr(self, field.name)

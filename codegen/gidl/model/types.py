@@ -36,8 +36,8 @@ Value = bool | int | float | str | EnumValue
 
 @dataclass(frozen=True, slots=True)
 class Annotation:
-    """An annotation that gidl does not interpret: it belongs to another IDL vocabulary, or the user
-    declared it."""
+    """An annotation that gidl does not interpret. It belongs to another IDL vocabulary, or the
+    author of the file declared it."""
 
     name: str
     arguments: tuple[tuple[str, Value], ...] = ()  # names and values; @a(v) gives ("value", v)
@@ -163,8 +163,8 @@ Type = PrimitiveType | StringType | SequenceType | MapType | ArrayType | NamedTy
 
 
 def named_in(used: Type) -> Iterator[str]:
-    """Yields the names of the declarations that the text of a type contains. Typedefs are not
-    resolved."""
+    """Yields the names of the declarations that a type mentions, for example "lab::Pose" for
+    `sequence<lab::Pose>`. Typedefs are not resolved."""
     match used:
         case NamedType(name):
             yield name

@@ -161,8 +161,8 @@ class CorbaWriter(OmgWriter):
         self._line("};")
 
     def _named(self, used: Type, name: str, of: str) -> str:
-        """Returns the name of a type. A sequence gets a typedef first, because CORBA requires a
-        name."""
+        """Returns the name of a type. For a sequence, prints a typedef first, because CORBA allows
+        a sequence here only under a name."""
         if not isinstance(used, SequenceType):
             return self._type(used)
         if used not in self._aliases:

@@ -40,7 +40,7 @@ from gidl.model import (
 )
 from gidl.syntax.keywords import UNUSED_BY_LOWER, USED_BY_LOWER
 
-# Words that get an underscore where they are used as names.
+# The keywords of IDL. A name that is one of these words is printed with an underscore before it.
 _KEYWORDS = frozenset((*USED_BY_LOWER, *UNUSED_BY_LOWER))
 _FORWARD = {Struct: "struct", Union: "union", Interface: "interface"}
 
@@ -112,8 +112,8 @@ class OmgWriter(ABC):
     def _units(
         self, declarations: Iterable[AnyDeclaration]
     ) -> Iterator[tuple[AnyDeclaration, ...]]:
-        """Yields groups of declarations that are printed together. The last declaration of a group
-        determines the modules in which the group is printed."""
+        """Yields groups of declarations. The declarations of a group are printed together, in the
+        modules that enclose the last of them."""
 
     @abstractmethod
     def _unit(self, unit: tuple[AnyDeclaration, ...]) -> None: ...
@@ -175,8 +175,8 @@ class OmgWriter(ABC):
         return "::" + "::".join(self._name(part) for part in scoped.split("::"))
 
     def _type(self, used: Type) -> str:
-        """Returns the text of a type, without the dimensions of an array, which follow the name of
-        the member."""
+        """Returns the text of a type. For an array, this is the text of the element type, because
+        the dimensions follow the name of the member."""
         match used:
             case PrimitiveType(kind):
                 written = self.primitives.get(kind.value)

@@ -28,7 +28,7 @@ class Arithmetic:
 
 
 class _Failed(Exception):
-    """Raised when an expression has no value; the finding is already reported."""
+    """Raised when an expression has no value, after the finding that tells why."""
 
 
 def compute(

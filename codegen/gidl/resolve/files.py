@@ -201,8 +201,8 @@ class Resolver(InterfaceResolver):
             self._names.visible.add(symbol.file)
 
     def _anywhere(self, name: ScopedName, scope: Scope) -> list[Symbol]:
-        """Returns the symbols of all parts of a name, even if their files are not included. The
-        list is empty if the name is unknown."""
+        """Returns the symbols of all parts of a name. Unlike a normal look-up, also finds
+        declarations in files that are not included. The list is empty if the name is unknown."""
         visible = self._names.visible
         self._names.visible = visible | _files_of_scope(self._names.top)
         try:

@@ -59,7 +59,7 @@ class InterfaceResolver(TypeResolver):
         self._interface_scopes: dict[str, Scope] = {}
         self._interface_qos: dict[str, Qos] = {}
         self._all_bases: dict[str, tuple[str, ...]] = {}
-        # Interfaces that lost their bases, because there were too many.
+        # Interfaces whose bases were removed, because they had too many.
         self._cut_off: set[str] = set()
 
     def _interface(self, syntax: InterfaceSyntax, scope: Scope) -> None:
@@ -107,8 +107,8 @@ class InterfaceResolver(TypeResolver):
         )
 
     def _few_enough(self, syntax: InterfaceSyntax, name: str, bases: list[str]) -> list[str]:
-        """Returns `bases`. If there are too many, adds a finding and returns an empty list. An
-        interface that derives from such an interface loses its own bases too, without a finding."""
+        """Returns `bases`. If an interface has too many bases, adds a finding and returns an empty
+        list. An interface that derives from this one loses its bases too, but without a finding."""
         if not self._cut_off.isdisjoint(bases):
             self._cut_off.add(name)
             return []

@@ -129,8 +129,8 @@ class Names:
         return symbol
 
     def poison(self, scope: Scope, name: Name) -> None:
-        """Declares the name of an unsupported declaration, so that uses of the name are not
-        reported."""
+        """Declares the name of a declaration that .gidl does not support. The declaration is
+        already reported, so uses of its name must not be reported as unknown."""
         symbol = Symbol(name.text, scope.qualified(name.text), "broken", name.span, _file(name))
         symbol.completed_in = symbol.file
         scope.symbols.setdefault(name.text.lower(), symbol)
@@ -183,9 +183,9 @@ class Names:
         return path[-1] if path else None
 
     def path(self, name: ScopedName, scope: Scope) -> list[Symbol]:
-        """Returns the symbols of all parts of `name`, looked up in `scope`. If a part has no
-        symbol, returns an empty list and adds no finding. The list ends at a part that is broken or
-        ambiguous."""
+        """Returns one symbol for each part of `name`, looked up in `scope`. If a part has no
+        symbol, returns an empty list and adds no finding. If a part is ambiguous, or its
+        declaration had an error, the list ends with this part."""
         symbol = self._first(name, scope)
         path: list[Symbol] = []
         for part in name.parts[1:]:
@@ -237,8 +237,9 @@ class Names:
                 return
 
     def hidden(self, name: ScopedName, scope: Scope, kinds: frozenset[str]) -> Symbol | None:
-        """Returns a symbol called `name` that a symbol in a nearer scope hides, if its kind is one
-        of `kinds`. Returns None if there is no such symbol."""
+        """Returns the symbol called `name` from the nearest scope in which the kind of this symbol
+        is one of `kinds`. A symbol of another kind in a nearer scope may hide it. Returns None if
+        there is no such symbol."""
         for outer in scope.chain():
             symbol = self._in(outer, name.parts[0])
             if len(name.parts) == 1 and symbol is not None and symbol.kind in kinds:
@@ -256,8 +257,8 @@ class Names:
         return Symbol(one.name, one.scoped, "ambiguous", one.span, one.file, meanings=tuple(found))
 
     def _inherited(self, scope: Scope, key: str, seen: set[str]) -> Iterator[Symbol]:
-        """Yields the declarations of `key` in the bases of `scope`. A declaration in a base hides
-        the declarations in the bases of that base."""
+        """Yields the declarations with the name `key` (in lower case) in the bases of `scope`. A
+        declaration in a base hides the declarations in the bases of this base."""
         for base in scope.bases:
             if base.name in seen:
                 continue
@@ -306,8 +307,8 @@ class Names:
                 return f"did you mean '{built_in[0]}'?"
         if self.cut:
             return (
-                f"{self.cut[0]} includes this file, so gidl reads it later: move the declarations "
-                "that both files need into a third file"
+                f"{self.cut[0]} includes this file, so gidl reads {self.cut[0]} after this file: "
+                "move the declarations that both files need into a third file"
             )
         return ""
 

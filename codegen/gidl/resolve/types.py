@@ -109,8 +109,8 @@ class TypeResolver(ValueResolver):
         return NamedType(symbol.scoped)
 
     def _keep(self, symbol: Symbol | None, declaration: AnyDeclaration) -> None:
-        """Adds a declaration to the model. If `symbol` is None, its name is already declared, and
-        the declaration is left out."""
+        """Adds a declaration to the model. If `symbol` is None, the name was declared before, and
+        this second declaration is left out."""
         if symbol is not None:
             self._out.append(declaration)
 
@@ -249,7 +249,8 @@ class TypeResolver(ValueResolver):
         return self._from_typedef(used)[0]
 
     def _from_typedef(self, used: Type) -> tuple[str | None, Range | None]:
-        """Returns the unit and the range of `used` if it is a typedef, else (None, None)."""
+        """Returns the unit and the range that `used` declares if it is a typedef, else (None,
+        None)."""
         name = used.name if isinstance(used, NamedType) else ""
         return self._of_typedef.get(name, (None, None))
 
@@ -301,9 +302,9 @@ class TypeResolver(ValueResolver):
         return both_ranges
 
     def _bounded(self, used: Type) -> tuple[Type, Range | None]:
-        """Returns the type that a range of `used` limits; for arrays and sequences, this is the
-        type of the elements. Also returns the range that the typedefs on the way to this type
-        allow."""
+        """Returns the type of the numbers that a range on `used` limits: for arrays and sequences,
+        this is the type of the elements. Also returns the range that the typedefs of `used` and of
+        its elements declare."""
         inherited = self._from_typedef(used)[1]
         target = self._target(used)
         while isinstance(target, ArrayType | SequenceType):

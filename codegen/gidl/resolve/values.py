@@ -228,7 +228,7 @@ class ValueResolver(ABC):
                 fits = isinstance(value, EnumValue) and value.enum == name
                 what = f"an enumerator of '{name}'"
             case _:
-                fits, what = False, "a value of a type that has no constants"
+                fits, what = False, "a value of a type without constants"
         if not fits:
             shown = describe_kind(found.kind)
             if isinstance(value, EnumValue):
@@ -336,8 +336,8 @@ class ValueResolver(ABC):
         self, used: Type | None, in_sequences: bool, reported: bool = False
     ) -> Symbol | None:
         """Returns the struct or union in `used` of which only a forward declaration is known so
-        far. `reported` is True inside a typedef, because the finding about the typedef is
-        enough."""
+        far. `reported` is True inside a typedef: the typedef itself already has a finding about its
+        type."""
         match used:
             case NamedType(name) if name in self._typedefs:
                 return self._incomplete(self._typedefs[name], in_sequences, True)
@@ -393,8 +393,9 @@ class ValueResolver(ABC):
     # -- annotations ---------------------------------------------------------------------------
 
     def _marks(self, extras: Extras, place: str, scope: Scope) -> Marks:
-        """Checks and computes the annotations of one declaration. An annotation that is repeated,
-        or in the wrong place, gets one finding, however often it is repeated."""
+        """Checks the annotations of one declaration and computes their arguments. An annotation
+        that is repeated or in the wrong place gets only one finding, even if it is written three
+        times."""
         applied: dict[str, Applied] = {}
         reported: set[str] = set()
         kept: list[Annotation] = []
@@ -500,8 +501,8 @@ def _plain(use: AnnotationUse) -> AnnotationUse:
 
 
 def _arithmetic(wanted: Type) -> Arithmetic:
-    """Returns how an integer constant of the type `wanted` is computed: with 32 bits if the type
-    has at most 32 bits, else with 64 bits."""
+    """Returns the arithmetic for an integer constant of the type `wanted`: 32 bits if the type has
+    at most 32 bits, else 64 bits."""
     if isinstance(wanted, PrimitiveType) and wanted.kind.is_integer:
         return Arithmetic(64 if wanted.kind.size == 8 else 32, wanted.kind.is_unsigned)
     return Arithmetic()

@@ -42,7 +42,7 @@ _STANDARD = frozenset(
     ]
 )
 
-# Annotations that may be written twice on one declaration.
+# Annotations that may be written several times on one declaration.
 _REPEATABLE = frozenset(("verbatim",))
 
 
@@ -97,8 +97,8 @@ class Vocabulary:
         self._declared[declared.name.lower()] = declared
 
     def find(self, name: str, scopes: list[str]) -> Declared | None:
-        """Finds an annotation by the name that is used in the file, looked up in `scopes`
-        (innermost first)."""
+        """Returns the annotation that `name` means in the scopes `scopes`, which are ordered from
+        the innermost to the outermost. Returns None if there is no such annotation."""
         for scope in scopes:
             found = self._declared.get(f"{scope}::{name}".lower() if scope else name.lower())
             if found is not None:

@@ -1,5 +1,5 @@
-"""Rule: an annotation about how a call runs must fit the kind of the call: sensor operation, actor
-operation or getter."""
+"""Rule: an annotation that says how a call runs must fit the kind of the call: sensor operation,
+actor operation or getter."""
 
 from __future__ import annotations
 

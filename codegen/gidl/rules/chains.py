@@ -1,5 +1,5 @@
-"""Rule: a chain of types that use each other has at most 64 types. Computing layouts and hashes
-needs such a limit."""
+"""Rule: a chain of types, in which each type uses the next one, has at most 64 types. Layouts and
+hashes are computed recursively, so the depth must be limited."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ def check(model: Model, findings: Findings) -> None:
 
 
 def _lengths(model: Model) -> dict[str, int]:
-    """Returns the length of the longest chain from each declaration. A type that contains itself
-    counts once. The function is not recursive, because a chain may be longer than Python's
-    stack."""
+    """Returns for each declaration the length of the longest chain that begins there. A type that
+    contains itself counts once. The function is not recursive, because a chain may be longer than
+    Python's stack."""
     used = {each.name: _used(each) for each in model.declarations()}
     lengths: dict[str, int] = {}
     for first in used:

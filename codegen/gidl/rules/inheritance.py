@@ -27,8 +27,8 @@ def check(model: Model, findings: Findings) -> None:
 def _inherited(
     model: Model, interface: Interface, findings: Findings
 ) -> dict[str, Operation | Attribute]:
-    """Returns the members of all bases, by lower-case name. Reports bases that have members of the
-    same name."""
+    """Returns the members of all bases; the keys are the names in lower case. Reports two bases
+    that have a member of the same name."""
     found: dict[str, Operation | Attribute] = {}
     for base in interface.all_bases:
         for member in model.interface(base).members:

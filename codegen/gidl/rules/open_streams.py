@@ -51,7 +51,8 @@ def _type(model: Model, attribute: Attribute, findings: Findings) -> None:
 
 
 def _content(model: Model, attribute: Attribute, sample: Struct, findings: Findings) -> None:
-    """Reports what a sample contains that LCM tools cannot decode, or that nobody else may read."""
+    """Reports the types inside a sample that LCM tools cannot decode, and the members that are
+    @secret."""
     at = attribute.facts.place_of("open_stream")
     for declaration in _contained(model, sample):
         if _is_appendable(declaration):
@@ -105,7 +106,8 @@ def _quality(attribute: Attribute, findings: Findings) -> None:
 
 
 def _contained(model: Model, first: AnyDeclaration) -> list[AnyDeclaration]:
-    """Returns the type and all types inside it, each once, in the order in which they are met."""
+    """Returns the type `first` and all types inside it, directly or indirectly. Each type comes
+    only once."""
     met = {first.name: first}
     work = [first]
     while work:

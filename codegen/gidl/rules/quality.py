@@ -21,7 +21,8 @@ def check(model: Model, findings: Findings) -> None:
             findings.error(
                 "G0412",
                 member.facts.place_of("qos.on_degraded"),
-                f"'on_degraded' of '{member.name}': a connection degrades as a whole",
+                f"'on_degraded' is not allowed on '{member.name}', because a connection carries "
+                "all members of the interface",
                 "set it in the @qos of the interface",
             )
 
@@ -47,7 +48,8 @@ def _terms(qos: Qos, facts: Facts, findings: Findings) -> None:
 
 
 def _silence(member: Operation | Attribute, findings: Findings) -> None:
-    """A writer that itself shows that it lives needs a time after which its silence counts."""
+    """With liveliness MANUAL, the samples of a stream show that its writer is alive. Reports such a
+    stream if it has no time after which a silent writer counts as lost."""
     if member.qos.liveliness is not Liveliness.MANUAL:
         return
     inward = isinstance(member, Attribute) and member.streams_in
@@ -62,6 +64,7 @@ def _silence(member: Operation | Attribute, findings: Findings) -> None:
         findings.error(
             "G0412",
             member.facts.place_of("qos"),
-            f"'{member.name}' has liveliness MANUAL, but no time after which its silence counts",
+            f"'{member.name}' has liveliness MANUAL, but no time after which a silent writer "
+            "counts as lost",
             f"set {missing}",
         )

@@ -34,8 +34,8 @@ class _Walker:
         self._open: list[str] = []
 
     def depth(self, name: str) -> int:
-        """Returns how deep structs and unions are nested in the type `name`. Sequences are not
-        followed."""
+        """Returns the number of levels of nested structs and unions in the type `name`. The
+        elements of sequences do not count as nested."""
         if name in self._depths:
             return self._depths[name]
         if name in self._open:

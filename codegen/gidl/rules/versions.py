@@ -33,7 +33,7 @@ def check(model: Model, findings: Findings) -> None:
 
 
 def _since_within(interface: Interface, findings: Findings) -> None:
-    """Reports each member whose @since is later than the version of its interface."""
+    """Reports each member whose @since names a later version than the @version of its interface."""
     version = _key(interface.facts.version)
     for member in interface.members:
         since = _key(member.facts.since)

@@ -85,8 +85,8 @@ def members(model: Model) -> Iterator[Operation | Attribute]:
 
 
 def meet_first(model: Model, interface: Interface, one: str, other: str) -> bool:
-    """Returns whether `interface` combines the interfaces `one` and `other`, while none of its
-    bases does. A clash between `one` and `other` is reported only at such an interface."""
+    """Returns whether `interface` derives from both `one` and `other`, but none of its bases does.
+    A clash between `one` and `other` is reported only at such an interface."""
     for base in interface.all_bases:
         line = {i.name for i in model.with_bases(model.interface(base))}
         if one in line and other in line:
@@ -95,8 +95,8 @@ def meet_first(model: Model, interface: Interface, one: str, other: str) -> bool
 
 
 def numeric_core(model: Model, used: Type) -> PrimitiveType | None:
-    """Returns the number type inside a type, found through typedefs, arrays, sequences and the
-    values of maps. Returns None if there is no number inside."""
+    """Returns the type of the numbers in a type, after resolving typedefs, arrays, sequences and
+    the values of maps. Returns None if these are no numbers."""
     target = model.target(used)
     while isinstance(target, ArrayType | SequenceType | MapType):
         inner = target.value if isinstance(target, MapType) else target.element

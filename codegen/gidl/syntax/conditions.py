@@ -22,7 +22,8 @@ _CONDITION = re.compile(
 
 
 class RefusedError(ValueError):
-    """The condition uses a macro with parameters, which is already reported."""
+    """Raised when the condition uses a macro with parameters. The finding about this macro already
+    exists."""
 
 
 def is_true(text: str, macros: Macros) -> bool:

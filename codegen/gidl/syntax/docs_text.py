@@ -14,7 +14,8 @@ _AFTER = re.compile(r"(//[/!]?<?|/\*[*!]?<?)")
 
 
 class DocReader:
-    """Finds the comments around a declaration by the offsets of its tokens."""
+    """Finds the documentation comments before and after a declaration. The offsets of its tokens
+    tell where to look."""
 
     def __init__(self, lexed: Lexed, skipped: list[tuple[int, int]]) -> None:
         self._source = lexed.source
@@ -25,7 +26,8 @@ class DocReader:
         self._used: set[int] = set()
 
     def before(self, previous_end: int, start: int) -> str:
-        """Returns the text of the last block of documentation comments between two tokens."""
+        """Returns the text of the last block of documentation comments between the end of the
+        previous token and the offset `start`."""
         found = []
         for index in range(bisect_left(self._starts, previous_end), len(self._comments)):
             comment = self._comments[index]

@@ -70,8 +70,8 @@ class InterfaceParser(StructParser):
         return [InterfaceSyntax(name, bases, body, extras)]
 
     def _refuse_kind(self, token: Token) -> None:
-        """Reports an error for `abstract interface` or `local interface`. Several declarations of
-        one interface name get one error together."""
+        """Reports an error for `abstract interface` or `local interface`. Forward declarations and
+        the full declaration of one interface get only one error."""
         self._advance()
         if token.text == "abstract":
             what = ("G0207", "'abstract interface' is", "leave out 'abstract'")

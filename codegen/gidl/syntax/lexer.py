@@ -128,8 +128,8 @@ class _Lexer:
         return self._lexed
 
     def _judge_foreign_bytes(self) -> None:
-        """Reports bytes that are not UTF-8. All comments of the file get one warning together; each
-        other line with such bytes gets an error."""
+        """Reports bytes that are not UTF-8. Such bytes in comments give one warning for the whole
+        file. Outside comments, each line with such bytes gives an error."""
         text = self._source.text
         starts = [comment.start for comment in self._lexed.comments]
         warned = False
@@ -159,8 +159,9 @@ class _Lexer:
         self._findings.error(code, Span(self._source, start, end), message, *help_lines)
 
     def _unknown(self, at: int) -> int:
-        """Reports an unknown character, and returns the offset after it. A token takes the place of
-        the character if this helps the parser."""
+        """Reports an unknown character, and returns the offset at which lexing continues. Reads an
+        unclosed literal or a word with foreign letters as a token, so that the parser finds no
+        second error."""
         text = self._source.text
         char = text[at]
         if char in "\"'":
@@ -323,9 +324,9 @@ class _Lexer:
 
 def directive_line(text: str, at: int) -> tuple[str, int]:
     """Reads the preprocessor line whose `#` is at the offset `at`. Returns the text of the line and
-    the offset where the line ends. In the text, each comment is one space, and continued lines are
-    joined. Comments after the last word are not part of the line, because they may be
-    documentation."""
+    the offset where the line ends. In the text, each comment is replaced by one space, and
+    continued lines are joined. Comments after the last word are not part of the line, because they
+    may document the next declaration."""
     said = ""
     stop = at
     words = 0  # length of `said` without spaces after its last word

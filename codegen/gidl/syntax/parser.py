@@ -75,7 +75,8 @@ def parse(
 
 
 def _lines(source: Source, start: int, end: int) -> range:
-    """Returns the lines between the preprocessor lines at the offsets `start` and `end`."""
+    """Returns the numbers of the lines between two preprocessor lines, whose offsets are `start`
+    and `end`."""
     return range(source.location(start).line + 1, source.location(end).line)
 
 
@@ -323,8 +324,8 @@ class Parser(InterfaceParser):
         return Extras(annotations, doc)
 
     def _opened(self, extras: Extras) -> None:
-        """If the next token is `{`, adds the `//@` comments after it to the declaration whose body
-        begins here."""
+        """If the next token is `{`, adds the annotations in `//@` comments after this brace to the
+        declaration whose body it opens."""
         if self._is("{"):
             self._take_trailing(extras, self._now)
 

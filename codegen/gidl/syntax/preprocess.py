@@ -47,8 +47,8 @@ def preprocess(
     macros: Macros,
     on_include: Callable[[Include], None],
 ) -> Preprocessed:
-    """Executes the preprocessor lines. Both this function and `on_include` read and change
-    `macros`."""
+    """Executes the preprocessor lines, and calls `on_include` for each `#include`. Both read and
+    change `macros`."""
     return _Preprocessor(lexed, findings, macros, on_include).run()
 
 
@@ -277,8 +277,8 @@ class _Preprocessor:
 
 
 def _without_arguments(tokens: list[Token]) -> list[Token]:
-    """Returns `tokens` without the arguments of macros with parameters. If the name of such a macro
-    stands without arguments, it is a name like any other, as in C++."""
+    """Returns `tokens` without the arguments of macros with parameters. As in C++, the name of such
+    a macro without arguments is an ordinary identifier."""
     result: list[Token] = []
     depth: int | None = None  # how many brackets are open in the arguments
     for index, token in enumerate(tokens):

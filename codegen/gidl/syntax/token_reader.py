@@ -16,8 +16,8 @@ MAX_NESTING = 200
 
 
 class Skip(Exception):
-    """Raised after a finding if a grammar rule cannot continue. The rule of the enclosing body
-    catches it and recovers."""
+    """Raised after a finding if a grammar rule cannot continue. The rule that parses the enclosing
+    body catches this exception and continues after the error."""
 
 
 class GiveUp(Exception):
@@ -84,8 +84,8 @@ class TokenReader:
         return self._source.line_of(self._now.start) > self._source.line_of(self._previous.start)
 
     def _expect_semicolon(self, where: str) -> None:
-        """Reads a `;`. If the `;` is missing, reports this, and parsing continues as if it were
-        there."""
+        """Reads a `;`. If the `;` is missing, reports the error, and parsing continues as if the
+        `;` were there."""
         if self._accept(";"):
             return
         if self._now.kind == "macro":
@@ -119,8 +119,8 @@ class TokenReader:
         self._findings.error(code, at, f"{what} not part of .gidl", instead)
 
     def _refuse_once(self, name: str, code: str, at: Span, what: str, instead: str) -> None:
-        """Refuses a declaration. A forward declaration and the full declaration together give one
-        finding."""
+        """Reports an unsupported declaration called `name`. The forward declaration and the full
+        declaration of a name give only one finding."""
         if (name, code) not in self._refused_names:
             self._refused_names.add((name, code))
             self._refuse(code, at, what, instead)

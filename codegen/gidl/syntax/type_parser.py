@@ -120,8 +120,8 @@ class TypeParser(ExpressionParser):
         return self._ahead.text in ("{", "switch") or self._token_at(2).text in ("{", "switch", ":")
 
     def _type_of_macro(self) -> RefusedType:
-        """Reads the use of a macro with parameters as a type if a name follows on the same line.
-        Otherwise the macro stands for more than a type, and the method raises Skip."""
+        """Reads the use of a macro with parameters as a type if a name follows on the same line. If
+        no name follows, the macro stands for a whole declaration, and the method raises Skip."""
         token = self._advance()
         if self._now.kind not in ("id", "escaped") or self._starts_line():
             raise Skip

@@ -65,8 +65,8 @@ def reply_values(operation: Operation, call: CallLayout) -> list[CallValue]:
 
 
 def first_missing(values: Sequence[CallValue]) -> int:
-    """Returns the index of the first value that an older caller may leave out, together with all
-    values after it."""
+    """Returns the smallest index from which on all values are optional or have a default. An older
+    caller may leave out these values."""
     index = len(values)
     while index and (values[index - 1].optional or values[index - 1].default is not None):
         index -= 1
@@ -85,7 +85,7 @@ def result_struct(layout: Layout, operation: Operation) -> Struct:
 
 
 def members_of(values: Sequence[CallValue]) -> tuple[Member, ...]:
-    """The values of a call as members of a struct."""
+    """Returns the values of a call as members of a struct."""
     nowhere = Facts(Location("", 0, 0))
     return tuple(
         Member(v.name, v.type, nowhere, v.unit, v.range, v.default, v.optional, secret=v.secret)

@@ -3,7 +3,8 @@ parsed.
 
 A *group* is a text of parts in brackets, for example the arguments of a call or the elements of a
 list. A part may contain further groups. `laid_out_groups` keeps a line that fits. It breaks a
-longer line at its first group, then at the groups inside, until all lines fit.
+longer line at its first group, so that each part is on a line of its own. It then breaks the new
+lines in the same way, until all lines fit.
 
     text = f"{name} = call{group(['first', 'call' + group(['second'])])}"
 """

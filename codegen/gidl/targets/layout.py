@@ -14,8 +14,8 @@ def laid_out(text: str, language: str) -> str:
 
 
 def _spaced(lines: list[str], python: bool) -> list[str]:
-    """Puts two empty lines around top-level blocks of Python. Elsewhere leaves at most one empty
-    line."""
+    """Puts two empty lines before and after each top-level block of Python. Leaves at most one
+    empty line between other lines."""
     result: list[str] = []
     empty, block = 0, False  # `block`: the line is in a top-level class or function
     decorated = False  # the previous line decorates a top-level class or function

@@ -55,8 +55,8 @@ class LocalNames:
 
 
 def wrapped(line: str, width: int) -> list[str]:
-    """Returns a line of a comment, wrapped to `width` characters. Longer words, for example URLs,
-    are not split."""
+    """Returns a line of a comment, wrapped to `width` characters. A word that is longer than
+    `width`, for example a URL, is not split."""
     return textwrap.wrap(line, width, break_long_words=False, break_on_hyphens=False) or [""]
 
 
@@ -124,8 +124,8 @@ def snake_case(name: str) -> str:
 
 
 def has_output(model: Model, path: str) -> bool:
-    """Returns whether code is generated for the file `path`: no code if the file only declares
-    annotations."""
+    """Returns whether code is generated for the file `path`. No code is generated for a file that
+    includes nothing and declares nothing but annotations."""
     file = next(f for f in model.files if f.path == path)
     printed = any(not isinstance(d, AnnotationDeclaration) for d in file.declarations)
     return printed or bool(file.includes)

@@ -64,7 +64,8 @@ def _direct(model: Model, name: str) -> set[str]:
 
 
 def named_types(used: Type) -> set[str]:
-    """Returns the names of the declarations that the text of a type contains."""
+    """Returns the names of the declarations that a type mentions, for example "lab::Pose" for
+    `sequence<lab::Pose>`. Typedefs are not resolved."""
     match used:
         case NamedType(name):
             return {name}

@@ -40,8 +40,9 @@ def number(kind: Primitive, limits: Range | None) -> int | float:
 
 
 def is_made_by_default(model: Model, node: Node, alone: bool) -> bool:
-    """Returns whether a mock may return a default-constructed value. With `alone`, the value is not
-    a member: it has no declared default, and an enum is 0."""
+    """Returns whether a mock can return a default-constructed value without changing the value.
+    With `alone`, the value is not a member of a struct: a default-constructed enum then has the
+    number 0, even if its initial enumerator has another number."""
     match node:
         case ScalarNode(kind, limits):
             return not kind.is_number or number(kind, limits) == 0
@@ -65,7 +66,8 @@ def is_made_by_default(model: Model, node: Node, alone: bool) -> bool:
 
 
 def arm_of(union: Union) -> UnionCase:
-    """Returns the first arm of the union that a label selects, or else the default arm."""
+    """Returns the first arm of the union that has a label. If no arm has a label, returns the
+    default arm."""
     return next((case for case in union.cases if case.labels), union.cases[0])
 
 

@@ -1,10 +1,10 @@
 """Prints the model that every object serves: its interfaces as JSON, for clients without generated
 code.
 
-Each interface has a text of its own. The text has the members that the interface itself declares,
-and the types that these members use, directly or through other types, as in generated/model. A
-client asks for the texts of an object's interface and of all its bases. The text has a line for
-each declaration and each member, and is plain ASCII.
+Each interface has a text of its own, in the format of generated/model. The text has the members
+that the interface itself declares, and the types that these members use directly or through other
+types. A client asks for the texts of an object's interface and of all its bases. The text has a
+line for each declaration and each member, and is plain ASCII.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from gidl.targets.reach import named_types, reached_types
 
 
 def served_model(model: Model, layout: Layout, interface: Interface) -> str:
-    """Returns the text for `interface`. The text is "" for the built-in operations, which every
-    client knows."""
+    """Returns the text for `interface`. The text is "" for the interface of the built-in
+    operations, because every client knows these operations."""
     if interface.name == BUILT_IN:
         return ""
     names = _used(model, interface)

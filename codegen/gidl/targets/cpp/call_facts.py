@@ -30,7 +30,7 @@ from gidl.targets.naming import (
     value_note,
 )
 
-# Names of members that each generated interface description has.
+# Names of the members of every generated class that describes an interface.
 _DESCRIPTION = ("bases", "description", "inherits", "inward_streams", "operations", "streams")
 
 
@@ -50,8 +50,9 @@ class CallFacts:
         return self._members[call.name.removesuffix("=")]
 
     def _named_constants(self) -> tuple[dict[str, str], dict[str, str]]:
-        """Names of the constants in the class that describes the interface: first for its own
-        operations, then for its own streams."""
+        """Returns the names of the constants in the class that describes the interface. The first
+        map has the constants of the operations that the interface itself declares, the second map
+        those of the streams."""
         described = self._layout.cpp_names.descriptions[self._interface.name].name
         local = LocalNames({described, *_DESCRIPTION})
         calls = {c.name: local.fresh(_constant_name(c)) for c in self._calls}
@@ -93,8 +94,8 @@ class CallFacts:
         )
 
     def _parameters(self, values: list[CallValue]) -> list[tuple[str, str, str]]:
-        """Type, name and default of each parameter. Only trailing parameters have a default,
-        because C++ requires one in all parameters after it."""
+        """Returns the type, the name and the default of each parameter. A parameter gets its
+        default only if all later parameters have one, because C++ requires this."""
         from_here = first_missing(values)
         result = []
         for i, value in enumerate(values):
@@ -139,7 +140,8 @@ class CallFacts:
     def _writing(
         self, slots: list[Slot], size: str, to: str, taken: Collection[str]
     ) -> WritingView:
-        """The lambda that writes `slots`. Its variables `size` and `to` get names that are not in
+        """Returns the view of a lambda that encodes `slots`. `size` and `to` are the names of its
+        variables for the size and for the encoder; its other variables get names that are not in
         `taken`."""
         sizing, expression = self._lowering.whole_size(slots, size, taken)
         used = {*taken, size, to}

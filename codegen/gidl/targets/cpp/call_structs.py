@@ -46,18 +46,19 @@ from gidl.targets.groups import WIDTH, call, flat, group
 
 @dataclass(frozen=True, slots=True)
 class ListedView:
-    """A struct that lists its members."""
+    """A struct with a function that lists its members, from which the runtime gets its codec."""
 
     name: str
     doc: str
     fields: tuple[FieldView, ...]
-    head: str  # of the function that lists the members
+    head: str  # head of the function that lists the members
     body: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class ResultView:
-    """A result that a class template of the runtime describes."""
+    """A result of a call for which no struct is generated, because a class template of the runtime
+    has the codec."""
 
     name: str
     type: str
@@ -121,7 +122,7 @@ class _Step:
 
     type: str
     arguments: tuple[str, ...] = ()
-    default: bool = field(default=False, kw_only=True)  # True: the C++ type of the value says it
+    default: bool = field(default=False, kw_only=True)  # True: follows from the C++ type
 
     @property
     def value(self) -> str:
@@ -199,8 +200,8 @@ class _Calls(Structs):
         )
 
     def _step(self, node: Node, inside: bool, secret: bool = False) -> _Step:
-        """`inside`: the value is an element of a sequence or map, whose decoder must know how many
-        bytes an element takes at least."""
+        """`inside` tells that the value is an element of a sequence or map. The decoder of a
+        sequence or map must know the smallest size of an element in bytes."""
         if secret:
             step = self._step(node, inside)
             arguments = (step.value,) if step.arguments else ()
@@ -247,7 +248,7 @@ def _around(name: str, steps: list[_Step], bound: int | None = None) -> _Step:
 
 
 def _conjunction(terms: list[str]) -> list[str]:
-    """The statement `return a && b;`, in lines that contain as many terms as fit."""
+    """Returns the statement `return a && b;` in lines that contain as many terms as fit."""
     lines = [f"return {terms[0]}"]
     for term in terms[1:]:
         if len(flat(lines[-1])) + len(flat(term)) + 12 > WIDTH:

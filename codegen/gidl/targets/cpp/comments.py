@@ -13,6 +13,7 @@ def doc_lines(facts: Facts, note: str = "") -> tuple[str, ...]:
 
 
 def comment(lines: Iterable[str]) -> tuple[str, ...]:
-    """Adds a full stop to lines that end in a backslash, or in the trigraph for a backslash. Such a
-    line would continue the comment on the next line of code."""
+    """Adds a full stop to each line that ends in a backslash, or in the trigraph for a backslash.
+    Without the full stop, the compiler would read the next line of code as a part of the
+    comment."""
     return tuple(f"{line} ." if line.endswith(("\\", "??/")) else line for line in lines)

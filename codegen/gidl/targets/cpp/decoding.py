@@ -1,7 +1,7 @@
 """Prints C++ expressions that decode a value.
 
-Each value is decoded by one boolean expression, so that fields are joined by && and the first
-failure ends decoding. For the elements of a value, a lambda is passed to a function of
+One boolean expression decodes each value. The expressions of several fields are joined by &&, so
+the first failure ends decoding. For the elements of a value, a lambda is passed to a function of
 gecos/wire/fields.hpp.
 """
 
@@ -31,7 +31,8 @@ from gidl.targets.groups import call
 
 class Reading(Types):
     def decode(self, slot: Slot, source: str, local: Locals) -> list[str]:
-        """Lines of a boolean expression that decodes a value; it is false on failure."""
+        """Returns the lines of a boolean expression that decodes a value. The expression is false
+        if decoding fails."""
         return self._decode(slot.node, slot.expression, slot.label, source, local)
 
     def _decode(self, node: Node, x: str, label: str, source: str, local: Locals) -> list[str]:
@@ -94,7 +95,8 @@ class Reading(Types):
 
 
 def _bulk(read: str, number: ScalarNode, x: str, label: str, source: str) -> list[str]:
-    """An expression that decodes all numbers at once, then checks their range."""
+    """Returns an expression that decodes all numbers at once, and then checks that they are in
+    their range."""
     if number.limits is None:
         return [read]
     return [

@@ -1,8 +1,9 @@
 """The order in which the types of a file are defined.
 
 In C++, the type of a member must be complete where a struct is default-constructed; in IDL it need
-only be declared. So each type is defined after all types that it contains, whatever the order in
-the file. Types that contain each other in sequences are an exception: any one of them comes first.
+only be declared. So each type is defined after all types that it contains, even if the file has
+another order. Types that contain each other in sequences are an exception: one of them is defined
+before the others.
 """
 
 from __future__ import annotations
@@ -31,7 +32,8 @@ class Placed:
 
 
 def in_order(model: Model, declarations: list[AnyDeclaration]) -> list[Placed]:
-    """`declarations` in the order of the file, except that a type follows those it contains."""
+    """Returns `declarations` in the order of the file, but moves a type behind all types that it
+    contains."""
     ordering = _Ordering(model, declarations)
     for declaration in declarations:
         ordering.place(declaration)
@@ -39,8 +41,9 @@ def in_order(model: Model, declarations: list[AnyDeclaration]) -> list[Placed]:
 
 
 def held(model: Model, used: Type, sequences: bool = True) -> set[str]:
-    """Names of the declarations that a type contains, directly or through typedefs. If `sequences`
-    is False, leaves out the elements of sequences, because their C++ types may be incomplete."""
+    """Returns the names of the declarations that a type contains, directly or through typedefs. If
+    `sequences` is False, leaves out the elements of sequences, because their C++ types may be
+    incomplete."""
     match used:
         case SequenceType() if not sequences:
             return set()
@@ -79,8 +82,9 @@ class _Ordering:
         self._complete.add(declaration.name)
 
     def _needed(self, declaration: AnyDeclaration) -> set[str]:
-        """The name of `declaration`, and the names of the types in the file that must be complete
-        before it: all types that it contains outside sequences."""
+        """Returns the name of `declaration`, and the names of the types in the file that must be
+        complete before it. These are all types that it contains, directly or indirectly, except in
+        sequences."""
         needed, open_names = set[str](), {declaration.name}
         while open_names:
             name = open_names.pop()

@@ -29,8 +29,8 @@ class Sizes(Types):
     def whole_size(
         self, slots: Sequence[Slot], total: str, taken: Collection[str]
     ) -> tuple[list[str], str]:
-        """Statements and an expression for the encoded size of all `slots`. There are no statements
-        if the expression is one sum."""
+        """Returns statements that prepare the encoded size of all `slots`, and the expression for
+        this size. If the expression is one sum, there are no statements."""
         constant, lines = 0, list[str]()
         for slot in slots:
             always, more = self.size(slot, total, Locals({*taken, total}))
@@ -48,8 +48,8 @@ class Sizes(Types):
         return [*lines[:-1], f"{lines[-1]};", *rest], total
 
     def size(self, slot: Slot, total: str, local: Locals) -> tuple[int, list[str]]:
-        """The constant part of the encoded size in bytes, and statements that add the rest to
-        `total`."""
+        """Returns the constant part of the encoded size in bytes, and statements that add the
+        variable part to `total`."""
         return self._size(slot.node, slot.expression, total, local)
 
     def _size(self, node: Node, x: str, total: str, local: Locals) -> tuple[int, list[str]]:

@@ -89,7 +89,7 @@ class Enums(ValueNames):
             raw = f"(raw >> {field.position}) & 0x{mask:x}U"
             if kind is Primitive.BOOLEAN:
                 unpack.append(f"{name} = ({raw}) != 0;")
-            elif kind.is_unsigned or field.width == 8 * kind.size:  # no bit is missing above
+            elif kind.is_unsigned or field.width == 8 * kind.size:  # no sign to extend
                 unpack.append(f"{name} = static_cast<{PRIMITIVES[kind]}>({raw});")
             else:
                 sign = 1 << (field.width - 1)
@@ -129,6 +129,7 @@ class Enums(ValueNames):
 
 
 def _known(enum: EnumDeclaration) -> str:
-    """ "no Speed; give one of SLOW, FAST"; of many enumerators the first ones."""
+    """Returns a text such as "no Speed; give one of SLOW, FAST". A long list of enumerators is
+    cut."""
     shown = textwrap.shorten(", ".join(e.name for e in enum.enumerators), 50, placeholder=" …")
     return f"no {enum.simple_name}; give one of {shown}"

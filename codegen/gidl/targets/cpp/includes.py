@@ -14,7 +14,8 @@ _HEADERS = {
 
 
 def system_headers(texts: Iterable[str]) -> set[str]:
-    """The standard headers for all names in `texts`. A generated header includes all standard
-    headers that it needs, and does not rely on the headers that its own headers include."""
+    """Returns the standard headers that declare the names in `texts`. A generated header includes
+    all standard headers that it needs, and does not rely on the headers that its own headers
+    include."""
     used = {word for text in texts for word in re.findall(r"\bstd::(\w+)", text)}
     return {_HEADERS[word] for word in used if word in _HEADERS}

@@ -111,14 +111,15 @@ class Tables(CallFacts):
 
 
 def _of_calls(member: Operation | Attribute) -> Qos:
-    """The quality of the calls of `member`. The deadline of a stream is its longest gap, and does
-    not limit a call of the getter."""
+    """Returns the quality of the calls of `member`. The deadline of a stream is the longest time
+    between two samples. It does not limit a call of the getter, so it is left out."""
     streams = isinstance(member, Attribute) and member.streams_out
     return replace(member.qos, deadline_ns=None) if streams else member.qos
 
 
 def asked(qos: Qos) -> list[str]:
-    """The initialiser of the member `.quality`; empty if `qos` demands nothing."""
+    """Returns the initialiser of the member `.quality`. The list is empty if `qos` demands
+    nothing."""
     terms = quality(qos.of_member)
     if terms:
         terms[0] = f".quality = {{{terms[0]}"
@@ -127,7 +128,7 @@ def asked(qos: Qos) -> list[str]:
 
 
 def quality(qos: Qos) -> list[str]:
-    """Designated initialisers of gecos::qos::Quality, only for what `qos` demands."""
+    """Returns designated initialisers for the members of gecos::qos::Quality that `qos` sets."""
     terms = []
     if qos.quality_class not in (None, QualityClass.TIME_INDEPENDENT):
         word = "SoftRealtime" if qos.quality_class is QualityClass.SOFT_REALTIME else "HardRealtime"
@@ -151,7 +152,7 @@ def quality(qos: Qos) -> list[str]:
 
 
 def filled(terms: list[str]) -> tuple[str, ...]:
-    """Lines that each contain as many entries as fit."""
+    """Returns `terms` joined by commas, in lines that contain as many terms as fit."""
     lines: list[str] = []
     for term in terms:
         if lines and len(lines[-1]) + len(term) < WIDTH - 12:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 Written = Literal["plain", "block", "here"]
-"""How a value is encoded: by the library, by the library as a block, or by generated statements."""
+"""How a value is encoded: "plain" and "block" mean that a function of the runtime encodes it, as it
+is or as a block; "here" means that generated statements encode it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,8 +182,8 @@ class InterfaceView:
 
     @property
     def answers_else(self) -> str:
-        """C++ expression that asks each base servant to answer the call; true if one of them
-        did."""
+        """A C++ expression that asks each base servant to answer the call. The expression is true
+        if one of them has answered."""
         asked = (f"{base}::gecos_answer({self.request})" for base in self.servant_bases)
         return " || ".join(asked) or "false"
 

@@ -28,7 +28,7 @@ from gidl.targets.naming import has_output
 
 @dataclass(frozen=True, slots=True)
 class NamesShape:
-    """The JSON form of an enum or a bitmask: names."""
+    """The JSON form of an enum or a bitmask: the names of enumerators or flags."""
 
     kind: str  # always "names"
     type: str
@@ -45,7 +45,7 @@ class MemberView:
 
 @dataclass(frozen=True, slots=True)
 class MembersShape:
-    """The JSON form of a struct, exception or bitset: members."""
+    """The JSON form of a struct, exception or bitset: an object with its members."""
 
     kind: str  # always "members"
     type: str
@@ -55,7 +55,8 @@ class MembersShape:
 
 @dataclass(frozen=True, slots=True)
 class LayoutShape:
-    """The JSON form of a hand-written type. `layout` is the struct that the interface declares."""
+    """The JSON form of a hand-written type, which is that of the struct for which the type stands.
+    `layout` is this struct, as the interface file declares it."""
 
     kind: str  # always "layout"
     type: str

@@ -82,8 +82,8 @@ class MocksView:
 
 @dataclass(frozen=True, slots=True)
 class OwnNames:
-    """Names that the class of a mock itself needs. These names differ from the names of its methods
-    and parameters."""
+    """Names that the class of a mock needs for itself. They differ from the names of the methods of
+    the mock, and from the names of their parameters."""
 
     mock: str
     streams: str
@@ -118,7 +118,7 @@ def mocks_view(lowering: Lowering, path: str, interfaces: Sequence[Interface]) -
 
 
 OWN_TYPE = TypeName(("gecos",), "")
-"""Stands for the namespace gecos. A mock uses its names in addition to the types of its
+"""Stands for the types of the namespace gecos, which a mock uses in addition to the types of its
 interfaces."""
 
 
@@ -175,7 +175,8 @@ def _mock(
 
 
 class _Facts(ServerSide):
-    """The methods of `interface` in the mock of `mocked`, which is the same or derives from it."""
+    """Builds the methods of `interface` in the mock of `mocked`. `mocked` is `interface` itself, or
+    an interface that derives from it."""
 
     def __init__(
         self, lowering: Lowering, interface: Interface, own: OwnNames, mocked: Interface
@@ -256,15 +257,16 @@ class _Facts(ServerSide):
 
 
 def _free(wanted: str, taken: Collection[str]) -> str:
-    """A name for a local variable. No name in `taken` begins with it, because nested loops append
-    suffixes to it."""
+    """Returns a name for a local variable. No name in `taken` begins with this name, because nested
+    loops make their variables from this name and a suffix."""
     while any(name.startswith(wanted) for name in taken):
         wanted += "_"
     return wanted
 
 
 def sample(lowering: Lowering, value: CallValue, taken: Collection[str] = ()) -> list[str]:
-    """The initialiser of a member variable, as the lines after its name."""
+    """Returns the initialiser of a member variable: the lines that follow the name of the
+    variable."""
     if value.optional:
         return ["{}"]
     local = _free("mock_value", taken)
@@ -279,7 +281,8 @@ def sample(lowering: Lowering, value: CallValue, taken: Collection[str] = ()) ->
 
 
 def in_place(lowering: Lowering, value: CallValue, taken: Collection[str]) -> str:
-    """The value that a mock returns for `value`, as an expression."""
+    """Returns an expression for the value that a mock returns for the parameter or result
+    `value`."""
     kind = lowering.type(value.type, value.optional)
     first, *rest = sample(lowering, value, taken)
     if not rest:
@@ -290,7 +293,8 @@ def in_place(lowering: Lowering, value: CallValue, taken: Collection[str]) -> st
 def assigned(
     lowering: Lowering, x: str, used: Type, limits: Range | None, alone: bool
 ) -> list[str]:
-    """Statements that change the C++ default value `x` into the value that the mock returns."""
+    """Returns statements that change the variable `x` from its C++ default value to the value that
+    the mock returns."""
     model: Model = lowering.model
     node = node_of(model, used, False, limits)
     if samples.is_made_by_default(model, node, alone):

@@ -17,9 +17,10 @@ OBJECT_REF_STEM = "gecos/object_ref"
 
 
 class Locals(LocalNames):
-    """Unique names for the variables in a function body. A name that is already taken gets an
-    underscore at its start, which no name of an interface has; with one at its end, it could hide
-    a constant: a constant `item` is called `item_`."""
+    """Chooses unique names for the variables in a function body. A name that is already taken gets
+    an underscore at its start. No name in an interface begins with an underscore, so the variable
+    hides nothing. An underscore at its end would not do: `item_` may be the C++ name of a constant
+    `item`."""
 
     def fresh(self, wanted: str) -> str:
         name, number = wanted, 1
@@ -35,7 +36,8 @@ def absolute(place: TypeName) -> str:
 
 
 def hand_written(declaration: AnyDeclaration) -> tuple[str, str] | None:
-    """Type and header of the hand-written C++ type that a declaration maps to, or None."""
+    """Returns the name and the header of the hand-written C++ type that a declaration maps to, or
+    None."""
     maps_to = declaration.maps_to if isinstance(declaration, Struct) else None
     return maps_to.cpp if maps_to is not None else None
 
@@ -62,14 +64,15 @@ def member_name(name: str) -> str:
 
 
 def method_name(name: str) -> str:
-    """The name of an operation or an attribute in the classes of its interface."""
+    """Returns the C++ name of an operation or an attribute, as it is in the proxy and the servant
+    of its interface."""
     return escaped(name, CPP_METHOD_WORDS)
 
 
 def parameter_name(layout: Layout, interface: Interface, name: str) -> str:
-    """The name of a parameter in the methods of its interface. Underscores at its end keep it
-    different from all names that it would hide, and from the names of other parameters: of `speed`,
-    `speed_` and so on, each gets the next free name."""
+    """Returns the name of a parameter in the methods of its interface. Underscores are added at its
+    end until the name hides no other name. Parameters whose names differ only in underscores at
+    their ends (`speed`, `speed_`) get different names."""
     hidden = layout.cpp_names.hidden[interface.name]
     plain = name.rstrip("_")
     taken, underscores = "", -1

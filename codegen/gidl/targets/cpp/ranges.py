@@ -8,21 +8,23 @@ from gidl.targets.naming import range_text
 
 
 def range_test(x: str, number: ScalarNode) -> str:
-    """A test of the range: "(x >= 0.01 && x <= 1.0)". Empty if all values are in the range."""
+    """Returns a test of the range, for example "(x >= 0.01 && x <= 1.0)". The text is empty if
+    every value of the type is allowed."""
     tests = [f"{x} {sign} {bound}" for sign, _, bound in _bounds(number)]
     return f"({' && '.join(tests)})" if tests else ""
 
 
 def bounds(number: ScalarNode) -> str:
-    """A gecos::wire::Bounds: "{0.01, 1.0}" or "{.low = 0.01}". Empty if every value of the type
-    is allowed."""
+    """Returns an initialiser for gecos::wire::Bounds, for example "{0.01, 1.0}" or "{.low = 0.01}".
+    The text is empty if every value of the type is allowed."""
     found = _bounds(number)
     terms = [bound if len(found) == 2 else f".{side} = {bound}" for _, side, bound in found]
     return f"{{{', '.join(terms)}}}" if terms else ""
 
 
 def limits_text(number: ScalarNode) -> str:
-    """The string literal that messages show: ""[0.01, 1.0] m/s"". @pre the number has limits"""
+    """Returns the limits of a number as messages show them, in a string literal: for example
+    `"[0.01, 1.0] m/s"`. @pre the number has limits"""
     assert number.limits is not None
     return f'"{range_text(number.limits, number.unit)}"'
 

@@ -105,7 +105,8 @@ class ServerSide(CallFacts):
 
     @cached_property
     def _request(self) -> str:
-        """Name of the skeleton's variable for an incoming call, distinct from all parameters."""
+        """The name of the variable that holds the incoming call in the skeleton. No parameter has
+        this name."""
         slots = [s for call in self._calls for s in self._slots(call.request, "")]
         return names.Locals(slot.expression for slot in slots).fresh("call")
 

@@ -10,12 +10,12 @@ def of(x: str, what: str) -> str:
 
 
 def quoted(text: str) -> str:
-    """A string literal of `text`, in which no character needs an escape."""
+    """Returns a string literal for `text`. @pre no character of `text` needs an escape"""
     return f'"{text}"'
 
 
 def rows(words: list[str]) -> list[str]:
-    """`words` in lines of at most 90 characters."""
+    """Returns `words` in lines of at most 90 characters."""
     lines: list[str] = []
     for word in words:
         if lines and len(lines[-1]) + len(word) < 90:
@@ -30,7 +30,8 @@ def indented(lines: list[str]) -> list[str]:
 
 
 def block(head: str, lines: list[str]) -> list[str]:
-    """`head` with its statements; a single short one stands on the line of `head`."""
+    """Returns a block: `head`, and the statements `lines` in braces. A single short statement is
+    put on the line of `head`, without braces."""
     if len(lines) == 1 and len(head) + len(lines[0]) < 80:
         return [f"{head} {lines[0]}"]
     return [f"{head} {{", *indented(lines), "}"]
@@ -41,7 +42,8 @@ def loop(item: str, over: str, lines: list[str], kind: str = "const auto&") -> l
 
 
 def with_lambda(head: str, name: str, body: list[str]) -> list[str]:
-    """A call: `head`, then as last argument a lambda that returns the expression `body`."""
+    """Returns a call: `head` has the function and the first arguments. The last argument is a
+    lambda with the parameter `name` that returns the expression `body`."""
     lines = returning(body)
     if len(lines) == 1 and len(flat(head + lines[0])) < 70:
         return [f"{head}[&](auto& {name}) {{ {lines[0]} }})"]
@@ -56,8 +58,8 @@ def with_lambda(head: str, name: str, body: list[str]) -> list[str]:
 
 
 def or_at_end(reader: str, term: list[str]) -> list[str]:
-    """An expression that is true if no more bytes follow, because an older writer sent the value;
-    otherwise it has the value of `term`."""
+    """Returns an expression that is true if the reader is at the end of the message, because an
+    older writer sent the value. Otherwise the expression has the value of `term`."""
     lines = [f"({reader}.at_end() ||", *(f" {line}" for line in term)]
     if len(term) > 1 and term[0].endswith("&&"):
         lines[1] = f" ({term[0]}"
@@ -67,7 +69,7 @@ def or_at_end(reader: str, term: list[str]) -> list[str]:
 
 
 def joined_terms(terms: list[list[str]]) -> list[str]:
-    """The terms joined as `a && b`, one term per line."""
+    """Returns the terms joined by &&, one term on each line."""
     lines: list[str] = []
     for i, term in enumerate(terms):
         lines += term
@@ -77,14 +79,15 @@ def joined_terms(terms: list[list[str]]) -> list[str]:
 
 
 def conjunction(terms: list[list[str]]) -> list[str]:
-    """The statement `return a && b;`, one term per line."""
+    """Returns the statement `return a && b;`, with one term on each line."""
     if not terms:
         return ["return true;"]
     return returning(joined_terms(terms))
 
 
 def joined_puts(lines: list[str], writer: str) -> list[str]:
-    """`lines` with consecutive statements `to.put(x);` joined to one `to.put(x, y);`."""
+    """Returns `lines` with consecutive statements such as `to.put(x);` and `to.put(y);` joined to
+    `to.put(x, y);`."""
     head, joined, values = f"{writer}.put(", list[str](), list[str]()
     for line in [*lines, ""]:
         if line.startswith(head):

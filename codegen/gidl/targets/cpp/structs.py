@@ -80,7 +80,8 @@ class Structs(ValueNames):
         )
 
     def results_of(self, interface: Interface) -> Iterator[tuple[TypeName, StructView]]:
-        """The structs that callers get as the result of operations with several results."""
+        """Yields the name and the view of the struct of results, for each operation of `interface`
+        that has several results."""
         for operation in interface.operations:
             if len(self._layout.call(operation.scoped_name).reply) > 1:
                 yield self._result(operation)
@@ -189,7 +190,7 @@ def _may_be_missing(member: Member) -> bool:
 
 
 def missing_value(lowering: Lowering, member: Member) -> str:
-    """The C++ value that a member gets when an older writer does not send it."""
+    """Returns the C++ value that a member gets if an older writer has not sent this member."""
     if member.optional:
         return "std::nullopt"
     assert member.default is not None
@@ -199,8 +200,8 @@ def missing_value(lowering: Lowering, member: Member) -> str:
 def _mistaken_unit(content: Content) -> str:
     """Returns the C++ text of a call of gecos::wire::mistaken_unit, for an exception whose members
     `value`, `lower` and `upper` are numbers with units. Returns an empty text for other exceptions.
-    When the generated code runs, the call adds to the text of the exception the question whether
-    `value` was given in degrees or millimetres."""
+    In a running program, the call returns a question such as "is the value in degrees?", which the
+    generated code appends to the text of the exception."""
     found = {m.name: (m, f.node) for m, f in zip(content.members, content.fields, strict=True)}
     names = ("value", "lower", "upper")
     members, nodes = zip(*(found.get(name, (None, None)) for name in names), strict=True)

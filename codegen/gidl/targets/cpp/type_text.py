@@ -86,7 +86,8 @@ class Types:
                 return self.named(name)
 
     def parameter(self, used: Type, optional: bool = False) -> str:
-        """The type of a function's parameter: small values are passed by value."""
+        """Returns the type of a parameter: small values are passed by value, other values by const
+        reference."""
         text = self.type(used, optional)
         target = self.model.target(used)
         small = isinstance(target, PrimitiveType)
@@ -142,7 +143,8 @@ class Types:
         return "{}"
 
     def _initial_array(self, array: ArrayType) -> str:
-        """The initialiser of an array; `{}` would not set enumerators whose number is not 0."""
+        """Returns the initialiser of an array. For an array of enums it is not `{}` if the default
+        enumerator has another number than 0, because `{}` would set all elements to 0."""
         element: Type = array
         while isinstance(element, ArrayType):
             element = self.model.target(element.element)
@@ -156,8 +158,8 @@ class Types:
 
 
 def is_bulk(element: Node) -> bool:
-    """Returns whether arrays of a type are byte-swapped in one pass. This is so for all scalars
-    except booleans."""
+    """Returns whether an array of such elements is byte-swapped in one pass. All scalars except
+    booleans are."""
     return isinstance(element, ScalarNode) and element.primitive is not Primitive.BOOLEAN
 
 
@@ -165,7 +167,8 @@ _ESCAPES = {"\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t", "\0": "\\0"}
 
 
 def _quoted(text: str, quote: str) -> str:
-    """A C++ literal in `quote`: a char is one byte of Latin-1, a string is UTF-8."""
+    """Returns a C++ literal between two characters `quote`. A char is one byte of Latin-1, and a
+    string is UTF-8."""
     out = ""
     for letter in text:
         if letter == quote or (letter == "?" and out.endswith("?")):  # avoids a trigraph

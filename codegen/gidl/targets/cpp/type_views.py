@@ -170,7 +170,8 @@ class TypesView:
 
 
 def printed(name: str, prints: list[PrintView], end: str = "") -> tuple[str, ...]:
-    """Literals and values in turn: `"Point{x=", value.x, " m}"`. `end` is a last value."""
+    """Returns the arguments that print a value: literals and members in turn, for example
+    `"Point{x=", value.x, " m}"`. If `end` is not empty, it is the last argument."""
     parts, literal = [], f"{name}{{"
     for i, each in enumerate(prints):
         literal += f"{', ' if i else ''}{each.label}"

@@ -82,14 +82,14 @@ def _system_includes(declared: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _members(spaces: tuple[NamespaceView, ...]) -> Iterator[str]:
-    """C++ text of the types and initial values of all struct members."""
+    """Yields the C++ texts of the types and initial values of all struct members."""
     for view in (view for space in spaces for view in space.types):
         if isinstance(view, StructView):
             yield from (f"{member.type} {member.initial}" for member in view.fields)
 
 
 def _declared(lowering: Lowering, declarations: tuple[AnyDeclaration, ...]) -> Iterator[str]:
-    """C++ text of the types and values in unions, typedefs and constants."""
+    """Yields the C++ texts of the types and values in unions, typedefs and constants."""
     for declaration in declarations:
         match declaration:
             case Union():
@@ -106,8 +106,8 @@ _Shown = EnumDeclaration | Bitmask | Bitset | Struct | Union | Typedef | Constan
 
 class _Types(Enums, Structs, Unions):
     def namespaces(self, declarations: tuple[AnyDeclaration, ...]) -> Iterator[NamespaceView]:
-        """Views by namespace: declarations, then the result structs of operations with several
-        results."""
+        """Yields the views of a file by namespace: first the declarations, then the structs of
+        results of operations with several results."""
         ordered = in_order(self._model, [d for d in declarations if isinstance(d, _Shown)])
         early = sorted({name for each in ordered for name in each.incomplete})
         parts = [_forward(self._place(name)) for name in early]

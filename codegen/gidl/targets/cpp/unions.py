@@ -71,7 +71,8 @@ class Unions(ValueNames):
         return self._lowering.initial(dummy)
 
     def _select(self, union: Union) -> list[str]:
-        """Statements that return the index of the variant's alternative for `tag`."""
+        """Returns statements that return the index of the alternative of the std::variant that
+        `tag` selects."""
         boolean = self._model.target(union.discriminator) == PrimitiveType(Primitive.BOOLEAN)
         lines, otherwise = [], "return 0;"
         for index, case in enumerate(union.cases):

@@ -1,4 +1,5 @@
-"""Prints C++ statements that check whether a value may be sent, and return the reason if not."""
+"""Prints C++ statements that check whether a value may be sent. If the value must not be sent, the
+statements return the reason."""
 
 from __future__ import annotations
 
@@ -68,7 +69,8 @@ class Checks(Types):
         return self._checked[name]
 
     def check(self, slot: Slot, local: Locals, refuse: Refuse = lambda text: text) -> list[str]:
-        """Statements that return `refuse(reason)` if the value must not be sent."""
+        """Returns statements that return `refuse(reason)` if the value of the slot must not be
+        sent."""
         return self._refused(self._check(slot.node, slot.expression, slot.label, local), refuse)
 
     @staticmethod
@@ -82,7 +84,8 @@ class Checks(Types):
     def _check(
         self, node: Node, x: str, label: str, local: Locals, inner: bool = False
     ) -> list[str]:
-        """`inner`: `x` is an element, so that its own elements have more than one index."""
+        """`inner` tells that `x` is itself an element, so that a message about an element of `x`
+        needs more than one index."""
         match node:
             case ScalarNode():
                 return self._check_number(node, x, label)

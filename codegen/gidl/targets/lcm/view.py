@@ -79,8 +79,8 @@ def _struct(model: Model, struct: LcmStruct) -> StructView:
 
 
 def _facts(model: Model, struct: LcmStruct) -> dict[str, Facts]:
-    """Returns the facts (for example comments) of the struct under "", and the facts of its members
-    by name."""
+    """Returns the facts (for example the comments) of the members, by the name of the member. The
+    facts of the struct itself have the key ""."""
     if struct.source is None:
         return {}
     declaration = model.find(struct.source)

@@ -1,9 +1,10 @@
 """Chooses the base classes of a generated proxy or servant.
 
-Python puts all bases of a class in one order, by the algorithm C3, which keeps the order that each
-base already has. Python refuses a class for which no such order exists: for example the class of
-`interface C : A, B` where B derives from A. Members are never overridden, so any order is correct.
-All generated classes use the same order: the deepest base first.
+Python computes one order of all bases of a class by the algorithm C3. This order must contain the
+bases of each base in the order that Python computed for that base. Python refuses a class for which
+no such order exists: for example the class of `interface C : A, B` if B derives from A. Members are
+never overridden, so any order is correct. All generated classes use the same order: the deepest
+base first.
 """
 
 from __future__ import annotations
@@ -12,9 +13,9 @@ from gidl.model import Interface, Model
 
 
 def class_bases(model: Model, interface: Interface) -> list[str]:
-    """Returns the scoped names of the base classes. These are the direct bases if Python then
-    orders all bases from the deepest to the least deep. Otherwise these are all bases, in that
-    order."""
+    """Returns the scoped names of the interfaces whose classes become base classes. The direct
+    bases are enough if Python then orders all bases from the deepest to the least deep. Otherwise
+    the list has all bases, in that order."""
     wanted = _ordered(model, interface.all_bases)
     inherited = {name for base in interface.bases for name in model.interface(base).all_bases}
     own = _ordered(model, [name for name in interface.bases if name not in inherited])
@@ -31,8 +32,8 @@ def _depth(model: Model, name: str) -> int:
 
 
 def _merged(lists: list[list[str]]) -> list[str]:
-    """Returns the bases in the order of Python (C3). The list ends early if Python would refuse the
-    bases."""
+    """Returns the order that Python (C3) would compute from the orders `lists`. If Python would
+    refuse the class, the result lacks some bases."""
     found: list[str] = []
     while lists := [each for each in lists if each]:
         heads = (each[0] for each in lists)

@@ -78,14 +78,15 @@ class CallFacts:
         return Passed(attribute_value(attribute), sample.node)
 
     def _parameter_names(self, call: CallLayout) -> list[str]:
-        """Returns the names of the parameters, in order. No parameter has the name of a class in a
-        type hint."""
+        """Returns the names of the parameters, in order. A parameter does not get the name of a
+        class that a type hint of these parameters uses."""
         inputs = self._inputs(call)
         words = self._lowering.words_beside([each.node for each in inputs], PYTHON_WORDS)
         return [names.member_name(each.value.name, words) for each in inputs]
 
     def _missing(self, each: Passed) -> str:
-        """Returns the default value, as text, of a parameter that an older caller leaves out."""
+        """Returns the text of the default value that a parameter gets if an older caller leaves it
+        out."""
         if each.value.optional or each.value.default is None:
             return "None"
         return self._lowering.literal(each.value.default, each.node)
@@ -94,8 +95,8 @@ class CallFacts:
         return call.name in self._layout.python_names.results
 
     def _in_class(self, hint: str) -> str:
-        """Returns a type hint for use inside a class. If a method `list` hides the type `list`, the
-        hint uses the alias `_list_`."""
+        """Returns the type hint `hint` for use inside a class. If a method of the class is called
+        `list`, it hides the type `list`, and the hint uses the alias `_list_`."""
 
         def other(found: re.Match[str]) -> str:
             if found[0] not in self._beside:
@@ -124,8 +125,8 @@ class CallFacts:
 
 
 def classes_of(lowering: Lowering, interface: Interface) -> set[Home]:
-    """Returns the classes that the proxy and the servant of an interface use: value types and
-    bases."""
+    """Returns the generated classes that the proxy and the servant of an interface use: the types
+    of values, and base classes."""
     model, layout, homes = lowering.model, lowering.layout, lowering.module.homes
     nodes: list[Node] = []
     found: set[Home] = set()

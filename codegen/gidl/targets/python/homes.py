@@ -11,7 +11,7 @@ from gidl.layout.wire_layout import Layout
 from gidl.model import File, Interface, Model, Operation, Struct
 from gidl.targets.naming import LocalNames
 
-# The type of all values whose declared type is an interface, and the file that declares it.
+# The type of all values whose declared type is an interface, and the file that declares ObjectRef.
 OBJECT_REF = "gecos::ObjectRef"
 _OBJECT_REF_FILE = "gecos/object_ref.gidl"
 
@@ -31,8 +31,8 @@ class Homes:
         self._names = layout.python_names
 
     def value(self, scoped_name: str) -> Home:
-        """Returns the module and the name of the class of a value. A value of an interface type is
-        an ObjectRef."""
+        """Returns the module and the name of the class of a value whose declared type is
+        `scoped_name`. If the type is an interface, the class is ObjectRef."""
         if scoped_name != OBJECT_REF and isinstance(self._model.find(scoped_name), Interface):
             scoped_name = OBJECT_REF
         if scoped_name == OBJECT_REF and not self._model.has(OBJECT_REF):
@@ -79,9 +79,9 @@ class Homes:
 
 
 class ModuleNames:
-    """The names that one module uses for classes. An imported class keeps its name if this name is
-    free in the module. Otherwise it is imported under an alias, which cannot be the name of a
-    declaration."""
+    """The names by which one module refers to classes. An imported class keeps its name if this
+    name is free in the module. Otherwise the class is imported under an alias, which cannot be the
+    name of a declaration."""
 
     def __init__(
         self,
@@ -133,8 +133,8 @@ class ModuleNames:
 
 
 class NamesAsUsed(ModuleNames):
-    """The names that a module uses for classes. A class is imported when its name is requested for
-    the first time."""
+    """The names by which a module refers to classes, if the classes are not known beforehand. A
+    class is added to the imports when its name is requested for the first time."""
 
     def __init__(self, homes: Homes, taken: Iterable[str]) -> None:
         super().__init__(homes)
@@ -147,15 +147,16 @@ class NamesAsUsed(ModuleNames):
 
 
 class AllNames(ModuleNames):
-    """The names of classes in the modules that define them, for texts without imports."""
+    """The names that classes have in the modules that define them. They are used in texts for which
+    nothing is imported."""
 
     def _called(self, home: Home) -> str:
         return home.name
 
 
 def mapped_import(struct: Struct, called: str) -> tuple[str, str]:
-    """Returns how to import the hand-written class under the name `called`: the module, and the
-    text after `import`."""
+    """Returns the two parts of a statement that imports the hand-written class under the name
+    `called`: the module, and the text after `import`."""
     assert struct.maps_to is not None and struct.maps_to.python is not None
     module, name = struct.maps_to.python
     return module, name if name == called else f"{name} as {called}"

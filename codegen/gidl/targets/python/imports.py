@@ -23,14 +23,14 @@ def export_order(name: str) -> tuple[int, str]:
 
 
 def private(names: Iterable[str]) -> list[str]:
-    """Returns import terms with private names, for example "Kind as _Kind". No name in an interface
-    begins with an underscore, so no such name can hide the import."""
+    """Returns the texts that import `names` under private names, for example "Kind as _Kind". No
+    name in an interface begins with an underscore, so no declaration can hide a name that is
+    imported in this way."""
     return [f"{name} as _{name}" for name in names]
 
 
 def import_lines(modules: Mapping[str, Iterable[str]]) -> list[str]:
-    """Returns a line `from module import names` for each module with names to import, sorted by
-    module."""
+    """Returns lines of the form `from module import names`, sorted by module."""
     lines: list[str] = []
     for module in sorted(modules):
         given = sorted(set(modules[module]), key=import_order)

@@ -41,9 +41,9 @@ class Members(Tables):
         return names.docstring((*lines, *([""] if lines and notes else []), *notes))
 
     def _parameters(self, layout: CallLayout, calling: bool) -> tuple[ParameterView, ...]:
-        """Returns the parameters of a method of the proxy (with `calling`) or of a handler.
-        Parameters of a handler have no defaults, because the runtime calls it with all
-        parameters."""
+        """Returns the parameters of a method of the proxy (if `calling` is True) or of a handler.
+        The parameters of a handler have no defaults, because the runtime passes a value for every
+        parameter."""
         values = self._inputs(layout)
         missing = first_missing([each.value for each in values])
         return tuple(

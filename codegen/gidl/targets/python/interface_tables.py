@@ -30,7 +30,7 @@ class Tables(CallFacts):
         self, layout: CallLayout, member: Operation | Attribute, feedback: str
     ) -> list[str]:
         """Returns the arguments that describe the parameters, results, feedback, exceptions and
-        stream of a call. A part that the call does not have gets no argument."""
+        stream of a call. The result has no argument for a part that the call lacks."""
         terms = []
         if inputs := self._inputs(layout):
             terms.append(f"takes={self._values(inputs)}")
@@ -68,13 +68,16 @@ class Tables(CallFacts):
         return self._lowering.step(each.node, each.value.secret)
 
     def _stream(self, attribute: Attribute) -> str:
-        """Returns the rate of a stream in Hz, and the size of its largest sample in bytes."""
+        """Returns the text of a tuple: the rate of a stream in Hz, and the size of its largest
+        sample in bytes. 0 stands for a rate that is not declared, and for a size that is not
+        limited."""
         assert attribute.stream is not None
         largest = self._layout.stream(attribute.scoped_name).largest or 0
         return group([repr(float(attribute.stream.rate_hz or 0)), str(largest)])
 
     def _openness(self, attribute: Attribute) -> list[str]:
-        """Returns the fingerprint of the samples of an open stream."""
+        """Returns the argument with the fingerprint of the samples of an open stream. The list is
+        empty for any other stream."""
         assert attribute.stream is not None
         fingerprint = self._layout.stream(attribute.scoped_name).fingerprint
         if not attribute.stream.is_open or fingerprint is None:
@@ -111,8 +114,8 @@ class Tables(CallFacts):
         return call("_event", *terms)
 
     def _operation(self, layout: CallLayout, member: Operation | Attribute) -> str:
-        """Returns the text of a gecos.interface.Operation: its code, name, access and hash, and
-        those other arguments that differ from their defaults."""
+        """Returns the text that constructs a gecos.interface.Operation. Its arguments are the code,
+        name, access and hash, and each other argument whose value is not the default."""
         setter = layout.kind is CallKind.SETTER
         getter = isinstance(member, Attribute) and not setter
         flags = {}

@@ -58,8 +58,8 @@ class InwardView:
 
     constant: str
     name: str
-    result: str  # type hint of the samples, as the module uses it
-    hint: str  # the same in a class
+    result: str  # type hint of the samples, for use outside of classes
+    hint: str  # type hint of the samples, for use inside a class
     table: str  # "_inward(…)"
     doc: tuple[str, ...]
 
@@ -70,8 +70,8 @@ class EventView:
 
     constant: str
     name: str
-    result: str  # type hint of the parameters, as the module uses it
-    hint: str  # the same in a class
+    result: str  # type hint of the parameters, for use outside of classes
+    hint: str  # type hint of the parameters, for use inside a class
     table: str  # "_event(…)"
     doc: tuple[str, ...]
 

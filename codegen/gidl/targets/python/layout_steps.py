@@ -32,8 +32,8 @@ class Lowering(Types):
         """Names of declarations whose classes are defined later in the module."""
 
     def steps(self, values: Iterable[tuple[Node, bool]]) -> list[str]:
-        """Returns the steps for values, given as pairs (node, is secret). The codes of consecutive
-        numbers are joined into one text."""
+        """Returns the steps for `values`. Each value is a pair: its node, and True if the value is
+        secret. The codes of consecutive numbers are joined into one text."""
         found: list[str] = []
         for node, secret in values:
             step = self.step(node, secret)
@@ -99,15 +99,16 @@ class Lowering(Types):
 
 
 def renamed(names: Iterable[tuple[str, str]]) -> list[str]:
-    """Returns the argument `names` of a layout. It has pairs of Python name and interface name, for
-    the names that differ. The list is empty if no name differs."""
+    """Returns the argument `names` of a layout. The argument maps the Python name of a member to
+    its name in the interface, for each member whose names differ. The list is empty if no names
+    differ."""
     pairs = [f"{quoted(here)}: {quoted(there)}" for here, there in names if here != there]
     return [f"names={group(pairs, '{', '}')}"] if pairs else []
 
 
 def units_of(units: Iterable[tuple[str, str | None]]) -> list[str]:
-    """Returns the argument `units` of an exception: pairs of interface name and
-    unit, for the members that have a unit. The list is empty if no member has a unit."""
+    """Returns the argument `units` of an exception, which maps the name of a member in the
+    interface to its unit. The list is empty if no member has a unit."""
     pairs = [f"{quoted(name)}: {quoted(unit)}" for name, unit in units if unit]
     return [f"units={group(pairs, '{', '}')}"] if pairs else []
 

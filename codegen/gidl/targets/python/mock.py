@@ -115,8 +115,8 @@ def _as(name: str, called: str) -> str:
 
 
 class _Facts(Members):
-    """Prints the heads of methods as in hand-written code, without private names, because users
-    edit their mocks."""
+    """Prints the heads of the methods of a mock as in hand-written code, without private names,
+    because users edit the mocks that gidl writes."""
 
     def __init__(self, lowering: Lowering, interface: Interface, own: OwnNames) -> None:
         super().__init__(lowering, interface, names.Constants())
@@ -142,8 +142,8 @@ class _Mock(MockValues):
         self._methods = {name for member in members for name in names.method_names(member)}
 
     def view(self, served: LocalNames) -> MockView:
-        """Returns the view of the mock. `served` has the object names of earlier mocks in the
-        file."""
+        """Returns the view of the mock. `served` has the names under which the earlier mocks of the
+        file are served."""
         held, methods, streams = [], [], []
         for interface in self._model.with_bases(self.interface):
             facts = _Facts(self._lowering, interface, self._own)

@@ -29,8 +29,9 @@ from gidl.targets.python.type_text import DTYPES, bulk_code, is_octet
 
 
 class OwnNames:
-    """The names that a mock needs for itself. These names differ from the names of parameters and
-    methods. The names of types are chosen later, and differ from the names of this class, too."""
+    """The names that a mock needs for itself. They differ from the names `taken`, which are those
+    of parameters and methods. The names of types are chosen later, so that they differ from the
+    names in this class."""
 
     def __init__(self, taken: Iterable[str]) -> None:
         free = LocalNames(taken)
@@ -51,8 +52,8 @@ class OwnNames:
 
 
 def plain_hint(hint: str, own: OwnNames, hidden: Collection[str]) -> str:
-    """Returns a type hint as in hand-written code. A builtin that a method hides, for example
-    `list`, becomes `builtins.list`."""
+    """Returns the type hint `hint` as in hand-written code. A builtin such as `list` becomes
+    `builtins.list` if a method of the mock has the same name."""
 
     def other(found: re.Match[str]) -> str:
         return f"{own['builtins']}.{found[0]}" if found[0] in hidden else found[0]
@@ -73,8 +74,8 @@ class MockValues:
         return f"{self._own['builtins']}.{word}" if word in hidden else word
 
     def _value(self, node: Node, default: Value | None = None, hidden: Collection[str] = ()) -> str:
-        """Returns an expression for a value. The expression avoids the names `hidden`, which
-        parameters hide."""
+        """Returns an expression for the value that a mock returns. The expression does not use a
+        builtin by a name in `hidden`, because a parameter has this name."""
         if default is not None and not isinstance(node, OptionalNode):
             return self._lowering.literal(default, node)
         match node:

@@ -11,10 +11,10 @@ from gidl.model import Attribute, Operation, Struct
 from gidl.syntax.keywords import words
 from gidl.targets.naming import DOC_WIDTH, LocalNames, snake_case, wrapped
 
-# A name that is reserved in Python gets an underscore at its end. The names that generated code
-# imports from the runtime and the standard library get an underscore at their beginning, which no
-# name in an interface has. So only the words of gidl.layout.languages and the words below are
-# reserved.
+# A name that is reserved in Python gets an underscore at its end. The reserved words are those of
+# gidl.layout.languages and those below. Names that generated code imports are not among them: each
+# of these gets an underscore at its beginning, and no name in an interface begins with an
+# underscore.
 METHOD_WORDS = PYTHON_WORDS | {"property", "gecos_on_stop"}
 STRUCT_WORDS = PYTHON_WORDS | PYTHON_CLASS_WORDS | {"encode", "decode", "fingerprint"}
 # Declared exceptions derive from CommandFailed and BaseException, whose attributes are reserved.
@@ -34,9 +34,9 @@ def mapped(struct: Struct) -> tuple[str, str] | None:
 
 
 def member_name(name: str, words: frozenset[str] = STRUCT_WORDS) -> str:
-    """Returns `name`, with underscores appended if it would be one of `words`. Names that differ
-    only in trailing underscores all get the same number of underscores, so that they remain
-    different."""
+    """Returns `name`, with underscores appended if `words` has this name or a name that differs
+    only in underscores at its end. All names that differ only in such underscores get the same
+    number of them, so that they remain different."""
     plain = name.rstrip("_")
     taken = (len(word) - len(plain) for word in words if word.rstrip("_") == plain)
     return name + "_" * max((more + 1 for more in taken), default=0)
@@ -62,8 +62,8 @@ def method_name(name: str) -> str:
     return escaped(name, METHOD_WORDS)
 
 
-# The rule gidl.rules.accessors refuses members with one of the names that the next two functions
-# return.
+# No member of an interface has a name that one of the next two functions returns: the rule
+# gidl.rules.accessors refuses such a member.
 def setter(attribute: str) -> str:
     return f"set_{attribute}"
 
@@ -73,7 +73,8 @@ def publisher(attribute: str) -> str:
 
 
 def method_names(member: Operation | Attribute) -> Iterator[str]:
-    """Yields the names of all methods that proxy and servant may have for a member."""
+    """Yields the names of all methods that the proxy and the servant may have for a member of an
+    interface."""
     yield method_name(member.name)
     if isinstance(member, Attribute):
         yield from (setter(member.name), publisher(member.name))

@@ -43,8 +43,8 @@ class Structs(ValueNames):
         return self._view(printed, "struct", [number], self._missing(printed) + terms)
 
     def _twin(self, struct: Struct) -> StructView:
-        """Returns the view of the declared members of a struct that maps to a hand-written
-        class."""
+        """Returns the view of a class from which a hand-written class gets its layout. The view has
+        the members of the struct that maps to the hand-written class."""
         called, members = self._name(struct), self._model.all_members(struct)
         fields = self._layout.structs[struct.name].fields
         label = f"_{struct.simple_name}Layout"

@@ -131,8 +131,8 @@ class Types:
         return " | ".join(f"{mine}.{names.enumerator(flag)}" for flag in flags) or f"{mine}(0)"
 
     def initial(self, member: Member, node: Node) -> tuple[str, bool]:
-        """Returns the default of a member as text, and whether this text is a factory, which is
-        called for each new object."""
+        """Returns the text of the default of a member. Also returns whether this text is a factory,
+        which Python calls for each new object."""
         if isinstance(node, OptionalNode):
             return "None", False
         if member.default is not None:
@@ -183,12 +183,13 @@ class Types:
         return f"lambda: {repeated(text, dimensions)}", True
 
     def type_names(self, nodes: Iterable[Node]) -> frozenset[str]:
-        """Returns the names of the classes in the type hints of `nodes`, as the modules that define
-        the classes call them."""
+        """Returns the names of the classes in the type hints of `nodes`. Each name is the one that
+        the class has in the module that defines the class, even if it is imported under another
+        name."""
         return frozenset(home.name for node in nodes for home in self.named(node))
 
     def named(self, node: Node) -> set[Home]:
-        """Returns modules and names of the classes in the type hint of a value."""
+        """Returns the classes that the type hint of a value uses."""
         match node:
             case OptionalNode(element) | SequenceNode(element) | ArrayNode(element):
                 return self.named(element)
@@ -207,8 +208,8 @@ class Types:
 
 
 def bulk_code(element: Node) -> str | None:
-    """Returns the number code of elements that are kept in a numpy array; None for other
-    elements."""
+    """Returns the code of the number type if elements of this type are kept in a numpy array.
+    Returns None for other elements."""
     if isinstance(element, ScalarNode) and element.primitive is not Primitive.CHAR:
         return CODES[element.primitive]
     return None
@@ -219,7 +220,8 @@ def is_octet(element: Node) -> bool:
 
 
 def repeated(text: str, dimensions: tuple[int, ...]) -> str:
-    """Returns a nested list comprehension, which evaluates `text` for each element."""
+    """Returns a nested list comprehension, which evaluates the expression `text` for each
+    element."""
     for size in reversed(dimensions):
         text = clauses([text, f"for _ in range({size})"], "[", "]")
     return text

@@ -65,7 +65,8 @@ def types_view(lowering: Lowering, file: File) -> TypesView:
 
 
 def _in_module(lowering: Lowering, file: File) -> Lowering:
-    """Returns `lowering` with the names in the module of a file's types."""
+    """Returns a copy of `lowering` that prints names as the generated module `<file>_types.py` uses
+    them."""
     homes, layout = lowering.module.homes, lowering.layout
     nodes = [n for d in file.declarations for n in _nodes(lowering.model, layout, d)]
     for operation in homes.results_of(file):
@@ -155,8 +156,8 @@ class _Types(Structs, Unions):
         return [self._result(operation) for operation in self.module.homes.results_of(file)]
 
     def types(self, file: File) -> list[TypeView]:
-        """Returns the views of the declarations in the order of the file. Typedefs of types that
-        are declared later come last."""
+        """Returns the views of the declarations in the order of the file. A typedef that uses a
+        class defined later is moved to the end."""
         views: list[TypeView] = []
         later: list[TypeView] = []
         missing = self.module.homes.names_of(file)

@@ -45,8 +45,8 @@ class Unions(ValueNames):
         )
 
     def _arm_step(self, case: UnionCase, arm: FieldLayout, layout: UnionLayout) -> str:
-        """Returns the layout step of an arm. An arm without tags is selected by all tags that no
-        other arm has."""
+        """Returns the layout step of an arm. If the step lists no tags, the arm is the default arm:
+        every tag that no other arm lists selects it."""
         labels = () if case.is_default else case.labels
         tags = [self._lowering.literal(value, layout.tag) for value in labels]
         step = self._lowering.step(arm.node, case.member.secret)
