@@ -98,8 +98,8 @@ class Lab:
 
         `medium`, `patience` and `wait` have the same meaning as in `create`. Raises CreateError
         like `create`. Raises ModelError if the object serves no model, or a model that is not
-        valid. Raises CommandFailed or ConnectionFailed if the broker does not answer the request
-        for its list, or the object the request for its model.
+        valid. Raises CommandFailed or ConnectionFailed if the broker does not send its list, or if
+        the object does not send its model.
         """
         from gecos.dynamic_client.connect import connect
 
