@@ -46,7 +46,7 @@ def change(of: dict[str, Any]) -> None:
     from gecos.dynamic_client.silence import told
 
     if of["skipped"]:
-        print(f"{of['skipped']} changes were read too late; their result follows")
+        print(f"{of['skipped']} changes were read too late; the state after them follows")
     since = of["silent_since"]
     presence = of["presence"].lower() if since is None else told(since)
     who = f"{of['interface_name']}, {of['user']}@{of['hostname']} pid {of['pid']}"
@@ -178,8 +178,8 @@ def _how_watched(event: Attribute) -> str:
 
 
 def _types(model: Model) -> None:
-    """Prints the members, enumerators, flags and arms of the types that the interface uses. Those
-    of events are printed with the events."""
+    """Prints the members, enumerators, flags and arms of the types that the interface uses. The
+    structs of events are left out, because their members are printed with the events."""
     of_events = {m.result.use.name for m in model.members if m.kind == "event" and m.result}
     shown = [
         (name, list(_parts(model, declared)))
