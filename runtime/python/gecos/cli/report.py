@@ -276,7 +276,8 @@ def _text(of: Any, indent: int | None = None) -> str:
 
 
 def _json(of: Any, indent: int | None = None) -> str:
-    """Returns JSON in which characters that a terminal would execute are escaped, as \\u009b."""
+    """Returns JSON with escaped control characters, for example \\u009b, because a terminal would
+    execute them."""
     return "".join(
         c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1]
         for c in json.dumps(of, indent=indent, ensure_ascii=False)
@@ -284,8 +285,8 @@ def _json(of: Any, indent: int | None = None) -> str:
 
 
 def printable(text: str) -> str:
-    """Returns `text`, which comes from a server, with escapes in place of characters that a
-    terminal would execute."""
+    """Returns `text`, which comes from a server, with escaped control characters, because a
+    terminal would execute them."""
     return "".join(
         c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text
     )
