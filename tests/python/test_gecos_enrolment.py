@@ -113,7 +113,7 @@ def test_a_laboratory_is_not_admitted_as_this_user(
     link = cell.invite("--as", f"{claimed}@{socket.gethostname()}")
     code, out = desk.gecos("join", link, "--as", "ben@desk")
     assert code == 2
-    assert "is admitted to everything on this host, and no list limits this key" in out
+    assert "is admitted to everything on this host, so no list would limit this key" in out
     assert desk.owners() == []
 
 
@@ -137,7 +137,7 @@ def test_a_damaged_request_is_named(desk: User) -> None:
     damaged.write_bytes(b"\xff\n")
     code, out = desk.gecos("approve", "ben@desk")
     assert code == 2
-    assert f"{damaged}: this is no request of a user; remove the file" in out
+    assert f"{damaged}: this file is not a valid request to join; remove it" in out
 
 
 def test_an_invitation_works_once(cell: Laboratory, desk: User, tmp_path: Path) -> None:

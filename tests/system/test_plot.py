@@ -161,5 +161,5 @@ def test_an_object_that_is_no_arm_is_refused(lab_with_broker: Laboratory, tmp_pa
     lab.start(lab.build / "devices" / "gripper" / "robcl-gripper", "--carrier", "", ready="ready")
     plot = lab.run(*GECOS, "plot", "GRIPPER", "-o", tmp_path / "gripper.svg")
     assert plot.finish() == 2, str(plot)
-    assert "GRIPPER (robcl::Gripper) is no arm, whose motion could be drawn" in plot.output()
+    assert "GRIPPER (robcl::Gripper) is not an arm, so it has no motion to draw" in plot.output()
     assert "gecos ls --interface robcl::Manipulator" in plot.output()

@@ -42,7 +42,8 @@ nb::list attempts_of(const CreateError& error) {
   return attempts;
 }
 
-/// The media that a program names: for both directions, in and out.
+/// The arguments `medium`, `in_` and `out` of `Lab.create`. Each is the name of a medium, or
+/// absent.
 using Channels =
     std::tuple<std::optional<std::string>, std::optional<std::string>, std::optional<std::string>>;
 
@@ -221,7 +222,8 @@ nb::object lease(SessionHandle& self, const CommandHandle& asked) {
 
 // Command and stream -----------------------------------------------------------------------------
 
-/// Returns the progress of a command for messages. Does not mark the command as observed.
+/// Returns the progress of a command, for `repr` and warnings. Unlike `progress`, does not mark the
+/// command as observed.
 nb::tuple peek(const CommandHandle& self) {
   const Progress progress = self.core().progress();
   return nb::make_tuple(static_cast<int>(progress.detail), progress.position, progress.fraction);
@@ -295,8 +297,9 @@ nb::tuple as_tuple(const LineState& line) {
   return nb::make_tuple(line.medium, seconds(line.bound), took, line.degraded, line.changes);
 }
 
-/// Waits for the next change and returns the state after it. Returns True if there was no change
-/// within `timeout`, and False if the session is lost or closed.
+/// Waits until the connection of the session becomes degraded or recovers, and returns the new
+/// state of the connection. `changes` is the number of such changes that the caller knows. Returns
+/// True if there was no change within `timeout`, and False if the session is lost or closed.
 nb::object next_line_change(SessionHandle& self, std::uint64_t changes,
                             std::optional<double> timeout) {
   LineState line;
@@ -333,8 +336,9 @@ nb::object objects(LabHandle& self, const std::string& interface_name, double pa
   return encoded;
 }
 
-/// Waits for the next change and returns it as an encoded Registration. Returns True if there was
-/// no change within `timeout`, and False if the watch or its Lab was closed.
+/// Waits for the next change of the broker's list and returns the change as an encoded
+/// Registration. Returns True if there was no change within `timeout`, and False if the watch or
+/// its Lab was closed.
 nb::object next_change(WatchHandle& self, std::optional<double> timeout) {
   auto watch = self.get();
   if (watch == nullptr) return nb::bool_(false);

@@ -23,8 +23,8 @@ struct OwnedDescription {
   std::vector<OperationDescription> operations;
   std::vector<StreamDescription> streams;
   std::vector<InwardDescription> inward_streams;
-  /// The descriptions of the base interfaces. They have only the models of the bases; the
-  /// operations of the bases are in `operations`.
+  /// One description for each served model: of this interface and of its bases. These descriptions
+  /// contain only the model; `operations` contains the operations of the bases.
   std::deque<InterfaceDescription> models;
   std::vector<const InterfaceDescription*> inherits;
   InterfaceDescription table;
@@ -37,8 +37,8 @@ T field(nb::handle table, const char* name) {
   return nb::cast<T>(table.attr(name));
 }
 
-/// Converts a Python IntEnum to the C++ enum that has the same values. Throws for values above
-/// `last`.
+/// Converts the attribute `name` of `table`, a Python IntEnum, to the C++ enum with the same
+/// values. Throws for values above `last`.
 template <class Enum>
 Enum enumerator(nb::handle table, const char* name, Enum last) {
   const auto number = field<std::uint8_t>(table, name);

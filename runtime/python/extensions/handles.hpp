@@ -127,9 +127,9 @@ class CommandHandle {
  public:
   explicit CommandHandle(std::shared_ptr<session::CommandCore> core) : core_(std::move(core)) {}
   CommandHandle(CommandHandle&&) = default;
-  /// Destroys the handle without releasing the GIL. This is safe, because it cannot close a
-  /// session: the session keeps a reference to a command that has not ended, and a command that has
-  /// ended owns nothing that must be closed.
+  /// Destroys the handle without releasing the GIL. This is safe, because no session is closed
+  /// here: the session keeps its own reference to each command that has not ended, and a command
+  /// that has ended owns nothing that must be closed.
   ~CommandHandle() {
     if (core_ != nullptr && owner_.inherited()) drop(core_, owner_);
   }

@@ -11,9 +11,10 @@
 
 /// Compiled codecs of generated structs. `gecos.wire.plans` gives the descriptions of the structs.
 ///
-/// A plan is the codec of one struct. It handles only the usual case, and returns null for any
-/// other value or bytes. The Python codec then handles the value from the start; only the Python
-/// codec reports errors. Callers must hold the GIL. Plans live until the process ends.
+/// A plan is the codec of one struct. `encoded` and `decoded` handle only the usual values and
+/// bytes, and return null for all others. The Python codec then handles the value from the start;
+/// only the Python codec reports errors. Callers must hold the GIL. Plans live until the process
+/// ends.
 namespace gecos::python::plans {
 
 struct Plan;

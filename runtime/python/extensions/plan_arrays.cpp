@@ -10,7 +10,7 @@ namespace {
 
 static_assert(sizeof(npy_intp) == sizeof(Py_ssize_t));
 
-/// Imports the C interface of numpy. Returns whether numpy can be used.
+/// Imports the C interface of numpy at the first call. Returns whether the import succeeded.
 bool numpy_there() {
   static bool there = false;
   if (!there) {

@@ -28,8 +28,8 @@ class Owned {
   PyObject* object_ = nullptr;
 };
 
-/// A view of the elements of a numpy array, which owns them. They are in C order and in the
-/// machine's byte order.
+/// A view of the elements of a numpy array. The array owns the elements. The elements are in C
+/// order and in the machine's byte order.
 struct Numbers {
   const std::byte* data = nullptr;
   Py_ssize_t count = 0;

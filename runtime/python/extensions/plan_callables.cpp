@@ -99,8 +99,8 @@ PyObject* decoded_from(const Plan& plan, PyObject* source) {
   PyObject* const offset = slot(source, decoder.offset);
   PyObject* const end = slot(source, decoder.end);
   if (data == nullptr || offset == nullptr || end == nullptr) return nullptr;
-  // The reference is needed, because garbage collection may run arbitrary code, which may release
-  // `data`.
+  // This reference keeps `data` alive: decoding may start a garbage collection, which may run
+  // arbitrary code, and this code may release `data`.
   const Owned kept(Py_NewRef(data));
   Source bytes;
   const Py_ssize_t first = PyLong_AsSsize_t(offset);
@@ -193,8 +193,8 @@ PyObject* bind_method(PyObject* self, PyObject* object, PyObject*) {
   return object == nullptr ? Py_NewRef(self) : PyMethod_New(self, object);
 }
 
-/// Binds `decode` to a class. For a derived class, binds the Python function, because only the
-/// Python function makes objects of the derived class.
+/// Binds the compiled `decode` to the class of the plan. For a derived class, binds the Python
+/// function, because the compiled function makes only objects of the class of the plan.
 PyObject* bind_class_method(PyObject* self, PyObject* object, PyObject* type) {
   const auto& mine = *reinterpret_cast<Callable*>(self);
   PyObject* const asked = type != nullptr ? type : reinterpret_cast<PyObject*>(Py_TYPE(object));

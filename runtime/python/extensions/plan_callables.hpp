@@ -8,17 +8,18 @@
 /// cases it calls the function that it replaced, which is its `__wrapped__`.
 namespace gecos::python::plans {
 
-/// Prepares the types of the results of the other functions, and finds the slots of
-/// `gecos.wire.Decoder`. Must be called once, before the other functions. On failure, sets a Python
-/// error and returns false.
+/// Makes the Python types of the callables that the functions below return, and finds the slots of
+/// the class `decoder`, which is `gecos.wire.Decoder`. Must be called once, before the other
+/// functions. On failure, sets a Python error and returns false.
 bool prepare_callables(PyObject* decoder);
 
 /// Makes the method `encode` of a struct. The method replaces the Python function `python`.
 PyObject* encoding(const Plan& plan, PyObject* python);
 /// Makes the class method `decode` of a struct. The method replaces the Python function `python`.
 PyObject* decoding(const Plan& plan, PyObject* python);
-/// Makes the function `name` of `gecos.wire` for all types that have a plan. The new function
-/// replaces the Python function `python`. On failure, sets a Python error and returns null.
+/// Makes the compiled form of the function `name` of `gecos.wire`. It handles values of all types
+/// that have a plan. It replaces the Python function `python`. On failure, sets a Python error and
+/// returns null.
 PyObject* entry(const char* name, PyObject* python);
 
 }  // namespace gecos::python::plans

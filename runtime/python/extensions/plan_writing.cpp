@@ -67,8 +67,8 @@ class Output {
 bool put_all(Output& out, const Plan& plan, PyObject* value);
 
 /// Converts `value` to a double. `value` must be a float, or an int that a double can represent
-/// exactly. If the member has limits, derived classes of float are refused, because a derived class
-/// may compare differently.
+/// exactly. If the member has limits, objects of classes derived from float are refused, because
+/// such a class may define other comparisons with the limits.
 bool as_double(PyObject* value, bool limited, double& x) {
   if (PyFloat_CheckExact(value) || (!limited && PyFloat_Check(value))) {
     x = PyFloat_AS_DOUBLE(value);
@@ -126,7 +126,7 @@ bool all_within(const Step& step, const std::byte* numbers, Py_ssize_t count) {
   return std::all_of(first, first + count, [&](double x) { return step.limits.hold(x); });
 }
 
-/// Encodes a list of floats that is given for an array.
+/// Encodes a list of floats for a member whose values are numpy arrays.
 bool put_list(Output& out, const Step& step, PyObject* list) {
   if (!PyList_CheckExact(list) || step.code != 'd' || step.shape.size() > 1) return false;
   const Py_ssize_t count = PyList_GET_SIZE(list);

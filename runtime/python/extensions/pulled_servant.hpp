@@ -10,8 +10,8 @@
 #include "gecos/base/mutex.hpp"
 #include "gecos/servant.hpp"
 
-/// Servants that put the calls that arrive into queues. Other threads take the calls from the
-/// queues and handle them.
+/// Servants that put arriving calls into queues. Other threads take the calls from the queues and
+/// handle them.
 ///
 /// The code of this file does not depend on Python. The threads of a session only put calls into
 /// the queues, so that they never need the GIL.
@@ -31,8 +31,8 @@ using Task = std::variant<IncomingCall, Stopped>;
 class TaskQueue {
  public:
   void push(Task task);
-  /// Waits for the next task that may start, and returns it. If the task is a call, the call counts
-  /// as started. Returns nullopt after `close`.
+  /// Waits for the next task that may start, and returns it. A call that is returned counts as
+  /// started. Returns nullopt after `close`.
   std::optional<Task> next();
   /// Makes `next` return nullopt, and rejects the calls that still wait.
   void close();

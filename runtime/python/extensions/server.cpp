@@ -180,7 +180,7 @@ class ServerHandle {
     return nb::str((name + " is not served any more: the server was closed").c_str());
   }
 
-  /// Names the users and hosts that may connect beyond the user of this process.
+  /// Names the users and hosts that may connect, in addition to the user of this process.
   void allow(std::vector<std::string> users, std::vector<std::string> hosts) {
     owner_.demand("this Server");
     if (server_ != nullptr) server_->allow(std::move(users), std::move(hosts));
@@ -227,8 +227,8 @@ class ServerHandle {
       for (const auto& servant : servants) servant->close();
       const MutexLock lock(serving_);  // waits while another thread adds a servant
       server.reset();
-      // This object keeps the servants alive. The servants must not keep the Lab and its thread
-      // alive.
+      // `servants_` keeps the servants alive after the server has closed. A servant must not keep
+      // the Lab and the Lab's thread alive, so it drops its publisher here.
       for (const auto& servant : servants) servant->gecos_detach();
     });
     drop(lab_, owner_);
@@ -244,7 +244,7 @@ class ServerHandle {
   std::shared_ptr<Server> server_;  // last member: destroyed before the servants it serves
 };
 
-/// A broker in this process. It has a separate server.
+/// A broker in this process, with a server of its own.
 class BrokerHandle {
  public:
   BrokerHandle(const LabHandle& lab, double name_hold) : lab_(lab.get()) {

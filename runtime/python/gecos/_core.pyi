@@ -20,8 +20,8 @@ class Lab:
         incarnation: int,
         wait: float,
     ) -> Session | list[tuple[str, int, str]]:
-        """Returns a session, or the name, detail and reason of each failed attempt. `channels`: the
-        media for both directions, in and out."""
+        """Returns a session, or the name, detail and reason of each failed attempt. `channels` are
+        the arguments `medium`, `in_` and `out` of `Lab.create`."""
     def explain(
         self, interface: Interface, name: str, patience: float
     ) -> (
@@ -33,9 +33,8 @@ class Lab:
         ]
         | list[tuple[str, int, str]]
     ):
-        """Returns the object's interface, its host, whether it is simulated, and of each medium:
-        its name, address, why it is out of reach, violated terms and unsuited members. On failure
-        returns what `create` returns."""
+        """Returns the members of an Explanation without its name. Each MediumVerdict is a tuple of
+        its members. On failure, returns the failed attempts as `create` does."""
     def broker(self, interface: Interface, patience: float) -> Session | str:
         """Returns the session of this Lab with its broker, or the reason why there is none."""
     def objects(self, interface_name: str, patience: float) -> list[bytes] | str:
@@ -65,8 +64,9 @@ class Session:
     def next_line_change(
         self, changes: int, timeout: float | None
     ) -> tuple[str, float, float | None, bool, int] | bool:
-        """The state after the next change. True when there was none within `timeout`, and False
-        when the session is lost or closed."""
+        """Waits until the connection becomes degraded or recovers. Returns the members of
+        LineState, True if there was no change within `timeout`, or False if the session is lost or
+        closed. `changes` is the number of changes that the caller knows."""
     def subscribe(self, code: int) -> Stream | tuple[int, str]: ...
     def open_writer(self, code: int) -> Writer | tuple[int, str]: ...
     def outcome(self, command: str) -> Command: ...
@@ -103,14 +103,14 @@ class Command:
 class Stream:
     @property
     def after(self) -> int | None:
-        """Of an event: the sequence number of the last one before the subscription. None for a
-        stream, which begins with its newest sample."""
+        """For an event, the sequence number of the last sample before the subscription. None for a
+        stream, because its reader begins with the newest sample."""
     # Both methods return the encoded sample, its sequence number, its time stamp (Unix time in ns),
     # and its time of measurement (ns of this host's CLOCK_BOOTTIME).
     def latest(self) -> tuple[bytes, int, int, int] | str | None: ...
     def next(self, timeout: float | None) -> tuple[bytes, int, int, int] | str: ...
     def counts(self) -> tuple[int, int, int, int, int]:
-        """The members of StreamCounts; after close(), as they were then."""
+        """The members of StreamCounts; after close(), their values at the time of close()."""
     def alive(self) -> bool: ...
     def close(self) -> None: ...
 
@@ -167,7 +167,7 @@ class IncomingCall:
 class Server:
     def __init__(self, lab: Lab) -> None: ...
     def allow(self, users: Sequence[str], hosts: Sequence[str]) -> None:
-        """Names the users and hosts that may connect beyond the user of this process."""
+        """Names the users and hosts that may connect, in addition to the user of this process."""
     def await_broker(self, patience: float) -> str | None:
         """Waits for a broker. Returns None when a broker answers, or after `patience` seconds the
         reason and the address."""

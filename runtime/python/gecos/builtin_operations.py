@@ -55,12 +55,13 @@ def give_back(robot: Object) -> Command[None]:
 def requests(
     robot: Object, after: int = 0, timeout: float | None = 0.0
 ) -> Command[list[WaitingRequest]]:
-    """Asks for the requests for a status that wait in line (`timeout` of `gecos.actor`), in the
-    order of their arrival.
+    """Asks which requests for a status of the device wait in line, in the order of their arrival. A
+    request waits if the `timeout` of `gecos.actor` permits it.
 
-    The command ends as soon as the id of a request is larger than `after`, at the latest after
-    `timeout` s; None waits without limit. A holder can thus be told of a new request. To grant a
-    request, release the lease: the first in line gets the status when the last command has ended.
+    The command ends as soon as there is a request whose id is larger than `after`, at the latest
+    after `timeout` s; None waits without limit. In this way, a holder is told of each new request.
+    To grant a request, release the lease: the first request in line gets the status when the last
+    command under the lease has ended.
     """
     return _answers_of(robot).requests(after, math.inf if timeout is None else timeout)
 
@@ -100,26 +101,26 @@ def holders(robot: Object) -> Command[list[Holder]]:
 
 
 def roster(robot: Object, after: int = 0, timeout: float | None = 0.0) -> Command[Roster]:
-    """Asks who holds actor or master status, and for the changes of that with larger numbers than
-    `after`.
+    """Asks which clients hold actor or master status, and for the changes of these holders whose
+    numbers are larger than `after`.
 
     The command ends as soon as there is such a change, at the latest after `timeout` s; None waits
-    without limit. A program that asks again and again with the `newest` of the last result is told
-    each change once. The first question has 0, is answered at once, and its result contains all
-    changes that the object keeps, at most 256; so does the result when another server has taken the
-    place of the one that gave the number. Numbers are consecutive, so a gap shows that changes were
-    lost because the program asked too late. A server that was built before this operation existed
-    answers UNKNOWN_OPERATION.
+    without limit. To be told each change once, call `roster` again and again, each time with the
+    `newest` of the previous result. Pass 0 in the first call: it is answered at once with all
+    changes that the object keeps, at most 256. A call is answered in the same way if the server
+    that gave the number was replaced by another one. Numbers are consecutive, so a gap shows that
+    changes were lost because the program asked too late. A server that was built before this
+    operation existed answers UNKNOWN_OPERATION.
     """
     return _answers_of(robot).roster(after, math.inf if timeout is None else timeout)
 
 
 def stats(robot: Object) -> Command[ObjectStats]:
-    """Asks for what the object has counted since it is served: the calls of each operation and of
-    each open session by outcome, the times of handlers, and the samples of each stream.
+    """Asks for the counts of the object since it is served: the calls of each operation and of each
+    open session by outcome, the times of handlers, and the samples of each stream.
 
-    All counts are made at the server. The samples that a reader of a stream lost are in
-    `stream.counts`, and the latency of a connection is in `gecos.line_state`. A server that was
+    The server counts. The samples that a reader of a stream lost are therefore not included, but
+    are in `stream.counts`; the latency of a connection is in `gecos.line_state`. A server that was
     built before this operation existed answers UNKNOWN_OPERATION.
     """
     return _answers_of(robot).stats()

@@ -49,9 +49,11 @@ class Command(TaskOf[T], Generic[T, F]):
     """An issued call. T is the type of its result, and F is the type of the feedback from its
     handler.
 
-    Issuing a call never blocks; only waiting does. A dropped command keeps running. If a command
-    that was never observed is dropped while it runs or after it failed, a warning is issued: one
-    warning for each operation. Later failures are written to the log.
+    Issuing a call never blocks; only waiting does. A dropped command keeps running. A command is
+    observed once the program asks for its state or result, waits for it, adds a callback, or
+    cancels or detaches it. If a command that was never observed is dropped while it runs or after
+    it failed, a warning is issued: one warning for each operation. Later failures of that operation
+    are written to the log.
     """
 
     __slots__ = ("__weakref__", "_core", "_method")

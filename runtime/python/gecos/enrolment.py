@@ -87,10 +87,10 @@ class Invitation:
         self._listener.close()
 
     def wait(self, owner: str) -> Party:
-        """Returns the user who has joined, and keeps the request for `approve`. `owner` is this
-        user. Clients without the right invitation are refused, with the reason. Raises
-        EnrolmentError when the time is over, and OSError if this host can accept no client or keep
-        no request."""
+        """Returns the user who has joined, and stores the request to join for `approve`. `owner` is
+        this user. Clients without the right invitation are refused, with the reason. Raises
+        EnrolmentError when the invitation has expired, and OSError if this host cannot accept the
+        client or store the request."""
         while (left := self._end - time.monotonic()) > 0:
             self._listener.settimeout(left)
             try:
@@ -151,7 +151,9 @@ def join(url: JoinUrl, owner: str) -> Party:
     if laboratory.key != url.key or not _proved(said, url, laboratory, "lab"):
         raise EnrolmentError(f"the answer is not from the laboratory of the link; {ANOTHER}")
     if laboratory.owner == owner:
-        raise EnrolmentError(f"the laboratory, too, is of {owner}; name yourself by --as USER@HOST")
+        raise EnrolmentError(
+            f"the user of the laboratory is {owner}, too; name yourself by --as USER@HOST"
+        )
     return laboratory
 
 
@@ -180,7 +182,7 @@ def requests() -> list[Party]:
         except UnicodeDecodeError:
             party = Party("", "")
         if not re.fullmatch(r"[0-9a-f]{64}", party.key) or not _core.is_key_owner(party.owner):
-            raise EnrolmentError(f"{file}: this is no request of a user; remove the file")
+            raise EnrolmentError(f"{file}: this file is not a valid request to join; remove it")
         found.append(party)
     return found
 

@@ -181,7 +181,8 @@ class Interrupted(CommandFailed):
 
 
 class ConnectionFailed(ConnectionError):
-    """It is proven that the command did not start, so sending it again is safe."""
+    """The connection failed and the command certainly did not start, so sending it again is
+    safe."""
 
     def __init__(self, detail: Detail, text: str) -> None:
         super().__init__(detail, text)

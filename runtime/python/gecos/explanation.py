@@ -18,8 +18,8 @@ class Violation(NamedTuple):
 
 
 class UnsuitedMember(NamedTuple):
-    """An operation or stream whose own `@qos` a medium does not meet. A call or subscription ends
-    at once as QOS_UNAVAILABLE."""
+    """An operation or stream whose own `@qos` a medium does not meet. Over this medium, a call of
+    the operation or a subscription to the stream ends at once as QOS_UNAVAILABLE."""
 
     name: str
     violations: tuple[Violation, ...]

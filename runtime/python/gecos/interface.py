@@ -76,8 +76,8 @@ ANY_MEDIUM = Media(0)
 
 
 class Quality(Record, kw_only=True):
-    """The quality that an interface demands of a connection. A duration of 0 means that the
-    interface does not demand this term."""
+    """The quality that an interface, operation or stream demands of a connection. A duration of 0
+    means that there is no such demand."""
 
     line: QualityClass = QualityClass.TIME_INDEPENDENT
     best_effort: bool = False
@@ -85,8 +85,8 @@ class Quality(Record, kw_only=True):
     start_by_ns: int = 0
     latency_ns: int = 0
     lifespan_ns: int = 0
-    # True if the samples of a stream show that its writer is alive, and not the heartbeats of its
-    # process.
+    # True if only the samples of a stream show that its writer is alive. False if the heartbeats of
+    # the writer's process show it.
     manual_liveliness: bool = False
     depth: int = 0
     media: Media = ANY_MEDIUM
@@ -227,8 +227,8 @@ class Method(Record, Generic[T, F]):
 
 
 def _are_several(kind: Carried) -> bool:
-    """Returns whether a reply of `kind` consists of the members of several results, without a
-    size."""
+    """Returns whether a reply of `kind` consists of several results. The struct of these results is
+    encoded without its size."""
     layout = kind.layout if isinstance(kind, Nested) else None
     return isinstance(layout, StructLayout) and layout.open and not layout.in_block
 
@@ -265,18 +265,18 @@ def method(
     open_fingerprint: int | None = None,
     handler: str = "",
 ) -> Method[Any, Any]:
-    """Builds the `Method` of an operation. `named` is the name of an `out` parameter that is the
-    only result. If the result is also published as a stream, `stream` has its rate in Hz and the
-    size of its largest sample in bytes (0: unbounded); an open stream also has the LCM fingerprint
-    of its samples. `handler` is the name of the servant's method, if it differs from the name of
-    the operation."""
+    """Builds the `Method` of an operation. If an `out` parameter is the only result, `named` is its
+    name. If the result is also published as a stream, `stream` is the rate of the stream in Hz and
+    the size of its largest sample in bytes (0: unbounded). `open_fingerprint` is the LCM
+    fingerprint of the samples of an open stream. `handler` is the name of the servant's method, if
+    it differs from the name of the operation."""
     name, sender = operation.name, operation.name.removesuffix("=")
     result, body = (nothing, no_result) if gives is None else _answer(kind_of(gives), name)
     outward = None
     if stream is not None:
         rate, largest = stream
         asked = operation.quality
-        # The deadline of a stream is its longest gap, and does not limit a call of the getter.
+        # The deadline limits the time between two samples of the stream, not a call of the getter.
         operation = replace(operation, quality=replace(asked, deadline_ns=0))
         outward = OutwardStream(
             code=operation.code,
@@ -372,7 +372,8 @@ def event(
 
 
 def _answer(kind: Carried, label: str) -> tuple[Callable[[Decoder], Any], Callable[[Any], Parts]]:
-    """Returns the functions that decode and encode a reply."""
+    """Returns the functions that decode and encode a reply, a sample, or the parameters of an
+    event."""
 
     def read(source: Decoder) -> Any:
         return kind.take(source, label)

@@ -100,8 +100,8 @@ class Inward(Generic[T]):
         return FeedReport.decode(Decoder(self._served().inward_report(self._code)))
 
     def need_command(self) -> None:
-        """From now on, samples that feed no command are refused even while no command takes
-        samples."""
+        """From now on, refuses each sample that feeds no command. Without this call, such samples
+        are refused only while a command takes samples."""
         self._only_commands = True
 
     @contextmanager

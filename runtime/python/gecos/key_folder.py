@@ -33,7 +33,7 @@ class KeyFolderError(ValueError):
 class Admitted:
     """A file of the key folder. `problem` is the reason why its key is not admitted, or None if the
     key is admitted. `owner` is the owner of the key, such as "anna@desk". A key without an owner
-    counts as a key of this user, whom no list limits."""
+    counts as a key of this user, so no list limits its access."""
 
     key: str
     file: Path
@@ -121,8 +121,8 @@ def add(file: Path, owner: str | None = None) -> str:
             raise KeyFolderError(f"{file}: this is your own key, which needs no owner")
         if is_own_user(owner):
             raise KeyFolderError(
-                f"{owner} is admitted to everything on this host, and no list limits this key: "
-                "name the host on which its user has it"
+                f"{owner} is admitted to everything on this host, so no list would limit this key: "
+                "after the @, name the host of the key's user"
             )
         _put(_owner_file(key), f"{owner}\n".encode())  # first: a list may limit this key
     _put(file_of(key), text)
@@ -130,7 +130,8 @@ def add(file: Path, owner: str | None = None) -> str:
 
 
 def is_own_user(owner: str) -> bool:
-    """Returns whether `owner` is this user or root on this host, whom no list limits."""
+    """Returns whether `owner` is this user or root on this host. No list limits the access of these
+    two users."""
     names = ("root", this_user())
     return owner in [f"{name}@{socket.gethostname()}" for name in names]
 

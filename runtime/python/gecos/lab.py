@@ -58,9 +58,10 @@ class Lab:
         media are available. `latency` is the longest round trip in s that the program accepts, also
         from a simulated device; the interface may demand a shorter one. If there is a limit, each
         medium is measured by a few pings before it is used. `patience` is the longest wait in s for
-        an answer of the broker and of each server. While none of the objects is online or no broker
-        answers, `create` tries again for `wait` s; `math.inf` means without limit. `create` does
-        not wait for an object of another type. Raises CreateError with a reason for each name.
+        an answer of the broker and of each server. If `create` reaches no object, and at least one
+        of them is not online or no broker answers, it tries again for `wait` s; `math.inf` means
+        without limit. It does not try again if all objects are online, for example with another
+        type. Raises CreateError with a reason for each name.
 
         Instead of names, a reference may be given (`lab.create(Tool, changer.current().result())`).
         A reference is valid only while the server process that it refers to serves the object,
@@ -98,8 +99,8 @@ class Lab:
 
         `medium`, `patience` and `wait` have the same meaning as in `create`. Raises CreateError
         like `create`. Raises ModelError if the object serves no model, or a model that is not
-        valid. Raises CommandFailed or ConnectionFailed if the broker does not answer the request
-        for its list, or the object the request for its model.
+        valid. Raises CommandFailed or ConnectionFailed if the broker does not send its list, or if
+        the object does not send its model.
         """
         from gecos.dynamic_client.connect import connect
 

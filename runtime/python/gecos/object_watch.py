@@ -40,9 +40,9 @@ class ObjectWatch:
 
     @property
     def skipped(self) -> int:
-        """The number of changes that this watch did not report, because the broker keeps only the
-        last 1024 changes and the watch read them too late. The watch reported only the state after
-        these changes."""
+        """The number of changes that this watch did not report. The watch misses changes if it is
+        read too late, because the broker keeps only the last 1024 changes. It then reports only the
+        state after the missed changes."""
         return self._core.skipped()
 
     def close(self) -> None:

@@ -101,7 +101,7 @@ class Object:
 
 
 def _no_stream(kind: type[Object], name: str) -> NoReturn:
-    """Raises the error for `.stream()` on a method of a proxy that is not a StreamAttribute."""
+    """Raises TypeError for `.stream()` on a member of a proxy that has no stream."""
     about = kind._gecos_interface
     streams = ", ".join(each.name for each in about.streams) or "none"
     getters = [each.name for each in about.operations if each.kind is Kind.GETTER]

@@ -40,8 +40,8 @@ class Server:
         shutdown.at_exit(self, shutdown.Turn.SERVERS)
 
     def allow(self, users: Iterable[str], hosts: Iterable[str] = ()) -> None:
-        """Names the users and hosts that may connect to all objects of this server, beyond the user
-        of this process on this host. "*" admits every name.
+        """Names the users and hosts that may connect to all objects of this server, in addition to
+        the user of this process on this host. "*" admits every name.
 
         If the lab file also has a list for an object, both lists must admit a client. Applies to
         connections that are made after the call, and replaces the names of an earlier call. Does
@@ -90,7 +90,9 @@ class Server:
                 if why := self._core.add(prepared, name, simulated, list(media)):
                     raise ServeError(why)  # `why` already contains the name of the object
             except BaseException as error:
-                # If neither of the two conditions holds, the object remains served.
+                # A servant that cannot be served is released and its lanes end. If
+                # KeyboardInterrupt arrives while the servant may already be served, the object
+                # remains served.
                 if not may_be_served or isinstance(error, Exception):
                     _release(servant, prepared)
                     self._core.forget(prepared)  # ends the lanes of the servant
@@ -174,7 +176,7 @@ def serve(
     """Serves objects under their names until SIGINT or SIGTERM arrives. Call it from the main
     thread.
 
-    `users` and `hosts` may connect beyond the user of this process on this host, as by
+    `users` and `hosts` may connect, in addition to the user of this process on this host; see
     `Server.allow`.
 
     `publish(ended)` runs on a thread of its own while the objects are served: it measures and

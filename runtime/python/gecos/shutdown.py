@@ -32,8 +32,8 @@ _waiting: dict[Turn, WeakSet[Closable]] = {turn: WeakSet() for turn in Turn}
 
 
 def at_exit(closable: Closable, turn: Turn) -> None:
-    """Calls `closable.close()` at the end of the program if the object still exists then, even if
-    it was already closed."""
+    """Calls `closable.close()` at the end of the program. The call is made even if `closable` was
+    already closed, but not if it was destroyed."""
     _waiting[turn].add(closable)
 
 

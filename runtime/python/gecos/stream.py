@@ -29,8 +29,9 @@ class Sample(Generic[T]):
 
     value: T
     sequence: int  # increases by one with each published sample
-    # Samples between the previously read one (of an event, the subscription) and this one that were
-    # not read.
+    # The number of samples that were published after the previously read sample and before this
+    # one. The first event counts the events since the subscription. The first sample of a stream
+    # counts none.
     lost: int
     stamp: float  # time of measurement for display: Unix time in s, by the server's clock
     # s from measurement to reading. Setting a clock does not change the age. It is exact on one
@@ -225,7 +226,8 @@ class Stream(Generic[T]):
             self._returned.append(turn.taken.pop())
 
     def _look_back(self) -> None:
-        """Takes over the samples that cancelled readers returned. Only the reader may call it."""
+        """Takes over the samples that cancelled readers returned. Only the thread or task that
+        reads may call this method."""
         while self._returned:
             sample = self._returned.popleft()
             if sample.sequence == self._read:

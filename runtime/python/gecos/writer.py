@@ -39,7 +39,8 @@ class InwardAttribute(Generic[T]):
 
 class Writer(Generic[T]):
     """Sends samples to an object on one inward stream. Only one thread sends at a time. A session
-    has one writer for each stream: a newer one takes the place of the earlier one.
+    has one writer for each stream: after a program opens another writer, the server no longer reads
+    the samples of the earlier one.
 
     The server judges each sample when the servant reads it, and counts the samples that have no
     effect. `report()` asks for these counts. Sending never waits for the server.
@@ -67,7 +68,7 @@ class Writer(Generic[T]):
             _raise(self._name, *refused)
 
     def feeds(self, command: Command[Any, Any] | None) -> None:
-        """Makes each further sample feed `command`, so that it has no effect unless that command
+        """Makes each further sample feed `command`: the sample has an effect only while `command`
         runs and takes samples. None: further samples feed no command."""
         self._core.feeds(None if command is None else command.id)
 

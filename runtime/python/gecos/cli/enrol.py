@@ -26,8 +26,8 @@ def lab() -> None:
 
 @lab.command()
 @click.option("--address", metavar="HOST", help="Address for other hosts; default: the hostname.")
-@click.option("--port", type=click.IntRange(0, 65535), default=0, help="TCP; default: any.")
-@click.option("--minutes", type=Number(0.001), default=10.0, help="How long it is valid.")
+@click.option("--port", type=click.IntRange(0, 65535), default=0, help="TCP port; default: any.")
+@click.option("--minutes", type=Number(0.001), default=10.0, help="Minutes until the link expires.")
 @_OWNER
 @json_option
 def init(address: str | None, port: int, minutes: float, owner: str | None, as_json: bool) -> None:

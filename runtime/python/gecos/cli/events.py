@@ -89,8 +89,8 @@ def _chosen(robot: DynamicObject, wanted: Sequence[str]) -> list[Attribute]:
 
 
 def _heard(streams: dict[str, Stream[Any]]) -> Generator[tuple[str, Sample[Any]]]:
-    """Yields each event of all streams; one thread reads each stream. Raises the exceptions of
-    reading a stream."""
+    """Yields the events of all streams; a separate thread reads each stream. If reading a stream
+    raises an exception, raises this exception."""
     queue: SimpleQueue[_Heard] = SimpleQueue()
 
     def read(event: str, stream: Stream[Any]) -> None:

@@ -35,8 +35,8 @@ class ExitCode(IntEnum):
 
 
 class UsageFailure(ValueError):
-    """The command line contains a name that the object does not have, or a value that it does not
-    accept."""
+    """The command line names an object, a member or a file that does not exist or cannot be used,
+    or it contains a value that is not accepted."""
 
 
 class NotEnded(TimeoutError):

@@ -15,8 +15,8 @@ _ANY_LATENCY = 3600.0  # s; asks `create` for a measurement, and refuses no medi
 
 
 def round_trips(lab: Lab, interface: type[Object], told: Explanation) -> dict[str, float]:
-    """Measures the suitable media of an object: the round trip of each in s. A medium over which no
-    session can be opened, or that is too slow for the interface, raises CreateError."""
+    """Returns the round trip in s over each suitable medium of an object. Raises CreateError if no
+    session can be opened over one of these media, or if a medium is too slow for the interface."""
     import gecos
 
     measured = {}

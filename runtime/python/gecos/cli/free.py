@@ -33,8 +33,8 @@ def free(name: str, broker: str | None, as_json: bool) -> None:
 
 
 def _set_free(lab: Lab, name: str) -> None:
-    """Raises CommandFailed if the broker still hears the server of the object or its process still
-    runs, and CreateError if the broker does not know the object."""
+    """Raises CommandFailed if the broker still hears the server of the object, or if the process of
+    that server still runs. Raises CreateError if the broker does not know the object."""
     from gecos_idl.broker import Broker
     from gecos_idl.broker_types import NameInUse, UnknownName
 

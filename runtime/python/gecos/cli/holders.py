@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 @click.command()
 @name_argument
-@click.option("--watch", "watching", is_flag=True, help="Print them at each change until Ctrl-C.")
+@click.option(
+    "--watch", "watching", is_flag=True, help="Print the holders at each change until Ctrl-C."
+)
 @broker_option
 @json_option
 def holders(name: str, watching: bool, broker: str | None, as_json: bool) -> None:
@@ -50,8 +52,9 @@ def _print(name: str, told: Roster, as_json: bool) -> None:
 
 
 def rosters(robot: gecos.Object, timeout: float | None = None) -> Iterator[Roster]:
-    """Yields the present roster without its past, and then the roster at each change, with the
-    changes since the last one. Raises TimeoutError if no change comes within `timeout` s."""
+    """Yields the present roster without past changes. Then, at each change, yields the roster
+    together with the changes since the previous roster. Raises TimeoutError if no change comes
+    within `timeout` s."""
     import gecos
 
     told = gecos.roster(robot).result()

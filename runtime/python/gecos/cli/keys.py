@@ -114,7 +114,7 @@ def _known(context: click.Context, _: click.Parameter, begun: str) -> list[Compl
 @click.argument("name", shell_complete=_known)
 @json_option
 def remove(name: str, as_json: bool) -> None:
-    """Removes an admitted key. NAME is the file, or at least the first 8 digits of the
+    """Removes an admitted key. NAME is the name of its file, or at least the first 8 digits of its
     fingerprint."""
     from gecos import key_folder
 

@@ -319,7 +319,7 @@ def watch(
 ) -> None:
     """Shows an attribute again and again: the samples of its stream, or repeated readings. Shows
     the arguments of an event each time it occurs. Without ATTRIBUTE, shows who holds actor or
-    master status, and each change of that.
+    master status, now and after each change.
 
     On a terminal, each value of an attribute replaces the previous one. Each event is printed on a
     line of its own, and so is each value if the output is a pipe.
@@ -436,8 +436,10 @@ def hz(
 
 
 def _rate(stream: Any, window: float, last: float | None) -> tuple[dict[str, Any], float | None]:
-    """Returns what a stream delivers within `window` seconds. `last` is the stamp of the previous
-    sample. The first sample of all only begins the window, because it may be older."""
+    """Returns the rate of a stream within `window` seconds, with its counts and periods, and the
+    stamp of the last sample. `last` is the stamp of the last sample before the window. It is None
+    in the first window: the first sample then only begins the window, because it may be older than
+    the window."""
     start = time.monotonic()
     samples, lost, periods = 0, 0, []
     while (left := start + window - time.monotonic()) > 0:

@@ -85,7 +85,7 @@ def _words(status: Access) -> str:
 
 
 def named_file() -> Path | None:
-    """Returns the lab file that servers of this environment read, or None."""
+    """Returns the lab file that servers read if they are started in this environment, or None."""
     named = os.environ.get("GECOS_LAB_FILE")
     if named:
         return Path(named)
@@ -104,7 +104,7 @@ def text_of(path: Path) -> str:
         if found.st_size > _LARGEST_FILE:
             raise UsageFailure(f"{path}: the file is larger than 64 KiB")
         if found.st_mode & stat.S_IWOTH:
-            raise UsageFailure(f"{path}: everybody may write this file, so no server believes it")
+            raise UsageFailure(f"{path}: everybody may write this file, so servers refuse it")
         return path.read_text(encoding="utf-8")
     except OSError as error:
         raise UsageFailure(f"{path}: {error.strerror}") from None

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from gecos_idl.broker_types import Entry, SilentObject
 
 ASKED_FOR = 2.0
-"""Seconds in which each server must answer; all servers are asked at the same time. After
-1.5 s of silence, the broker says since when a server is silent; this time is a little longer."""
+"""Longest wait for the answer of a server, in s. It is a little longer than the 1.5 s of silence
+after which the broker reports a server as silent."""
 _MOST_AT_ONCE = 64
 
 
@@ -45,8 +45,9 @@ class Presence:
 
 def presences(lab: gecos.Lab, interface: str = "") -> list[Presence]:
     """Returns the objects that are online or silent and have `interface` or an interface derived
-    from it, sorted by name. Without `interface`, returns all objects. Takes at most ASKED_FOR and
-    the time until the answer of the broker. Raises CreateError without a broker."""
+    from it, sorted by name. Without `interface`, returns all objects. Asks up to 64 servers at the
+    same time, and waits at most ASKED_FOR s for the answer of each. Raises CreateError if no broker
+    answers."""
     listed = lab.objects(interface)
     with ThreadPoolExecutor(_MOST_AT_ONCE) as side_by_side:
         problems = list(side_by_side.map(lambda entry: _problem(lab, entry), listed))
@@ -66,8 +67,8 @@ def presences(lab: gecos.Lab, interface: str = "") -> list[Presence]:
 
 def changes(lab: gecos.Lab, interface: str = "") -> Iterator[dict[str, Any]]:
     """Yields each change of the broker's list as data for JSON. Begins with each object that is
-    already online or silent. `skipped` counts the changes that were read too late to see each of
-    them."""
+    already online or silent. `skipped` is the number of changes before this one that were not
+    reported, because this program read them too late."""
     with lab.watch(interface) as watch:
         skipped = 0
         for change in watch:

@@ -46,7 +46,7 @@ def change(of: dict[str, Any]) -> None:
     from gecos.dynamic_client.silence import told
 
     if of["skipped"]:
-        print(f"{of['skipped']} changes were read too late; their result follows")
+        print(f"{of['skipped']} changes were read too late; the state after them follows")
     since = of["silent_since"]
     presence = of["presence"].lower() if since is None else told(since)
     who = f"{of['interface_name']}, {of['user']}@{of['hostname']} pid {of['pid']}"
@@ -178,8 +178,8 @@ def _how_watched(event: Attribute) -> str:
 
 
 def _types(model: Model) -> None:
-    """Prints the members, enumerators, flags and arms of the types that the interface uses. Those
-    of events are printed with the events."""
+    """Prints the members, enumerators, flags and arms of the types that the interface uses. The
+    structs of events are left out, because their members are printed with the events."""
     of_events = {m.result.use.name for m in model.members if m.kind == "event" and m.result}
     shown = [
         (name, list(_parts(model, declared)))
@@ -276,7 +276,8 @@ def _text(of: Any, indent: int | None = None) -> str:
 
 
 def _json(of: Any, indent: int | None = None) -> str:
-    """Returns JSON in which characters that a terminal would execute are escaped, as \\u009b."""
+    """Returns JSON with escaped control characters, for example \\u009b, because a terminal would
+    execute them."""
     return "".join(
         c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1]
         for c in json.dumps(of, indent=indent, ensure_ascii=False)
@@ -284,8 +285,8 @@ def _json(of: Any, indent: int | None = None) -> str:
 
 
 def printable(text: str) -> str:
-    """Returns `text`, which comes from a server, with escapes in place of characters that a
-    terminal would execute."""
+    """Returns `text`, which comes from a server, with escaped control characters, because a
+    terminal would execute them."""
     return "".join(
         c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text
     )

@@ -25,7 +25,7 @@ def revoke(name: str, broker: str | None, as_json: bool) -> int:
 
     NAME is an owner of keys, as anna@desk, or as anna for all hosts, or at least 8 digits of a
     fingerprint. Your servers on this host end the sessions and streams within 5 s. Servers that
-    were not reached, and lists that still name the user, are printed; the code is then 3.
+    were not reached, and lists that still name the user, are printed; the exit code is then 3.
     """
     gone = _remove(name)
     reached, missed = _servers(broker, name)
@@ -95,14 +95,16 @@ def _why_missed(one: Presence, name: str) -> str | None:
 
 
 def _still_named(name: str, gone: list[Admitted]) -> list[str]:
-    """Returns the rule by which a user of this host is still admitted over shared memory."""
+    """Returns the rules of the lab file by which the user is still admitted over shared memory,
+    each as a text with advice. Only users of this host connect over shared memory."""
     names = {name, *(one.owner for one in gone if one.owner is not None)}
     rules = {rule for one in sorted(names) if (rule := _rule_that_admits(one))}
     return [f"{rule}; remove the name there, too" for rule in sorted(rules)]
 
 
 def _rule_that_admits(name: str) -> str | None:
-    """Returns the rule of the lab file that admits a user of this host, or None."""
+    """Returns the rule of the lab file that admits a user, `name`. Returns None if no rule does,
+    and always for users of other hosts, for this user and for root."""
     import socket
 
     from gecos import _core

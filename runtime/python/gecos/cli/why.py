@@ -19,7 +19,7 @@ from gecos.cli.options import json_option, print_json
     "--dir",
     "folder",
     type=click.Path(path_type=Path),
-    help="Folder of the audit; default: GECOS_AUDIT_DIR, else the one of your servers.",
+    help="Folder of the audit; default: GECOS_AUDIT_DIR, else the folder of your servers.",
 )
 @json_option
 def why(request: str, folder: Path | None, as_json: bool) -> int:
@@ -34,8 +34,8 @@ def why(request: str, folder: Path | None, as_json: bool) -> int:
     found = lines_about(place, _Request.of(request))
     if not found:
         raise RuntimeError(
-            f"the audit in {place} has no line about {request}; ask the user of the server, on its "
-            "host, for it, or the line was removed with the oldest file"
+            f"the audit in {place} has no line about {request}: the server belongs to another "
+            "user or host (ask that user), or the line was removed with the oldest file"
         )
     if as_json:
         print_json(found)
@@ -75,8 +75,9 @@ class _Request:
 
 
 def lines_about(folder: Path, request: _Request) -> list[dict[str, Any]]:
-    """Returns the lines about the request, from old to new. If there are none, returns the lines
-    that count several requests, because the request may be one of them."""
+    """Returns the lines of the audit about one request, from old to new. Some lines count several
+    requests instead of naming each. If no line names the request, returns the lines that count
+    it."""
     mine = [line for line in _lines(folder, request.session) if "request" in line]
     about = [line for line in mine if line["request"] == str(request)]
     return about or [line for line in mine if _counts(line, request)]
@@ -90,7 +91,7 @@ def _counts(line: dict[str, Any], request: _Request) -> bool:
 
 
 def _lines(folder: Path, part: str) -> Iterator[dict[str, Any]]:
-    """Yields the lines in which `part` occurs, from old to new."""
+    """Yields the lines of the audit in which `part` occurs, from old to new."""
     files = sorted(folder.glob("audit.*.jsonl"), key=_age, reverse=True)
     for file in (*files, folder / "audit.jsonl"):
         try:

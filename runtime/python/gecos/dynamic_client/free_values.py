@@ -14,9 +14,9 @@ _MAX_OPEN = 64  # levels of types, including sequences
 
 
 def check_free_values(model: Model) -> None:
-    """Raises `Malformed` if the number of values that take no bytes is above `_MAX_FREE`. Such
-    values are empty structs, and arrays and structs of empty structs. These values are counted in
-    each type, and in all that a member of an interface receives.
+    """Raises `Malformed` if one value of a type may contain more than `_MAX_FREE` values that take
+    no bytes, or if the parameters and the result of a member of an interface together may contain
+    more. Values that take no bytes are empty structs, and arrays and structs of empty structs.
 
     @pre no type contains itself other than through a sequence
     """

@@ -15,7 +15,7 @@ from gecos.interface import ASKED_NOTHING, Access, OnLoss, OnNew, Quality
 from gecos.record import Record
 
 OBJECT_REFERENCE = "gecos::ObjectRef"
-"""The type of a parameter or member that is declared with an interface as its type."""
+"""The type of the values that refer to an object: those whose declared type is an interface."""
 
 
 class ModelError(ValueError):
@@ -32,7 +32,7 @@ class ModelError(ValueError):
 
 
 class Limits(Record):
-    """An inclusive range. None means that the range has no limit on this side."""
+    """An inclusive range. If `low` or `high` is None, the range has no limit on that side."""
 
     low: int | float | None
     high: int | float | None
@@ -303,7 +303,7 @@ class Model(Record):
         return literal
 
     def direct_uses(self, declaration: Declaration) -> Iterator[Type]:
-        """Yields the types of the values inside a value of the declared type."""
+        """Yields the type of each value that a value of the declared type directly contains."""
         if isinstance(declaration, Struct):
             yield from (each.use for each in self.all_members(declaration))
         elif isinstance(declaration, Union):

@@ -246,7 +246,7 @@ class _Builder:
         raises: tuple[str, ...],
         stream: tuple[float, int] | None = None,
     ) -> Method[Any, Any]:
-        """Returns the table of a call, with decoders that return plain data."""
+        """Builds the `Method` of a call of `member`. Its decoders return plain data."""
         names = request.arguments.names
         made = method(
             operation,

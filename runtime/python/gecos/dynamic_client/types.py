@@ -1,5 +1,6 @@
 """Builds Python types from declarations, by the same functions of `gecos.wire.layout` that
-generated code uses. Therefore codec, ranges and JSON are the same.
+generated code uses. Therefore the codec, the ranges and the JSON of these types are the same as
+those of generated types.
 
 Only sequences and arrays of numbers differ: they are lists, because importing numpy takes long.
 """
@@ -49,7 +50,7 @@ _LARGEST: dict[str, int | float] = {
     "f": 3.4e38,
     "d": 1.7e308,
 }
-"""The lowest and the highest limit that a range of numbers may have, for each number code."""
+"""The greatest absolute value that a limit of a range may have, for each number code."""
 _FLOATING = ("float", "double")
 _ZEROS = {"boolean": False, "char": "\0", "float": 0.0, "double": 0.0}
 
@@ -153,8 +154,8 @@ class Types:
         return field(default_factory=made) if callable(made) else field(default=made)
 
     def _zero(self, use: Type) -> Any:
-        """Returns the zero of a type. For a type with mutable values, returns a function that makes
-        the zero."""
+        """Returns the value that a member of a type has before it is set, for example 0 or "". For
+        a type with mutable values, returns a function that makes this value."""
         use, _ = self._model.resolved(use)
         match use.kind:
             case "primitive":
@@ -368,8 +369,8 @@ def _number(name: str, limits: Limits | None, unit: str) -> layout.Step:
 
 
 def _check_size(element: layout.Step, count: int) -> None:
-    """Refuses an array of very many elements that take no bytes, because the size of a message
-    would not limit it."""
+    """Refuses an array of very many elements that take no bytes, because the size of a message does
+    not limit the number of such elements."""
     kind = kind_of(element)
     takes_bytes = isinstance(kind, Later) or kind.least  # a Later contains itself in a sequence
     if count > MAX_ZERO_WIDTH and not takes_bytes:

@@ -23,7 +23,8 @@ class What(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """Something that has happened. `text` is for people; it is the line of an OUTPUT."""
+    """An event of a running laboratory. `text` describes the event for people; for OUTPUT, it is
+    the line that the program printed."""
 
     event: What
     text: str

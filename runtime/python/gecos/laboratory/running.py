@@ -75,8 +75,8 @@ class _Process:
         threading.Thread(target=self._await_end, daemon=True).start()
 
     def _pass_on(self) -> None:
-        """Passes the output on until its end. Processes that the program has started may keep the
-        output open for longer than the program runs."""
+        """Reports each line of the program's output until the output ends. Processes that the
+        program has started may keep the output open for longer than the program runs."""
         assert self._process.stdout is not None
         if self._is_ready:
             self._tell_ready()
@@ -126,7 +126,8 @@ class _Process:
         )
 
     def status(self) -> int:
-        """Waits for the end, and returns the exit status; the negative number of a signal."""
+        """Waits for the end of the program. Returns its exit status, or the negative number of the
+        signal that ended it."""
         self._over.wait()
         return self._status
 
@@ -148,7 +149,7 @@ class _Process:
         self._reader.join(END_WITHIN)
 
     def kill(self) -> None:
-        """Kills the program and all processes that it has started and that are still there."""
+        """Kills the program, and those processes started by it that still run."""
         if self._reaped:
             return
         self._signal(signal.SIGKILL)
@@ -189,8 +190,8 @@ class RunningLaboratory:
 
     def watch(self, timeout: float | None = None) -> None:
         """Watches the programs. When a program ends, reports it, and starts it again if it is to be
-        restarted. Returns after `timeout` s, or else only by an exception
-        such as KeyboardInterrupt."""
+        restarted. Returns after `timeout` s. Without `timeout`, ends only by an exception such as
+        KeyboardInterrupt."""
         end = None if timeout is None else time.monotonic() + timeout
         while end is None or time.monotonic() < end:
             waits = (self._later.run(blocking=False), end and end - time.monotonic(), _LOOK_ANYWAY)
@@ -233,7 +234,7 @@ class RunningLaboratory:
         self._later.enter(READY_WITHIN, 0, process.complain_if_not_ready)
 
     def end(self) -> None:
-        """Ends all programs, the last one first. If an exception interrupts this, kills the
+        """Ends all programs, the last one first. If an exception interrupts this method, kills all
         programs."""
         processes = [*reversed(self._processes.values())]
         try:
@@ -258,7 +259,7 @@ def running(
     `folders`, in the folder of this command, and in PATH. With `restart`, each program is started
     again when it ends by itself. `report` is called with each event, from several threads. Raises
     LaboratoryError if a program is missing or does not become ready, and if the programs would not
-    use the broker that the laboratory starts. All running programs are ended before."""
+    use the broker that the laboratory starts. The programs that already run are ended first."""
     commands = [(p, _command(laboratory, p, folders)) for p in laboratory.programs]
     variables = dict(os.environ if environment is None else environment)
     if laboratory.broker_address:
@@ -281,8 +282,8 @@ def running(
 
 
 def _refuse_another_broker(named: str, file: str) -> None:
-    """Raises LaboratoryError if GECOS_BROKER leads the programs to another broker than the one of
-    this laboratory, which is at the place `shm` of its host."""
+    """Raises LaboratoryError if GECOS_BROKER leads the programs to a broker other than the one that
+    this laboratory starts. That broker is at the address `shm`."""
     if named in ("", "shm"):
         return
     raise LaboratoryError(

@@ -1,4 +1,5 @@
-"""Encodes parts of a value. Each function returns bytes; all bytes are joined once at the end."""
+"""Encodes the parts of a value. Each function returns the bytes of one part; the caller joins all
+parts once at the end."""
 
 from __future__ import annotations
 

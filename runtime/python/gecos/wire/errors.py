@@ -94,7 +94,8 @@ def brief(value: object) -> str:
 
 
 def unfit(value: object, meaning: str) -> str:
-    """The reason why `value` is not `meaning`, which is a kind of number, and what to do."""
+    """Returns the text of an error: `value` is not `meaning`, and what to do. `meaning` is a kind
+    of number, for example "a whole number"."""
     advice = "" if hasattr(value, "__float__") else "; give a number"
     if isinstance(value, str):
         advice = "; write the number without quotes and unit"

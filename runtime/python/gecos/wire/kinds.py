@@ -77,8 +77,8 @@ class Kind(ABC):
 
 
 class Number(Kind):
-    """A number. `code` is a number code as in `wire.Fields`. In JSON, "nan", "inf" and "-inf" are
-    numbers too."""
+    """A number. `code` is a number code as in `wire.Fields`. In JSON, a floating-point number that
+    is not finite is one of the texts "nan", "inf" and "-inf"."""
 
     __slots__ = ("code", "least")
 

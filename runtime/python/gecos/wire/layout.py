@@ -7,7 +7,7 @@
         ...
 
 A layout lists the members in order, as *steps*. A step is one of these: a text with the codes of
-any number of numbers, as in `wire.Fields`; a type with a layout of its own; a function that returns
+one or more numbers, as in `wire.Fields`; a type with a layout of its own; a function that returns
 a type that is declared later; or the result of a function below. A layout provides encoding and
 decoding with all checks, `==` for values that hold arrays, JSON, and a `repr` without secrets. It
 also provides the plan by which the C++ extension encodes and decodes the usual case

@@ -187,9 +187,10 @@ class UnionLayout:
         return __repr__
 
     def _may_be_secret(self, kind: Kind | None, value: Any) -> bool:
-        """Returns whether `value` may be secret. This is so if the selected arm is secret. It is
-        also so if `value` is a text or container that does not fit the selected arm, because the
-        value may belong to a secret arm. `kind` is the kind of the selected arm, or None."""
+        """Returns whether `value` may be secret, in a union that has secret arms. `kind` is the
+        kind of the selected arm, or None. If the selected arm is secret, `value` is secret. A text
+        or container that does not fit the selected arm counts as secret, too, because it may belong
+        to a secret arm."""
         if not self._keeps_secrets or isinstance(kind, Secret):
             return self._keeps_secrets
         if isinstance(value, str):

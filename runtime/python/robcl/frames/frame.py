@@ -18,8 +18,9 @@ if TYPE_CHECKING:
 Vector = npt.NDArray[np.float64]
 _Quaternion = tuple[float, float, float, float]
 
-# If a sine or cosine is below this limit, the first and the third axis of the Euler angles are
-# parallel. Then only the sum or the difference of the first and the third angle can be determined.
+# If the sine or cosine of half the second Euler angle is below this limit, the first and the third
+# axis count as parallel. Then only the sum or the difference of the first and the third angle can
+# be determined.
 _PARALLEL_AXES = 1e-9
 
 # The layout of robcl::Frame in idl/robcl/geometry.gidl.
@@ -75,8 +76,9 @@ class Frame:
         position: Sequence[float] | Vector = (0.0, 0.0, 0.0),
         orientation: Sequence[float] | Vector = (1.0, 0.0, 0.0, 0.0),
     ) -> None:
-        """Makes a frame from a position in m and an orientation. The orientation is a quaternion w,
-        x, y, z, which is normalised. Raises InvalidFrame."""
+        """Makes a frame from a position in m and an orientation, a quaternion w, x, y, z. The
+        length of the quaternion must be 1 within UNIT_TOLERANCE; the frame has the normalised
+        quaternion. Raises InvalidFrame."""
         x, y, z = map(float, position)
         w, i, j, k = map(float, orientation)
         if not (isfinite(x) and isfinite(y) and isfinite(z)):
@@ -202,7 +204,8 @@ class Frame:
         return rx, ry, rz
 
     def rotation_vector(self) -> Vector:
-        """The axis of the rotation times its angle in rad, an array (3,) of length 0 to pi."""
+        """The axis of the rotation times its angle in rad, as an array (3,). Its norm is from 0 to
+        pi."""
         w, *axis = self.quaternion()
         sine = hypot(*axis)  # of half the angle
         if sine == 0:
@@ -211,7 +214,7 @@ class Frame:
         return np.array(axis) * copysign(angle / sine, w)
 
     def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> Vector:
-        """The homogeneous 4x4 matrix, for numpy: `np.asarray(frame)`. It is made anew, so that
+        """The homogeneous 4x4 matrix, for `np.asarray(frame)`. The array is always a new one, so
         `copy=False` raises ValueError."""
         if copy is False:
             raise ValueError("a Frame has no array in memory: its matrix is always a new one")
@@ -256,15 +259,17 @@ class Frame:
         return moved
 
     def transform_twist(self, twist: Twist) -> Twist:
-        """Converts a twist to the origin and the axes from which this frame is seen: with R and p
-        of this frame, R·v + p x R·ω and R·ω."""
+        """Converts a twist from this coordinate system to the origin and the axes from which this
+        frame is seen. With the rotation R and the position p of this frame, the new velocities are
+        R·v + p x R·ω (linear) and R·ω (angular)."""
         turning = self.rotation() @ _three(twist.angular)
         moving = self.rotation() @ _three(twist.linear) + np.cross(self.position, turning)
         return Twist(moving, turning)
 
     def transform_wrench(self, wrench: Wrench) -> Wrench:
-        """Converts a wrench to the origin and the axes from which this frame is seen: R·f and R·τ +
-        p x R·f."""
+        """Converts a wrench from this coordinate system to the origin and the axes from which this
+        frame is seen. With the rotation R and the position p of this frame, the new force is R·f,
+        and the new torque is R·τ + p x R·f."""
         force = self.rotation() @ _three(wrench.force)
         torque = self.rotation() @ _three(wrench.torque) + np.cross(self.position, force)
         return Wrench(force, torque)
@@ -350,9 +355,9 @@ def rotate_z(angle: float) -> Frame:
 
 
 def interpolate(start: Frame, goal: Frame, part: float) -> Frame:
-    """Returns the frame after the fraction `part` of the way from `start` to `goal`: the position
-    moves along a straight line, and the orientation turns about one axis, by the shorter way.
-    Raises ValueError unless `part` is from 0 to 1."""
+    """Returns the frame that has travelled the fraction `part` of the way from `start` to `goal`.
+    The position moves along a straight line, and the orientation turns about one axis, by the
+    shorter way. Raises ValueError unless `part` is from 0 to 1."""
     if not 0 <= part <= 1:
         raise ValueError(f"part is {part}, but it must be from 0 to 1")
     turn = (start.inverse() * goal).rotation_vector()
@@ -423,8 +428,8 @@ def _rotation(q: _Quaternion) -> tuple[tuple[float, ...], ...]:
 
 
 def _zyz_of(q: _Quaternion) -> tuple[float, float, float]:
-    """Returns the Euler angles a, b, c of the rotation Rz(a)·Ry(b)·Rz(c), from the half angles:
-    they are accurate for every rotation."""
+    """Returns the Euler angles a, b, c of the rotation Rz(a)·Ry(b)·Rz(c). They are computed from
+    the half angles in the quaternion, and are accurate for every rotation."""
     # The quaternion is (cos(b/2)·cos s, -sin(b/2)·sin d, sin(b/2)·cos d, cos(b/2)·sin s) with s
     # = (a + c)/2 and d = (a - c)/2.
     w, x, y, z = q
@@ -441,9 +446,10 @@ def _zyz_of(q: _Quaternion) -> tuple[float, float, float]:
 
 
 def _from_rotation(turn: Vector) -> _Quaternion:
-    """Returns the quaternion of a 3x3 rotation matrix whose first component that is not 0 is
-    positive. It is computed from its largest component, so that rounding loses no component. C++
-    does the same arithmetic: both languages give the same sign also beside half a turn."""
+    """Returns the quaternion of a 3x3 rotation matrix. Its first component that is not 0 is
+    positive. The other components are computed from the largest one, so that rounding loses none of
+    them. C++ does the same arithmetic, so both languages choose the same sign, also for rotations
+    near half a turn."""
     (a, b, c), (d, e, f), (g, h, i) = turn.tolist()
     candidates = (
         (1 + a + e + i, h - f, c - g, d - b),

@@ -51,8 +51,8 @@ def one_broker(answers: Sequence[Answer]) -> Finding | None:
 
 
 def over_lcm(here: Answer, over_lcm: Answer) -> Finding | None:
-    """Checks whether the broker of this host is also reached over lcm. Must be called only if
-    packets of lcm can be sent, and if programs on other hosts are to be reached. Returns None if
+    """Checks whether the broker of this host is also reached over lcm. Call this function only if
+    packets can be sent over lcm, and if programs on other hosts are to be reached. Returns None if
     the broker is reached over lcm, or if no broker answers on this host."""
     if here.reason is not None or over_lcm.reason is None:
         return None
@@ -74,7 +74,10 @@ def _mend(reason: str, place: str) -> str:
         return "export GECOS_BROKER=lcm for a broker of another host (unset it for this host's)"
     mend = f"run gecos broker on the host, and as the user, that {place} names"
     if "does not admit our key" in reason:
-        mend += "; if a broker runs there, run gecos keys add FILE there, with our .public file"
+        mend += (
+            "; if a broker already runs there, run gecos keys add FILE there, with the .public "
+            "file of this user"
+        )
     return mend
 
 

@@ -16,7 +16,8 @@ from gecos.cli.doctor.finding import Finding, Level
 from gecos.cli.doctor.keys import own_key
 
 _OWN_KEY = "own.secret"  # in the folder of keys
-# This matches only the error, not the advice "GECOS_LCM_TTL is 0, so …"
+# This pattern matches only the error about the value of GECOS_LCM_TTL. It does not match the advice
+# "GECOS_LCM_TTL is 0, so …" in other errors.
 _REFUSED_TTL = re.compile(r"GECOS_LCM_TTL is '.*")
 
 

@@ -47,8 +47,8 @@ def lab_problem() -> RuntimeError | OSError | None:
 
 
 def ask_broker(place: str | None) -> Answer:
-    """Asks the broker at `place`. None stands for the broker that programs of this user find by
-    default."""
+    """Asks the broker at `place` who it is. If `place` is None, asks the broker that programs of
+    this user find by default."""
     from gecos_idl.broker import Broker
 
     import gecos
@@ -104,8 +104,9 @@ def _sockets(directory: Path) -> list[Path]:
 
 
 def _process_has_ended(path: Path) -> bool:
-    """Returns whether the process of a socket has ended. The check does not connect to a living
-    server, because the server would get a client that sends nothing."""
+    """Returns whether the process that made a socket has ended, by the process number in the
+    socket's name. Returns True for a broker's socket, whose name has no such number. The check does
+    not connect to a living server, because the server would get a client that sends nothing."""
     of = _OF_A_PROCESS.fullmatch(path.name)
     if of is None:
         return True  # the name is that of a broker's socket
@@ -134,7 +135,8 @@ def in_the_way(directory: Path) -> list[str]:
 
 
 def sealed_memory_problem() -> str | None:
-    """Returns the reason why memory cannot be shared in the way that the runtime does, or None."""
+    """Returns the reason why the kernel refuses memory of the kind that the runtime shares, a
+    sealed memfd. Returns None if the kernel allows it."""
     seals = _F_SEAL_FUTURE_WRITE | sum(getattr(fcntl, name) for name in _SEALS)
     try:
         memory = os.memfd_create("gecos-doctor", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)

@@ -12,8 +12,8 @@ from gecos.cli.doctor.real_time import raised
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """A limit of a process. `number` is of the module `resource`, `letter` of ulimit, and `name` of
-    limits.conf."""
+    """A limit of a process. `number` is its constant in the module `resource`, `letter` is its
+    option of ulimit, and `name` is its entry in limits.conf."""
 
     number: int
     letter: str
@@ -24,7 +24,7 @@ LIMITS = {
     errno.EMFILE: Limit(resource.RLIMIT_NOFILE, "n", "nofile 65536"),
     errno.EAGAIN: Limit(resource.RLIMIT_NPROC, "u", "nproc 65536"),
 }
-"""The limit to which each error number points."""
+"""The limit that a process has reached when it gets an error number."""
 
 _OTHERWISE = "end programs that are not needed now"
 

@@ -34,8 +34,8 @@ _LIMIT: dict[str, Any] = {"color": "black", "linewidth": 0.8, "linestyle": "--"}
 
 def draw(recording: Recording, limits: ArmLimits | None, path: Path) -> None:
     """Draws a recording into a file: on the left the joints, or the tool of an arm without joint
-    streams; on the right the path of the tool; below, its speed and acceleration. The same
-    recording gives the same file. Raises OSError."""
+    streams; on the right the path of the tool; at the bottom the speed and acceleration of the
+    tool. The same recording gives the same file. Raises OSError."""
     with matplotlib.rc_context(_SETTINGS):
         figure = Figure(figsize=(10, 10), layout="constrained")
         axes = figure.subplots(4, 2)
@@ -110,7 +110,8 @@ def _shares(
 
 
 def _travel(axes: Axes, limits: ArmLimits) -> None:
-    """Draws the limits of the joint positions, as far as the axes of the picture contain them."""
+    """Draws each limit of a joint position that is within the range of the axes, or at most 20°
+    outside it."""
     bottom, top = axes.get_ylim()
     for i, ends in enumerate(zip(limits.lower, limits.upper, strict=True)):
         for end in np.degrees(ends):

@@ -46,8 +46,8 @@ def read_limits(path: Path) -> ArmLimits:
 
 
 def check_joints(limits: ArmLimits, name: str, joints: int) -> None:
-    """Raises UsageFailure if `limits` do not belong to the arm `name`, because it has another
-    number of joints."""
+    """Raises UsageFailure if the arm `name`, which has `joints` joints, has another number of
+    joints than `limits`."""
     if joints != len(limits.joints):
         raise UsageFailure(
             f"{name} has {joints} joints, but --limits names the file of an arm with "
@@ -88,7 +88,7 @@ def _positive(tool: Mapping[str, Any], key: str, path: Path) -> float:
     value = tool.get(key)
     if value is None or not _is_positive(value):
         raise UsageFailure(
-            f"{path}: the key tool.{key} is missing or no number above 0; {_EXAMPLE}"
+            f"{path}: the key tool.{key} is missing or is not a number above 0; {_EXAMPLE}"
         )
     return float(value)
 
@@ -102,8 +102,8 @@ def _seconds(value: Any, joints: int, path: Path) -> Numbers:
     numbers = value if isinstance(value, list) else [value] * joints
     if len(numbers) != joints or not all(map(_is_positive, numbers)):
         raise UsageFailure(
-            f"{path}: seconds_to_full_speed is neither a number above 0 nor a list with one for "
-            f"each of the {joints} joints; {_EXAMPLE}"
+            f"{path}: seconds_to_full_speed must be a number above 0, or a list of such numbers, "
+            f"one for each of the {joints} joints; {_EXAMPLE}"
         )
     return np.array(numbers, dtype=np.float64)
 
@@ -152,8 +152,8 @@ def _chain(
     moving.pop((), None)
     if len(moving) > 1:
         raise UsageFailure(
-            f"{path}: the joints are more than one chain; name the ARM.toml of the arm, which says "
-            "which chain it is"
+            f"{path}: the joints form more than one chain; name the ARM.toml of the arm, which "
+            "says where its chain begins and ends"
         )
     return next(iter(moving.values()), [])
 

@@ -44,7 +44,7 @@ def times(recording: Recording) -> Numbers:
 
 def slope(course: Course, over: float = 0.0) -> Course:
     """Returns the mean slopes between rows that are `over` seconds apart, or between consecutive
-    rows. Each slope belongs to the middle of its interval."""
+    rows if `over` is 0. Each slope belongs to the middle of its interval."""
     time, value = course.time, course.value
     if len(time) < 2:
         return Course(time[:0], value[:0])
@@ -71,8 +71,8 @@ def _motion(time: Numbers, value: Numbers, over: float = 0.0) -> Motion:
 
 
 def of_joints(recording: Recording) -> Motion | None:
-    """Returns the motion of the commanded joints, or else of the measured ones, in rad; None if the
-    arm has no joint streams."""
+    """Returns the motion of the commanded joints in rad, or of the measured joints if the commanded
+    ones are not known. Returns None if the arm has no joint streams."""
     if recording.commanded is not None:
         return _motion(times(recording), recording.commanded)
     if recording.joints is not None:
@@ -91,8 +91,9 @@ def magnitude(course: Course) -> Course:
 
 
 def trimmed(recording: Recording, seconds: float | None = None) -> Recording:
-    """Returns the rows from shortly before the arm begins to move until shortly after it ends, or
-    until `seconds` after the beginning. Returns all rows if the arm does not move."""
+    """Returns the rows from shortly before the arm begins to move until shortly after the arm
+    stands, or until `seconds` after the beginning of the motion. Returns all rows if the arm does
+    not move."""
     time = recording.stamp
     moves = _first_and_last(recording)
     if moves is None:
@@ -104,8 +105,9 @@ def trimmed(recording: Recording, seconds: float | None = None) -> Recording:
 
 
 def _first_and_last(recording: Recording) -> tuple[int, int] | None:
-    """Returns the first row in which the arm has left its initial place, and the last row in which
-    it has not yet reached its final place."""
+    """Returns the indices of two rows: the first row in which the arm has left its initial place,
+    and the last row in which the arm has not yet reached its final place. Returns None if the arm
+    does not move."""
     values, least = recording.commanded, _COMMANDED
     if values is None:
         values, least = recording.tool, _MOVED

@@ -62,7 +62,7 @@ class _Reader(threading.Thread):
 
 
 def joint_count(robot: DynamicObject) -> int:
-    """Returns the number of joints whose streams an arm has."""
+    """Returns the number of joints of an arm; 0 if the arm has no joint streams."""
     if _JOINTED.isdisjoint(robot._gecos_model.interfaces):
         return 0
     return len(by_name.read(robot, "joints").result()["position"])
@@ -71,25 +71,27 @@ def joint_count(robot: DynamicObject) -> int:
 def record(
     robot: DynamicObject, patience: float, seconds: float | None, tell: Callable[[str], None]
 ) -> tuple[Recording, Exception | None]:
-    """Waits for the next motion of an arm, and records it until the arm stands, for `seconds`, or
-    until Ctrl-C. All times except `patience` are simulated time, by the lab clock of the arm.
-    Prints a line when the waiting begins and when the recording begins. If the server is lost while
-    the arm moves, returns what was recorded and the failure.
+    """Waits for the next motion of an arm. Records the motion until the arm stands, until `seconds`
+    have passed, or until Ctrl-C. `seconds` and the times in the recording are simulated time, by
+    the lab clock of the arm. Calls `tell` with a line when the wait begins and when the recording
+    begins. If the server is lost while the arm moves, returns what was recorded and the failure.
 
-    Raises UsageFailure if the object is no arm, TimeoutError if it does not move within `patience`,
-    and KeyboardInterrupt for Ctrl-C before the arm moves.
+    Raises UsageFailure if the object is not an arm, TimeoutError if the arm does not move within
+    `patience`, and KeyboardInterrupt for Ctrl-C before the arm moves.
     """
     name, interface = robot._gecos_session.object_name, robot._gecos_model.interface
     if "robcl::Manipulator" not in robot._gecos_model.interfaces:
         raise UsageFailure(
-            f"{name} ({interface}) is no arm, whose motion could be drawn; "
+            f"{name} ({interface}) is not an arm, so it has no motion to draw; "
             "`gecos ls --interface robcl::Manipulator` lists the arms"
         )
     try:
         cycle = float(by_name.read(robot, "cycle").result())
         clock = float(by_name.read(robot, "clock_speed").result())
     except by_name.UnknownMemberError as error:
-        raise UsageFailure(f"{error}; start its server again, with this version") from None
+        raise UsageFailure(
+            f"{error}; start the server of {name} again, with this version of robcl"
+        ) from None
     missed = int(by_name.read(robot, "missed_cycles").result())
     joints = joint_count(robot)
     streams = ("tool", *(_JOINTS if joints else ()))
@@ -172,7 +174,8 @@ def _joined(
     joint_count: int,
 ) -> Recording:
     """Combines the samples of one cycle, which have the same stamp, into one row. There is a row
-    for each sample of the commanded joints, or else of the tool."""
+    for each sample of the commanded joints, or for each sample of the tool if the arm has no joint
+    streams."""
     rows = samples.get("commanded_joints", samples["tool"])
     first = rows[0] if rows else None
     columns = {

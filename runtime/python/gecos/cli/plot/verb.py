@@ -62,7 +62,7 @@ _FILE = click.Path(dir_okay=False, path_type=Path)
     "recorded",
     metavar="FILE",
     type=_FILE,
-    help="Draw a table of --csv again, in place of recording.",
+    help="Draw a table that --csv wrote, without recording.",
 )
 @broker_option
 @json_option
@@ -135,7 +135,8 @@ def _record(
     seconds: float | None,
     broker: str | None,
 ) -> tuple[Recording, Exception | None]:
-    """Returns the recording. If the server was lost meanwhile, also returns this failure."""
+    """Records the next motion of an arm. If the server was lost while the arm moved, also returns
+    this failure."""
     import gecos
     from gecos.cli.plot.limits import check_joints
     from gecos.cli.plot.motion import trimmed
