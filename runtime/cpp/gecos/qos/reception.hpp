@@ -77,7 +77,7 @@ class Reception {
   TimePoint measured_{};               ///< when the last sample was measured
   TimePoint gap_from_;     ///< the latest measurement of a sample, at first the subscription
   TimePoint silent_from_;  ///< when the last sample was read, at first the subscription
-  bool reported_ = false;  ///< that this gap is longer than the deadline
+  bool reported_ = false;  ///< whether report_late() has returned true for this gap
   Count missed_here_;      ///< periods of this gap that were counted
   Count received_, lost_, skipped_, expired_, missed_;
 };
