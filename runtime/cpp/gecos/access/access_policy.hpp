@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-/// Decides which clients may connect to an object, by user and host. The rights of a connected
-/// client depend on its status (lease_table.hpp) and are not lowered here.
+/// Decides which clients may connect to an object, by user and host. What a client may do once it
+/// is connected depends on its status (lease_table.hpp), not on these decisions.
 namespace gecos::access {
 
 /// The object name of the broker. Programs find the broker by its address, not by a registration of

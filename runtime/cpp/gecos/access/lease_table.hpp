@@ -148,7 +148,7 @@ class LeaseTable {
   std::vector<Holder> roster() const;  ///< the holders, in the order in which they acquired the
                                        ///< status
   Epoch epoch() const;
-  /// Returns the status that the session holds; at least Sensor.
+  /// Returns the status that the session holds; Sensor when it holds none.
   Status status_of(SessionId session) const;
   bool releasing(SessionId session) const;
 

@@ -40,7 +40,8 @@ struct Silent {
 };
 
 struct DirectoryOptions {
-  /// The time after the broker's start during which its answers to claims are provisional.
+  /// The time after the broker's start during which its answers to claims are provisional: a server
+  /// that has served an object of the same name for longer may still get the name.
   Duration young = std::chrono::seconds(1);
   /// The time for which a silent server of another host keeps its name.
   Duration name_hold = std::chrono::seconds(10);

@@ -46,8 +46,9 @@ class Reception {
   bool still_valid(TimePoint now) const;
   /// Returns true once for each silence that is longer than the deadline.
   bool report_late();
-  /// Returns the time from which on find_nothing() leads to a report; TimePoint::max() when no
-  /// report is due.
+  /// Returns the time from which find_nothing() makes report_late() return true. Returns
+  /// TimePoint::max() without a deadline, and when report_late() has already reported the present
+  /// silence.
   TimePoint late_at() const;
   /// Returns whether the writer was alive when the stream was last read. With liveliness=MANUAL, a
   /// writer that misses its deadline is not alive until its next sample. With other values of

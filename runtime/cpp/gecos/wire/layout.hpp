@@ -439,7 +439,7 @@ class Reading {
   bool may_end_ = false;
 };
 
-/// Finds the first member that must not be sent.
+/// Finds the first member whose value must not be sent.
 class Checking {
  public:
   template <class T, class Step = DefaultStep<T>>
