@@ -140,7 +140,7 @@ def test_a_frozen_server_of_this_host_keeps_its_name_until_its_process_ends(
         frozen.signal(signal.SIGSTOP)
         assert next_of(watch) == "RAIL SILENT"
         other = lab.run(lab.build / "tests/system/rail/rail_server")
-        assert "its process still lives on this host" in other.output()
+        assert "its process still lives on the broker's host" in other.output()
         freed = lab.run(*GECOS, "free", "RAIL")
         assert freed.finish() == 3, str(freed)
         (line,) = freed.lines
@@ -166,7 +166,9 @@ def test_a_frozen_server_keeps_its_name_when_the_broker_is_killed_and_restarted(
         watching.kill()
         broker(lab)
         other = lab.run(lab.build / "tests/system/rail/rail_server")
-        assert other.finish() != 0 and "its process still lives on this host" in other.output()
+        assert (
+            other.finish() != 0 and "its process still lives on the broker's host" in other.output()
+        )
         assert next_of(watch) == "RAIL SILENT"
         assert lab.run(*GECOS, "free", "RAIL").finish() == 3
         frozen.kill()

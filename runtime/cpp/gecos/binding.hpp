@@ -41,9 +41,9 @@ tl::expected<std::shared_ptr<ClientSession>, std::string> broker_session(const L
 
 class BrokerNews;
 
-/// Waits between two tries to create a proxy for an object that is not online: until the broker's
-/// list changes, another broker answers, or a second has passed, because a server that did not
-/// answer may answer again.
+/// Waits between two attempts to create a proxy for an object that is not online. A wait ends when
+/// the broker's list changes, when another broker answers, or after a second: a server that did not
+/// answer the last attempt may answer the next one.
 class CreateWait {
  public:
   /// `longest`: how long to wait from now on; Duration::max() for no limit. @pre `lab` holds a
@@ -51,9 +51,9 @@ class CreateWait {
   CreateWait(const LabOrWhyNot& lab, const std::vector<std::string>& names, Duration longest);
   ~CreateWait();
 
-  /// Returns whether to wait after a try that failed for the reasons in `why`: false when the time
-  /// is over or the Lab is closed, or when no attempt failed as NO_SERVER, because then waiting
-  /// cannot help.
+  /// Returns whether to wait after an attempt that failed for the reasons in `why`. Returns false
+  /// when the time is over or the Lab is closed, and when no name in `why` failed as NO_SERVER,
+  /// because waiting does not help against the other reasons.
   bool helps(const CreateError& why) const;
   /// Waits until the next try may succeed, at most until `until`. Returns whether to try again.
   bool wait(TimePoint until = TimePoint::max());
@@ -94,7 +94,7 @@ std::string refusal_to_register(const CallCore& call, const std::string& name);
 
 /// Returns why the client that issued `call`, a call of a zone, may not report for `source`, for
 /// example a door; an empty text when it may. This function is for the servant of a zone. It
-/// decides by [objects.ZONE.sources] of the lab file, as it was read last.
+/// decides by [objects.ZONE.sources] of the lab file, as this process last read the file.
 std::string refusal_to_report(const CallCore& call, const std::string& source);
 
 class HandlerHere;

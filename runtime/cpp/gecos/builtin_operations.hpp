@@ -107,7 +107,7 @@ Command<void> give_back(const Object& object);
 /// their arrival. The command ends as soon as the id of a request is larger than `after`, at the
 /// latest after `timeout`. A holder can thus be told of a new request: `gecos::requests(*robot,
 /// last, 60s).then(…)`. To grant a request, release the lease: the first in line gets the status
-/// when the last command has ended.
+/// when the last command under the lease has ended.
 Command<std::vector<WaitingRequest>> requests(const Object& object, std::uint64_t after = 0,
                                               Duration timeout = {});
 /// Refuses the waiting request with the id `request`. The program that made the request gets a
@@ -123,20 +123,20 @@ Command<void> break_status(const Object& object, const std::string& why);
 Command<void> ping(const Object& object);
 Command<Description> describe(const Object& object);
 Command<std::vector<Holder>> holders(const Object& object);
-/// Returns who holds actor or master status, and the changes of that with larger numbers than
-/// `after`. The command ends as soon as there is such a change, at the latest after `timeout`. A
-/// program that asks again and again with the `newest` of the last result is told each change once:
-/// `gecos::roster(*robot, last.newest, 60s).then(…)`. The first question has 0, is answered at
-/// once, and its result contains all changes that the object keeps, at most 256; so does the result
-/// when another server has taken the place of the one that gave the number. Numbers are
-/// consecutive, so a gap shows that changes were lost because the program asked too late. A server
-/// that was built before this operation existed answers UNKNOWN_OPERATION.
+/// Returns the holders of actor or master status, and the changes of these holders with larger
+/// numbers than `after`. The command ends as soon as there is such a change, at the latest after
+/// `timeout`. A program that passes the `newest` of the last result as `after` is told each change
+/// once: `gecos::roster(*robot, last.newest, 60s).then(…)`. The first time, pass 0: the command
+/// then ends at once, and its result contains all changes that the object keeps, at most 256. The
+/// same happens when `after` is a number from another server, which served the object before.
+/// Numbers are consecutive, so a gap shows that changes were lost because the program asked too
+/// late. A server that was built before this operation existed answers UNKNOWN_OPERATION.
 Command<Roster> roster(const Object& object, std::uint64_t after = 0, Duration timeout = {});
-/// Returns what the object has counted since it is served: the calls of each operation and of each
-/// open session by outcome, the times of handlers, and the samples of each stream. All counts are
-/// made at the server. The samples that a reader of a stream lost are in `Stream::counts`, and the
-/// latency of a connection is in `line_state`. A server that was built before this operation
-/// existed answers UNKNOWN_OPERATION.
+/// Returns what the object has counted since its server began to serve it: the calls of each
+/// operation and of each open session by outcome, the times of handlers, and the samples of each
+/// stream. All counts are made at the server. The samples that a reader of a stream lost are in
+/// `Stream::counts`, and the latency of a connection is in `line_state`. A server that was built
+/// before this operation existed answers UNKNOWN_OPERATION.
 Command<ObjectStats> stats(const Object& object);
 /// Returns the object's interface and each of its bases as JSON, for clients without generated
 /// code.

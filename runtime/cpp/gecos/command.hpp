@@ -134,7 +134,7 @@ class CommandCore {
   /// An exception that `then` throws is logged and not propagated.
   virtual void when_ended(std::function<void()> then) = 0;
   /// Returns the name of the called operation, for example "RX90.move". After the command has
-  /// ended, the name is empty unless the command failed and no caller had observed it.
+  /// ended, the name is empty unless the command failed and no caller had observed the failure.
   virtual std::string about() const { return {}; }
 
   /// Marks the outcome as observed. A failure of the command is then not logged.

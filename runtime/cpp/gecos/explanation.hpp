@@ -21,15 +21,15 @@ struct UnsuitedMember {
 struct MediumVerdict {
   std::string medium;       ///< "shm"
   std::string address;      ///< the address at which the server offers the medium
-  std::string unreachable;  ///< why the object is out of reach; empty: it is not
-  /// Terms of the interface's `@qos` that the medium does not meet.
+  std::string unreachable;  ///< why this medium does not reach the object; empty if it does
+  /// The terms of the interface's `@qos` that the medium does not meet.
   std::vector<qos::Violation> violations;
-  std::vector<UnsuitedMember> members;  ///< only if the medium is suitable
+  std::vector<UnsuitedMember> members;  ///< empty if the medium is not suitable
 
   bool suitable() const { return unreachable.empty() && violations.empty(); }
 };
 
-/// The media over which `create` would reach an object, and the reasons.
+/// All media of one object, and for each the reasons why `create` would use it or not.
 struct Explanation {
   std::string name;
   std::string interface_name;  ///< the interface of the object

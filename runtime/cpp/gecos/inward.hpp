@@ -37,10 +37,11 @@ namespace session {
 
 class CallCore;
 
-/// Decides what happens to samples that feed no command, at times when no command takes samples.
+/// Says whether the stream takes or refuses samples that feed no command, while no command takes
+/// samples.
 enum class Unfed : std::uint8_t { Taken, Refused };
 
-/// An admitted sample before it is decoded. Its memory is used again.
+/// An admitted sample before it is decoded. Its memory is reused for the next sample.
 struct RawInward {
   media::StreamSample sample;
   ByteView value;  ///< in `sample.bytes`
@@ -53,8 +54,8 @@ struct RawInward {
 class InwardCore {
  public:
   virtual ~InwardCore() = default;
-  /// Stores the oldest unread sample that is admitted now in `into`. Returns false when there is
-  /// none. Never waits.
+  /// Stores in `into` the oldest unread sample that may have an effect at present. Returns false
+  /// when there is no such sample. Never waits.
   virtual bool next(RawInward& into, Unfed unfed) = 0;
   /// Must be called when the sample that `next` returned last does not decode. The sample then
   /// counts as refused.
@@ -107,8 +108,8 @@ class Inward {
     return sample;
   }
   /// Returns true when every sample that next() or newest() has returned is older than the watchdog
-  /// time of the stream. False for one watchdog time after the beginning of a Feeding. Always false
-  /// for a stream without a watchdog.
+  /// time of the stream. Returns false for one watchdog time after the beginning of a Feeding, and
+  /// always for a stream without a watchdog.
   bool expired() const {
     bool expired = stream_.watchdog > Duration{};
     with([&](session::InwardCore& core) { expired = core.expired(); });

@@ -47,8 +47,8 @@ class Server {
   /// searched for. `add` waits for the broker, too.
   tl::expected<void, ServeError> await_broker(Duration patience);
   /// Serves `servant` under `name` from now on. The servant must outlive the server. Fails when no
-  /// other process could reach the object, unless `options.media` limits it to this process. Logs a
-  /// warning for each medium that is not available.
+  /// other process could reach the object, unless `options.media` limits the object to this
+  /// process. Logs a warning for each medium that is not available.
   [[nodiscard("check the result: its error says why the object is not served")]] tl::expected<
       void, ServeError>
   add(std::string name, Servant& servant, ObjectOptions options = {});
@@ -57,8 +57,8 @@ class Server {
   /// this process on this host, for example `allow({"anna"})`. "*" admits every name. If the lab
   /// file also has a list for an object, both lists must admit a client. Applies to connections
   /// that are made after the call, and replaces the names of an earlier call. Programs of another
-  /// user of this host can connect only where an administrator has prepared it (docs/security.md).
-  /// Does not lower the status that an operation needs.
+  /// user of this host can connect only if an administrator has prepared the host for this
+  /// (docs/security.md). Does not lower the status that an operation needs.
   void allow(std::vector<std::string> users, std::vector<std::string> hosts = {});
   /// Waits until any thread of the process gets SIGINT or SIGTERM, or until `shut_down()`. Logs an
   /// error and returns at once when the server could not be made.

@@ -77,8 +77,8 @@ class StreamCore {
 /// last copy is destroyed. A slow reader misses old samples, and Sample::lost says how many; the
 /// server never waits for a reader. A sample that is older than the `lifespan` of the stream is
 /// never returned, and is counted (counts()). A sample that does not decode is skipped and counted
-/// in `unreadable`. If it was published after the first sample that was read, or belongs to an
-/// event, it also counts in Sample::lost.
+/// in `unreadable`. Such a sample also counts in Sample::lost if it belongs to an event or was
+/// published after the first sample that was read.
 template <class T>
 class Stream {
  public:

@@ -66,7 +66,7 @@ TEST(MayReport, TheOwnerOfASourceAloneAndOtherwiseTheUserOfTheZone) {
   EXPECT_EQ(may_report(lab, "CELL", "DOOR", other).text,
             "a program of user ben of host gate may not report for DOOR of CELL: "
             "[objects.CELL.sources] in lab.toml:2 binds this source to user door of host gate; "
-            "report as this user, or name another one there");
+            "report as this user, or name another user there");
   EXPECT_EQ(may_report(lab, "CELL", "GRIP", other).text,
             "a program of user ben of host gate may not report for GRIP of CELL: no "
             "[objects.CELL.sources] of a lab file binds this source, so only the user of the "

@@ -85,8 +85,8 @@ TEST(LabFile, RefusesAnOwnerThatIsNotOneUserOfOneHost) {
   }
   EXPECT_EQ(error_in("names = 1"), "lab.toml:1: names: a table is expected");
   EXPECT_EQ(error_in("[names]\nBROKER = \"robcl@cell\""),
-            "lab.toml:2: names.BROKER: the broker is not registered, so nobody can be kept from "
-            "this name; a client takes only brokers whose key or user it admits");
+            "lab.toml:2: names.BROKER: the broker is not registered under its name, so no rule can "
+            "protect the name; each client decides by key or user which brokers it trusts");
 }
 
 TEST(LabFile, PlacesObjectsInZones) {
@@ -118,7 +118,7 @@ TEST(LabFile, SaysTheLineOfEachErrorAndWhatToWrite) {
       {"[objects.CELL]\nzone = \"CELL\"",
        "lab.toml:2: objects.CELL.zone: a zone cannot be in itself"},
       {"[objects.BROKER]\nzone = \"CELL\"",
-       "lab.toml:2: objects.BROKER.zone: the broker moves nothing"},
+       "lab.toml:2: objects.BROKER.zone: the broker moves nothing, so it needs no zone"},
       {"[clock]\nsped = 10", "lab.toml:2: clock.sped: this key is unknown; did you mean speed?"},
       {"clock = 10", "lab.toml:1: clock: a table is expected"},
       {"[broker]\nadress = \"shm\"",
@@ -133,8 +133,8 @@ TEST(LabFile, SaysTheLineOfEachErrorAndWhatToWrite) {
        "lab.toml:2: allow.users: a name is empty; a list of names is expected, for example users = "
        "[\"anna\"]"},
       {"[allow]\nusers = [\"anna\", \"*\"]",
-       "lab.toml:2: allow.users: \"*\" admits all names, which contradicts the other names; leave "
-       "out one of the two"},
+       "lab.toml:2: allow.users: \"*\" admits all names, so the other names have no effect; remove "
+       "\"*\" or the others"},
       {"[allow]\n",
        "lab.toml:1: allow: this table is empty; write users = [] if only the user of the server "
        "may connect"},

@@ -41,8 +41,8 @@ TEST(ObjectPresence, LastsASecondAfterAReport) {
   EXPECT_TRUE(object.on_tick(noon + 1s)) << "the loss is announced";
   EXPECT_FALSE(object.on_tick(noon + 1s)) << "and once";
   EXPECT_EQ(object.text(noon + 1s),
-            "nobody is known to be present in zone CELL: the zone has been silent for 1 s; look "
-            "after its server");
+            "nobody is known to be present in zone CELL: the zone has been silent for 1 s; check "
+            "that its server runs");
 }
 
 TEST(ObjectPresence, EndsWithAReportThatSaysSo) {
@@ -59,8 +59,8 @@ TEST(ObjectPresence, CountsAgainOnlyASecondAfterALoss) {
   EXPECT_FALSE(object.report(true, 2, noon + 999ms));
   EXPECT_FALSE(object.present(noon + 999ms));
   EXPECT_EQ(object.text(noon + 999ms),
-            "presence has just returned to zone CELL and counts again 1 s after it was lost; wait "
-            "and command again");
+            "a person is present again in zone CELL, but presence counts only 1 s after it was "
+            "lost; wait and command again");
   EXPECT_FALSE(object.report(true, 2, noon + 1s));
   EXPECT_TRUE(object.present(noon + 1s));
 }

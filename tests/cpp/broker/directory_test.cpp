@@ -239,7 +239,8 @@ TEST_F(SilentServer, OfTheBrokersHostKeepsItsNameUntilItsProcessEnds) {
   fall_silent(Host::Same);
   const auto refused = enlist(8, heard + std::chrono::hours(99));
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().by.find("its process still lives on this host"), std::string::npos);
+  EXPECT_NE(refused.error().by.find("its process still lives on the broker's host"),
+            std::string::npos);
   const auto silent = directory_.silent(heard + std::chrono::hours(99));
   ASSERT_EQ(silent.size(), 1u);
   EXPECT_EQ(directory_.free_in(silent[0], heard + std::chrono::hours(99)), std::nullopt);
@@ -304,7 +305,8 @@ TEST_F(ExpectedServer, KeepsItsNameUntilItsProcessEnds) {
     directory_.on_tick(now);
     const auto refused = enlist(8, now);
     ASSERT_FALSE(refused);
-    EXPECT_NE(refused.error().by.find("its process still lives on this host"), std::string::npos);
+    EXPECT_NE(refused.error().by.find("its process still lives on the broker's host"),
+              std::string::npos);
     EXPECT_FALSE(directory_.free("RX90"));
   }
   EXPECT_EQ(directory_.process_ended(4711), std::vector<std::string>{"RX90"});

@@ -159,7 +159,7 @@ TEST_P(Presence, ThatWasLostBetweenTwoReportsIsLost) {
   const auto runs = robot.move(1);
   servant_.await_moves(1);
   zone_.blink();
-  expect_lost(runs, "presence was lost: presence has just returned to zone CELL");
+  expect_lost(runs, "presence was lost: a person is present again in zone CELL");
 }
 
 TEST_P(Presence, IsLostWhenAnEditOfTheLabFileMovesTheObjectToAnotherZone) {

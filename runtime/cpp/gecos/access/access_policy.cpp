@@ -38,8 +38,9 @@ AccessDecision refuse(AccessRule rule, const AllowList& list, const UserAtHost& 
                     missing + "\" to its " + (user ? "users" : "hosts"));
 }
 
-/// Returns the decision of the lists of a lab file about the broker, which has no list of its own:
-/// the first list that admits `who` counts, and the first list otherwise.
+/// Returns the list of the lab file that decides whether `who` may connect to the broker, when the
+/// file has no list for the broker itself: the first list that admits `who`. If no list admits
+/// `who`, returns the first list of the file.
 const AllowList* list_of_broker(const LabAccess& lab, const UserAtHost& server,
                                 const UserAtHost& who) {
   const AllowList* first = lab.general ? &*lab.general : nullptr;
@@ -116,7 +117,7 @@ NameDecision may_report(const LabAccess& lab, const std::string& zone, const std
     return {true, who + " may report for " + what + ": " + place + " names this user"};
   }
   return {false, who + " may not report for " + what + ": " + place + " binds this source to " +
-                     words(owner) + "; report as this user, or name another one there"};
+                     words(owner) + "; report as this user, or name another user there"};
 }
 
 AccessDecision AccessPolicy::decide(const UserAtHost& server, const UserAtHost& who,

@@ -6,11 +6,12 @@
 #include <string_view>
 #include <vector>
 
-/// Decides which clients may connect to an object, by user and host. The rights of a connected
-/// client depend on its status (lease_table.hpp) and are not lowered here.
+/// Decides which clients may connect to an object, by user and host. What a client may do once it
+/// is connected depends on its status (lease_table.hpp), not on these decisions.
 namespace gecos::access {
 
-/// The name of the broker, which is found without being registered.
+/// The object name of the broker. Programs find the broker by its address, not by a registration of
+/// this name.
 inline constexpr std::string_view broker_object = "BROKER";
 
 /// A user on a host. Both names are proved by the medium: on this host the kernel names the user.
@@ -74,8 +75,9 @@ struct AccessDecision {
   bool allowed() const { return rule <= AccessRule::Named; }
 };
 
-/// Decides whether a server of `who` may register an object under `name`. Anyone may, unless the
-/// lab file binds the name: then only its owner may, and neither root nor the user of the broker.
+/// Decides whether a server of `who` may register an object under `name`. If the lab file binds the
+/// name, only its owner may register it; root and the user of the broker may not. Any server may
+/// register any other name.
 /// @param who no value if nothing proves the user and the host of the server
 NameDecision may_register(const LabAccess& lab, const std::string& name,
                           const std::optional<UserAtHost>& who);
@@ -84,18 +86,20 @@ NameDecision may_register(const LabAccess& lab, const std::string& name,
 struct Reporter {
   /// no value if nothing proves the user and the host of the program
   std::optional<UserAtHost> who{};
-  bool own = false;  ///< of the user of the zone's server, or of root of its host
+  bool own = false;  ///< the program is of the user of the zone's server, or of root on its host
 };
 
 /// Decides whether `reporter` may report for `source` of `zone`. If the lab file binds the source,
-/// only its owner may. Otherwise only the programs of the user of the zone's server may, although
-/// other users may connect to the zone: a report can make a person present.
+/// only its owner may. Otherwise only programs of the user of the zone's server, or of root on its
+/// host, may report. Permission to connect to the zone is not enough, because a report can make a
+/// person present.
 NameDecision may_report(const LabAccess& lab, const std::string& zone, const std::string& source,
                         const Reporter& reporter);
 
 /// Who may connect to the objects of one server. The user of the server and root may always connect
-/// on the server's host. Other users may connect when there is a list of the program or a list of
-/// the lab file for the object, and every such list admits them.
+/// on the server's host. Two lists can name other users: the list that the program gave to
+/// `Server::allow`, and the list of the lab file for the object. Another user may connect if at
+/// least one of the two lists exists and each existing list admits the user.
 ///
 /// Everyone whom any list of the lab file admits to an object may also connect to the broker,
 /// unless the file has a list for the broker itself.
@@ -105,8 +109,8 @@ struct AccessPolicy {
 
   AccessDecision decide(const UserAtHost& server, const UserAtHost& who,
                         std::string_view object) const;
-  /// Returns whether `who` may end the status of other users. This is so for the user of the server
-  /// on its host, and for the users in [admin] of the lab file.
+  /// Returns whether `who` may end the status of other users. The user of the server may do so on
+  /// the server's host, and the users in [admin] of the lab file may do so.
   bool administers(const UserAtHost& server, const UserAtHost& who) const;
 };
 

@@ -1,7 +1,8 @@
 #include "gecos/access/lab_file.hpp"
 
 #define TOML_EXCEPTIONS 0
-// toml++ asserts what a text such as "[#allow]" does not fulfil, and reports the error afterwards.
+// Switches off the assertions of toml++. A malformed text such as "[#allow]" would fail an
+// assertion and end the program; without assertions, toml++ reports the error.
 #define TOML_ASSERT(condition) static_assert(true)
 #include <toml++/toml.h>
 
@@ -26,7 +27,7 @@ constexpr std::array<std::string_view, 4> program_keys = {"environment", "ready"
 constexpr std::array<std::string_view, 3> object_keys = {"allow", "sources", "zone"};
 constexpr std::array<std::string_view, 2> allow_keys = {"hosts", "users"};
 
-/// Returns how many letters must be added, removed or replaced to make `two` of `one`.
+/// Returns how many letters must be added, removed or replaced to turn `one` into `two`.
 std::size_t edits_between(std::string_view one, std::string_view two) {
   std::vector<std::size_t> row(two.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -55,7 +56,7 @@ std::size_t line_of(const toml::source_region& region) {
   return std::max<std::size_t>(region.begin.line, 1);
 }
 
-/// Reads the tree of a lab file. Throws a LabFileError, which stays in this source.
+/// Reads the tree of a lab file. Throws a LabFileError, which parse_lab_file() catches.
 class LabFileReader {
  public:
   explicit LabFileReader(const std::string& file) : file_(file) {}
@@ -81,8 +82,8 @@ class LabFileReader {
       for (const auto& [name, owner] : *names) {
         if (name.str() == broker_object) {
           refuse(name.source(), "names.BROKER",
-                 "the broker is not registered, so nobody can be kept from this name; a client "
-                 "takes only brokers whose key or user it admits");
+                 "the broker is not registered under its name, so no rule can protect the name; "
+                 "each client decides by key or user which brokers it trusts");
         }
         lab.names.emplace(name.str(), owner_of(name, owner, "names"));
       }
@@ -150,7 +151,8 @@ class LabFileReader {
     }
     if (zone == object || object == broker_object) {
       refuse(value.source(), place,
-             zone == object ? "a zone cannot be in itself" : "the broker moves nothing");
+             zone == object ? "a zone cannot be in itself"
+                            : "the broker moves nothing, so it needs no zone");
     }
     return zone;
   }
@@ -194,8 +196,9 @@ class LabFileReader {
       if (names.back().empty()) refuse(element.source(), place, "a name is empty; " + wanted);
     }
     if (names.size() > 1 && std::ranges::find(names, everyone) != names.end()) {
-      refuse(value->source(), place,
-             "\"*\" admits all names, which contradicts the other names; leave out one of the two");
+      refuse(
+          value->source(), place,
+          "\"*\" admits all names, so the other names have no effect; remove \"*\" or the others");
     }
     return names;
   }

@@ -18,29 +18,31 @@ struct LabFileError {
 };
 std::string to_string(const LabFileError& error);
 
-/// Reads the text of a lab file, the `lab.toml` of a laboratory. Takes the tables [admin], [allow],
-/// [names] and [objects.NAME.allow]. Of the tables that `gecos up` reads, [broker] and
-/// [programs.NAME], checks that each key is known. `file` is the path for messages.
+/// Reads the text of a lab file, the `lab.toml` of a laboratory. Returns the rules in the tables
+/// [admin], [allow], [names] and [objects.NAME]. In the tables that `gecos up` reads ([broker],
+/// [clock] and [programs.NAME]), only checks that each key is known. Error messages contain `file`,
+/// the path of the file.
 tl::expected<LabAccess, LabFileError> parse_lab_file(const std::string& text,
                                                      const std::string& file);
 
-/// The access lists of a lab file that is edited while a server runs. An edit with an error leaves
-/// the lists of the last text without an error in force.
+/// The access lists of a lab file that is edited while a server runs. While the edited text has an
+/// error, the lists of the last valid text stay in force.
 class EditedLabFile {
  public:
   using Text = tl::expected<std::string, LabFileError>;
 
-  /// @param file the path for messages
+  /// @param file the path of the lab file, for error messages
   explicit EditedLabFile(std::string file);
 
-  /// Takes the text of the file as it is now, or why the file cannot be read. Returns an error that
-  /// must be reported: the same error is returned once, until another text was taken.
+  /// Takes the present text of the file, or the error that occurred when the file was read. Returns
+  /// the error that the caller must report. Returns nullopt when `now` is valid, and when it equals
+  /// the `now` of the previous call, so that each error is reported once.
   std::optional<LabFileError> take(const Text& now);
 
   const LabAccess& lists() const { return lists_; }
-  /// Returns whether a text without an error was taken.
+  /// Returns whether take() has ever got a valid text.
   bool known() const { return known_; }
-  /// Returns the error of the last text; nullopt if it had none.
+  /// Returns the error of the last call of take(); nullopt if its text was valid.
   const std::optional<LabFileError>& error() const { return error_; }
 
  private:

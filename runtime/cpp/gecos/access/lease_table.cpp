@@ -243,13 +243,15 @@ bool LeaseTable::give_back(SessionId session) {
 
 void LeaseTable::forget(SessionId session) { losses_.erase(session); }
 
-/// Returns whether a command was issued under the status that `loss` ended, and not under one that
-/// the session, now `member`, holds.
+/// Returns whether a command with `epoch` was issued under the lost status that `loss` describes.
+/// `member` is the session's present status, or null; a command that was issued under the present
+/// status does not belong to the lost one.
 bool LeaseTable::was_issued_under(const Loss& loss, Epoch epoch, const Member* member) const {
   return loss.first <= epoch && epoch <= loss.last && (member == nullptr || epoch < member->first);
 }
 
-/// Returns whether nothing has ended the commands that the session issued under `epoch`.
+/// Returns whether the commands that the session issued under `epoch` are still valid: no loss of
+/// the status, no stop and no take-over has ended them.
 bool LeaseTable::current(const Member* member, SessionId session, Epoch epoch) const {
   if (member != nullptr) return member->fence <= epoch && epoch <= this->epoch();
   const auto lost = losses_.find(session);

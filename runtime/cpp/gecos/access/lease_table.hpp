@@ -94,8 +94,8 @@ class LeaseTable {
   tl::expected<Grant, LeaseRefusal> acquire(SessionId session, const Client& client, Status wanted,
                                             const Proof& password, TimePoint now);
 
-  /// Returns whether `acquire` for `session` compares its password with the password of the
-  /// holders.
+  /// Returns whether `acquire` by `session` would compare the given password with the password of
+  /// the holders.
   bool compares_password(SessionId session) const;
 
   /// Returns the refusal for a session that has released its status and requests `wanted` again
@@ -132,7 +132,8 @@ class LeaseTable {
   /// taken over.
   bool give_back(SessionId session);
 
-  /// Forgets how `session` lost its status, because no call of it can arrive any more.
+  /// Forgets how `session` lost its status. Must be called when no further call of the session can
+  /// arrive.
   void forget(SessionId session);
 
   /// Returns whether a command of `session` may be queued. The command needs the status `needed`
@@ -147,7 +148,7 @@ class LeaseTable {
   std::vector<Holder> roster() const;  ///< the holders, in the order in which they acquired the
                                        ///< status
   Epoch epoch() const;
-  /// Returns the status that the session holds; at least Sensor.
+  /// Returns the status that the session holds; Sensor when it holds none.
   Status status_of(SessionId session) const;
   bool releasing(SessionId session) const;
 
@@ -155,13 +156,13 @@ class LeaseTable {
   struct Member {
     Holder holder;
     std::uint32_t claims = 1;  ///< how many acquisitions are not released yet
-    Epoch first{};  ///< the epoch in which it acquired the status, or renewed it by a stop
+    Epoch first{};  ///< the epoch under which it acquired the status, or that its own stop began
     Epoch fence{};  ///< commands that it issued under older epochs were preempted; at least `first`
     std::string preempted_by{};  ///< the client that preempted them
     TimePoint preempted_at{};
   };
-  /// Ordered: each command is looked up here, and in a list of a few holders a comparison costs
-  /// less than a hash.
+  /// A std::map, because every command looks up its session here: with few holders, comparing keys
+  /// costs less than computing a hash.
   using Members = std::map<SessionId, Member>;
   /// The reason why a session lost its last status: its silence, or a stop.
   struct Loss {

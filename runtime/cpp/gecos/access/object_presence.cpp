@@ -6,13 +6,14 @@
 namespace gecos::access {
 namespace {
 
-constexpr const char* zone_is_silent = "the zone has been silent for 1 s; look after its server";
+constexpr const char* zone_is_silent =
+    "the zone has been silent for 1 s; check that its server runs";
 
 }  // namespace
 
 bool ObjectPresence::take(Report report, TimePoint made, TimePoint now) {
   const bool silent = on_tick(now);
-  // A clock of another host may be ahead, or wrong: nothing counts for more than 1 s from now.
+  // The clock of another host may be ahead. Therefore no report counts for more than 1 s from now.
   const TimePoint until = std::min(made, now) + report_life;
   const bool present = report.present && now < until;
   const bool goes_on = present && report.spell == spell_;
@@ -47,8 +48,8 @@ bool ObjectPresence::enter(std::string zone, TimePoint now) {
   return lose(now) || needed_nobody;
 }
 
-/// Also what the zone reports while presence does not count yet can be lost: a command may have
-/// been issued meanwhile.
+/// Also called when reported presence is lost before it counts: `settling` then begins again,
+/// because a command may have been issued since the report.
 bool ObjectPresence::lose(TimePoint now) {
   not_before_ = now + settling;
   until_.store(TimePoint::min(), std::memory_order_relaxed);
@@ -62,8 +63,8 @@ std::string ObjectPresence::text(TimePoint now) const {
     return "nobody is known to be present in zone " + zone_ + ": " +
            (silent ? zone_is_silent : why_);
   }
-  return "presence has just returned to zone " + zone_ +
-         " and counts again 1 s after it was lost; wait and command again";
+  return "a person is present again in zone " + zone_ +
+         ", but presence counts only 1 s after it was lost; wait and command again";
 }
 
 }  // namespace gecos::access

@@ -9,11 +9,11 @@
 
 namespace gecos::access {
 
-/// Records what an object knows about the presence of a person in its zone. What is not known
-/// counts as absent: a report of the zone counts for 1 s. After presence was lost it counts again
-/// only after `settling`: then every command that was issued before the loss has been refused, so
-/// the return of presence resumes nothing. The zone may lose it again meanwhile; then `settling`
-/// begins anew.
+/// Records what an object knows about the presence of a person in its zone. A report of the zone
+/// counts for 1 s; without a report, the person counts as absent. After a loss, presence counts
+/// again only when the time `settling` has passed. By then, every command that was issued before
+/// the loss has been refused, so the return of presence resumes no command. A further loss during
+/// `settling` begins `settling` again.
 ///
 /// Pure: the caller passes the time, CLOCK_BOOTTIME, which also counts while the machine is
 /// suspended. Any thread may call present() and present_since(); the object's mutex guards the
@@ -21,7 +21,7 @@ namespace gecos::access {
 class ObjectPresence {
  public:
   static constexpr Duration report_life = std::chrono::seconds(1);
-  /// Longer than a command may stay unread in the transport, 750 ms.
+  /// Longer than 750 ms, the longest time for which a command may stay unread in the transport.
   static constexpr Duration settling = std::chrono::seconds(1);
 
   /// `zone`: the name of the object's zone; empty for an object in no zone, which never needs a
@@ -35,28 +35,30 @@ class ObjectPresence {
   /// A report of the zone.
   struct Report {
     bool present = false;
-    std::uint64_t spell = 0;  ///< number of the present time of presence, or of the last one
+    std::uint64_t spell = 0;  ///< number of the present time of presence, or else of the last one
     std::string why;          ///< a text for people
   };
-  // These functions return true when presence that counted was lost: then the commands that need it
-  // must end.
-  /// Takes a report that was made at `made`. A moment in the future stands for `now`.
+  // Each of these functions returns true when presence counted before and counts no longer. The
+  // commands that need presence must then end.
+  /// Takes a report that the zone made at `made`. If `made` is later than `now`, the report counts
+  /// as made at `now`.
   bool take(Report report, TimePoint made, TimePoint now);
-  /// Must be called now and then, so that the loss by silence is noticed.
+  /// Must be called periodically, so that the object notices when the zone falls silent.
   bool on_tick(TimePoint now);
-  /// Forgets the last report, because nothing is known any more. `why`: a text for people.
+  /// Forgets the last report, so that nothing is known of the zone. `why` tells people the reason.
   bool forget(std::string why, TimePoint now);
-  /// The object is in `zone` from now on, of which nothing is known yet.
+  /// Moves the object into `zone`. No report of this zone is known yet.
   bool enter(std::string zone, TimePoint now);
 
-  /// Returns whether a command that needs a person may start, and a running one may go on.
+  /// Returns whether presence counts, so that commands that need a person may start or go on.
   bool present(TimePoint now) const { return now < until_.load(std::memory_order_acquire); }
-  /// Returns whether a sample that was sent at `sent` may have an effect: presence counts now, and
-  /// has counted since.
+  /// Returns whether a sample that was sent at `sent` may have an effect: presence counts now and
+  /// has counted ever since `sent`.
   bool present_since(TimePoint sent, TimePoint now) const {
     return present(now) && sent >= since_.load(std::memory_order_relaxed);
   }
-  /// Returns why presence does not count, and what to do; or who is present.
+  /// Returns a text for people that says who is present, or why presence does not count and what to
+  /// do.
   std::string text(TimePoint now) const;
 
  private:

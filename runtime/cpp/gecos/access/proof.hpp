@@ -30,8 +30,9 @@ class Proof {
   Bytes bytes_;
 };
 
-/// Returns the password itself as a proof. The runtime derives a key from it (crypto/password.hpp)
-/// and compares the proofs that are made of such keys.
+/// Returns a proof that consists of the password itself. For such a proof, the runtime derives a
+/// key from the password (crypto/password.hpp), and a LeaseTable compares proofs that consist of
+/// these keys.
 Proof plain_proof(std::string_view password);
 
 }  // namespace gecos::access

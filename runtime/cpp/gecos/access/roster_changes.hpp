@@ -38,18 +38,20 @@ class RosterChanges {
   /// Number of changes that are kept.
   static constexpr std::size_t kept = 256;
 
-  /// The first change has the number `start + 1`. Two servers of one object must not use the same
-  /// numbers, so that a client can ask one with a number of the other. @pre `start` is not 0
+  /// The first change has the number `start + 1`. Two servers of one object must use different
+  /// numbers: after a restart, a client may ask the new server for the changes after a number of
+  /// the old server. @pre `start` is not 0
   explicit RosterChanges(std::uint64_t start) : start_(start) {}
 
-  /// Must be called after each change of a LeaseTable, with its holders. `why_ended` is the reason
-  /// for the end of each status that has ended.
+  /// Must be called after each change of a LeaseTable, with the table's holders. `why_ended` is the
+  /// reason for each status that ended by this change.
   void note(std::vector<Holder> roster, TimePoint now, std::string_view why_ended);
 
   /// Returns the number of the newest change; `start` before the first change.
   std::uint64_t newest() const { return start_ + count_; }
-  /// Returns the kept changes with larger numbers than `number`, the oldest first. Returns all of
-  /// them when none of these changes has that number.
+  /// Returns the kept changes with larger numbers than `number`, the oldest first. Returns all kept
+  /// changes when this object has never used `number`, for example when `number` is 0 or comes from
+  /// another server.
   std::vector<RosterChange> after(std::uint64_t number) const;
 
  private:

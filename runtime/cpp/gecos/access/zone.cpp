@@ -26,7 +26,8 @@ std::map<std::string, TimePoint> silent(const std::vector<std::string>& names) {
   return all;
 }
 
-/// A name is part of texts for people and of lines in logs.
+/// Returns whether `person` can stand in texts for people and in lines of logs: it is not blank and
+/// has no control characters.
 bool is_name(const std::string& person) {
   const auto control = [](unsigned char one) { return one < ' ' || one == 0x7f; };
   return person.find_first_not_of(' ') != std::string::npos &&
@@ -54,8 +55,8 @@ Zone::Verdict Zone::verdict(TimePoint now) {
   return {present_, spell_, present_ ? who(now) : why_absent(now)};
 }
 
-/// Without a report, time can only end presence. So a judgement before each report and one after it
-/// see every change.
+/// Between two reports, presence can end but not begin. Therefore judge() sees every change when it
+/// is called before and after each report.
 void Zone::judge(TimePoint now) {
   std::erase_if(people_, [&](const auto& person) { return now >= person.second; });
   const bool before = std::exchange(present_, person_here(now) && open_doors(now).empty());

@@ -30,29 +30,30 @@ class Zone {
     std::vector<std::string> buttons;
     std::vector<std::string> doors;
   };
-  /// `earlier_spells`: the number of the last spell of an earlier life of this zone, or a larger
-  /// one.
+  /// A spell is an uninterrupted time of presence; spells are numbered. `earlier_spells` is at
+  /// least the number of the last spell that an earlier run of the zone's server counted.
   Zone(std::string name, const Sources& sources, std::uint64_t earlier_spells);
 
   /// Whether a person is present.
   struct Verdict {
     bool present = false;
-    std::uint64_t spell = 0;  ///< number of the present time of presence, or of the last one
+    std::uint64_t spell = 0;  ///< number of the present spell, or else of the last spell
     std::string why;  ///< a text for people: who is present; or why nobody is, and what to do
     friend bool operator==(const Verdict&, const Verdict&) = default;
   };
   Verdict verdict(TimePoint now);
 
-  // Reports of sources. They return false when the zone has no such source.
+  // Takes a report of a door or of a button. Returns false when the zone has no source with this
+  // name.
   bool door(const std::string& name, bool closed, TimePoint now);
   bool button(const std::string& name, bool held, TimePoint now);
 
-  /// Offers a new code, which the caller shows in the laboratory if it is accepted. Returns false
-  /// while the last code that was accepted is still good. Fails and says why while too many wrong
-  /// codes were given.
+  /// Makes `code` the code for the next check-in and returns true; the caller then shows it in the
+  /// laboratory. Returns false, and ignores `code`, while the previous code is still valid. Fails
+  /// with a reason after too many wrong codes.
   tl::expected<bool, std::string> show(std::string code, TimePoint now);
-  /// Checks `person` in for `stay`, at most longest_stay. The code is good for one check-in. Fails
-  /// and says why.
+  /// Checks `person` in for `stay`, at most longest_stay. A code is valid for one check-in. On
+  /// failure, returns the reason.
   tl::expected<void, std::string> check_in(const std::string& code, const std::string& person,
                                            Duration stay, TimePoint now);
   /// Returns false when `person` is not checked in.

@@ -15,7 +15,7 @@ namespace gecos::audit {
 /// number of lost lines. Thread-safe.
 class Audit {
  public:
-  /// Number of lines that wait at most. Further ones are lost.
+  /// The largest number of lines that wait to be written. Further lines are lost.
   static constexpr std::size_t most_waiting = 4096;
 
   explicit Audit(Journal journal);
@@ -25,8 +25,8 @@ class Audit {
 
   /// Adds a line. Does no input or output.
   void add(Line line);
-  /// Wakes the thread if lines wait. Called again and again by the server, so that `add` need not
-  /// wake it for each line. The first call that finds a line starts the thread.
+  /// Wakes the writing thread if lines wait; the first such call starts the thread. The server
+  /// calls this function periodically, so that `add` need not wake the thread for each line.
   void flush();
   /// Writes the lines that wait and ends the thread. Waits for the disk at most a second. Lines
   /// that are added later are not written.

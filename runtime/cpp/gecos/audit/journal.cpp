@@ -14,7 +14,7 @@
 namespace gecos::audit {
 namespace {
 
-/// Creates the folder and those above it, for this user alone. A folder that exists stays as it is.
+/// Creates the folder and those above it, for this user alone. Does not change folders that exist.
 void make_folders(const std::string& path) {
   for (std::size_t end = 1; end != std::string::npos;) {
     end = path.find('/', end + 1);
@@ -22,7 +22,7 @@ void make_folders(const std::string& path) {
   }
 }
 
-/// Returns why this must not be the file of an audit; an empty text if it may be.
+/// Returns why the audit must not be written to the open file `file`; an empty text if it may be.
 std::string distrust(int file) {
   struct stat found {};
   if (::fstat(file, &found) != 0) return system_text(errno);
@@ -66,7 +66,7 @@ tl::expected<void, std::string> Journal::open() {
 }
 
 tl::expected<void, std::string> Journal::write(std::string_view bytes) {
-  // All lines are written by one write(), so that lines of two processes do not mix.
+  // Writes all lines by one write(), so that lines of two processes do not mix.
   const ssize_t count = ::write(file_.get(), bytes.data(), bytes.size());
   if (count == static_cast<ssize_t>(bytes.size())) return {};
   return tl::unexpected(path(0) + ": " + system_text(count < 0 ? errno : ENOSPC));
@@ -87,7 +87,7 @@ void Journal::rotate() {
   if (static_cast<std::size_t>(ours.st_size) < limits_.bytes) return;
   const Descriptor lock(
       ::open((folder_ + "/audit.lock").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
-  // The lock is only tried, because the process that holds it may be suspended.
+  // Does not wait for the lock, because the process that holds the lock may be suspended.
   if (!lock || ::flock(lock.get(), LOCK_EX | LOCK_NB) != 0 || !current()) return;
   for (unsigned age = limits_.files - 1; age > 0; --age) {
     ::rename(path(age - 1).c_str(), path(age).c_str());

@@ -24,8 +24,8 @@ class Journal {
   explicit Journal(std::string folder) : Journal(std::move(folder), Limits()) {}
   Journal(std::string folder, Limits limits);
 
-  /// Appends whole lines. When it fails, returns why; a part of the lines may have been written,
-  /// and the next call begins a new line.
+  /// Appends whole lines. On failure, returns the reason; some of the lines may then be in the
+  /// file, the last one incomplete. The next call begins a new line.
   tl::expected<void, std::string> append(std::string_view lines);
 
  private:

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t longest_text = 1024;
 
-/// Returns the first bytes of `text`, without a part of a character at their end.
+/// Returns at most the first `longest_text` bytes of `text`. Does not cut a UTF-8 character in two.
 std::string_view shortened(std::string_view text) {
   if (text.size() <= longest_text) return text;
   std::size_t length = longest_text;

@@ -18,8 +18,8 @@ namespace gecos::audit {
 class Repeats {
  public:
   static constexpr std::int64_t window_ms = 1000;
-  /// The number of kinds of events that are counted at the same time. Each event of a further kind
-  /// gets a line of its own.
+  /// The number of different events whose repetitions are counted at the same time. Every other
+  /// event gets a line of its own.
   static constexpr std::size_t most = 64;
 
   /// The members in which two events of one object must agree to count as equal.
@@ -30,14 +30,16 @@ class Repeats {
     friend bool operator==(const Key&, const Key&) = default;
   };
 
-  /// Counts the event and returns true, if an equal event had a line less than a second ago.
-  /// Otherwise returns false: the caller then writes a line, and passes it to `begin`.
+  /// Counts the event and returns true if `begin` was called for an equal event less than a second
+  /// ago. Otherwise returns false; the caller must then write a line for the event and pass the
+  /// line to `begin`.
   bool count(const Key& key, std::uint64_t counter);
   /// Begins to count the events that are equal to the event of `line`.
   void begin(const Key& key, const Line& line);
-  /// Returns a line for all events whose second is over and that were repeated.
+  /// Returns a line with the count for each event that was repeated and whose second is over.
   std::vector<Line> due(std::int64_t now);
-  /// Returns the lines of all events that were repeated.
+  /// Returns a line with the count for each event that was repeated, even if its second is not
+  /// over.
   std::vector<Line> all();
 
  private:

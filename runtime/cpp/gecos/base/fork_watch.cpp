@@ -19,8 +19,8 @@ struct ForkList {
     return *list;
   }
 
-  // The thread that forks locks the mutex in before_fork(). One of the two functions after_fork_…
-  // unlocks it, in the parent and in the child.
+  // The thread that calls fork() locks the mutex in before_fork(). after_fork_in_parent() unlocks
+  // the mutex in the parent, and after_fork_in_child() unlocks the child's copy.
   static void before_fork() GECOS_ACQUIRE(instance().mutex) { instance().mutex.lock(); }
   static void after_fork_in_parent() GECOS_RELEASE(instance().mutex) { instance().mutex.unlock(); }
   static void after_fork_in_child() GECOS_RELEASE(instance().mutex) {

@@ -150,7 +150,8 @@ Serving Broker::serving(std::vector<media::Kind> media) {
   ObjectOptions options;
   options.simulated = true;  // a broker moves nothing, so it cannot cause harm
   options.well_known = true;
-  // If only this process can use these media, no object was served before this broker started.
+  // If only this process can use these media, no server has served an object before this broker
+  // started, so the broker's answers need not be provisional.
   const bool alone = media::within_process(media);
   {
     const MutexLock lock(mutex_);

@@ -28,8 +28,8 @@ struct BrokerOptions {
 /// object leaves the broker's list when the session that registered it ends; if its server runs on
 /// this host, also when the kernel reports the end of the server's process (directory.hpp). In its
 /// first second the broker prefers objects that were served before the broker started. A broker
-/// that is served over shm knows which objects of this host's processes its predecessor had
-/// (kept_names.hpp).
+/// that is served over shm knows which objects of this host's processes were registered with the
+/// previous broker (kept_names.hpp).
 class Broker final : public BrokerServant {
  public:
   explicit Broker(const BrokerOptions& options = {});
@@ -58,7 +58,8 @@ class Broker final : public BrokerServant {
 
  private:
   Directory new_directory(Duration young) const;
-  /// Reads which objects the previous broker had, if this broker is served over `media`.
+  /// Reads which objects of this host were registered with the previous broker. Does so only if
+  /// `media`, over which this broker is served, include shm; empty means all media.
   void expect_known(const std::vector<media::Kind>& media) GECOS_REQUIRES(mutex_);
   void start_watcher();
   void watch_processes();
@@ -82,8 +83,10 @@ class Broker final : public BrokerServant {
   std::uint64_t announced_ GECOS_GUARDED_BY(mutex_) = 0;  ///< number of the last published change
   std::optional<Processes> processes_ GECOS_GUARDED_BY(mutex_);  ///< set while this is served
   std::optional<KeptNames> kept_ GECOS_GUARDED_BY(mutex_);       ///< set while served over shm
-  /// A session of a server on this host that has ended. The kernel closes the sockets of a process
-  /// before it reports the end of the process, so the server is not called silent before `due`.
+  /// A session of a server on this host that has ended. The session may have ended because the
+  /// process died: the kernel closes the sockets of a process before it reports the end of the
+  /// process. Until `due`, the broker waits for this report. Then it lists the objects of the
+  /// server as silent.
   struct EndedSession {
     std::uint64_t session = 0;
     TimePoint heard;

@@ -12,7 +12,7 @@ std::string described(const Entry& entry) {
          std::to_string(entry.pid);
 }
 
-/// Returns a time for people, for example "3.2 s".
+/// Returns a duration as text for people, for example "3.2 s".
 std::string in_seconds(Duration length) {
   char text[32];
   std::snprintf(text, sizeof text, "%.1f s", std::chrono::duration<double>(length).count());
@@ -55,7 +55,8 @@ tl::expected<Duration, NameTaken> Directory::enlist(const Claim& claim, const En
   Place& place = found->second;
   if (place.entry == entry && (place.session == claim.session || own_life)) {
     place.session = claim.session;
-    // A delayed claim yields a later `since`. Therefore the earliest `since` is the most exact.
+    // A claim that arrives late yields a `since` that is too late. Therefore the earliest `since`
+    // is the most exact.
     place.since = std::min(place.since, since);
     return provisional;
   }
@@ -88,7 +89,7 @@ std::string Directory::why_kept(const Silent& one, TimePoint now) const {
   const std::string who =
       described(one.entry) + ", which has been silent for " + in_seconds(now - one.since);
   const auto rest = free_in(one, now);
-  if (!rest) return who + "; its process still lives on this host";
+  if (!rest) return who + "; its process still lives on the broker's host";
   return who + "; the name is free in " + in_seconds(*rest) + ", or after `gecos free " +
          one.entry.name + "`";
 }

@@ -40,7 +40,8 @@ struct Silent {
 };
 
 struct DirectoryOptions {
-  /// The time after the broker's start during which its answers to claims are provisional.
+  /// The time after the broker's start during which its answers to claims are provisional: a server
+  /// that has served an object of the same name for longer may still get the name.
   Duration young = std::chrono::seconds(1);
   /// The time for which a silent server of another host keeps its name.
   Duration name_hold = std::chrono::seconds(10);
@@ -77,8 +78,8 @@ class Directory {
   explicit Directory(TimePoint started, const DirectoryOptions& options = {})
       : started_(started), settled_(started + options.young), options_(options) {}
 
-  /// Keeps the name of `entry` for its server, which was registered with the broker before this one
-  /// and whose process lives on the broker's host. Must be called before the first claim.
+  /// Keeps the name of `entry` for its server. The server was registered with the previous broker,
+  /// and its process lives on the broker's host. Must be called before the first claim.
   void expect(const Entry& entry);
   /// Adds `entry` for the session of `claim`. The same incarnation of a server may enlist an entry
   /// again in a new session, even before the directory knows that its previous session has ended.
@@ -120,7 +121,7 @@ class Directory {
   /// Returns the changes after `since`, or the whole list when some of these changes are no longer
   /// kept.
   ListChanges changes(const ListRevision& since, TimePoint now) const;
-  /// Returns true when an object of this process of the broker's host is online or silent.
+  /// Returns whether the process `pid` of the broker's host has an object, online or silent.
   bool uses_process(std::int32_t pid) const;
   /// Returns the objects, online or silent, whose processes are on the broker's host.
   std::vector<Entry> of_this_host() const;
@@ -136,8 +137,8 @@ class Directory {
     Host host = Host::Other;
   };
   struct Change {
-    Registration what;  ///< without `silent_for`
-    TimePoint heard;    ///< of a silent object
+    Registration what;  ///< its `silent_for` is not set
+    TimePoint heard;    ///< when the server of a silent object was heard last
   };
 
   bool gives_way(const Place& place, const Entry& entry, TimePoint since, TimePoint now) const;

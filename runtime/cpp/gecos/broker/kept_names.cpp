@@ -30,8 +30,8 @@ KeptList read(const std::string& path) {
   return {};
 }
 
-/// Returns an errno, or 0. Even if this process ends during the call, the file has either its old
-/// or its new contents.
+/// Replaces the contents of the file `path`. Returns 0, or the errno of the failure. Even if this
+/// process ends during the call, the file has either its old or its new contents.
 int replace(const std::string& path, ByteView contents) {
   const std::string next = path + ".new";
   const Descriptor file(

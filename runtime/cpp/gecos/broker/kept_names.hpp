@@ -9,15 +9,16 @@
 
 namespace gecos::broker {
 
-/// The file in which a broker lists the objects of this host's processes. Without it, the next
-/// broker would give away the name of a suspended server, which cannot register again. The file has
-/// the start time of each process, because a later process may get the same pid.
+/// The file in which a broker lists the objects of this host's processes. Without this file, the
+/// next broker would give away the name of a suspended server, because a suspended server cannot
+/// register with the next broker. The file has the start time of each process, because a later
+/// process may get the same pid.
 class KeptNames {
  public:
   explicit KeptNames(std::string path) : path_(std::move(path)) {}
 
   /// Returns the objects in the file whose processes live, and watches these processes. Leaves out
-  /// the objects of this process: it runs, so they register again.
+  /// the objects of the calling process, because this process runs and registers them itself.
   std::vector<Entry> living(Processes& processes) const;
   /// Writes `entries` to the file unless it contains them already. Each process must be watched.
   /// Logs a warning when the file cannot be written.

@@ -8,7 +8,8 @@
 
 namespace gecos::broker {
 
-/// Processes of this host whose end the kernel reports. Not thread-safe, except `descriptor`.
+/// Watches processes of this host; the kernel reports when one of them ends. Not thread-safe,
+/// except `descriptor`.
 class Processes {
  public:
   /// Throws std::system_error when the process has no descriptor left.
@@ -18,7 +19,7 @@ class Processes {
   /// is in another PID namespace. Does nothing when the process is watched already.
   bool watch(std::int32_t pid);
   /// Returns when the watched process started, in ticks since the boot of the machine. A later
-  /// process with the same number has another start. Returns 0 when it is not known.
+  /// process with the same PID has another start time. Returns 0 when the start time is not known.
   std::uint64_t start_of(std::int32_t pid) const;
   void forget(std::int32_t pid) { watched_.erase(pid); }
   /// Returns the watched processes that have ended, and forgets them. Never blocks.
@@ -30,8 +31,8 @@ class Processes {
 
  private:
   struct Watched {
-    /// A pidfd. Without one, because this process had no descriptor left, `take_ended` asks for the
-    /// process by its number.
+    /// A pidfd, or -1 when this process had no descriptor left for one. `take_ended` then looks up
+    /// the process by its PID.
     Descriptor process;
     std::uint64_t start = 0;
   };

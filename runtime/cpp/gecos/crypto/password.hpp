@@ -16,7 +16,7 @@ constexpr std::size_t password_memory = 19 * 1024 * 1024;
 
 /// Returns the key that Argon2id derives from `password`, 32 bytes. The derivation takes some tens
 /// of milliseconds on purpose, so that it is slow to guess passwords. Throws std::bad_alloc when
-/// the memory is missing. Call it on a thread on which nothing waits.
+/// there is not enough memory. Call this function on a thread for which nothing else waits.
 Bytes password_key(ByteView password, const Salt& salt);
 
 }  // namespace gecos::crypto

@@ -19,8 +19,8 @@ static_assert(crypto_sign_SECRETKEYBYTES == 64 && crypto_sign_PUBLICKEYBYTES == 
 
 using Digest = std::array<unsigned char, crypto_generichash_BYTES_MAX>;
 
-/// Returns the digest that the writer signs. Its input is the purpose, the counter, the associated
-/// data and the sample.
+/// Returns the digest that the writer signs. The digest covers a fixed text that states the purpose
+/// of the signature, the counter, the associated data and the sample.
 Digest digest_of(std::span<const std::byte, Sealer::text_at> counter, ByteView associated,
                  ByteView sample) {
   constexpr std::string_view purpose = "gecos stream 1";

@@ -16,7 +16,8 @@ class LatencyWatch {
   static constexpr Duration judged_after = std::chrono::seconds(1);
   /// Time between two probes while the judgement does not change.
   static constexpr Duration usual_pause = std::chrono::seconds(1);
-  /// Time between two probes while the connection may change.
+  /// Time between two probes while the latest probes contradict the judgement, which may therefore
+  /// change.
   static constexpr Duration short_pause = std::chrono::milliseconds(100);
 
   enum class Change : std::uint8_t { None, Degraded, Recovered };
@@ -32,8 +33,8 @@ class LatencyWatch {
   Change answered(Duration round_trip, TimePoint now);
   /// Must be called when the probe has failed. A failed probe says nothing about the latency.
   void failed(TimePoint now);
-  /// Checks the probe that is under way. If it already takes longer than the bound, it counts at
-  /// once.
+  /// Checks the probe that is under way. If the probe already takes longer than the bound, it
+  /// counts as too slow before its answer comes.
   Change look(TimePoint now);
 
   bool degraded() const { return degraded_; }

@@ -32,7 +32,7 @@ struct Violation {
 
 /// Returns the terms of `asked` that `line` does not meet; empty when it meets all of them. A
 /// latency term counts as met until the latency has been measured. HARD_REALTIME is checked only
-/// for the medium, not for the waiting threads.
+/// for the medium, not for the threads that wait for packets.
 std::vector<Violation> violations(const Quality& asked, const LineCapabilities& line);
 
 /// Returns the indices of the elements of `lines` that meet `asked`, best first. The promises of

@@ -46,8 +46,9 @@ class Reception {
   bool still_valid(TimePoint now) const;
   /// Returns true once for each silence that is longer than the deadline.
   bool report_late();
-  /// Returns the time from which on find_nothing() leads to a report; TimePoint::max() when no
-  /// report is due.
+  /// Returns the time from which find_nothing() makes report_late() return true. Returns
+  /// TimePoint::max() without a deadline, and when report_late() has already reported the present
+  /// silence.
   TimePoint late_at() const;
   /// Returns whether the writer was alive when the stream was last read. With liveliness=MANUAL, a
   /// writer that misses its deadline is not alive until its next sample. With other values of
@@ -77,7 +78,7 @@ class Reception {
   TimePoint measured_{};               ///< when the last sample was measured
   TimePoint gap_from_;     ///< the latest measurement of a sample, at first the subscription
   TimePoint silent_from_;  ///< when the last sample was read, at first the subscription
-  bool reported_ = false;  ///< that this gap is longer than the deadline
+  bool reported_ = false;  ///< whether report_late() has returned true for this gap
   Count missed_here_;      ///< periods of this gap that were counted
   Count received_, lost_, skipped_, expired_, missed_;
 };

@@ -9,7 +9,8 @@ namespace gecos::wire {
 
 namespace {
 
-/// The bound at the beginning of `text`, which gidl printed: "0.01", "-inf".
+/// Returns the number at the beginning of `text`, for example 0.01 for "0.01". gidl printed the
+/// text.
 double bound_of(std::string_view text) {
   double bound = 0;
   std::from_chars(text.data(), text.data() + text.size(), bound);

@@ -49,8 +49,8 @@ class JsonReader;
 template <class T>
 struct JsonShape;
 
-/// The functions of a JsonShape, for code that does not know the type of the value. With them, the
-/// code for structs is compiled only once, and not for each struct.
+/// The functions of a JsonShape, for code that does not know the type of the value. Such code is
+/// compiled only once for all structs.
 struct JsonKind {
   void (*write)(JsonWriter to, const void* value);
   bool (*read)(const JsonReader& from, void* value);

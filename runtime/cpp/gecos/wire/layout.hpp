@@ -35,8 +35,8 @@ namespace gecos::layout {
 template <class T>
 inline constexpr bool in_bulk = std::is_arithmetic_v<T> && !std::is_same_v<T, bool>;
 
-/// A bitset or bitmask, which is one number. The arm of a union may be called `bits` too, but a
-/// union encodes itself.
+/// A bitset or bitmask, which is encoded as one number. A union can also have a member function
+/// `bits`, if an arm has this name; it differs by its `encoded_size`.
 template <class T>
 concept Packed = requires(const T& value) {
   value.bits();
@@ -439,7 +439,7 @@ class Reading {
   bool may_end_ = false;
 };
 
-/// Finds the first member that must not be sent.
+/// Finds the first member whose value must not be sent.
 class Checking {
  public:
   template <class T, class Step = DefaultStep<T>>
