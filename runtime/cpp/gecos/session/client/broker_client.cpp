@@ -39,7 +39,8 @@ tl::expected<T, std::string> answer(CommandCore& asked, TimePoint deadline) {
   return tl::unexpected("the broker's answer does not decode: " + from.error().message());
 }
 
-/// Returns true when the broker does not know the operation `asked`.
+/// Returns true when `asked` failed because the broker is of an older version and does not have the
+/// operation.
 bool is_older(const CommandCore& asked) {
   return asked.progress().detail == Detail::UnknownOperation;
 }
