@@ -26,7 +26,7 @@ class BrokerNews {
   Heard subscribe(TimePoint deadline);
 
   const std::shared_ptr<Context> lab_;
-  std::shared_ptr<ClientConnection> broker_;  ///< that of `revisions_`
+  std::shared_ptr<ClientConnection> broker_;  ///< publishes `revisions_`
   std::shared_ptr<StreamCore> revisions_;     ///< null when the broker publishes no changes
   RawSample sample_;
   static constexpr Duration shortest_pause = std::chrono::milliseconds(20);

@@ -97,8 +97,8 @@ Failure CallSender::not_sent(std::string_view name, std::size_t size, media::Sen
     }
     case media::SendProblem::TooLarge:
       return {Detail::BadParameter,
-              what + " was not sent: its arguments take " + std::to_string(size) + " bytes and " +
-                  std::string(connection_.capabilities().name) + " carries " +
+              what + " was not sent: its arguments take " + std::to_string(size) + " bytes, but " +
+                  std::string(connection_.capabilities().name) + " carries at most " +
                   std::to_string(connection_.capabilities().largest_packet) + "; send less at once",
               {},
               {}};
