@@ -26,7 +26,7 @@ Duration longest_provisional(double seconds) {
       std::chrono::duration<double>(seconds > 0 ? std::min(seconds, 60.0) : 0.0));
 }
 
-/// Waits for the answer to a call of the broker.
+/// Waits for the broker's answer to the call `asked`.
 template <class Reply, class T>
 tl::expected<T, std::string> answer(CommandCore& asked, TimePoint deadline) {
   if (!asked.wait_until(deadline))

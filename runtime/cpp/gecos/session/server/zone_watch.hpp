@@ -30,7 +30,7 @@ class ZoneWatch {
 
  private:
   void run();
-  /// Tells the objects what the zone reports until the session with it ends.
+  /// Tells the objects what the zone reports until the session with the zone ends.
   void follow(StreamCore& reports);
   void tell_unknown(const std::string& why);
   /// Calls `tell` for each object that still exists.
