@@ -73,4 +73,4 @@ def test_what_is_too_large_is_refused_with_its_size(
     camera = lab.create(Camera, "CAMERA", medium="shm")
     command = camera.develop(bytes(32 * 1024 * 1024))
     assert command.wait() is gecos.State.COMMAND_FAILED
-    assert "take 33554436 bytes and shm carries 33554432" in str(command.exception())
+    assert "take 33554436 bytes, but shm carries at most 33554432" in str(command.exception())

@@ -81,9 +81,11 @@ TEST_F(Channels, OfTheirOwnCarryNoStreamThatDemandsAStatus) {
       {.code = probe::level_code, .name = "level", .status = gecos::access::Status::Actor});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().detail, gecos::Detail::QosUnavailable);
-  EXPECT_EQ(refused.error().text,
-            "'level' of PROBE was not opened over its own channel, shm: it demands a status, which "
-            "the session of the calls has; create the proxy with one medium for both directions");
+  EXPECT_EQ(
+      refused.error().text,
+      "'level' of PROBE was not opened over the 'in' channel, shm: the stream demands a status, "
+      "but a status belongs to the session of the 'out' channel; create the proxy with one "
+      "medium for both directions");
 }
 
 class HardProbe : public probe::Probe {

@@ -108,7 +108,8 @@ TEST_P(Lines, WithFailTheSessionIsLostAndSaysWhy) {
   const auto refused = robot.move(1).get();
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().detail, gecos::Detail::NoServer);
-  EXPECT_NE(refused.error().text.find("for a second longer than latency=250 ms"), std::string::npos)
+  EXPECT_NE(refused.error().text.find("for one second it has exceeded latency=250 ms"),
+            std::string::npos)
       << refused.error().text;
 }
 

@@ -6,8 +6,8 @@
 
 namespace gecos::session {
 
-/// Detects a server that still sends heartbeats but no longer answers, because a thread of it hangs
-/// or its memory was damaged. Reads no clock: the caller passes the current time.
+/// Detects a server that still sends heartbeats but no longer answers, because one of its threads
+/// hangs or shared memory was damaged. Reads no clock: the caller passes the current time.
 class AnswerWatch {
  public:
   AnswerWatch(Duration ask_after, Duration give_up_after, TimePoint now)

@@ -26,7 +26,7 @@ Duration longest_provisional(double seconds) {
       std::chrono::duration<double>(seconds > 0 ? std::min(seconds, 60.0) : 0.0));
 }
 
-/// Waits for the answer to a call of the broker.
+/// Waits for the broker's answer to the call `asked`.
 template <class Reply, class T>
 tl::expected<T, std::string> answer(CommandCore& asked, TimePoint deadline) {
   if (!asked.wait_until(deadline))
@@ -39,7 +39,8 @@ tl::expected<T, std::string> answer(CommandCore& asked, TimePoint deadline) {
   return tl::unexpected("the broker's answer does not decode: " + from.error().message());
 }
 
-/// Returns true when the broker does not know the operation `asked`.
+/// Returns true when `asked` failed because the broker is of an older version and does not have the
+/// operation.
 bool is_older(const CommandCore& asked) {
   return asked.progress().detail == Detail::UnknownOperation;
 }

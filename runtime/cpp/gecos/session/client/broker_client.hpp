@@ -26,8 +26,8 @@ std::optional<SilentObject> look_up_silent(Context& lab, const std::string& name
 /// `interface_name` is empty. On failure returns why the broker gave no answer.
 tl::expected<std::vector<Entry>, std::string> query(Context& lab, const std::string& interface_name,
                                                     TimePoint deadline);
-/// Returns what has changed in the broker's list since `since`. A broker of an older version always
-/// returns its whole list, without the silent objects.
+/// Returns the changes of the broker's list after the revision `since`. If the broker is of an
+/// older version, the result is always its whole list, without the silent objects.
 tl::expected<ListChanges, std::string> list_changes(Context& lab, const ListRevision& since,
                                                     TimePoint deadline);
 

@@ -14,11 +14,11 @@ class BrokerNews {
  public:
   explicit BrokerNews(std::shared_ptr<Context> lab) : lab_(std::move(lab)) {}
 
-  /// Waits until the list may have changed since the last call, or until `deadline`; 2 s longer if
-  /// a broker does not answer. Returns whether the list may have changed: the broker has published
-  /// a change, or another broker has taken its place. Returns true at least once a second, because
-  /// the medium may have lost a sample, and because a broker of an older version publishes no
-  /// changes.
+  /// Waits until the list may have changed since the last call, or until `deadline`. If no broker
+  /// answers, the call may take up to 2 s longer. Returns whether the list may have changed: the
+  /// broker has published a change, or another broker has taken its place. Returns true at least
+  /// once a second, because the medium may have lost a sample, and because a broker of an older
+  /// version publishes no changes.
   bool wait(TimePoint deadline);
 
  private:
@@ -26,7 +26,7 @@ class BrokerNews {
   Heard subscribe(TimePoint deadline);
 
   const std::shared_ptr<Context> lab_;
-  std::shared_ptr<ClientConnection> broker_;  ///< that of `revisions_`
+  std::shared_ptr<ClientConnection> broker_;  ///< publishes `revisions_`
   std::shared_ptr<StreamCore> revisions_;     ///< null when the broker publishes no changes
   RawSample sample_;
   static constexpr Duration shortest_pause = std::chrono::milliseconds(20);

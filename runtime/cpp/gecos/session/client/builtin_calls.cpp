@@ -47,7 +47,8 @@ tl::expected<Lease, LeaseRefusal> acquire(const Object& object, Status wanted,
   return session::lease_from(session, *asked);
 }
 
-/// Returns how long a server may let a question wait, in s.
+/// Converts `timeout` to the seconds for which a server may delay its reply, while there is no
+/// news.
 double patience_for(Duration timeout) {
   return std::chrono::duration<double>(std::max(timeout, Duration::zero())).count();
 }
@@ -112,7 +113,8 @@ void Lease::send_release(bool now) {
 }
 
 std::ostream& operator<<(std::ostream& out, const LeaseRefusal& refusal) {
-  // A refusal is the declared exception StatusRefused; "FAULT" would look like a broken server.
+  // If the server refused the request, prints only the text. The detail of a declared exception is
+  // FAULT, which would look like a broken server.
   if (refusal.failure.as<StatusRefused>()) return out << refusal.failure.text;
   return out << refusal.failure;
 }

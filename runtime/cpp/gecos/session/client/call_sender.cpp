@@ -97,8 +97,8 @@ Failure CallSender::not_sent(std::string_view name, std::size_t size, media::Sen
     }
     case media::SendProblem::TooLarge:
       return {Detail::BadParameter,
-              what + " was not sent: its arguments take " + std::to_string(size) + " bytes and " +
-                  std::string(connection_.capabilities().name) + " carries " +
+              what + " was not sent: its arguments take " + std::to_string(size) + " bytes, but " +
+                  std::string(connection_.capabilities().name) + " carries at most " +
                   std::to_string(connection_.capabilities().largest_packet) + "; send less at once",
               {},
               {}};
@@ -207,8 +207,9 @@ void CallSender::query_old_calls() {
 /// its outcome.
 TimePoint CallSender::repeat(TimePoint now, TimePoint next_beat) {
   const MutexLock lock(mutex_);
-  // If no call is open, only the next heartbeat is due, so that idle clients cause few wake-ups. A
-  // call that is sent before this heartbeat may have to be repeated at the next tick.
+  // If no call is open, the thread sleeps until the next heartbeat, so that idle clients cause few
+  // wake-ups. Over a medium that loses packets, it sleeps at most one retry interval, because
+  // another thread may send a call meanwhile.
   if (calls_.size() == 0) return repeats_ ? std::min(next_beat, now + retry_after(1)) : next_beat;
   if (!repeats_ && !cancels_waiting_) return std::min(next_beat, now + longest_sleep);
   const TimePoint soon = now + Maintenance::tick;

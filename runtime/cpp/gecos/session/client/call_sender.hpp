@@ -102,8 +102,8 @@ class CallSender {
   std::optional<Remains> end(Ending how, const std::string& text, Queued queued);
   /// Returns the failure of `command`, one of the commands that `end` returned.
   Failure failure_of(const PendingCommand& command, Ending how, const std::string& text);
-  /// Detaches all commands that may be sent again in another session because this session is lost
-  /// or may be lost.
+  /// Removes and returns the commands that may be sent again in another session, because this
+  /// session is lost or may be lost.
   std::vector<PendingFailover> detach_repeatable(Ending how, const std::string& text);
 
  private:

@@ -87,9 +87,9 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> ClientConnection::subscribe(
     return tl::unexpected(Failure{
         Detail::QosUnavailable,
         "'" + std::string(stream.name) + "' of " + object_name() +
-            " was not opened over its own channel, " + std::string(inbound_->capabilities().name) +
-            ": it demands a status, which the session of the calls has; create the proxy "
-            "with one medium for both directions",
+            " was not opened over the 'in' channel, " + std::string(inbound_->capabilities().name) +
+            ": the stream demands a status, but a status belongs to the session of the 'out' "
+            "channel; create the proxy with one medium for both directions",
         {},
         {}});
   }

@@ -25,9 +25,8 @@
 namespace gecos::session {
 
 /// Client side of a session over one connection of a medium. Owns the parts of the session and
-/// connects them to each other. This class has more methods than other classes and more members
-/// than other classes, because it implements the interface of a session and gives each part access
-/// to the others.
+/// connects them to each other. This class has many methods and members, because it implements the
+/// whole interface of a session and gives each part access to the others.
 ///
 /// A lost session stays lost: every later call ends as CONNECTION_FAILED, and the program must
 /// create a new session with `Lab::create`. Only `@idempotent` readings continue, in a successor
@@ -87,8 +86,8 @@ class ClientConnection final : public ClientSession,
   /// Makes `inbound`, another session with the same object, the one that receives the streams and
   /// events. Must be called before the program receives the session.
   void receive_over(std::shared_ptr<ClientConnection> inbound) { inbound_ = std::move(inbound); }
-  /// Returns a failure when no call or subscription of `name` may be sent. `outcome`: see
-  /// RefusedOperations::why.
+  /// Returns a failure when this session must not use the operation or stream `name`; nullopt when
+  /// it may. `outcome`: see RefusedOperations::why.
   std::optional<Failure> refusal(FunctionCode code, std::string_view name,
                                  std::string_view outcome = "was not sent") const {
     return refused_.why(code, name, welcome_, outcome);

@@ -59,9 +59,10 @@ ClientStream::ClientStream(std::shared_ptr<ClientConnection> session,
 
 ClientStream::~ClientStream() { session_->subscriptions().unsubscribe(code_); }
 
-/// Completes a sample that was read for the first time, and returns whether the terms of the stream
-/// let the reader have it. Only a malicious or broken server sends a sample without its measurement
-/// time. The bytes of such a sample are removed, so that the sample does not decode.
+/// Sets time and age of a sample that was read for the first time. Returns whether the quality of
+/// the stream permits to give the sample to the reader. Only a malicious or broken server sends a
+/// sample without its measurement time. The bytes of such a sample are removed, so that the sample
+/// does not decode.
 bool ClientStream::admit(qos::Reception::Way way, RawSample& sample, TimePoint now) {
   constexpr std::int64_t farthest = std::int64_t{1} << 62;
   sample.stamp_ns = std::clamp(sample.stamp_ns, -farthest, farthest);

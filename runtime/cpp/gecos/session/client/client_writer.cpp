@@ -64,8 +64,9 @@ ClientWriter::~ClientWriter() {
       ->observe();
 }
 
-/// Asks the server to read the stream, and repeats the question until the server does so. Over some
-/// media, the announcement of the stream arrives after the first question.
+/// Asks the server to read the stream, and repeats the request until the server confirms it. Over
+/// some media, the announcement of the stream arrives after the first request; the server then
+/// confirms only a later request.
 std::optional<Failure> ClientWriter::await_reader() {
   const TimePoint deadline = deadline_after(session_->runtime().options().grace);
   for (;;) {

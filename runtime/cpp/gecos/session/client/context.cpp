@@ -100,7 +100,8 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::broker(Tim
         (missing_.empty() ? std::string() : "; the last search failed: " + missing_));
   }
   if (knows_broker()) return broker_;
-  // destroyed at the end of this function, while the mutex is not held
+  // The session with the lost broker is destroyed at the end of this function, while the mutex is
+  // not held.
   const auto lost = std::exchange(broker_, nullptr);
   looking_ = true;
   lock.unlock();

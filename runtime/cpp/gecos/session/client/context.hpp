@@ -41,7 +41,7 @@ class Context : public std::enable_shared_from_this<Context> {
   /// program, adds the reason to `tried`.
   std::vector<std::string> broker_addresses(std::string& tried);
   tl::expected<std::shared_ptr<ClientConnection>, std::string> look_for_broker(TimePoint deadline);
-  /// Returns true when there is a session with a broker that is not lost.
+  /// Returns true when this lab has a session with a broker and the session is not lost.
   bool knows_broker() const GECOS_REQUIRES(mutex_);
   void note_broker(std::shared_ptr<ClientConnection> found, std::string missing);
 
@@ -61,7 +61,7 @@ class Context : public std::enable_shared_from_this<Context> {
   bool closed_ GECOS_GUARDED_BY(keeping_) = false;
 };
 
-/// Returns the failure of every attempt of a lab that was closed.
+/// Returns the failure of an attempt to open a session with `name` after the lab was closed.
 CreateError::Attempt closed_lab(const std::string& name);
 
 /// Returns the broker's entry of the object `name`, which must have the interface `wanted`. On

@@ -98,14 +98,16 @@ void LineProbe::note(qos::LatencyWatch::Change change) {
   std::string text;
   {
     const MutexLock lock(mutex_);
-    // Until the first probe is answered, the measurement of `measure` stands.
+    // Until the server answers the first ping of on_tick(), `round_trip` keeps the value that
+    // measure() found.
     if (const auto last = watch_->round_trip()) state_.round_trip = last;
     if (change == qos::LatencyWatch::Change::None) return;
     state_.degraded = watch_->degraded();
     ++state_.changes;
     text = session_.object_name() + " over " + state_.medium + ": the round trip took " +
            in_milliseconds(*state_.round_trip) +
-           (state_.degraded ? ", for a second longer than latency=" : ", again within latency=") +
+           (state_.degraded ? "; for one second it has exceeded latency="
+                            : ", again within latency=") +
            in_milliseconds(state_.bound);
   }
   changed_.notify_all();

@@ -36,10 +36,10 @@ class LineProbe {
   /// Called by the maintenance thread.
   void on_tick(TimePoint now);
   LineState state() const;
-  /// Waits until the state has changed more than `changes` times, the session is lost or closed, or
-  /// `deadline` has passed.
+  /// Waits until `LineState::degraded` has changed more than `changes` times, the session is lost
+  /// or closed, or `deadline` has passed.
   LineState await_change(std::uint64_t changes, TimePoint deadline) const;
-  /// Returns the number of pings. The program has not issued these calls itself.
+  /// Returns how many pings this object has sent. These calls do not come from the program.
   std::uint64_t pings() const { return pings_.load(std::memory_order_relaxed); }
 
  private:

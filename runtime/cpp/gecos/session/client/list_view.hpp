@@ -40,7 +40,8 @@ class ListView {
 
  private:
   bool watched(const Registration& one) const;
-  /// Puts `one` into the view, and into `news` when it is new.
+  /// Updates the view with `one`, the present state of one object. If that changes the view, adds
+  /// the change to `news`.
   void put(const Registration& one, std::vector<Registration>& news);
 
   const std::string interface_name_;

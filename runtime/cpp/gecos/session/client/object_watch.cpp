@@ -19,7 +19,8 @@ tl::expected<std::vector<Entry>, std::string> find_objects(const Lab& lab,
   return session::query(**context, std::string(interface_name), deadline_after(patience));
 }
 
-/// Asks the broker for the changes whenever `news_` says that there may be some.
+/// Asks the broker for the changes of its list whenever `news_` reports that the list may have
+/// changed.
 class ObjectWatch::Impl {
  public:
   Impl(const session::LabOrWhyNot& lab, std::string interface_name)

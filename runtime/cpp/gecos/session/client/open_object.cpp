@@ -10,10 +10,11 @@ namespace {
 using Attempt = CreateError::Attempt;
 using Opened = tl::expected<std::shared_ptr<ClientConnection>, Attempt>;
 
-/// The longest measurement of the latency of one medium.
+/// Maximum time for measuring the latency of one medium.
 constexpr Duration longest_measurement = std::chrono::seconds(2);
 
-/// "RX90 (in=lcm)"; "RX90" when the program did not name the channel.
+/// Returns the name of a channel for messages, such as "RX90 (in=lcm)"; only "RX90" when the
+/// program did not choose a medium for the channel.
 std::string channel_name(const std::string& object, std::string_view channel,
                          std::optional<media::Kind> named) {
   if (!named) return object;
@@ -61,8 +62,8 @@ class ObjectConnector {
   }
 
  private:
-  /// Returns what the medium must meet as a whole. The demands of the program also apply to a
-  /// simulated device.
+  /// Returns the quality that the interface as a whole and the program demand of the medium. The
+  /// latency that the program demands also applies to a simulated device.
   qos::Quality demanded() const {
     qos::Quality demanded = demanded_of(wanted_.quality, entry_.simulated);
     if (options_.latency <= Duration{}) return demanded;
@@ -71,7 +72,8 @@ class ObjectConnector {
     if (stricter) demanded.latency = options_.latency;
     return demanded;
   }
-  /// Returns the smallest latency that the connection is held to while it lives; zero: none.
+  /// Returns the bound of the latency that LineProbe checks while the session is open; zero: no
+  /// bound.
   Duration bound() const {
     const Duration of_interface = smallest_latency(wanted_);
     if (options_.latency <= Duration{}) return of_interface;
@@ -86,8 +88,8 @@ class ObjectConnector {
     session.failover().set(lab_.failover(), {name_, wanted_, options_});
     session.line_probe().bound_by(bound(), wanted_, entry_.simulated);
   }
-  /// Measures the latency of `session` where one is demanded, and closes the session if the
-  /// connection is too slow.
+  /// Measures the latency of `session` if the interface or the program demands a latency. If the
+  /// connection is too slow, closes the session and returns false.
   bool suits(ClientConnection& session, Route& route, Selection& selection) const {
     if (measures()) {
       route.line.latency =

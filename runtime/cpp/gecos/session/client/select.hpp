@@ -18,8 +18,8 @@ qos::LineCapabilities line_of(const media::Capabilities& capabilities);
 /// device, so that soft real time is enough for it, and its latency is not bounded.
 qos::Quality demanded_of(qos::Quality asked, bool simulated);
 
-/// Returns the smallest latency that `wanted`, or a member of it, demands in real time; zero when
-/// none is demanded.
+/// Returns the smallest latency that `wanted` or one of its members demands with a real-time class;
+/// zero when no latency is demanded.
 Duration smallest_latency(const InterfaceDescription& wanted);
 
 /// Returns the name of the medium of an address: "shm".

@@ -23,9 +23,9 @@ class Withdrawal {
   /// failed.
   bool write(std::uint64_t last);
 
-  /// Returns the failure of `command` after its session has ended: `how` it ended, and `text`, the
-  /// reason. If the session did not end in order, the withdrawal must be written or sent before
-  /// this call.
+  /// Returns the failure of `command` after its session has ended. `how`: the way in which the
+  /// session ended; `text`: the reason. If the session did not end in order, the withdrawal must be
+  /// written or sent before this call.
   Failure failure_of(const PendingCommand& command, Ending how, const std::string& text) const;
 
  private:

@@ -5,7 +5,8 @@
 #include "gecos/binding.hpp"
 
 /// Records which handler runs on which thread of this process. When a handler waits for another
-/// call without a time-out, its object is then told which call that is.
+/// call without a time-out, the object of the handler is told which call the handler
+/// waits for.
 namespace gecos::session {
 
 /// A call whose handler runs in this process.

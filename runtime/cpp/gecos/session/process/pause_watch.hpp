@@ -60,7 +60,8 @@ class PauseWatch {
     return judging_.load(std::memory_order_acquire) ||
            (due != TimePoint::max() && now - due > longest_gap);
   }
-  /// The last check of a thread, if it found no pause. A thread that checks often keeps it.
+  /// The result of a thread's last check, which found no pause. A thread that checks often keeps
+  /// this object and passes it to suspected().
   struct Checked {
     Moment moment;
     TimePoint at{};  ///< time of the check, at most one kernel tick ago

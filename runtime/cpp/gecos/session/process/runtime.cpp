@@ -144,8 +144,8 @@ Hello Runtime::introduce(const InterfaceDescription& wanted) const {
   hello.incarnation = number(process_incarnation());
   hello.interface_name = wanted.name;
   hello.interface_hash = wanted.hash;
-  // A client sends nothing to an UNREACHABLE server and gives the server up after `grace`. A
-  // quarter of `grace` is reserved for the difference between the clocks of two hosts.
+  // A client gives the server up after `grace`, so the server must refuse older calls. A quarter of
+  // `grace` is reserved for the difference between the clocks of two hosts.
   hello.accept_within = options_.grace * 3 / 4;
   return hello;
 }

@@ -12,8 +12,8 @@
 namespace gecos::session {
 
 /// Body of a Hello packet: describes the client that opens a session, and the interface that this
-/// client expects. If the medium proves who the peer is, the server uses that instead of what the
-/// client claims here.
+/// client expects. If the medium proves the identity of the client, the server uses the proved
+/// identity instead of the one that the client claims here.
 struct Hello {
   std::string user;
   std::string host;

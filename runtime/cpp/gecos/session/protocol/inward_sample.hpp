@@ -26,7 +26,8 @@ struct InwardHeader {
 /// A multiple of 8, so that a value in lent memory stays aligned.
 inline constexpr std::size_t inward_header_size = 8 + 8 + 8;
 
-/// Writes the header into the memory before the value; may be lent by the medium.
+/// Writes `header` to the bytes directly before the value. These bytes may be memory that the
+/// medium has lent.
 void write_inward_header(std::span<std::byte, inward_header_size> to, const InwardHeader& header);
 
 /// A decoded sample. `value` borrows the bytes that were decoded, and may be empty.

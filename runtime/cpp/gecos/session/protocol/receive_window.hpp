@@ -60,7 +60,7 @@ class ReplyCache {
  private:
   static constexpr std::size_t most_replies = 512;  ///< greater than the number of calls that a
                                                     ///< client may have in flight
-  /// Room for two packets of maximum size.
+  /// Room for two of the largest packets that a medium that loses packets can carry.
   static constexpr std::size_t most_bytes = 16 * 1024 * 1024;
   static constexpr std::size_t most_bytes_of_lost = 64 * 1024;
   struct Kept {

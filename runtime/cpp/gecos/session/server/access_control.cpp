@@ -25,22 +25,24 @@ using access::EditedLabFile;
 using access::LabFileError;
 
 constexpr const char* of_this_host = "/etc/gecos/lab.toml";
-// The parser recurses over the parts of a key: one of 200,000 parts ended the process.
+// The TOML parser recurses for each part of a dotted key: a key with 200,000 parts would overflow
+// the stack and end the process.
 constexpr std::size_t largest_file = 1 << 16;
-/// An edit counts when the file has not changed for so long.
+/// A file is read only when it has not changed for this long.
 constexpr Duration settled = std::chrono::milliseconds(100);
 constexpr Duration settled_empty = std::chrono::seconds(1);
-/// While a server starts.
+/// Maximum time for which a starting server waits while the file is being written.
 constexpr Duration longest_wait = std::chrono::seconds(3);
 constexpr Duration between_reads = std::chrono::milliseconds(25);
 
-/// Returns whether `peer` is of the user of the server or of root. A client whose user nothing
-/// proves as another one is of the user of the server.
+/// Returns whether `peer` runs as the user of the server or as root. A peer whose user neither the
+/// kernel nor a key proves counts as the user of the server.
 bool is_of_server(const media::Peer& peer) {
   return peer.uid ? peer.uid == ::geteuid() || peer.uid == 0u : peer.user.empty();
 }
 
-/// Returns the file that a setting names; an empty text when none does.
+/// Returns the path of the lab file that `option` or GECOS_LAB_FILE names; an empty text when
+/// neither names one.
 std::string named_file(const std::string& option) {
   const char* const variable = std::getenv("GECOS_LAB_FILE");
   const std::string named = !option.empty() ? option : variable != nullptr ? variable : "";
@@ -49,7 +51,7 @@ std::string named_file(const std::string& option) {
   return named.empty() || unknown_folder ? named : absolute.string();
 }
 
-/// Returns why the file with these attributes does not count; an empty text when it does.
+/// Returns why the server must not use the file with these attributes; an empty text when it may.
 std::string distrust(const struct stat& file, const std::string& path) {
   if (!S_ISREG(file.st_mode)) return "this is not a file";
   if (file.st_uid != 0 && file.st_uid != ::geteuid()) {
@@ -64,8 +66,9 @@ std::string distrust(const struct stat& file, const std::string& path) {
   return "";
 }
 
-/// Returns whether somebody seems to be writing the file. Most editors empty a file before they
-/// write it, and a part of a text may be without error and without its last rules.
+/// Returns whether another program seems to be writing the file at the moment. Most editors empty a
+/// file before they write it, and a half-written file may be valid although its last rules are
+/// missing.
 bool is_being_written(const struct stat& file) {
   using std::chrono::system_clock;
   const auto changed = system_clock::time_point(std::chrono::duration_cast<system_clock::duration>(
@@ -74,8 +77,8 @@ bool is_being_written(const struct stat& file) {
   return std::chrono::abs(age) < (file.st_size == 0 ? settled_empty : settled);
 }
 
-/// Reads the file, and sets `must_exist` when it exists. A file that need not exist has no text.
-/// Returns nullopt while the file is being written.
+/// Reads the file, and sets `must_exist` when it exists. If it does not exist and need not exist,
+/// returns an empty text. Returns nullopt while the file is being written.
 std::optional<EditedLabFile::Text> text_of(const std::string& path, bool& must_exist) {
   const auto failed = [&](const std::string& why) {
     return tl::unexpected(LabFileError{path, 0, "", why});
@@ -117,7 +120,7 @@ std::optional<LabFileError> AccessControl::read_file() {
 void AccessControl::reread_file() {
   if (const auto error = read_file()) {
     log_error("session", to_string(*error) +
-                             "; the earlier lists of this file stay in force, correct the file");
+                             "; the last lists without an error stay in force; correct the file");
   }
 }
 

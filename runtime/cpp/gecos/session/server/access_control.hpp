@@ -14,9 +14,9 @@
 namespace gecos::session {
 
 /// Decides which users may connect to the objects of one server (access::AccessPolicy). Reads the
-/// lab file again for each client of another user than the server's own, so that an edit acts on
-/// the next connection. An edit with an error is logged once and changes nothing; nor
-/// does a file that is being written: one that was changed within the last 100 ms, or emptied
+/// lab file again when a client of another user connects, so that an edit acts on the next
+/// connection. An edit with an error is logged once and changes nothing. A file that is being
+/// written changes nothing either: a file that was changed within the last 100 ms, or emptied
 /// within the last second. Thread-safe.
 class AccessControl {
  public:
@@ -49,15 +49,15 @@ class AccessControl {
   /// Returns why `peer` may not connect to the object, or may not stay connected; an empty text
   /// when it may.
   std::string refusal(const std::string& object, const media::Peer& peer) noexcept;
-  /// Returns whether `peer` may end the status of other clients: it is of the user of the server or
-  /// of root, or the lab file names it as an administrator.
+  /// Returns whether `peer` may end the status of other clients: it runs as the user of the server
+  /// or as root, or the lab file names its user as an administrator.
   bool administers(const media::Peer& peer) noexcept;
   /// Decides whether the server `peer` may register an object under `name` with the broker of this
   /// process (access::may_register). While the lab file has an error, no server may register: the
   /// file might bind the name to another server.
   Judgement judge_registration(const std::string& name, const media::Peer& peer) noexcept;
-  /// Decides whether `peer` may report for `source` of `zone` (access::may_report), by the lab file
-  /// as it was read last.
+  /// Decides whether `peer` may report for `source`, such as a door contact of `zone`, that a
+  /// person is present (access::may_report). Uses the lab file as it was read last.
   Judgement judge_report(const std::string& zone, const std::string& source,
                          const media::Peer& peer) noexcept;
 

@@ -49,7 +49,7 @@ std::shared_ptr<ServerCall> CallRunner::execute(const std::shared_ptr<ServerCall
 }
 
 /// Returns false when the call ended before a thread took it, or when the call may no longer start.
-/// Its caller was notified, so its handler must not begin.
+/// In both cases the caller has its outcome, so the handler must not begin.
 bool CallRunner::begins(ServerCall& call) {
   const MutexLock lock(object_.mutex);
   const TimePoint now = await_judgement();

@@ -76,7 +76,8 @@ class CallState {
   bool returned() const { return state_.returned || state_.phase == Phase::Finished; }
   /// Returns when the handler began; nullopt before that.
   std::optional<TimePoint> begun_at() const { return begun_at_; }
-  /// Returns true when the call ends by itself at some moment if it does not start.
+  /// Returns true when the call has a deadline or a latest start, so that it ends even if it never
+  /// starts.
   bool has_deadline() const { return std::min(deadline_, start_by_) != TimePoint::max(); }
   /// Returns true when the deadline has passed, or the latest start of a call that has not begun.
   bool overdue(TimePoint since_boot) const {

@@ -26,7 +26,7 @@ struct CallCounts {
   std::array<std::uint64_t, static_cast<std::size_t>(Detail::QosUnavailable) + 1> ended{};
 
   void count_end(Detail detail) { ++ended[static_cast<std::size_t>(detail)]; }
-  /// Returns the ends that were counted, without the details that never came.
+  /// Returns how many calls ended with each detail. Omits the details with which no call ended.
   std::vector<OutcomeCount> outcomes() const;
 };
 
@@ -46,7 +46,8 @@ struct HandlerTiming {
 /// at its first call. Not thread-safe: the object's mutex guards it.
 class CallStatistics {
  public:
-  /// `clock` must outlive this object, which is made when the object begins to be served.
+  /// Must be constructed when the server begins to serve the object. `clock` must outlive this
+  /// object.
   explicit CallStatistics(const Clock& clock) : clock_(clock), since_(clock.now()) {}
 
   /// Returns the time by Clock::now since which calls are counted.
@@ -54,24 +55,26 @@ class CallStatistics {
 
   /// Must be called first for each call that is queued.
   void queued(ServerCall& call);
-  /// The handler of `call` begins, at `since_boot`, which may be one kernel tick ago.
-  /// `long_running`: it runs on a worker thread, so its time is taken.
+  /// Must be called when the handler of `call` begins. `since_boot`: when it begins, possibly one
+  /// kernel tick too early. `long_running`: the handler runs on a worker thread, so its time is
+  /// always measured.
   void begins(ServerCall& call, TimePoint since_boot, bool long_running);
-  /// The handler of `call` runs for at least one tick of the maintenance thread: its time is taken.
+  /// Must be called when the handler of `call` has run for at least one tick of the maintenance
+  /// thread. The time of such a handler is always measured.
   static void runs_long(ServerCall& call);
-  /// The outcome of `call` is `detail`.
+  /// Must be called when `call` ends with `detail`.
   void ended(ServerCall& call, Detail detail);
-  /// The handler of `call` has answered and returned, or did not begin.
+  /// Must be called when the handler of `call` has answered and returned, or will not begin.
   void finished(ServerCall& call);
-  /// A call of `session` ended with `detail` and was never queued. `operation`: null when the
-  /// interface has no such operation.
+  /// Must be called when a call of `session` ended with `detail` and was never queued. `operation`:
+  /// null when the interface has no such operation.
   void refused(ServerSession& session, const OperationDescription* operation, Detail detail);
 
   /// Returns the counts of all operations that were called, sorted by name.
   std::vector<OperationStats> shown() const;
 
  private:
-  /// Returns the counts of `operation`, which stay at their place.
+  /// Returns the counts of `operation`. The reference is valid as long as this object.
   OperationCounts& of(const OperationDescription& operation) {
     if (last_ != &operation) find(operation);
     return *last_counts_;

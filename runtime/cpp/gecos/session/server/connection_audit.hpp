@@ -26,7 +26,7 @@ class ConnectionAudit {
   /// `judged`.
   std::string refused(std::string_view event, const std::string& object,
                       const AccessControl::Judgement& judgement);
-  /// Must be called again and again: writes the lines of refusals that were repeated.
+  /// Must be called periodically: writes the lines of refusals that were repeated.
   void on_tick();
 
  private:

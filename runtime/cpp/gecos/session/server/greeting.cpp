@@ -25,7 +25,7 @@ void open(const std::shared_ptr<ServerSession>& session, const Hello& hello,
   const media::Peer& peer = session->connection().peer();
   const SessionId id = new_session_id();
   Caller caller;
-  // Claimed where neither the kernel nor a key proves it.
+  // A user, host or process id that neither the kernel nor a key proves is taken from the Hello.
   caller.user = peer.uid ? user_name(*peer.uid) : peer.user.empty() ? hello.user : peer.user;
   caller.host = peer.host.empty() ? hello.host : peer.host;
   caller.program = hello.program;

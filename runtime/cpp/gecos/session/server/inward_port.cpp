@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::size_t usual_depth = 16;
 
-/// The most samples that one look reads. A hostile client may write samples faster than this server
-/// refuses them.
+/// Maximum number of refused samples that next_of() reads before it returns. A hostile client may
+/// write samples faster than this server refuses them.
 std::size_t most_refused_at_once(const InwardDescription& stream) {
   return 2 * (stream.quality.depth != 0 ? stream.quality.depth : usual_depth);
 }
@@ -68,7 +68,8 @@ void InwardPort::add(Counts& to, const Counts& more) {
   to.unreadable = more.unreadable;
 }
 
-/// Makes the text. The caller must not hold the mutex, because the reader would wait for it.
+/// Converts `counts` to a report with the last refusal in words. The caller must not hold the
+/// mutex, because the servant's thread that reads samples would have to wait for it.
 FeedReport InwardPort::in_words(const Counts& counts) {
   FeedReport report = counts.numbers;
   if (counts.unreadable) {

@@ -25,7 +25,8 @@ struct Feeder {
   std::unique_ptr<media::StreamReader> reader;
   std::shared_ptr<const FeedStanding> standing;
   /// Returns this host's CLOCK_BOOTTIME minus that of the sender's host, as
-  /// media::Connection::clock_difference measures it. Keeps what `reader` needs alive.
+  /// media::Connection::clock_difference measures it. The function object keeps alive the
+  /// connection that `reader` uses.
   std::function<Duration()> clock_difference;
 };
 

@@ -174,8 +174,8 @@ void IoLoop::activate(const std::shared_ptr<ServerSession>& session) {
 }
 
 void IoLoop::take_events(int milliseconds) {
-  // An acceptor that has received packets makes the descriptors of their connections readable.
-  // Hence the second look, which does not wait.
+  // Packets that an acceptor receives make the descriptors of their connections readable. So after
+  // an event of an acceptor, handle_events() is called again, without a wait.
   if (handle_events(milliseconds)) handle_events(0);
 }
 
@@ -283,7 +283,7 @@ TimePoint IoLoop::on_tick(TimePoint now) {
   const bool revoked = now >= next_review_ && end_revoked();
   if (now >= next_review_) next_review_ = now + review_every;
   // When a session is excluded from streams, these streams move to new memory. The next heartbeat
-  // leads the remaining readers to that memory.
+  // tells the remaining readers where this memory is, so it is sent at once.
   const bool beat = revoked || now >= next_beat_;
   if (beat) next_beat_ = now + runtime_->options().heartbeat;
   bool suspects = false;
@@ -342,8 +342,8 @@ void IoLoop::end() {
     new_endpoints_.clear();
   }
   for (const auto& session : sessions_.remove_if([](const auto&) { return true; })) {
-    // Over a medium that cannot tell the client which packets were read, the client learns only
-    // from a reply that a call did not start.
+    // The object refuses the unread calls. Over a medium that cannot tell the client which packets
+    // were read, only a reply tells the client that its call did not start.
     while (session->repeats() && !session->gone.load()) {
       const auto packet = session->connection().receive();
       if (!packet) break;

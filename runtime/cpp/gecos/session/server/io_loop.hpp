@@ -29,7 +29,7 @@ namespace gecos::session {
 /// comments say which thread uses a member.
 class IoLoop {
  public:
-  /// `access` says of each session whether its client is still admitted.
+  /// `access` decides whether the client of each session is still admitted.
   IoLoop(std::shared_ptr<Runtime> runtime, std::shared_ptr<AccessControl> access);
   ~IoLoop();
 

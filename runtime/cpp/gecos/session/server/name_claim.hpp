@@ -42,7 +42,7 @@ class NameClaim {
     why_.clear();
     return change(Standing::Held);
   }
-  /// A broker answered, but may still assign the name to another object.
+  /// Records that a broker has answered but may still assign the name to another object.
   bool provisional() { return standing() == Standing::Unanswered && change(Standing::Asked); }
   bool unanswered(std::uint64_t question, std::string why) {
     const bool needed = waits() || standing() == Standing::Unanswered;

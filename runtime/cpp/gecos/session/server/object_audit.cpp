@@ -8,13 +8,14 @@
 namespace gecos::session {
 namespace {
 
-/// Returns whether the audit names each call of `operation`: it moves or stops something.
+/// Returns whether the audit records every call of `operation`, because the operation moves or
+/// stops something.
 bool recorded(const OperationDescription& operation) {
   return operation.status != access::Status::Sensor || operation.safety;
 }
 
-/// Returns whether the handler of `call` has made its outcome. The text of such an outcome may
-/// contain arguments.
+/// Returns whether the outcome of `call` comes from its handler. The text of such an outcome may
+/// contain arguments of the call.
 bool answered_by_handler(const ServerCall& call) {
   return call.state.begun_at() && call.state.phase() >= CallState::Phase::Answered;
 }

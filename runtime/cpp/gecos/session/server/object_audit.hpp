@@ -36,18 +36,18 @@ class ObjectAudit {
                       const std::string& why);
   void status_lost(const access::Client& holder, const std::string& why);
 
-  /// A client has stopped the object.
+  /// Records that a client has stopped the object.
   void stopped(const ServerSession& by, std::uint64_t counter);
 
-  /// A call, or the opening of a stream, that was refused before it was queued.
+  /// Records a call, or the opening of a stream, that was refused before it was queued.
   void refused(const ServerSession& session, std::uint64_t counter, FunctionCode code,
                std::string_view operation, const Failure& failure);
-  /// The handler of a command that may take long begins.
+  /// Records that the handler of a command begins, if the command may take long.
   void begins(const ServerCall& call);
   void ended(const ServerCall& call, Detail detail, const std::string& text);
 
-  /// Writes a line with a count for each command that was repeated, after the second in which it
-  /// was repeated. Then lets the audit write to its files.
+  /// When the second in which a client repeated a command has passed, writes one line with the
+  /// number of repetitions. Then lets the audit write to its files.
   void on_tick();
   /// Writes the lines of all repeated commands that on_tick has not written yet.
   void end();

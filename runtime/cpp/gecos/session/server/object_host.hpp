@@ -65,7 +65,7 @@ class ObjectHost final : public Publisher {
   /// The way in which the connection of a session ended. After InOrder the commands of the session
   /// continue, and its status ends with its last command.
   enum class Departure : std::uint8_t { InOrder, Lost };
-  /// `because`: what is said of the client when its status is lost.
+  /// `because`: completes the sentence "the client …", which says why the client's status is lost.
   void depart(const std::shared_ptr<ServerSession>& session, Departure how,
               const std::string& because = "is gone");
   /// Must be called after this process was suspended. After that, no call of `session` starts

@@ -16,13 +16,14 @@ class ServerSession;
 /// The inward streams of one object, each with its own InwardPort. Thread-safe.
 class ObjectInward {
  public:
-  /// The pauses and the name of the object, for InwardPort.
+  /// The ports read from these arguments whether a pause is judged, whether the broker confirms the
+  /// name of the object, and whether a person is present.
   ObjectInward(const ObjectSetup& setup, const NameClaim& claim,
                const access::ObjectPresence& presence);
 
   /// Returns the port of the stream with this code; null when the interface has no such stream.
   InwardPort* find(FunctionCode code) const;
-  /// Opens the stream that `session` shares as `id` for `port`. Returns false while the
+  /// Makes `port` read the stream that `session` shares under `id`. Returns false while the
   /// announcement of the stream has not arrived; on failure returns the reason.
   tl::expected<bool, std::string> feed(InwardPort& port,
                                        const std::shared_ptr<ServerSession>& session,

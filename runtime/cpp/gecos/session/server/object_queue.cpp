@@ -129,8 +129,8 @@ std::shared_ptr<QueueEntry> ObjectQueue::next() {
   return at == actor_.end() ? nullptr : start(actor_, at);
 }
 
-/// Returns the actor command that may start next. This is the first one; while the first one must
-/// wait, it is the first @parallel one. Returns the end of the lane if there is none.
+/// Returns the actor command that may start next: the first one or, while the first one must wait,
+/// the first @parallel one. Returns the end of the lane if no command may start.
 ObjectQueue::Lane::iterator ObjectQueue::next_command() {
   if (actor_.empty() || beside_running(*actor_.front())) return actor_.begin();
   return std::ranges::find_if(actor_, [](const auto& entry) { return entry->operation.parallel; });

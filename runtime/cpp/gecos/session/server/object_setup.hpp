@@ -18,7 +18,8 @@ struct UserRights {
   /// Returns why the user may not register an object under a name; an empty text when it may.
   std::function<std::string(const std::string& name, const media::Peer&)> refusal_to_register =
       [](const auto&, const auto&) { return std::string(); };
-  /// Returns why the user may not report for a source of a zone; an empty text when it may.
+  /// Returns why the user may not report for `source`, such as a door contact of `zone`, that a
+  /// person is present; an empty text when it may.
   std::function<std::string(const std::string& zone, const std::string& source, const media::Peer&)>
       refusal_to_report = [](const auto&, const auto&, const auto&) { return std::string(); };
 };

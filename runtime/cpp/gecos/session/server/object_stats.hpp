@@ -8,8 +8,8 @@ namespace gecos::session {
 class ObjectCalls;
 class ObjectHost;
 
-/// Returns what `object` has counted since it is served. `calls`: its calls; requires the object's
-/// mutex. `now`: the current time of Clock::now.
+/// Returns the counts of `object` since the server began to serve it. `calls`: its calls; requires
+/// the object's mutex. `now`: the current time of Clock::now.
 ObjectStats stats_of(ObjectHost& object, ObjectCalls& calls, TimePoint now);
 
 }  // namespace gecos::session

@@ -26,12 +26,13 @@ class ObjectStreams {
   /// connection, and the sequence number of the newest sample.
   tl::expected<Subscription, std::string> share(const StreamDescription& stream,
                                                 media::Connection& connection);
-  /// Makes all later samples unreadable for `connection`, with which nothing is shared any more.
+  /// Ends all subscriptions of the client of `connection`, and makes all later samples unreadable
+  /// for this client.
   void exclude(media::Connection& connection);
   /// Publishes `sample`; does nothing when the interface has no such stream.
   void publish(const StreamDescription& stream, ByteView sample, const SampleTime& time);
-  /// Returns what was published on each stream, in the order of their ids on connections; `readers`
-  /// is not counted here.
+  /// Returns how much was published on each stream, in the order of the ids of the streams on
+  /// connections. Does not set `readers`.
   std::vector<StreamStats> stats() const;
 
  private:

@@ -28,8 +28,8 @@ void OpenQuestions::add(const std::shared_ptr<ServerSession>& session, std::uint
     return;
   }
   session->reply(counter, Failure{Detail::QueueFull,
-                                  about_ + " already wait: " + std::to_string(questions_.size()) +
-                                      "; ask again later",
+                                  about_ + ": " + std::to_string(questions_.size()) +
+                                      " already wait; ask again later",
                                   {},
                                   {}});
 }

@@ -12,8 +12,9 @@
 
 namespace gecos::session {
 
-/// Calls that ask what is newer than something that the caller knows, and that have no reply yet
-/// because nothing is. Not thread-safe: the object's mutex guards it.
+/// Calls that ask for news, for example for changes of the roster after the one that the caller
+/// knows. A call stays here while there is no news for it. Not thread-safe: the object's mutex
+/// guards it.
 class OpenQuestions {
  public:
   struct Question {
@@ -23,18 +24,18 @@ class OpenQuestions {
     TimePoint give_up{};
   };
 
-  /// `about`: what is asked, for texts, for example "RX90: questions about requests".
+  /// `about`: begins the text of a refusal, for example "RX90: too many questions about requests".
   OpenQuestions(std::string about, const Clock& clock) : about_(std::move(about)), clock_(clock) {}
 
   /// Maximum number of questions. A correct client has one at a time.
   static constexpr std::size_t most = 64;
 
-  /// Keeps a question until `answer` replies to it, at most `patience` s. When there are too many,
-  /// replies to this one that it is refused.
+  /// Keeps a question for at most `patience` seconds, until `answer` replies to it. If there are
+  /// `most` questions already, replies that this one is refused.
   void add(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
            std::uint64_t after, double patience);
   bool waits(SessionId session, std::uint64_t counter) const;
-  /// Removes a question and replies with `failure`. Returns false when it does not wait.
+  /// Removes a question and replies with `failure`. Returns false when no such question waits.
   bool end(SessionId session, std::uint64_t counter, const Failure& failure);
   void end_all(const Failure& failure);
   /// Removes the questions of `session` without a reply.

@@ -17,7 +17,8 @@ namespace gecos::session {
 /// each user. Not thread-safe: the object's mutex guards it.
 class PasswordCheck {
  public:
-  /// Returns why the password of `session` is not compared; an empty text when it may be.
+  /// Returns why the password of the client of `session` must not be compared now; an empty text
+  /// when it may be compared.
   std::string refusal(ServerSession& session, TimePoint now) const;
   void count_wrong(ServerSession& session, TimePoint now);
 
@@ -30,10 +31,11 @@ class PasswordProver {
  public:
   explicit PasswordProver(const std::string& object) : executor_("gecos-" + object, 1) {}
 
-  /// Calls `then` with the proof, on the thread of the prover; with nullopt when the memory for
-  /// deriving it is missing. Returns false when this process cannot create the thread.
+  /// Derives the proof of `password` and calls `then` with it, on the thread of the prover. Calls
+  /// `then` with nullopt when there is not enough memory to derive the proof. Returns false when
+  /// this process cannot create the thread.
   bool prove(access::Proof password, std::function<void(std::optional<access::Proof>)> then);
-  /// Waits until the proofs that were begun have been derived. Later ones are refused.
+  /// Waits until all proofs have been derived that `prove` has begun. Later calls of `prove` fail.
   void join() { executor_.join(); }
 
  private:

@@ -18,10 +18,12 @@ class PresenceGuard {
   std::string zone();
   /// The object is in `zone` from now on.
   void enter(const std::string& zone);
-  // What is known of another zone than the object's has no effect: the object may have left it.
+  // The functions below ignore a `zone` that is not the zone of the object, because the object may
+  // have left it.
   /// Takes a report of `zone` that was made at `made`, by CLOCK_BOOTTIME of this host.
   void take(const std::string& zone, access::ObjectPresence::Report report, TimePoint made);
-  /// Forgets the last report of `zone`: nothing is known any more. `why`: a text for people.
+  /// Forgets the last report of `zone`: from now on it is not known whether a person is present.
+  /// `why`: the reason, for people.
   void forget(const std::string& zone, const std::string& why);
   /// Forgets the last report, whatever the zone.
   void forget(const std::string& why);

@@ -109,10 +109,11 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
   return {};
 }
 
-/// Tries again when the broker is lost during the registration, because a restarted broker accepts
-/// the same entry again. Also tries again while the broker has not noticed that the previous holder
-/// of the name has ended, because a killed server may be restarted before that, and while the name
-/// is held for a silent server that loses it before the deadline.
+/// Registers an object for the first time. Tries again when the broker is lost during the
+/// registration, because a restarted broker accepts the same entry. Also tries again while the name
+/// belongs to a server that has ended on this host, because a killed server may be restarted before
+/// the broker notices its end. Also tries again while the name is held for a silent server that
+/// loses the name before `deadline`.
 tl::expected<Duration, std::string> Registrar::register_first(Registration& registration,
                                                               TimePoint deadline) {
   for (;;) {

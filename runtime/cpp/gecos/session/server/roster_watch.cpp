@@ -11,9 +11,9 @@ namespace {
 
 double to_seconds(Duration duration) { return std::chrono::duration<double>(duration).count(); }
 
-/// Returns the number before the first change of an object that begins to be served now. Another
-/// object, and the same object in another process, begin elsewhere among 2^52 numbers: programs
-/// that read JSON as doubles keep them exactly.
+/// Returns the number that precedes the first change of an object that is served from now on. The
+/// number is a hash with 2^52 values, so another object, or the same object in another process,
+/// begins with another number. Programs that read JSON numbers as doubles read it exactly.
 std::uint64_t first_number(TimePoint now) {
   const auto moment = static_cast<std::uint64_t>(now.time_since_epoch().count());
   return (((number(process_incarnation()) + moment) * 0x9e37'79b9'7f4a'7c15U) >> 12) | 1;
@@ -57,7 +57,7 @@ RosterWatch::RosterWatch(const ObjectSetup& setup, const access::LeaseTable& lea
     : leases_(leases),
       clock_(clock),
       changes_(first_number(setup.clock().now())),
-      questions_(setup.name + ": questions about the roster", setup.clock()) {}
+      questions_(setup.name + ": too many questions about the roster", setup.clock()) {}
 
 std::vector<Holder> RosterWatch::holders() const {
   return shown_to_clients(leases_.roster(), clock_.now());

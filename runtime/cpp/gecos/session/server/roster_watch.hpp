@@ -18,8 +18,8 @@ namespace gecos::session {
 /// Returns `roster` in the form in which clients see it.
 std::vector<Holder> shown_to_clients(const std::vector<access::Holder>& roster, TimePoint now);
 
-/// Tells clients who holds the status of one object, and each change of that. Not thread-safe: the
-/// object's mutex guards it.
+/// Tells clients who holds the status of one object, and each change of the holders. Not
+/// thread-safe: the object's mutex guards it.
 class RosterWatch {
  public:
   /// `clock` is the clock of the leases.

@@ -155,7 +155,7 @@ void Server::Core::follow_lab_file(TimePoint now) {
       object->presence().enter(zone);
     }
   } catch (const std::exception& failed) {  // the next look tries again
-    log_error("session", std::string("an edit of the lab file was not followed: ") + failed.what());
+    log_error("session", std::string("an edit of the lab file was not applied: ") + failed.what());
   }
 }
 

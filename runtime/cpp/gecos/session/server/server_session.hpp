@@ -84,15 +84,16 @@ class ServerSession {
   /// Replies that the client may request again: all replies over a medium that loses packets, and
   /// replies made after the connection was lost, which the client requests in another session.
   const std::shared_ptr<ReplyCache> replies = std::make_shared<ReplyCache>();
-  /// True if the session may feed inward streams now. Written with the object's mutex held.
+  /// Whether the session may feed inward streams now, and under which epoch. Written with the
+  /// object's mutex held.
   const std::shared_ptr<FeedStanding> standing = std::make_shared<FeedStanding>();
   std::map<FunctionCode, std::uint32_t> subscriptions;  ///< key: stream code; value: id of the
                                                         ///< stream on the connection
   /// The epoch in which this session acquired its status; its own `stop` calls renew the status
   /// under higher epochs.
   std::uint64_t held_from = std::numeric_limits<std::uint64_t>::max();
-  /// The newer epoch of the session's status, which every reply tells the client; Epoch{} while the
-  /// client knows it from its grant.
+  /// The epoch of the session's status if it is newer than the epoch in the client's grant. Every
+  /// reply then tells the client this epoch. Epoch{}: the client knows the epoch from its grant.
   Epoch renewed{};
   /// For each lane, the highest counter that was marked as started (start_words.hpp).
   std::array<std::uint64_t, media::shared_word_count> marked{};
@@ -103,7 +104,7 @@ class ServerSession {
   bool left = false;             ///< the client said goodbye
   bool closed = false;           ///< the connection is lost or closed
   bool parted_in_order = false;  ///< the connection ended in order, so its calls still run
-  std::string parted_because;    ///< what is said of the client when its status is lost
+  std::string parted_because;    ///< completes "the client …" when its status is lost
   /// What the server knows from the client's heartbeats.
   struct Heartbeats {
     PeerLiveness liveness;

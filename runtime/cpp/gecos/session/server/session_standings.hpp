@@ -8,14 +8,16 @@
 
 namespace gecos::session {
 
-/// Keeps the sessions of one object informed about their status. A session that feeds inward
-/// streams needs it for the ports that read each sample; a session that holds a status needs it for
-/// the replies to its client. Not thread-safe: the object's mutex guards it.
+/// Keeps each session of one object informed about the epoch under which it has its status. The
+/// ports of inward streams check each sample against this epoch. The replies to a holder of a
+/// status contain this epoch when it has changed. Not thread-safe: the object's mutex guards it.
 class SessionStandings {
  public:
-  /// `session` has been granted a status, under an epoch that its client knows.
+  /// Must be called when `session` has been granted a status. The client knows the epoch of the
+  /// status from the grant.
   void add_holder(const std::shared_ptr<ServerSession>& session);
-  /// `session` feeds inward streams: keeps `session->standing` up to date until `remove`.
+  /// Must be called when `session` begins to feed inward streams. Keeps `session->standing` up to
+  /// date until `remove`.
   void add_feeder(const std::shared_ptr<ServerSession>& session);
   void remove(const ServerSession& session);
 
@@ -26,7 +28,7 @@ class SessionStandings {
   void note_newer_epoch(const access::LeaseTable& leases);
 
  private:
-  // Weak: a session owns its object, which owns this.
+  // The pointers are weak, because a session owns its object, and the object owns these vectors.
   using Sessions = std::vector<std::weak_ptr<ServerSession>>;
   Sessions feeders_;
   Sessions holders_;  ///< also those that have lost their status

@@ -14,9 +14,9 @@
 namespace gecos::session {
 namespace {
 
-/// How long a request for a status without patience waits for a handler to return.
+/// Maximum time for which a request with the patience 0 waits until a handler has returned.
 constexpr Duration longest_wait_for_handler = std::chrono::seconds(1);
-/// Why a status ended whose holder released it.
+/// The reason that is given when a status ends because its holder has released it.
 constexpr std::string_view released = "released";
 
 access::Status status_of(Status status) { return static_cast<access::Status>(status); }
@@ -35,7 +35,7 @@ access::Proof taken_from(std::optional<std::string>& password) {
   return proof;
 }
 
-/// Returns the text that a refusal contains in addition when the request waited.
+/// Returns the end of the text of a refusal; an empty text if the request did not wait.
 std::string waited_in_vain(double patience, std::size_t before) {
   if (patience <= 0) return {};
   char text[96];
@@ -123,7 +123,7 @@ void StatusGrants::prove(StatusRequest request, access::Proof password) {
   if (!line.authenticated) {
     return session->reply(
         counter, Failure{Detail::Denied,
-                         setup_.name + ": no password is taken over " + std::string(line.name) +
+                         setup_.name + ": no password is accepted over " + std::string(line.name) +
                              ", because nothing proves who sends it",
                          {},
                          {}});
@@ -158,8 +158,8 @@ void StatusGrants::proved(SessionId session, std::uint64_t counter,
   serve_line();
 }
 
-/// Returns the refusal for a client whose password would be compared, when its user has given too
-/// many wrong ones.
+/// Returns a refusal if the password of the client of `session` would be compared, but its user has
+/// given too many wrong passwords; otherwise nullopt.
 std::optional<access::LeaseRefusal> StatusGrants::too_many_wrong(ServerSession& session,
                                                                  access::Status wanted) const {
   if (!leases_.compares_password(session.id())) return std::nullopt;
@@ -170,8 +170,8 @@ std::optional<access::LeaseRefusal> StatusGrants::too_many_wrong(ServerSession& 
                               leases_.roster()};
 }
 
-/// Acquires the status for `request`. Its password is compared only while its user has not given
-/// too many wrong ones.
+/// Acquires the status for `request`. Does not compare the password if its user has given too many
+/// wrong passwords.
 tl::expected<access::Grant, access::LeaseRefusal> StatusGrants::try_to_acquire(
     StatusRequest& request, std::size_t before, TimePoint now) {
   using Reason = access::LeaseRefusal::Reason;

@@ -30,7 +30,8 @@ class StatusGrants {
   /// Derives the proof of a password on another thread.
   class Prover {
    public:
-    /// `proved` must be called with the proof, later. Returns false when there is no thread for it.
+    /// Begins to derive the proof of `password`. When the proof is derived, the prover must call
+    /// StatusGrants::proved. Returns false when no thread can be created for this.
     virtual bool prove(SessionId session, std::uint64_t counter, access::Proof password) = 0;
 
    protected:
@@ -46,7 +47,7 @@ class StatusGrants {
   TimePoint now() const { return clock_.now(); }
   /// Returns the state of this object that decides whether a call is admitted now.
   AdmittingObject admitting() const { return {setup_.name, leases_, clock_.now()}; }
-  /// The holders and their changes, as clients see them.
+  /// Returns the part that tells clients who holds the status and how the holders change.
   RosterWatch& roster() { return roster_; }
 
   /// Replies to a request for a status. A request with `patience` waits while other clients hold
@@ -56,16 +57,16 @@ class StatusGrants {
   /// behind it.
   void request(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
                GecosObject_acquire_arguments asked);
-  /// Goes on with a request whose proof has been derived; nullopt when that failed. Does nothing
-  /// when the request no longer waits.
+  /// Continues the request `counter` of `session` when its proof has been derived. `proof`: nullopt
+  /// when the proof could not be derived. Does nothing when the request no longer waits.
   void proved(SessionId session, std::uint64_t counter, std::optional<access::Proof> proof);
   /// The requests that wait.
   StatusLine& line() { return line_; }
   /// Grants the waiting requests that can be granted now, in the order of their arrival. Must be
   /// called when a handler has returned. The functions below that end a status call it themselves.
   void serve_line();
-  /// Refuses the waiting request with this id, as its holder wants. Returns false when it does not
-  /// wait.
+  /// Refuses the waiting request with this id, because a holder of the status denies it. Returns
+  /// false when no such request waits.
   bool deny(std::uint64_t id, const std::string& why);
   /// Refuses all waiting requests and replies to all questions, because the server is about to end.
   void close();
@@ -77,7 +78,7 @@ class StatusGrants {
   void release(ServerSession& session, const GecosObject_release_arguments& asked);
   /// Gives `session` sole command of the status that it shares: ends the commands of the other
   /// holders and refuses their later commands and samples, until `give_back` or until the status of
-  /// `session` ends. Returns why not; nullopt when the session has taken over.
+  /// `session` ends. Returns nullopt, or the failure when the session cannot take over.
   std::optional<Failure> take_over(ServerSession& session);
   void give_back(ServerSession& session);
   /// Must be called when no command of `session` is open any more. Ends a status that the session

@@ -41,7 +41,7 @@ class StatusLine {
   StatusLine(std::string object, const Clock& clock)
       : object_(std::move(object)),
         clock_(clock),
-        questions_(object_ + ": questions about requests", clock) {}
+        questions_(object_ + ": too many questions about requests", clock) {}
 
   /// Maximum number of requests. A correct client has one request at a time.
   static constexpr std::size_t longest = 64;
@@ -56,21 +56,21 @@ class StatusLine {
   bool add(StatusRequest request);
   /// Returns the request `counter` of `session`; null when no such request waits.
   StatusRequest* find(SessionId session, std::uint64_t counter);
-  /// Returns the request with this id; null when none waits that holders are shown.
+  /// Returns the request with this id if holders are shown it; otherwise null.
   const StatusRequest* find(std::uint64_t id) const;
-  /// Returns how many requests are before the request `counter` of `session`; 0 for a question
-  /// about the line; nullopt when neither waits.
+  /// Returns how many requests wait before the request `counter` of `session`. Returns 0 if this
+  /// call is a question about requests, and nullopt if no such call waits.
   std::optional<std::size_t> place_of(SessionId session, std::uint64_t counter) const;
-  /// Removes the request `counter` of `session`, or its question about the line, and replies with
-  /// `failure`. Returns false when it does not wait.
+  /// Removes the call `counter` of `session`, which is a request or a question about requests, and
+  /// replies with `failure`. Returns false when no such call waits.
   bool end(SessionId session, std::uint64_t counter, const Failure& failure);
   /// Removes all requests and replies with `failure` to each.
   void end_all(const Failure& failure);
   /// Removes the requests and questions of `session` without a reply.
   void forget(SessionId session);
 
-  /// Replies with the requests that wait. While none has a larger id than `asked.after`, the
-  /// question waits, at most `asked.patience`.
+  /// Replies with the list of the waiting requests. While no request has a larger id than
+  /// `asked.after`, the reply waits, at most `asked.patience` seconds.
   void ask(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
            const GecosObject_requests_arguments& asked);
   /// Replies to the questions that have waited for too long.
@@ -79,7 +79,7 @@ class StatusLine {
   void end_questions(const Failure& failure) { questions_.end_all(failure); }
 
   /// Calls `answer(request, before)` for each request in order, where `before` is the number of
-  /// requests before it that stay, and removes those for which it returns true.
+  /// earlier requests that remain. Removes the requests for which `answer` returns true.
   template <class Answer>
   void remove_if(Answer answer) {
     std::vector<StatusRequest> stay;
@@ -89,8 +89,8 @@ class StatusLine {
     requests_ = std::move(stay);
   }
 
-  /// Tells each client how many requests are before its own, when that number has changed, and
-  /// replies to the questions to which there is an answer now.
+  /// Tells each client how many requests are before its own, if that number has changed. Replies to
+  /// each question about requests that is answered by a new request.
   void tell_places();
 
  private:

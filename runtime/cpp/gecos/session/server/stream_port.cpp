@@ -103,7 +103,8 @@ void StreamPort::move_on(std::string_view medium) {
   try {
     found->second->move_on();
   } catch (const std::exception& failed) {  // no memory or no descriptor is left
-    log_error("session", named() + " cannot move away from a client that was refused: " +
+    log_error("session", named() +
+                             " cannot be moved to memory that an excluded client cannot read: " +
                              failed.what() + "; the stream is closed over " + std::string(medium));
     writers_.erase(found);
   }

@@ -28,7 +28,7 @@ class StreamPort {
 
   const StreamDescription& stream() const { return stream_; }
   void publish(ByteView sample, const SampleTime& time);
-  /// Returns what was published; `readers` is not counted here.
+  /// Returns how much was published. Does not set `readers`.
   StreamStats stats();
   /// Lets the client of `connection` read the stream under `id`. `acceptor`: the acceptor of
   /// `connection`. Returns the sequence number of the newest sample, 0 before the first one. On

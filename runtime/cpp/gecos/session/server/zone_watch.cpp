@@ -12,7 +12,8 @@
 namespace gecos::session {
 namespace {
 
-/// How long one try to reach the zone may take. The end of the watch waits for it.
+/// Maximum time of one attempt to reach the zone. The destructor may have to wait for such an
+/// attempt.
 constexpr Duration zone_patience = std::chrono::milliseconds(500);
 constexpr Duration between_zone_tries = std::chrono::milliseconds(100);
 

@@ -14,9 +14,9 @@ class ObjectHost;
 class Runtime;
 
 /// Reads from a zone (idl/gecos/presence.gidl) whether a person is present, and tells the objects
-/// of a server that are in the zone. While the zone cannot be reached, tells them why. Has a
-/// session of its own with the broker and the zone, which closing the Lab of the program does not
-/// end.
+/// of a server that are in the zone. While the zone cannot be reached, tells them why. Uses its own
+/// sessions with the broker and the zone. Closing the Lab of the program does not end these
+/// sessions.
 class ZoneWatch {
  public:
   ZoneWatch(std::shared_ptr<Runtime> runtime, std::string zone);
@@ -30,13 +30,13 @@ class ZoneWatch {
 
  private:
   void run();
-  /// Tells the objects what the zone reports until the session with it ends.
+  /// Tells the objects what the zone reports until the session with the zone ends.
   void follow(StreamCore& reports);
   void tell_unknown(const std::string& why);
   /// Calls `tell` for each object that still exists.
   template <class Tell>
   void each(Tell tell);
-  /// Returns false when the watch ends, or has no objects.
+  /// Returns false when the watch has ended or has no objects.
   bool watches();
   /// Sleeps while the watch has no objects. Returns false when the watch ends.
   bool await_object();
@@ -57,8 +57,8 @@ class ZoneWatches {
  public:
   explicit ZoneWatches(std::shared_ptr<Runtime> runtime) : runtime_(std::move(runtime)) {}
 
-  /// Tells `object`, which is in `zone` and in no other zone any more, from now on whether a person
-  /// is present.
+  /// From now on tells `object` whether a person is present in `zone`, and no longer tells it
+  /// anything about another zone.
   void add(const std::string& zone, const std::shared_ptr<ObjectHost>& object);
   void end() { watches_.clear(); }
 
