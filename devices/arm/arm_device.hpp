@@ -88,7 +88,7 @@ class ArmDevice {
   /// Moves the tool to the frame `world_from_goal` and returns when the arm has arrived there by
   /// its measured joint positions. A joint move ends in a configuration that `wanted` admits.
   /// Without `wanted`, and on a straight line, the arm keeps its configuration; a straight move to
-  /// another configuration is Refused. With `goes_over`, see ArmMotion::Request.
+  /// another configuration is Refused. ArmMotion::Request explains `goes_over`.
   tl::expected<void, MoveFailure> move(
       const Frame& world_from_goal, PathKind path, const robcl::motion::Pace& pace,
       MotionWatcher& watcher, const std::optional<robcl::arm::Configuration>& wanted = std::nullopt,

@@ -9,8 +9,9 @@ namespace {
 // The greatest reduction of a limit, as a fraction of the limit. In the sharpest corners of short
 // moves, a reduction by less than 0.7 was not enough.
 constexpr double most_reduced = 0.8;
-// A motion may leave its time law at any time, for example to brake. Then the window contains parts
-// of two motions, and the mean is taken over both.
+// The part of the limits of acceleration that a time law must not use. A motion may leave its time
+// law at any time, for example to brake. Then the window contains parts of two motions, and the
+// mean over both parts can be greater.
 constexpr double reserve = 0.014;  // of the limits of acceleration
 constexpr int samples = 30;        // in a window
 // The maximum number of samples of a motion. It is reached by motions that take minutes or days.

@@ -84,8 +84,8 @@ class StreamRingWriter : public StreamWriter {
   std::size_t lent_ = 0;  ///< bytes
 };
 
-/// The state of a stream that this end of a connection reads. Its reader and the thread that reads
-/// the connection use it.
+/// The state of a stream that this end of a connection reads. The reader of the stream uses this
+/// object, and so does the thread that reads the connection.
 class StreamWatch {
  public:
   struct Place {
