@@ -131,7 +131,8 @@ void ArmController::take(tl::expected<JointState, DriverFault> answer, bool moti
     publish();
     return;
   }
-  // Readers still see the last answer of the driver. The time stamp of the answer shows its age.
+  // Until the driver answers again, readers of the measurements still see its last answer. The time
+  // stamp shows the age of this answer.
   loop_.silent = true;
   loop_.command = loop_.state.position;
   loop_.last.commanded = loop_.last.joints;

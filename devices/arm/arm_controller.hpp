@@ -20,9 +20,9 @@ namespace devices {
 /// loop's thread may call `step`. Unless the driver fails, `step` neither locks nor allocates. Any
 /// thread may call `now`. Only the thread that moves the arm may call the other methods.
 ///
-/// The constructor enables the drives. If they follow velocities, the control loop controls the
-/// joint positions. A fault of the drives ends the motion. The fault lasts until `reset_drives` is
-/// called, so that the arm does not start to move when the cause of the fault disappears.
+/// The constructor enables the drives. If the drives follow velocities, the control loop controls
+/// the joint positions. A fault of the drives ends the motion. The fault lasts until `reset_drives`
+/// is called, so that the arm does not start to move when the cause of the fault disappears.
 ///
 /// This class has more members than other classes. Half of the members are orders and results that
 /// one thread passes to another thread, and to separate these two threads is the purpose of this
@@ -62,15 +62,15 @@ class ArmController {
   };
 
   /// Throws std::runtime_error with the driver's message if the driver cannot read the joint
-  /// positions, or the positions of another number of joints than the model has. Throws
-  /// std::invalid_argument if the period of the driver is not above 0, or longer than 0.1 s.
+  /// positions, or if it reads a different number of joint positions than the model has joints.
+  /// Throws std::invalid_argument if the period of the driver is not above 0, or longer than 0.1 s.
   ArmController(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
   /// Turns the drives off, so that the brakes hold the arm.
   ~ArmController();
   ArmController(const ArmController&) = delete;
   ArmController& operator=(const ArmController&) = delete;
 
-  /// Runs one control cycle. `seconds` is the time since the last one: `cycle()`, or a
+  /// Runs one control cycle. `seconds` is the time since the previous cycle: `cycle()`, or a
   /// multiple of it after missed cycles.
   ///
   /// A missed cycle delays the motion by one cycle. The motion does not catch up, because two set
@@ -93,8 +93,8 @@ class ArmController {
   /// and their brakes are released. `wait` returns the outcome: Arrived, or a Fault if the drives
   /// have a fault or are not on in time. @pre `wait` returned the outcome of the last motion.
   void reset_drives();
-  /// Decelerates the running motion until the arm stands, or ends the wait for the drives. May be
-  /// called at any time, even when no motion runs.
+  /// Decelerates the running motion until the arm stands, or ends a running reset of the drives.
+  /// May be called at any time, even when no motion runs.
   void stop() { stop_.store(true); }
   /// Scales the speed of this and all later motions from the next cycle on. `factor`: 0, which
   /// pauses a motion on its path, to 1. May be called at any time.

@@ -20,16 +20,17 @@ robcl::motion::ToolLimits lower_of(const robcl::motion::ToolLimits& one,
           .turn_acceleration = std::min(one.turn_acceleration, other.turn_acceleration)};
 }
 
-// Further away, the coordinates of a frame have no digits left for the motions of an arm.
+// At a greater distance, rounding errors of a frame's coordinates are too large for the motions of
+// an arm.
 constexpr double furthest_base = 1e7, furthest_tool = 1000;  // m
 
-/// Returns why `what` cannot be at `frame`; nullopt if it can.
+/// Returns why `what`, the base or the tool, is too far away at `frame`; nullopt if it is not.
 std::optional<Refused> too_far(const char* what, const Frame& frame, double furthest) {
   const double away = frame.position().stableNorm();
   if (away <= furthest) return std::nullopt;
   std::ostringstream text;
   text << what << " is " << away << " m away, but it can be at most " << furthest
-       << " m away: is its place in millimetres?";
+       << " m away: is its position in millimetres?";
   return Refused{text.str()};
 }
 
@@ -38,8 +39,8 @@ bool has(const std::optional<Choice>& present, const std::optional<Choice>& want
   return !wanted || present == wanted;
 }
 
-/// Returns why the arm does not have the configuration `wanted` on a straight line, on which it
-/// keeps the configuration `present`.
+/// Returns why a straight move cannot end in the configuration `wanted`: the move keeps the
+/// configuration `present`. Returns nullopt if `present` is one that `wanted` admits.
 std::optional<Refused> why_not_straight(const robcl::arm::Configuration& wanted,
                                         const robcl::arm::Configuration& present) {
   if (has(present.shoulder, wanted.shoulder) && has(present.elbow, wanted.elbow) &&
@@ -121,7 +122,8 @@ double ArmDevice::braking_time() const {
   for (const robcl::arm::JointLimits& joint : model_.limits()) {
     longest = std::max(longest, joint.speed / joint.acceleration);
   }
-  // Until the acceleration is 0, and until the set points have come to rest.
+  // With a limit of jerk, a stop takes two windows longer: one until an acceleration at the start
+  // of the stop has fallen to 0, and one until the set points have come to rest.
   return longest + 2 * smoothing_.window;
 }
 

@@ -31,7 +31,8 @@ class ArmDevice {
 
   ArmDevice(const robcl::arm::ArmModel& model, const Settings& settings, JointDriver& driver);
 
-  /// The clock by which `step` must be called: all times and limits of a motion are simulated time.
+  /// The clock of simulated time, by which all times and limits of a motion are meant. `step` must
+  /// be called by this clock.
   LabClock& clock() { return clock_; }
   /// Runs one cycle of the control loop, which lasts `seconds`.
   void step(double seconds) { controller_.step(seconds); }
@@ -54,10 +55,11 @@ class ArmDevice {
   std::uint64_t pose_epoch() const;
   Frame tool_offset() const;                            ///< tool seen from the flange
   double cycle() const { return controller_.cycle(); }  ///< period of the control loop, s
-  /// Returns the time in s in which a stop brings the slowest joint from full speed to rest, or the
-  /// tool on a straight line if that takes longer. The time includes that the arm may still
-  /// accelerate when the stop begins, if there is a limit of jerk. Where a straight line of the
-  /// tool bends the path of the joints, a stop takes longer.
+  /// Returns how long a stop takes, in s: the time in which the slowest joint brakes from full
+  /// speed to rest, or the tool on a straight line if that takes longer. If there is a limit of
+  /// jerk, the arm may still accelerate when the stop begins; the returned time includes this.
+  /// Where the joints move on curves so that the tool moves straight, a stop can take longer than
+  /// the returned time.
   double braking_time() const;
   bool moving() const { return controller_.now().moving; }
   /// Returns the number of control cycles that were missed so far.
@@ -86,7 +88,7 @@ class ArmDevice {
   /// Moves the tool to the frame `world_from_goal` and returns when the arm has arrived there by
   /// its measured joint positions. A joint move ends in a configuration that `wanted` admits.
   /// Without `wanted`, and on a straight line, the arm keeps its configuration; a straight move to
-  /// another configuration is Refused. With `goes_over`, see ArmMotion::Request.
+  /// another configuration is Refused. ArmMotion::Request explains `goes_over`.
   tl::expected<void, MoveFailure> move(
       const Frame& world_from_goal, PathKind path, const robcl::motion::Pace& pace,
       MotionWatcher& watcher, const std::optional<robcl::arm::Configuration>& wanted = std::nullopt,
@@ -98,10 +100,11 @@ class ArmDevice {
                                               const robcl::motion::Pace& pace,
                                               MotionWatcher& watcher, bool goes_over = false);
 
-  /// Moves the tool by the corrections of `source`, until the motion fails: with Interrupted when
-  /// `watcher` interrupts it, or with CorrectionsStopped. Speeds and accelerations in `limits` that
-  /// the arm cannot reach are lowered to the limits of the arm. If the control loop stalls, it may
-  /// use `source` after this function has returned.
+  /// Moves the tool by the corrections of `source`. The motion ends only with a failure:
+  /// Interrupted when `watcher` interrupts it, CorrectionsStopped when corrections stop, or another
+  /// one. Speeds and accelerations in `limits` that the arm cannot reach are lowered to the limits
+  /// of the arm. If the control loop stalls, the loop may still use `source` after this function
+  /// has returned.
   tl::expected<void, MoveFailure> follow(robcl::motion::CorrectionAxes axes,
                                          robcl::motion::FollowLimits limits,
                                          std::shared_ptr<robcl::motion::CorrectionSource> source,

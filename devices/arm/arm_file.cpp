@@ -55,11 +55,11 @@ struct Key {
   const char* wanted;  ///< what the value must be, for errors
 };
 
-/// A table of a TOML file. Reads the values of its keys, and throws an ArmFileError, which stays in
-/// this source, at the first value that is not as it must be.
+/// A table of a TOML file. Reads the values of its keys. At the first wrong value, throws an
+/// ArmFileError, which `parse_arm` catches and returns.
 class Table {
  public:
-  /// `prefix`: what stands before the keys in errors, for example "tool.".
+  /// `prefix` stands before the names of the keys in error texts, for example "tool.".
   Table(const toml::table& table, std::string file, std::string prefix)
       : table_(table), file_(std::move(file)), prefix_(std::move(prefix)) {}
 
@@ -225,7 +225,8 @@ ArmModel model_of(const Table& table, const ReadUrdf& read_urdf) {
   return model->with_seconds_to_full_speed(seconds);
 }
 
-/// Without the key, there is no limit of jerk.
+/// Returns the value of the key seconds_to_full_acceleration. Without this key, returns 0: there is
+/// no limit of jerk.
 double rise_of(const Table& table) {
   if (!table.has(seconds_to_full_acceleration)) return 0;
   const double seconds = table.positive(seconds_to_full_acceleration);

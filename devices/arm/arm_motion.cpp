@@ -13,11 +13,11 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto beat = 5ms;  // period at which a running motion is looked at
-// A motion stays as it is for so many cycles of the control loop, and for the real time in s in
-// which the next moves are planned, so that the control loop learns of them before they begin.
-// Planning takes longer for each move that has not ended.
+// A new plan may change the motion only later than `cycles_ahead` cycles of the control loop plus
+// the real time in s that planning takes, so that the control loop gets the plan in time. Planning
+// takes `time_to_plan`, and `time_to_plan_each` more for each move that has not ended.
 constexpr double cycles_ahead = 2, time_to_plan = 0.008, time_to_plan_each = 0.0001;
-// The arm can go over into so many moves, because each keeps a thread of the server.
+// The greatest number of moves that run or wait. Each of them keeps a thread of the server.
 constexpr std::size_t most_links = 64;
 
 DriverFault stalled_loop() {
@@ -84,7 +84,8 @@ ArmMotion::Result ArmMotion::reset_drives(MotionWatcher& watcher) {
   return while_claimed([this] { controller_.reset_drives(); }, watcher);
 }
 
-/// Reserves the arm for what `start` gives to the control loop, and waits for its outcome.
+/// Reserves the arm, calls `start`, which hands a motion or a reset to the control loop, and waits
+/// for the outcome.
 ArmMotion::Result ArmMotion::while_claimed(const std::function<void()>& start,
                                            MotionWatcher& watcher) {
   {
@@ -152,8 +153,8 @@ ArmMotion::Result ArmMotion::await(Lock& lock, Link& link) {
   return *std::move(link.result);
 }
 
-/// Returns whether the thread of `link` makes the next plan. That is the thread of the first move
-/// that waits, so that the thread of the first link can stop the arm meanwhile.
+/// Returns whether the thread of `link` must make the next plan. The thread of the first waiting
+/// move makes it, so that the thread of the first link can stop the arm meanwhile.
 bool ArmMotion::is_to_plan(const Link& link) const {
   if (link.part != Part::Waiting || plan_made_) return false;
   return *std::ranges::find(links_, Part::Waiting, &Link::part) == &link;
@@ -164,8 +165,8 @@ void ArmMotion::watch(Lock&) {
   std::optional<ArmController::Outcome> ended;
   OutcomeWatch& outcome = *outcome_;
   MotionWatcher& own = links_.front()->watcher;
-  // Another thread may hold the mutex for a long time, to make the next moves. Meanwhile the arm
-  // can be stopped.
+  // Another thread may hold the mutex for a long time while it plans the next moves. This thread
+  // must be able to stop the arm meanwhile.
   mutex_.unlock();
   while (true) {
     ended = outcome.look();
@@ -186,7 +187,8 @@ void ArmMotion::watch(Lock&) {
   }
 }
 
-/// Other threads know the link by its address: an exception must not leave it behind.
+/// Returns an exception as a refusal. An exception must not leave `move`, because other threads
+/// would keep the address of `link`, which would no longer exist.
 std::optional<MoveFailure> ArmMotion::plan(Link& link) {
   try {
     return begin_or_follow(link);
@@ -221,9 +223,9 @@ std::optional<MoveFailure> ArmMotion::begin(Link& link) {
   return std::nullopt;
 }
 
-/// Lets the motion go over into the moves that wait, as far as it can. One plan for all takes about
-/// as long as a plan for one, which can be longer than a short move: so there is at most one for
-/// each look at the motion.
+/// Lets the motion go over into as many of the waiting moves as possible. One plan for all of them
+/// takes about as long as a plan for one of them, and may take longer than a short move lasts.
+/// Therefore at most one plan is made between two looks at the motion.
 void ArmMotion::join_waiting() {
   plan_made_ = true;
   try {
@@ -241,8 +243,8 @@ void ArmMotion::join_waiting() {
   set_times();
 }
 
-/// Lets the motion go over into the waiting moves of `links`, up to the first one into which it
-/// cannot. Returns whether it can go over into all of them.
+/// Lets the motion go over into the waiting moves of `links`, up to the first move for which this
+/// is impossible. Returns whether the motion can go over into all of them.
 bool ArmMotion::join(std::span<Link* const> links) {
   if (go_over_into(links)) return true;
   const std::size_t half = links.size() / 2;
@@ -287,7 +289,8 @@ void ArmMotion::note_corner(const Link& next, const Corner& corner) {
   }
 }
 
-/// Sets the times of the planned moves. Those of corners that the chain has left behind stay.
+/// Sets the times at which the planned moves begin and end. Times at corners before the path of the
+/// chain's present plan remain unchanged.
 void ArmMotion::set_times() {
   const Link* before = nullptr;
   for (Link* const link : links_) {
@@ -357,8 +360,8 @@ void ArmMotion::end_motion(const ArmController::Outcome& outcome) {
   go_on_from_rest();
 }
 
-/// Makes the moves that have not ended: the arm stands before them because it could not go over
-/// into them, or was stopped for others.
+/// Plans the remaining moves from rest. The arm stopped before them because it could not go over
+/// into them, or because another move was interrupted.
 void ArmMotion::go_on_from_rest() {
   const std::deque<Link*> left = std::exchange(links_, {});
   for (Link* const link : left) {

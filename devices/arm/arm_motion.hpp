@@ -83,11 +83,11 @@ class ArmMotion {
  private:
   using Corner = robcl::motion::MoveChain::Corner;
 
-  /// How a move belongs to the motion: not at all, because the arm must stop first; in the next
-  /// plan; or already.
+  /// Whether a move belongs to the motion. None: no, because the arm must stop first. Waiting: the
+  /// next plan will contain the move. Joined: yes.
   enum class Part : std::uint8_t { None, Waiting, Joined };
 
-  /// A move that has not ended, on the stack of the thread that waits for it.
+  /// A move that has not ended. The object is on the stack of the thread that waits for the move.
   struct Link {
     const Request& request;
     MotionWatcher& watcher;

@@ -51,7 +51,8 @@ CommandLine read_line(const ArmProgram& program, const ArmDescription& arm, int 
           program.files ? "" : operand};
 }
 
-/// Answers a command line that does not begin with the TOML file. Returns the exit status.
+/// Prints the help or an error if the command line does not begin with a TOML file. Returns the
+/// exit status.
 int ask_for_file(const ArmProgram& program, int count, char** words) {
   const std::string of_file = std::string("that of ") + operand;
   const std::string joints =
@@ -109,9 +110,10 @@ class Serving {
     return settings;
   }
 
-  /// Simulated joints need no punctual control loop, so for them a missing real-time priority
-  /// causes no warning. A loop that does not run in real time may need a whole core; it gets no
-  /// real-time priority, so that it does not take the core from other programs.
+  /// Prepares the thread of the control loop. A control loop in real time gets a real-time
+  /// priority. If the system does not permit this, logs a warning, or only information if the
+  /// joints are simulated, because these need no punctual loop. A simulation at another speed gets
+  /// no real-time priority: it may need a whole core, and must not take it from other programs.
   void begin_control() const {
     if (line_.clock() != 1) return;
     if (const auto missing = make_real_time()) {

@@ -25,7 +25,7 @@ class StreamCorrections final : public robcl::motion::CorrectionSource {
   void report(const robcl::motion::FollowState& state) override { state_.write(state); }
 
   robcl::motion::FollowState state() const { return state_.read(); }
-  /// Must be called before the stream ends. The source then returns no more corrections.
+  /// Must be called before the stream is destroyed. Afterwards, `next` returns no corrections.
   void close() { stream_.store(nullptr); }
 
  private:

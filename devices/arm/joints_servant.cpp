@@ -25,7 +25,8 @@ Joints on_wire(const JointValues& known) {
   return joints;
 }
 
-/// Returns the error in the joint positions that a caller gave to an arm with `axes` joints.
+/// Returns why a caller's joint positions are invalid for an arm with `axes` joints; nullopt if
+/// they are valid.
 template <typename Positions>
 std::optional<std::string> problem_of(const Positions& given, std::size_t axes) {
   if (given.size() != axes) {

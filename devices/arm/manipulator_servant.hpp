@@ -25,8 +25,9 @@ class ManipulatorServant : public virtual robcl::ManipulatorServant {
 
   /// Sends a sample on each stream of the arm if there is a new measurement, and refuses the
   /// samples of `alter` while no `follow` runs. Only one thread at a time may call this method. The
-  /// control loop calls it after each cycle, so that a sample is as new as possible: it takes only
-  /// locks that others hold briefly, and does not allocate after the first samples.
+  /// control loop calls it after each cycle, so that samples are as new as possible. Therefore the
+  /// method takes only locks that other threads hold briefly, and does not allocate after the first
+  /// samples.
   void publish();
 
  protected:

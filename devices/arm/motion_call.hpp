@@ -30,7 +30,8 @@ class CallWatcher final : public MotionWatcher {
 /// Returns whether the arm may go over into the next motion and need not stand at the goal.
 inline bool goes_over(const robcl::Trajectory& how) { return how.at_goal == robcl::Blend::NOBREAK; }
 robcl::motion::Pace pace_of(const robcl::Trajectory& how);
-/// Returns the configuration in which the move must end; nullopt: the present one.
+/// Returns the configuration in which the move must end; nullopt if the arm must keep its present
+/// configuration.
 std::optional<robcl::arm::Configuration> configuration_of(const robcl::Trajectory& how);
 robcl::arm::Configuration from_wire(const robcl::Configuration& asked);
 robcl::Configuration on_wire(const robcl::arm::Configuration& known);

@@ -28,8 +28,8 @@ class NextConfiguration {
   }
 
  private:
-  // The number of sessions that are remembered. Sessions that set a configuration and never move
-  // are forgotten, the oldest first.
+  // The greatest number of sessions whose configuration is kept. If there are more sessions, the
+  // oldest configuration is forgotten: its session may never move.
   static constexpr std::size_t most_sessions = 64;
 
   std::optional<robcl::arm::Configuration> take_held(std::uint64_t session) GECOS_REQUIRES(mutex_) {

@@ -13,7 +13,8 @@ using namespace std::chrono_literals;
 constexpr auto beat = 10ms;              // period at which the jaws are polled
 constexpr auto world_takes_notice = 2s;  // longest delay until the world shows a held body
 
-/// `Exception` is robcl::WidthOutOfRange or robcl::ForceOutOfRange.
+/// Makes the exception `Exception`, robcl::WidthOutOfRange or robcl::ForceOutOfRange, from
+/// `refused`.
 template <class Exception>
 gecos::Fault fault(const SimulatedGripper::OutOfRange& refused) {
   return Exception{refused.value, refused.lower, refused.upper};

@@ -22,7 +22,7 @@ std::optional<double> as_number(const std::string& text) {
 Option clock_option() {
   const char* const of_laboratory = std::getenv("ROBCL_CLOCK");
   return {"clock", of_laboratory == nullptr ? "1" : of_laboratory,
-          "simulated seconds in a second; the default is ROBCL_CLOCK, if set"};
+          "simulated seconds per second of real time; default: ROBCL_CLOCK, if set"};
 }
 
 }  // namespace

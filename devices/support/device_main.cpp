@@ -17,7 +17,8 @@ gecos::Duration real_period(const Beat& beat, double clock) {
   return std::clamp(real, std::min(Beat::shortest, beat.period), beat.period);
 }
 
-/// Returns the line that says that the device is ready, and that it is not in real time.
+/// Returns the line that says that the device is ready and, for a LabClock with another speed than
+/// 1, how fast its simulated time is.
 std::string ready_line(const Served& how) {
   char clock[80] = "";
   if (how.clock != 1) {

@@ -13,8 +13,9 @@ namespace devices {
 /// Periodic work of a device: it publishes, and connects to other objects. While the device is
 /// served, the work runs on a separate thread.
 struct Beat {
-  /// Simulated time. In real time, the period is from `shortest`, which is enough for any reader,
-  /// to the same number of seconds.
+  /// The period in simulated time, as `LabClock` counts it. In real time, the period is never
+  /// longer than this number of seconds, nor shorter than `shortest`, which is enough for any
+  /// reader.
   gecos::Duration period;
   std::function<void()> work;
   static constexpr gecos::Duration shortest = std::chrono::milliseconds(1);

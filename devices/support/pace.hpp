@@ -8,9 +8,9 @@ namespace devices {
 /// rules for late cycles:
 ///
 /// In real time, at speed 1, a late cycle does not delay the following cycles: missed cycles are
-/// skipped, and the next cycle gets their number. At any other speed no cycle is skipped. A device
-/// that is late begins its next cycles without a pause until it has caught up. If it is late by
-/// `most_behind`, simulated time passes more slowly than requested.
+/// skipped, and the next cycle simulates their time too. At any other speed no cycle is skipped. A
+/// device that is late begins its next cycles without a pause until it has caught up. If it is late
+/// by `most_behind`, simulated time passes more slowly than requested.
 class Pace {
  public:
   static constexpr gecos::Duration most_behind = std::chrono::milliseconds(20);

@@ -30,7 +30,7 @@ GripperWatch::GripperWatch(gecos::Lab& lab, SimulatedWorld& world, std::string g
 void GripperWatch::tick() {
   carrier_.tick();
   jaws_.tick();
-  // While there is no sample, the gripper still holds its body.
+  // Without a sample of the jaws, the gripper is assumed to hold the same body as before.
   if (const auto jaws = jaws_.latest()) see(jaws->value);
   carry();
 }

@@ -12,7 +12,7 @@
 namespace devices {
 namespace {
 
-/// Without letters and digits that look alike.
+/// The characters of the codes for check-ins. Letters and digits that look alike are left out.
 constexpr std::string_view code_letters = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789";
 constexpr std::size_t code_length = 6;
 
@@ -30,7 +30,7 @@ gecos::Result<void> rejected(std::string why) {
   return tl::unexpected(gecos::Fault::rejected(std::move(why)));
 }
 
-/// A number that rises from each start of this program to the next.
+/// Returns a number that is higher at each start of this program than at the start before.
 std::uint64_t spells_before() { return static_cast<std::uint64_t>(gecos::unix_now_ns()); }
 
 }  // namespace

@@ -22,12 +22,12 @@ class ZoneServant final : public gecos::ZoneServant {
 
   /// Publishes whether a person is present. Must be called at least ten times a second.
   void publish();
-  /// Reports that these sources are good, doors closed and buttons held: a simulation of the
-  /// sources.
+  /// Simulates the sources `sources`: reports the doors among them as closed and the buttons as
+  /// held.
   void simulate(const std::vector<std::string>& sources);
 
  private:
-  /// Refuses the reports of programs that may not report for the source.
+  /// Refuses a report of a door or button if the calling program may not report for it.
   bool gecos_answer(gecos::IncomingCall& call) override;
   gecos::Result<gecos::ZonePresence> presence() override;
   gecos::Result<void> show_code() override;

@@ -29,14 +29,15 @@ TEST(CommandLine, WhatIsNotGivenHasItsStandardValue) {
 TEST(CommandLine, HelpNamesEveryOptionWithItsStandardValueAndEndsWell) {
   ::testing::internal::CaptureStdout();
   EXPECT_EQ(started_with({"--help"}).exit_status(), 0);
-  EXPECT_EQ(::testing::internal::GetCapturedStdout(),
-            "usage: robcl-belt [--WORD VALUE]...\n"
-            "Serves a belt.\n"
-            "  --name              name to register (BELT)\n"
-            "  --speed             m/s (0.5)\n"
-            "  --clock             simulated seconds in a second; the default is ROBCL_CLOCK, if "
-            "set (1)\n"
-            "Prints one line when it is ready and ends on SIGINT or SIGTERM.\n");
+  EXPECT_EQ(
+      ::testing::internal::GetCapturedStdout(),
+      "usage: robcl-belt [--WORD VALUE]...\n"
+      "Serves a belt.\n"
+      "  --name              name to register (BELT)\n"
+      "  --speed             m/s (0.5)\n"
+      "  --clock             simulated seconds per second of real time; default: ROBCL_CLOCK, "
+      "if set (1)\n"
+      "Prints one line when it is ready and ends on SIGINT or SIGTERM.\n");
 }
 
 TEST(CommandLine, TheUsageHasTheArgumentThatTheProgramReadsItself) {
@@ -45,13 +46,14 @@ TEST(CommandLine, TheUsageHasTheArgumentThatTheProgramReadsItself) {
   EXPECT_FALSE(line.exit_status().has_value());
   line.refuse("the file is missing");
   EXPECT_EQ(line.exit_status(), 2);
-  EXPECT_EQ(::testing::internal::GetCapturedStderr(),
-            "robcl-belt: the file is missing\n"
-            "usage: robcl-belt BELT.toml [--WORD VALUE]...\n"
-            "Serves a belt.\n"
-            "  --clock             simulated seconds in a second; the default is ROBCL_CLOCK, if "
-            "set (1)\n"
-            "Prints one line when it is ready and ends on SIGINT or SIGTERM.\n");
+  EXPECT_EQ(
+      ::testing::internal::GetCapturedStderr(),
+      "robcl-belt: the file is missing\n"
+      "usage: robcl-belt BELT.toml [--WORD VALUE]...\n"
+      "Serves a belt.\n"
+      "  --clock             simulated seconds per second of real time; default: ROBCL_CLOCK, "
+      "if set (1)\n"
+      "Prints one line when it is ready and ends on SIGINT or SIGTERM.\n");
 }
 
 TEST(CommandLine, SaysWhatIsWrongWithAWordBeforeTheUsage) {

@@ -236,7 +236,8 @@ TEST_P(RandomMoves, KeepTheConfigurationOrSayWhichOneCouldReachTheGoal) {
     ASSERT_TRUE(any) << "random() is one";
     const auto other = planner_.configuration(any->goal());
     std::ostringstream words;
-    words << "only in another configuration such as " << other << ": ask for it, or for any";
+    words << "only in another configuration such as " << other
+          << "; request that configuration, or any";
     const std::string why = to_string(planner_.joints_to(from, goal, {}, {}).error());
     ASSERT_NE(why.find(words.str()), std::string::npos) << why;
     const auto asked = planner_.joints_to(from, goal, {}, {}, other);

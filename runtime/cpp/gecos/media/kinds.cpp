@@ -28,9 +28,9 @@ const Registration& registration_of(Kind kind) {
   return *all.at(static_cast<std::size_t>(kind));
 }
 
-/// Returns the part of a host identity that identifies the machine. The result is empty for a text
-/// of another form: a boot id has no spaces, but the reason that an older program sends in place of
-/// its identity has.
+/// Returns the part of a host identity that identifies the machine: the boot id. Returns an empty
+/// text if `identity` has no boot id. This also holds for a text with spaces before the '/',
+/// because an older program sends an error text in place of its identity.
 std::string_view boot_of(std::string_view identity) {
   const std::string_view boot = identity.substr(0, identity.find('/'));
   return boot.size() == identity.size() || boot.find(' ') != boot.npos ? std::string_view() : boot;

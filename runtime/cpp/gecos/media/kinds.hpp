@@ -61,8 +61,8 @@ std::string runtime_directory();
 std::string host_identity();
 
 /// Returns whether this program can reach a server with the host identity `identity` over shm
-/// although the server runs as another user. This is so for a server on this host whose runtime
-/// directory is open to all users.
+/// although the server runs as another user. The server must be on this host, and its runtime
+/// directory must be open to all users.
 bool open_to_this_user(std::string_view identity);
 
 /// Returns whether programs with these host identities can reach each other over shm, because they

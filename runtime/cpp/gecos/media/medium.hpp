@@ -52,8 +52,8 @@ struct Capabilities {
   bool reports_death = true;  ///< the kernel reports the death of the peer
   bool authenticated = true;  ///< the identity of the peer's user is proved
   bool overheard = false;     ///< other programs can receive packets: packets must be sealed
-  /// True if a client notices only by silence that no server is running. An acceptor then receives
-  /// the packets for its connections.
+  /// True if a connection consists only of the packets that its ends exchange: only silence tells a
+  /// client that no server is running, and an acceptor receives the packets for its connections.
   bool connectionless = false;
   bool shared_words = false;       ///< write_word() and peer_word() work
   std::size_t largest_packet = 0;  ///< in bytes
@@ -119,7 +119,7 @@ class StreamWriter {
   /// Makes all later samples unreadable for peers with whom the stream is no longer shared. The
   /// other peers continue to read, with the same sequence numbers; they may lose samples until the
   /// next heartbeat. Throws a std::exception when no memory or no descriptor is left. Does nothing
-  /// where readers and writer are one process.
+  /// if the readers and the writer are in one process.
   virtual void move_on() {}
 };
 
@@ -128,7 +128,8 @@ class StreamWriter {
 class OpenChannel {
  public:
   virtual ~OpenChannel() = default;
-  /// Sends `message` once, to nobody in particular. The only possible error is TooLarge.
+  /// Sends `message` once, to everybody who listens to the channel. The only possible error is
+  /// TooLarge.
   virtual tl::expected<void, SendProblem> publish(ByteView message) = 0;
 };
 
@@ -240,8 +241,8 @@ class Connection {
   virtual std::string loss_text() const = 0;
 
   /// Returns why the medium would no longer admit this peer, for example because its key was
-  /// removed. Returns an empty text while the medium would admit the peer. Reads files, so it must
-  /// not be called on the path of a call. Any thread may call this function.
+  /// removed. Returns an empty text while the medium would admit the peer. Reads files, which is
+  /// too slow for code that processes calls. Any thread may call this function.
   virtual std::string revoked() { return {}; }
 
   /// Makes a stream for this peer alone, for example for samples from a client to its server. Use
@@ -283,9 +284,9 @@ class Acceptor {
   virtual const std::string& address() const = 0;
   /// Sets the function that decides about clients of other users; the kernel or a key names the
   /// user. A refused client gets no connection, but Loss::Refused with the reason. On shm, clients
-  /// of root and of the server's own user are always admitted, and without such a function no
-  /// others. On lcm, every admitted key may connect without such a function. Call this before the
-  /// first accept(). Does nothing on inproc.
+  /// of root and of the server's own user are always admitted; without such a function, all other
+  /// clients are refused. On lcm, every admitted key may connect without such a function. Call this
+  /// before the first accept(). Does nothing on inproc.
   virtual void admit_by(AdmitPeer) {}
   /// Returns the connection to the next client that has connected, or null when there is none.
   virtual std::unique_ptr<Connection> accept() = 0;

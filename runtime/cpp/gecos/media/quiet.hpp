@@ -12,8 +12,8 @@ namespace gecos::media {
 class QuietSender {
  public:
   /// Sends a packet like Connection::send, but without waking a sleeping peer. The peer reads the
-  /// packet at its next poll, before any packet that wakes it. The thread that calls
-  /// Connection::send must call this function. A packet that is stored outside the ring, and a
+  /// packet at its next poll, before any packet that wakes it. Only the thread that calls
+  /// Connection::send may call this function. A packet that is stored outside the ring, and a
   /// packet after which less than half of the ring is free, wake the peer nevertheless. So quiet
   /// packets do not fill the ring while the peer sleeps.
   virtual tl::expected<std::uint64_t, SendProblem> send_quietly(ByteView head, ByteView body) = 0;

@@ -16,7 +16,8 @@ namespace robcl::arm {
 /// control cycle has time for several poses with their Jacobian matrices.
 class Kinematics {
  public:
-  /// `flange_from_tip`: the tip of the arm, whose Jacobian matrix is wanted; for example a tool.
+  /// `flange_from_tip` is the pose, seen from the flange, of the tip whose Jacobian matrix is
+  /// wanted; for example a tool.
   explicit Kinematics(const ArmModel& model, const Frame& flange_from_tip = {});
 
   /// Returns the pose of the flange at the joint positions `joints`. @pre `joints` has one position

@@ -25,7 +25,7 @@ DampedInverse::DampedInverse(const Jacobian& jacobian)
   root_.compute(square_);
 }
 
-/// The least of the pivots of a symmetric matrix is at least its least eigenvalue.
+/// Estimates the least eigenvalue by the least pivot of the decomposition, which is never below it.
 double DampedInverse::singularity_distance() const {
   return std::sqrt(std::max(square_.ldlt().vectorD().minCoeff() - damping, 0.0));
 }

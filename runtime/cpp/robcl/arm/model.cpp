@@ -16,7 +16,8 @@ namespace robcl::arm {
 namespace {
 
 constexpr double furthest = 1000;  // m, between two joints
-// A URDF has fewer than ten levels. The parser crashes at some ten thousand.
+// The elements of a URDF have fewer than ten levels. The URDF parser crashes at some ten thousand
+// levels.
 constexpr std::size_t most_levels = 100;
 
 KDL::Vector to_kdl(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
@@ -68,7 +69,8 @@ std::vector<urdf::JointConstSharedPtr> joints_between(const urdf::ModelInterface
   return joints;
 }
 
-// In rad. Beyond it, the steps of a motion are lost in the rounding of its positions.
+// The greatest angle of a joint, in rad. At greater angles, rounding errors of the joint positions
+// hide the small steps of a motion from one cycle to the next.
 constexpr double furthest_turned = 1e6;
 
 tl::expected<JointLimits, ModelError> limits_of(const urdf::Joint& joint,

@@ -7,14 +7,15 @@ namespace {
 
 constexpr auto nowhere = std::string_view::npos;
 
-/// Markup that is no element, from its first characters to its last.
+/// Markup that is not an element, such as a comment: the characters with which it begins and ends.
 struct Other {
   std::string_view begin, end;
 };
 constexpr std::array<Other, 4> others{
     {{"<!--", "-->"}, {"<![CDATA[", "]]>"}, {"<?", ">"}, {"<!", ">"}}};
 
-/// Returns the place of the character '>' that ends the tag at `from`: not one inside quotes.
+/// Returns the place of the character '>' that ends the tag at `from`. Ignores each '>' inside
+/// quotes.
 std::size_t end_of_tag(std::string_view xml, std::size_t from) {
   std::size_t at = from;
   while ((at = xml.find_first_of("\"'>", at)) != nowhere && xml[at] != '>') {
@@ -25,7 +26,8 @@ std::size_t end_of_tag(std::string_view xml, std::size_t from) {
   return at;
 }
 
-/// Returns the place after the last character of other markup at `from`; `from` if there is none.
+/// If `from` is the beginning of markup that is not an element, returns the place after the last
+/// character of this markup. Otherwise returns `from`.
 std::size_t after_other(std::string_view xml, std::size_t from) {
   for (const auto& [begin, end] : others) {
     if (xml.substr(from, begin.size()) != begin) continue;

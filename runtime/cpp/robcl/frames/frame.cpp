@@ -14,8 +14,9 @@ constexpr char not_finite[] = "the sum of the coordinates, which must be finite"
 constexpr char no_rotation[] =
     "the length of the orientation's quaternion, which must be 1; without rotation, w is 1";
 
-// If the sine or cosine of half the middle Euler angle is smaller than this (ZYX: of half the angle
-// plus 45 degrees), the angles a and c turn about the same axis. Then c is set to 0.
+// If sin(b/2) or cos(b/2) of the middle ZYZ Euler angle b is smaller than this, the angles a and c
+// turn about the same axis. Then c is set to 0. For ZYX Euler angles, b + 90 degrees takes the
+// place of b.
 constexpr double parallel_axes = 1e-9;
 
 double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }

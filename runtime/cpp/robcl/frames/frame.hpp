@@ -65,7 +65,8 @@ Eigen::Vector3d rotation_vector(Eigen::Quaterniond turn);
 /// system. The type is a value type of 56 bytes with the alignment of a double. A quaternion and
 /// its negative are the same orientation, but `==` returns false for them.
 ///
-/// It has more methods than other classes: a pair for each representation of a rotation.
+/// The class has more methods than other classes, because each representation of a rotation needs
+/// one to make a frame and one to read it.
 class Frame {
  public:
   /// The length of a quaternion, or of a column of a rotation matrix, may differ from 1 by this
@@ -83,12 +84,12 @@ class Frame {
   static Frame from_euler_zyz(double x, double y, double z, double a, double b, double c);
   static Frame from_euler_zyx(double x, double y, double z, double a, double b, double c);
   static Frame from_fixed_xyz(double x, double y, double z, double rx, double ry, double rz);
-  /// A rotation about `axis`, of any length but 0, by `angle`.
+  /// The orientation is the rotation by `angle` about `axis`, a vector of any length but 0.
   static Frame from_axis_angle(double x, double y, double z, const Eigen::Vector3d& axis,
                                double angle);
   static Frame from_quaternion(double x, double y, double z, double qw, double qx, double qy,
                                double qz);
-  /// The first component of the quaternion that is not 0 is positive.
+  /// In the quaternion of the new frame, the first component that is not 0 is positive.
   static Frame from_matrix(const Eigen::Matrix4d& matrix);
 
   double x() const { return position_.x(); }

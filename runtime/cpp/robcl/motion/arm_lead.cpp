@@ -9,8 +9,8 @@ namespace robcl::motion {
 namespace {
 
 // The lead chooses the speed of the tool so that each joint uses at most these shares of its
-// limits: of its speed and of its acceleration when the tool changes its speed, and of its
-// acceleration in a bend that the tool passes at constant speed.
+// limits: `speed_share` of its speed; `change_share` of its acceleration, when the tool changes its
+// speed; `bend_share` of its acceleration, in a bend that the tool passes at constant speed.
 constexpr double speed_share = 0.95, change_share = 0.6, bend_share = 0.35;
 // The greatest factor by which the lead slows the tool. At a singularity no speed is low enough for
 // the joints, and JointLimiter limits them.
@@ -67,7 +67,8 @@ Hold ArmLead::move(const std::optional<Frame>& target, double share, const Joint
   return hold.value_or(Hold{});
 }
 
-/// Returns why the lead must not move on; nullopt if it has moved.
+/// Moves the lead for one cycle towards `target`, if the lead may move on. Returns nullopt if it
+/// has moved, otherwise the reason why not.
 std::optional<Hold> ArmLead::try_towards(const Frame& target, const ToolLimits& limits,
                                          double cycle) {
   const ToolLead next = lead_.towards(target, limits, cycle);
@@ -78,9 +79,9 @@ std::optional<Hold> ArmLead::try_towards(const Frame& target, const ToolLimits& 
   return std::nullopt;
 }
 
-/// Returns why the lead could not brake to a place where the arm may stand; nullopt if it could. At
-/// that place the limits of the tool may be lower than here, and then the lead needs more distance
-/// to brake.
+/// Returns why the lead could not brake from `lead` to a place where the arm may stand; nullopt if
+/// it could. If the limits of the tool are lower at that place, the lead needs more distance to
+/// brake. This function then also checks the place that is further away.
 std::optional<Hold> ArmLead::why_not_stop(const ToolLead& lead, const Solution& at,
                                           const Frame& target, const ToolLimits& limits,
                                           double cycle) const {
@@ -107,7 +108,8 @@ std::optional<Hold> ArmLead::why_not_stand(const std::optional<Solution>& there)
 void ArmLead::brake(const ToolLimits& limits, const JointLimiter& followers, double cycle) {
   const ToolLead next = lead_.braking(limits, cycle);
   const auto there = inverse_.solve(next.pose, at_);
-  // In a bend, the joints may need a longer distance to brake than the tool.
+  // In a bend, the joints may need a longer distance to brake than the tool. The lead then jumps to
+  // the place where the joints come to rest soonest.
   if (!there || arm::first_outside(model_, there->joints)) return put_at(followers.stop(cycle));
   accept(next, *there, cycle);
 }
@@ -145,9 +147,9 @@ ToolLimits ArmLead::limits_at(const arm::DampedInverse& inverse, const ToolLead&
           .turn_acceleration = limits_.turn_acceleration / softer};
 }
 
-/// Returns the factor by which the lead is too fast for the bends in the paths of the joints. At a
-/// constant speed of the tool, the joints accelerate in a bend, and this acceleration rises with
-/// the square of the speed.
+/// Returns the factor by which the speed of the lead is too high for the bends in the paths of the
+/// joints. At a constant speed of the tool, the joints accelerate in a bend, and this acceleration
+/// rises with the square of the speed.
 double ArmLead::bend_excess() const {
   const JointValues bend = change_.accelerations - at_.inverse.joint_speeds(change_.acceleration);
   double excess = 0;

@@ -58,8 +58,8 @@ void PathBounds::restrict(Interval& interval, const Acceleration& acceleration, 
                           double limit) {
   const auto [per_u, per_x] = acceleration;
   if (std::abs(per_u) <= negligible) {
-    // The limit depends on x only. If x exceeds it, no u is allowed: the interval becomes empty by
-    // the excess.
+    // The limit depends on x only. If x exceeds the limit, no u is allowed: the lower end of the
+    // interval is set above its upper end, by the excess.
     const double excess = std::abs(per_x) * x - limit;
     if (excess > 0) interval = {excess, 0, std::abs(per_x), 0};
     return;
@@ -179,8 +179,8 @@ double PathBounds::excess(std::size_t knot, double x, double u) const {
       const double speed = std::sqrt(x + place * (after - x));
       return std::abs(slope(knot, axis, place)) * speed / fastest;
     };
-    // For nearly all intervals, the coefficients for the whole interval show that nothing exceeds
-    // its limit.
+    // For nearly all intervals, this check of the whole interval shows that the joint keeps its
+    // limits, so that the pieces of the interval need no check.
     const double bend = std::abs(here.curvature[axis]) + std::abs(here.change[axis]);
     const double steepest = std::abs(here.slope[axis]) + step(knot) * bend;
     if (slowed(between(knot, axis, 0, 1, 0)) <= 1 && slowed(acceleration(knot, axis, 0, 0)) <= 1 &&

@@ -5,8 +5,8 @@
 
 namespace robcl::motion {
 
-/// The greatest (ds/dt)² that a motion may have along a path; linear in s between two knots. The
-/// vectors must exist as long as the new object.
+/// The greatest (ds/dt)² that a motion may have at each place of a path. It is linear in s between
+/// two knots. The vectors that the constructor gets must exist as long as the new object.
 class Ceiling {
  public:
   /// `places` has s at each knot of a path, and `squares` has (ds/dt)² at each knot. The ceiling is
@@ -28,7 +28,8 @@ class Ceiling {
     double hold = 0;
     bool whole = false;  ///< each value is held up to the next knot, even after its time
   };
-  /// Returns whether the motion stays below the ceiling. When the motion stops, the check ends.
+  /// Returns whether the motion stays below the ceiling. If the motion stops, the rest of `course`
+  /// is not checked.
   bool admits(State state, const Course& course) const;
 
  private:

@@ -31,8 +31,8 @@ class JointLimiter {
   const JointValues& joints() const { return joints_; }
   /// Returns whether all joints are at the target.
   bool at_target() const { return joints_ == target_; }
-  /// Returns whether each joint is at the target, except for the distance that its acceleration
-  /// causes in one cycle.
+  /// Returns whether each joint is near the target: at most as far away as full acceleration
+  /// changes its position in one cycle.
   bool near_target(double cycle) const;
   bool at_rest() const { return speeds_.isZero(0); }
 

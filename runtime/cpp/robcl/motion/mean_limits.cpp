@@ -9,12 +9,13 @@ namespace {
 // The greatest reduction of a limit, as a fraction of the limit. In the sharpest corners of short
 // moves, a reduction by less than 0.7 was not enough.
 constexpr double most_reduced = 0.8;
-// A motion may leave its time law at any time, for example to brake. Then the window contains parts
-// of two motions, and the mean is taken over both.
+// The part of the limits of acceleration that a time law must not use. A motion may leave its time
+// law at any time, for example to brake. Then the window contains parts of two motions, and the
+// mean over both parts can be greater.
 constexpr double reserve = 0.014;  // of the limits of acceleration
 constexpr int samples = 30;        // in a window
-// The maximum number of samples for a motion that takes minutes or days. A motion that is so slow
-// changes little within a window.
+// The maximum number of samples of a motion. It is reached by motions that take minutes or days.
+// Such a slow motion changes little within a window, so the samples may be further apart.
 constexpr int most_samples = 20'000;
 
 /// The bend of a path: the second and third derivative of a joint, divided by the joint's limit of
@@ -49,7 +50,8 @@ std::vector<Bend> bends_of(const Path& path, const arm::ArmModel& model) {
   return bends;
 }
 
-/// The mean of the last places of a time law, over a window of time.
+/// The smoothed motion: at each time, the mean of the places s that a time law has in the window
+/// that ends at this time.
 class MeanMotion {
  public:
   MeanMotion(const TimeLaw& law, double window) : law_(law), window_(window), integrals_{0} {
@@ -58,7 +60,8 @@ class MeanMotion {
     }
   }
 
-  /// Returns the state of the mean at the end of the window that ends at `time`.
+  /// Returns the state of the smoothed motion at `time`: the means of s, ds/dt and d²s/dt² in the
+  /// window that ends at `time`.
   TimeLaw::State at(double time) const {
     const TimeLaw::State begin = law_.at(time - window_), end = law_.at(time);
     return {(integral(time) - integral(time - window_)) / window_, (end.s - begin.s) / window_,
@@ -86,7 +89,7 @@ class MeanMotion {
   std::vector<double> integrals_;  // of s, up to each knot
 };
 
-/// Judges the mean of a motion by the limits of the joints, at the places of a path.
+/// Computes by how much the states of a smoothed motion exceed the limits of the joints.
 class MeanJudge {
  public:
   MeanJudge(const Path& path, const arm::ArmModel& model, const std::vector<IntervalLimits>& limits)
@@ -98,8 +101,8 @@ class MeanJudge {
     return excess(here, std::clamp(part, 0.0, 1.0), mean);
   }
 
-  /// Returns the greatest excess at the knots that a motion passes on its way from the state `from`
-  /// to the state `to`: a corner may be so short that it lies between these two.
+  /// Returns the greatest excess at the knots between the states `from` and `to` of a motion. A
+  /// corner can be so short that it lies between these two states.
   double excess_at_knots(const TimeLaw::State& from, const TimeLaw::State& to) const {
     double factor = 0;
     for (std::size_t i = path_.interval_at(from.s) + 1; i < path_.intervals(); ++i) {
@@ -113,8 +116,9 @@ class MeanJudge {
   }
 
  private:
-  /// Returns the factor by which a motion with this state, at the fraction `part` of the interval
-  /// `here`, must be slowed; 1 or less if it keeps the limits of the joints.
+  /// Returns the factor by which a motion must be slowed if it has the state `state` at the
+  /// fraction `part` of the interval `here`. The factor is 1 or less if the motion keeps the limits
+  /// of the joints.
   double excess(std::size_t here, double part, const TimeLaw::State& state) const {
     const auto [slope, curvature] = path_.derivatives(here, part);
     double factor = 0;
@@ -177,8 +181,9 @@ std::vector<IntervalLimits> narrowed(const Path& path, const arm::ArmModel& mode
     }
     const double u = bounds.over_interval(i, 0).upper;
     const double change = std::min(smoothing.change(bounds.acceleration_limit(i)), 2 * u);
-    // The greatest excess of the mean of second * (ds/dt)² + first * d²s/dt² over the limit, from
-    // the covariances and variances within a window.
+    // An upper limit of the excess, as a fraction of the limit: by how much the mean acceleration
+    // q''·(ds/dt)² + q'·d²s/dt² of a joint q(s) can exceed the limit. It follows from the variances
+    // and covariances of these factors within a window.
     const double by = reserve +
                       bend.second * (travel * change / 4 + squared(u * smoothing.window) / 12) +
                       bend.third * travel * (travel * u * 5 / 24 + squared(speed) / 6) +

@@ -10,8 +10,8 @@ namespace robcl::motion {
 
 /// Returns the factor by which `law` must be slowed in each interval of `path` so that its mean
 /// keeps the limits of the joints. The factor is 1 where the mean already keeps the limits. The
-/// mean can exceed limits that the time law keeps, because at one place of the path it has speeds
-/// and accelerations that the time law has at other places. `limits` has the limits of each
+/// mean can exceed limits that the time law keeps, because at one place of the path the mean has
+/// speeds and accelerations that the time law has at other places. `limits` has the limits of each
 /// interval. The mean is checked from the time at which `law` is at the knot `from_knot`. @pre
 /// `law` begins at rest, or a window or more before this time.
 std::vector<double> excess_of_mean(const Path& path, const arm::ArmModel& model,

@@ -12,8 +12,8 @@
 
 namespace robcl::motion {
 
-/// The path of one move and its limits. The path parameter s is the nominal time, in s: at ds/dt =
-/// 1, the slowest joint or the tool moves at the full speed of the move.
+/// The path of one move and its limits. The path parameter s is the nominal time in seconds: where
+/// ds/dt is 1, the slowest joint or the tool moves at the full speed of the move.
 struct Move {
   Path path;  ///< s is from 0 to the nominal duration
   Pace pace;
@@ -38,8 +38,8 @@ ToolLimits scaled(const ToolLimits& limits, const Pace& pace);
 
 /// Returns the limits of each interval of `move`, with the limits of the tool `limits`.
 std::vector<IntervalLimits> limits_of(const Move& move, const ToolLimits& limits);
-/// Returns the limits of each interval of `move` for an arm that brakes on the path. These are
-/// limits at full pace.
+/// Returns the limits of each interval of `move` that apply while the arm brakes on the path. They
+/// are the limits of a move at full pace, whatever the pace of `move`.
 std::vector<IntervalLimits> braking_limits_of(const Move& move, const ToolLimits& limits);
 
 }  // namespace robcl::motion

@@ -9,18 +9,20 @@
 namespace robcl::motion {
 namespace {
 
-// Of the acceleration of the joints, in an overlap. With all of it, a stop in a sharp corner
-// exceeded the limits by up to .2 %.
+// In an overlap, a joint may use this share of its limit of acceleration. With the whole limit, a
+// stop in a sharp corner exceeded the limit by up to 0.2 %.
 constexpr double share_in_overlap = 0.994;
 constexpr std::size_t fewest_intervals = 16, most_intervals = 4096;  // of an overlap
 
-/// The distance from the corner, in s, on the path of each of the two moves, at the time `t` after
-/// the corner. The overlap lasts from -half to half.
+/// The overlap of two moves lasts from the nominal time -half to half; the corner is at 0. For the
+/// nominal time `t`, `before_corner` returns a place on the path of the first move, and
+/// `behind_corner` a place on the path of the next move, both as a difference of s from the corner.
+/// The pose of the arm in the overlap is made from the poses at these two places.
 double before_corner(double t, double half) { return -squared(half - t) / (4 * half); }
 double behind_corner(double t, double half) { return squared(half + t) / (4 * half); }
 
-/// The tool on the line of a move, per unit of s: its velocity in the base, and its turn about its
-/// own axes.
+/// The motion of the tool on the line of a move, per unit of s: its velocity, seen from the base,
+/// and its rotation about the tool's own axes.
 struct Twist {
   Eigen::Vector3d way = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();
 };
@@ -36,8 +38,9 @@ Eigen::Quaterniond turned_by(const Eigen::Vector3d& rotation) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(rotation.norm(), rotation.stableNormalized()));
 }
 
-/// Returns d for two moves of these durations. Between two overlaps there is nothing or more than
-/// 1/32 of the move: the curvature of a path of very short intervals is not exact.
+/// Returns d, half the length in s of the overlap of two moves, which have the durations `last` and
+/// `next`. Between two overlaps of a move, d leaves either nothing or at least 1/32 of the move,
+/// because the curvature of a path is not exact in very short intervals.
 double half_overlap(double unhindered, double last, double next) {
   double half = std::min({unhindered, last / 2, next / 2});
   for (const double duration : {last, next}) {
@@ -55,8 +58,8 @@ double furthest_apart(const Move& move) {
   return move.duration() / parts;
 }
 
-/// Returns the least (ds/dt)² that limits the tool of a joint move between two places; infinite if
-/// none does.
+/// Returns the least limit of (ds/dt)² that `move` has for the speed of its tool between the places
+/// `from` and `to`; infinite if it has none.
 double least_cap(const Move& move, double from, double to) {
   double least = infinite;
   for (std::size_t i = 0; i < move.caps.size(); ++i) {
@@ -67,8 +70,8 @@ double least_cap(const Move& move, double from, double to) {
   return least;
 }
 
-/// Returns half the time that the move would need to brake from its full speed: the arm is then
-/// this far from the goal, in s.
+/// Returns how far before its goal, in s, the move must begin to brake from its full speed. At full
+/// speed, ds/dt is 1; therefore this distance in s is half the time that braking takes.
 double braking_way(const Move& move, const arm::ArmModel& model, const ToolLimits& limits) {
   double longest = 0;
   if (move.line) {
@@ -85,17 +88,17 @@ double braking_way(const Move& move, const arm::ArmModel& model, const ToolLimit
   return longest / 2;
 }
 
-/// Returns the time of `move` from rest to rest if nothing but its acceleration limits it.
-/// `braking`: its braking_way.
+/// Returns the least possible duration of `move` from rest to rest, with its nominal speed and
+/// acceleration as the only limits. `braking` is the braking_way of the move.
 double least_time_alone(const Move& move, double braking) {
   const double duration = move.duration();
   const bool reaches_full_speed = duration > 2 * braking;
   return reaches_full_speed ? duration + 2 * braking : 2 * std::sqrt(2 * braking * duration);
 }
 
-/// The limit of the tool in the overlap of two lines, whose velocities differ by `change`. At the
-/// nominal speed, an overlap that is `unhindered` needs exactly the deceleration of the one move
-/// and the acceleration of the other.
+/// Returns the limits of the tool in the overlap of two lines, whose velocities differ by `change`.
+/// If half the overlap is `unhindered` and the motion has the nominal speed, the overlap needs
+/// exactly the deceleration of the one move and the acceleration of the other.
 IntervalLimits::Tool tool_in_overlap(double fastest, double change, double half, double unhindered,
                                      double acceleration) {
   if (fastest <= 0) return {};
@@ -118,8 +121,8 @@ std::optional<double> MoveChain::time_at(double s) const {
   return begins_ + plan_.law.time_at(s);
 }
 
-/// Returns the first knot from the entry of plan_ on that the motion passes at `time` or later;
-/// nullopt if it is behind `last_place`.
+/// Returns the first knot, not before the entry of plan_, that the motion passes at `time` or
+/// later; nullopt if this knot is behind `last_place`.
 std::optional<std::size_t> MoveChain::first_knot_after(double time, double last_place) const {
   for (std::size_t i = plan_.entry; plan_.path.place(i) <= last_place; ++i) {
     if (begins_ + plan_.law.time(i) >= time) return i;
@@ -127,8 +130,8 @@ std::optional<std::size_t> MoveChain::first_knot_after(double time, double last_
   return std::nullopt;
 }
 
-/// Returns the last knot that the motion has passed before the window that ends at `knot`, or the
-/// start of its path.
+/// Returns the last knot that the motion has passed when the window of the smoothing that ends at
+/// `knot` begins. Returns 0, the start of the path, if there is no such knot.
 std::size_t MoveChain::first_in_window_before(std::size_t knot) const {
   const double begin = plan_.law.time(knot) - planner_.smoothing().window;
   std::size_t first = knot;
@@ -147,9 +150,10 @@ MoveChain::Course MoveChain::course_between(std::size_t start, std::size_t entry
   }
   constexpr double rounding = 1e-6;  // of an interval
   for (std::size_t i = start; course.knots.places.back() < end; ++i) {
-    // Where the last overlap ends at `end`, its knot can be slightly before because of rounding.
+    // If the last overlap ends at `end`, its last knot can be slightly before `end` because of
+    // rounding.
     if (i == entry && end - plan_.path.place(i) < rounding * plan_.path.step(i)) break;
-    // A knot just before the end would make a very short interval.
+    // A knot just before the end would make a very short interval, so the end replaces this knot.
     const bool last = i >= entry && plan_.path.place(i + 1) > end - plan_.path.step(i) / 4;
     const bool joins = std::ranges::binary_search(course_.knots.joins, i);
     if (i > start && joins) course.knots.joins.push_back(i - start);
@@ -164,8 +168,8 @@ MoveChain::Course MoveChain::course_between(std::size_t start, std::size_t entry
   return course;
 }
 
-/// Returns the joint positions at the knots of the overlap, without its first one; nullopt if a
-/// pose is beyond a limit, or a joint turns too fast.
+/// Returns the joint positions at all knots of the overlap but the first; nullopt if a pose is
+/// outside the limits of the joints, or if a joint turns too fast.
 std::optional<std::vector<JointValues>> MoveChain::overlap_joints(const Overlap& overlap,
                                                                   std::size_t intervals) {
   const Move &last = overlap.last, &next = overlap.next;
@@ -224,7 +228,8 @@ std::pair<IntervalLimits, IntervalLimits> MoveChain::limits_in(const Overlap& ov
   return {moving, braking};
 }
 
-/// Adds the knots of the overlap behind its first one. Returns false if there are none.
+/// Adds all knots of `overlap` but the first, which `course` already has. Returns false if the arm
+/// cannot move through the overlap.
 bool MoveChain::add_overlap(Course& course, const Overlap& overlap) {
   const Move &last = overlap.last, &next = overlap.next;
   const double apart = std::min(furthest_apart(last), furthest_apart(next));
@@ -272,7 +277,8 @@ void MoveChain::add_move(Course& course, const Overlap& overlap, const Overlap* 
     const auto turned = [&](std::size_t knot) {
       return (next.path.knot(knot) - course.knots.joints.back()).cwiseAbs().maxCoeff();
     };
-    // A knot just before the following overlap would make a very short interval.
+    // A knot just before the following overlap would make a very short interval, so the beginning
+    // of the overlap replaces this knot.
     const bool before_overlap = following != nullptr && place > end - step / 4;
     if (i < next.path.intervals() && !before_overlap) {
       const double further = since + next.path.step(i);
@@ -296,13 +302,15 @@ std::optional<Plan> MoveChain::plan_of(const Course& course, const TimeLaw::Star
                       start);
 }
 
-/// Returns whether the motion would be over sooner with a stop before one of the moves: for one
-/// move by .1 s or more, and for several as far as it can be excluded without planning them alone.
+/// Returns whether the motion would end sooner if the arm stopped between the moves. For several
+/// moves, returns true also if this is only possible: compares with the least durations that the
+/// moves can have, and plans none of them alone.
 bool MoveChain::slower_than_stops(const Plan& plan, double begins,
                                   const std::vector<Overlap>& overlaps) const {
   const double added = begins + plan.law.duration() - ends();
   if (overlaps.size() == 1) {
-    // Most moves add little more than their duration at full speed: these are not planned alone.
+    // Most moves add little more to the motion than their duration at full speed. For these moves,
+    // no plan with a stop is made to compare with.
     constexpr double usual = 1.5, slack = 0.1;  // s
     const Move& next = overlaps.front().next;
     return added > usual * next.duration() + slack && added > planner_.plan(next).duration();

@@ -16,11 +16,13 @@ namespace robcl::motion {
 /// rounds a corner at a distance from the goal that is known in advance. Between the corners, the
 /// arm moves on the path of each move.
 ///
-/// With the nominal times s of the corner and d of the overlap, the arm has at s + t, for t from -d
-/// to d, the pose that is (t - d)²/4d before the corner on the one path and (t + d)²/4d behind it
-/// on the other. Two lines are joined in this way as poses of the tool, other moves as joint
-/// positions. With the speed v, the acceleration a and the directions u and w, two lines miss their
-/// corner by |w - u|·v²/8a. A corner takes at most half of either move.
+/// Let the corner be at the nominal time s, and let d be half the nominal duration of the overlap.
+/// At s + t, for t from -d to d, two displacements from the corner are added: the displacement at
+/// (t - d)²/4d before the corner on the first path, and the displacement at (t + d)²/4d behind the
+/// corner on the second path. If both paths are straight lines, the displacements are those of the
+/// tool, otherwise those of the joints. With the speed v, the acceleration a and the directions u
+/// and w of the two lines, the tool passes the corner at the distance |w - u|·v²/8a. A corner takes
+/// at most half of either move.
 class MoveChain {
  public:
   /// Makes a chain that begins at rest with the move `first`. The planner must exist as long as the
@@ -64,7 +66,7 @@ class MoveChain {
     Path::Knots knots;
     CourseLimits limits;
   };
-  /// The overlap of two moves; these must outlive it.
+  /// The overlap of two moves. Both moves must outlive this object.
   struct Overlap {
     const Move& last;
     const Move& next;

@@ -26,9 +26,9 @@ Path::Path(Knots knots) : knots_(std::move(knots)) {
   std::ranges::copy(knots_.first_slopes, slopes_.begin());
 }
 
-/// Returns the derivative at the knot `i` of the polynomial through it and the two knots on either
-/// side, as far as they are between the knots `first` and `last`. Inside an evenly spaced path, it
-/// is accurate to fourth order; at its ends, to second order.
+/// Returns the derivative at the knot `i` of a polynomial through this knot and up to two knots on
+/// each side of it, all of them from `first` to `last`. Inside an evenly spaced path, the
+/// derivative is accurate to fourth order; at the ends of the path, to second order.
 JointValues Path::slope_within(std::size_t i, std::size_t first, std::size_t last) const {
   const std::size_t from = std::max(first + 2, i) - 2, to = std::min(last, i + 2);
   const double here = place(i);

@@ -22,7 +22,8 @@ class Path {
   struct Knots {
     std::vector<double> places;       ///< s at each knot, rising
     std::vector<JointValues> joints;  ///< rad
-    /// Indices of the knots, rising, at which the curvature jumps: the path is smooth between them.
+    /// The indices, in rising order, of the knots at which the curvature jumps. The path is smooth
+    /// between these knots.
     std::vector<std::size_t> joins{};
     /// The derivatives of the joint positions by s at the first knots, if the path continues
     /// another path and must have the same derivatives there. The path computes the derivatives at

@@ -102,7 +102,7 @@ tl::expected<Move, Failure> Planner::joint_move_to(
     if (const auto other = inverse_->solve(base_from_flange, from)) {
       std::ostringstream text;
       text << "the goal cannot be reached as " << present << ", only in another configuration such "
-           << "as " << inverse_->configuration(*other) << ": ask for it, or for any";
+           << "as " << inverse_->configuration(*other) << "; request that configuration, or any";
       return tl::unexpected(OutOfReach{text.str()});
     }
   }

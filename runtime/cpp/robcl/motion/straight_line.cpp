@@ -72,8 +72,9 @@ class LineWalk {
   }
 
  private:
-  /// Steps to the fraction `part` of the line. Returns the joint that turns most on this step. A
-  /// joint that would have to jump beyond its limit is returned, too: the limit is not the cause.
+  /// Steps to the fraction `part` of the line. Returns the joint that turns most on this step. If a
+  /// joint would have to turn very far on this step, to a position beyond its limit, also returns
+  /// this joint and no JointLimit: the cause is a singularity, not the limit.
   tl::expected<Turn, Failure> step_to(double part) {
     const JointValues before = walk_.at().joints;
     const auto failure = walk_.step_to(line_.at(part) * tool_from_flange_);

@@ -15,13 +15,14 @@ constexpr double rounding = 1e-12;  // relative
 constexpr double rounding_of_start = 1e-9;
 
 /// Returns the allowed values of u = d²s/dt² after the knot `knot`, where (ds/dt)² is `x`. With
-/// these values, (ds/dt)² is at most `next` at the following knot. There are no such values if the
-/// limits alone require that (ds/dt)² falls to less than half.
+/// these values, (ds/dt)² is at most `next` at the following knot. Returns an empty interval if the
+/// limits of the arm would make (ds/dt)² fall below half of `x`.
 Interval allowed(const PathBounds& bounds, std::size_t knot, double x, double next) {
   const double per_u = 2 * bounds.step(knot);
   Interval u = bounds.over_interval(knot, x);
-  // In a bend that is short compared to the interval, a fast motion would have to brake until it
-  // hardly moves. A slower one need not.
+  // If a bend is short compared to the interval, the limits would make a fast motion brake nearly
+  // to a stop. A motion that is slower at the knot need not brake so much. So such a fast motion is
+  // not allowed.
   Interval going_on = u;
   going_on.raise_lower(-x / (2 * per_u), -1 / (2 * per_u));
   if (going_on.empty()) return going_on;
@@ -49,7 +50,7 @@ double fastest_at(const PathBounds& bounds, std::size_t knot, double next) {
   return 0;
 }
 
-/// Makes the accelerations of a time law, from one knot to the next.
+/// Computes (ds/dt)² at the knots of a time law, one knot after the other.
 class ForwardPass {
  public:
   /// `highest`: the greatest (ds/dt)² at each knot from which the arm can stop in time.
@@ -89,8 +90,9 @@ class ForwardPass {
     const auto [before, limit] = in_window_before(knot);
     const double change = smoothing_.change(limit);
     const double lowest = std::max(allowed.lower, before.greatest - change);
-    // A motion that has braked hard may exceed the limit of jerk: it need not brake harder than
-    // would stop it within a window.
+    // After hard braking, the limit of jerk may require that the motion goes on braking. The motion
+    // need not brake harder than it must to stop within one window, even if it then exceeds the
+    // limit of jerk.
     const double still = -std::sqrt(squares_[knot]) / smoothing_.window;
     const double highest = std::min(allowed.upper, std::max(before.least + change, still));
     const Ceiling::State here{knot, bounds_.places()[knot], squares_[knot]};
@@ -98,7 +100,8 @@ class ForwardPass {
       const double then = std::max(some, before.greatest) - change;
       return ceiling_.admits(here, {some, infinite, then, smoothing_.window, true});
     });
-    // If no value is allowed, the motion exceeds the limit of jerk here, because it must not stop.
+    // If the limit of jerk allows no value, the motion exceeds this limit here, because it must not
+    // stop.
     const double slower = -here.x / (4 * bounds_.step(knot));  // halves (ds/dt)²
     return std::clamp(std::max(u, slower), allowed.lower, allowed.upper);
   }
@@ -108,9 +111,9 @@ class ForwardPass {
     TimeLaw::Range range{infinite, -infinite};
     double limit = 0;
   };
-  /// Returns the window before `knot`, whose limit also includes the interval after `knot`. Only a
-  /// motion that begins at rest can have less than a window before a knot; before its beginning,
-  /// the arm stands.
+  /// Returns the accelerations in the window before `knot`, and the greatest limit in this window
+  /// and in the interval after `knot`. If the motion begins within the window, it begins at rest:
+  /// the acceleration 0 of the standing arm is then included.
   Window in_window_before(std::size_t knot) const {
     double since = 0;
     Window window{.limit = limits_[knot]};

@@ -104,9 +104,9 @@ void Traversal::leave_law(Mode mode) {
 /// Returns the values of d²s/dt² that are allowed up to the next knot.
 ///
 /// Consider the time law of the plan, slowed by a constant factor so that it has the present speed
-/// here. It keeps all limits on the rest of the path (PathBounds). Therefore its d²s/dt² is allowed
-/// here, and the arm can always stop at or before the goal. In some bends, a fast arm cannot brake
-/// yet. The least allowed d²s/dt² is then positive.
+/// here. This slowed time law keeps all limits on the rest of the path (see PathBounds). Therefore
+/// its d²s/dt² is allowed here, and the arm can always stop at or before the goal. In some bends, a
+/// fast arm cannot brake yet. The least allowed d²s/dt² is then positive.
 PathBounds::Interval Traversal::allowed() const {
   const TimeLaw& law = plan().law;
   const double x = squared(speed_), step = plan().path.step(knot_);
@@ -145,9 +145,9 @@ double Traversal::acceleration(double seconds) const {
                            [&](double some) { return stays_below(highest, some); });
 }
 
-/// Assumes that the motion has d²s/dt² = `u` for `seconds`. Returns whether it can then take each
-/// d²s/dt² that the plan, slowed to the speed of the motion, may require while `u` is in the
-/// window. `change`: the greatest change of d²s/dt² within the window.
+/// Returns whether the motion can slow down in time after `seconds` with d²s/dt² = `u`. While `u`
+/// is in the window, d²s/dt² must not fall by more than `change`. Compares this with each d²s/dt²
+/// that the plan, slowed to the speed of the motion, may require during this time.
 bool Traversal::can_slow_down(double u, double seconds, double change) const {
   const Smoothing& smoothing = plan().smoothing;
   const TimeLaw& law = plan().law;
@@ -164,7 +164,7 @@ bool Traversal::can_slow_down(double u, double seconds, double change) const {
 }
 
 /// Continues with d²s/dt² = `u` to the next knot, or until the arm stands, but for at most
-/// `seconds`. Returns the time that remains.
+/// `seconds`. Returns the part of `seconds` that is left.
 double Traversal::go_on(double u, double seconds) {
   const double end = plan().path.place(knot_ + 1), way = way_to_knot();
   const double left = squared(speed_) + 2 * u * way;  // (ds/dt)² at the knot
@@ -183,9 +183,9 @@ double Traversal::go_on(double u, double seconds) {
   return seconds - lasts;
 }
 
-/// Returns whether the motion can follow the time law from here. @pre the motion is at a knot. This
-/// is so if the motion has the speed of the time law, and if its acceleration may change to each
-/// value that the time law has within a window.
+/// Returns whether the motion can follow the time law from here: it has the speed of the time law,
+/// and its acceleration may change to each value that the time law has within a window. @pre the
+/// motion is at a knot.
 bool Traversal::can_follow_law() const {
   constexpr double rounding = 1e-6;  // relative
   const TimeLaw& law = plan().law;

@@ -106,7 +106,7 @@ std::uint64_t RingWriter::slots_taken() {
   if (reader == nullptr) return taken_seen_;
   const std::uint64_t taken = reader->slots_taken.load(std::memory_order_acquire);
   // A count that decreases, or that exceeds the number of written slots, is invalid. The writer
-  // ignores it, so that the ring stays full.
+  // ignores such a count: for the writer, the reader has then taken no further slot.
   if (taken <= position_ && taken > taken_seen_) taken_seen_ = taken;
   return taken_seen_;
 }

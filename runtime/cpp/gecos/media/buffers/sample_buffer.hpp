@@ -16,8 +16,8 @@ class SampleBuffer {
   /// `depth` is the number of samples that the buffer keeps. @pre `depth` is at least 1
   explicit SampleBuffer(std::size_t depth) : depth_(depth) {}
 
-  /// Returns the sequence number of the newest sample; 0 before the first sample. The buffer never
-  /// stores a sample that is not newer, so that the caller need not decrypt such a sample.
+  /// Returns the sequence number of the newest sample; 0 before the first sample. The buffer stores
+  /// only samples with a larger number, so the caller need not decrypt other samples.
   std::uint64_t newest() const;
   /// Stores a copy of `sample`. A full buffer drops its oldest sample and uses the memory of that
   /// sample again. Returns false and stores nothing when `sequence` is not larger than newest().

@@ -164,8 +164,8 @@ std::uint64_t StreamWatch::newest() {
   return place_->memory.newest().load(std::memory_order_seq_cst);
 }
 
-/// Returns the memory in which the writer is now. The reader holds its memory until the next call,
-/// so that the bytes of a lent sample stay readable.
+/// Returns the memory to which the writer writes now. Until the next call, the reader keeps this
+/// memory alive, so that the bytes of a lent sample stay readable.
 const StreamMemory& StreamRingReader::memory_now() {
   if (watch_->moved()) place_ = watch_->place();
   return place_->memory;

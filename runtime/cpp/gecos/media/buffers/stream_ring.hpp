@@ -70,7 +70,8 @@ class StreamRingWriter : public StreamWriter {
   const std::shared_ptr<SleeperList>& sleepers() const { return sleepers_; }
 
  protected:
-  /// Continues in other memory of the same size, and copies the samples into it.
+  /// Makes the writer continue in other memory of the same size, and copies the stored samples to
+  /// this memory.
   void move_to(StreamMemory memory, std::shared_ptr<void> owner);
 
  private:
@@ -83,8 +84,8 @@ class StreamRingWriter : public StreamWriter {
   std::size_t lent_ = 0;  ///< bytes
 };
 
-/// The state of a stream that this end of a connection reads. Its reader and the thread that reads
-/// the connection use it.
+/// The state of a stream that this end of a connection reads. The reader of the stream uses this
+/// object, and so does the thread that reads the connection.
 class StreamWatch {
  public:
   struct Place {
@@ -93,7 +94,7 @@ class StreamWatch {
   };
   StreamWatch(StreamMemory memory, std::shared_ptr<void> owner);
 
-  /// The writer goes on in other memory.
+  /// Must be called when the writer of the stream continues in other memory.
   void move_to(StreamMemory memory, std::shared_ptr<void> owner);
   /// Returns whether move_to() was called since the last call of place().
   bool moved() const { return moved_.load(std::memory_order_acquire); }
@@ -135,7 +136,8 @@ class StreamRingReader : public StreamReader {
 class StreamWatches {
  public:
   std::unique_ptr<StreamReader> open(StreamMemory memory, std::shared_ptr<void> owner);
-  /// Like open(), for a caller that makes the reader.
+  /// Like open(), but the caller must make the reader, from the StreamWatch that this function
+  /// returns.
   std::shared_ptr<StreamWatch> watch(StreamMemory memory, std::shared_ptr<void> owner);
   /// Returns whether a sample has arrived that neither its reader nor an earlier call has seen. The
   /// check is ordered after the store to RingControl::asleep.

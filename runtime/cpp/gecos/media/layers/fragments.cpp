@@ -43,7 +43,7 @@ class FragmentedConnection final : public ConnectionLayer {
       return ++sent_;
     }
     if (inner().loss() != Loss::None) return tl::unexpected(SendProblem::Lost);
-    // If the caller sends a packet again whose transfer is complete, the packet is transferred
+    // If the caller sends a packet again after its transfer is complete, the packet is transferred
     // again: the peer received the packet but did not accept it, for example because it was too
     // old.
     const bool under_way = transfer_ && !transfer_->complete();

@@ -79,7 +79,7 @@ class LcmNetwork final : public DatagramNetwork, public std::enable_shared_from_
  private:
   const LcmOptions options_;
   mutable Mutex mutex_;
-  /// The ports that somebody may still hold, by their numbers.
+  /// The ports that connections may still use, by their port numbers.
   mutable std::map<std::uint16_t, std::weak_ptr<LcmPort>> ports_ GECOS_GUARDED_BY(mutex_);
   mutable std::array<std::uint16_t, reply_ports> reply_ports_ GECOS_GUARDED_BY(mutex_){};
   mutable std::size_t next_reply_port_ GECOS_GUARDED_BY(mutex_) = 0;

@@ -216,12 +216,12 @@ void SealedClient::take_share(const SharedStream& where, std::uint64_t number) {
     if (std::exchange(arrived.number, number) != number) take_key(where);
   }
   heard_of_streams_ = true;
-  // The peer announces a stream again that is open here already, so our Opened message was lost, or
-  // the stream has moved on.
+  // If the peer announces a stream that is open here already, the peer did not receive our Opened
+  // message, or the stream has a new key.
   if (arrived.opened) say(InnerKind::Opened, arrived.number);
 }
 
-/// Gives the readers of a stream the key to which it has moved on.
+/// Gives the new key of a stream to the readers of the stream.
 void SealedClient::take_key(const SharedStream& where) {
   for (const Reading& one : reading_) {
     if (one.id != where.id) continue;
@@ -263,7 +263,8 @@ void SealedClient::forget_closed_readers() {
     return true;
   });
   for (const int port : closed) {
-    // Another connection may hold the port, and its samples must no longer wake this connection.
+    // If no other stream of this connection uses the port, the port must no longer wake this
+    // connection: another connection may keep the port open and receive samples on it.
     const bool read = std::any_of(reading_.begin(), reading_.end(),
                                   [&](const Reading& one) { return one.port == port; });
     if (!read) ::epoll_ctl(streams_.get(), EPOLL_CTL_DEL, port, nullptr);
@@ -418,7 +419,8 @@ void SealedServer::take_share(const InwardShare& where) {
   if (inward_.size() >= most_streams && !inward_.contains(where.id)) return;
   Inward& inward = inward_[where.id];
   inward.where = where;
-  // The peer announces a stream again that is open here already, so our Opened message was lost.
+  // If the peer announces a stream that is open here already, the peer did not receive our Opened
+  // message.
   if (inward.opened) say(InnerKind::Opened, where.id);
 }
 
@@ -453,11 +455,10 @@ std::string SealedServer::revoked() {
   if (!owner) return {};  // the next call finds out
   const crypto::KeyOwner now = owner->value_or(crypto::KeyOwner{});
   if (now == crypto::KeyOwner{peer().user, peer().host}) return {};
-  return "the key " + key_.short_name() + " has another owner here than when it connected";
+  return "the owner of the key " + key_.short_name() + " has changed since its client connected";
 }
 
-/// Makes a stream of the acceptor. Such a stream can have many readers, so that it is also suitable
-/// for a single reader.
+/// Makes a stream like those of the acceptor: it can have many readers, and so also a single one.
 std::unique_ptr<StreamWriter> SealedServer::make_stream(std::size_t largest, std::size_t depth) {
   return responder_->make_stream(largest, depth);
 }

@@ -108,8 +108,9 @@ class SealedAcceptor final : public Acceptor {
   }
 
  private:
-  /// Returns why the owner of the key that a client has proved is not admitted; an empty text when
-  /// the owner is. A key without an owner is one of the user of this program.
+  /// Returns why the client `pending` is not admitted; an empty text if it is. The decision depends
+  /// on the owner of the key that the client has proved. A key without an owner belongs to the user
+  /// of this program, who is always admitted.
   std::string why_not(const HandshakeResponder::PendingPeer& pending) const {
     if (!admit_ || pending.owner == crypto::KeyOwner{}) return "";
     return admit_(peer_of(pending, *responder_));

@@ -65,10 +65,10 @@ class DatagramNetwork {
   /// of them holds it.
   virtual tl::expected<std::shared_ptr<DatagramPort>, MediumError> shared(
       std::uint16_t port) const = 0;
-  /// Returns the number of a port for a new connection to receive on, to be passed to shared(). A
-  /// network may return a number again: then more connections share a port.
+  /// Returns the number of the port on which a new connection is to receive; the caller passes the
+  /// number to shared(). If a network returns a number again, several connections share the port.
   virtual std::uint16_t draw_reply_port() const = 0;
-  /// Returns the network that has the name `name` in an address. This is usually the same network.
+  /// Returns the network whose name in addresses is `name`. This is usually the network itself.
   virtual std::shared_ptr<const DatagramNetwork> named(const std::string& name) const = 0;
   /// Returns a text for the user when no server answers. The text says why packets may not arrive.
   /// It may be empty.

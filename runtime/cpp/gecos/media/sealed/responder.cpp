@@ -127,14 +127,15 @@ void HandshakeResponder::confirm(const DatagramHeader& header, ByteView datagram
   }
 }
 
-/// Returns the owner of a key, which is empty for our own key and for a key without an owner;
-/// nullopt when the key is not admitted any more, or when its owner cannot be read.
+/// Returns the owner of a key. The owner is empty for our own key and for a key without an owner.
+/// Returns nullopt when the key is not admitted any more, or when its owner cannot be read.
 std::optional<crypto::KeyOwner> HandshakeResponder::owner_of(const crypto::PublicKey& key) const {
   if (key == keys_->own.public_key()) return crypto::KeyOwner{};
   const auto owner = keys_->directory.owner(key);
   if (!owner) return std::nullopt;
-  // The key may have been removed since the handshake. Its file is removed before the file of its
-  // owner, so if the key is still admitted now, its owner was not missing above.
+  // The key may have been removed since the handshake. The file of a key is removed before the file
+  // of the key's owner. If the key is still admitted now, the file of its owner had therefore not
+  // been removed when it was read above.
   if (!keys_->directory.is_admitted(key)) return std::nullopt;
   return owner->value_or(crypto::KeyOwner{});
 }

@@ -42,8 +42,8 @@ class HandshakeResponder {
   bool pump() { return in_->pump(); }
   std::optional<PendingPeer> next_pending();
   void forget(std::uint64_t client);
-  /// Tells a client that it is refused, and why; again for each of its datagrams in the next
-  /// seconds, because a datagram may be lost.
+  /// Tells a client that it is refused, and why. Repeats this for each datagram that the client
+  /// sends in the next seconds, because a datagram may be lost.
   void refuse(PendingPeer client, const std::string& why);
   /// Makes a stream for all clients of the object. Throws std::runtime_error when the port of the
   /// stream cannot be opened. Any thread may call this function.

@@ -19,7 +19,7 @@ class SealedStream {
  public:
   SealedStream(std::shared_ptr<DatagramPort> port, SharedStream where);
 
-  /// The place of the samples, and the key by which a reader decrypts them.
+  /// Returns the channel of the samples, and the key by which a reader decrypts them.
   SharedStream where() const;
   /// Returns how often move_on() was called. An announcement and its answer carry this number, so
   /// that an answer to an earlier announcement does not count.
@@ -68,7 +68,8 @@ class SampleQueue {
               std::weak_ptr<Sleeper> sleeper);
 
   void take(ByteView datagram);
-  /// Opens later samples by `key`, because the writer has moved on.
+  /// Sets the key that decrypts all later samples, because the writer now seals them under a new
+  /// key.
   void take_key(const crypto::StreamKey& key);
   bool read(std::uint64_t after, bool newest, StreamSample& into);
   /// Returns whether a sample has arrived that neither the reader nor an earlier call has seen.

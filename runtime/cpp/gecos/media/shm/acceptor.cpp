@@ -108,8 +108,8 @@ void sweep(const std::string& directory) {
     if (!name.ends_with(".sock")) continue;
     const std::size_t dot = name.find('.');
     const auto pid = static_cast<pid_t>(std::atol(name.c_str() + dot + 1));
-    // A socket of a living process is skipped: its server would get a connection without a Hello
-    // message.
+    // Sockets of living processes are skipped: server_is_dead connects to the socket, so that a
+    // living server would get a connection without a Hello message.
     if (pid <= 0 || (::kill(pid, 0) == 0 || errno != ESRCH)) continue;
     const std::string path = directory + "/" + name;
     if (server_is_dead(path)) ::unlink(path.c_str());

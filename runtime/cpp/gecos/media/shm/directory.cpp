@@ -143,7 +143,8 @@ tl::expected<void, MediumError> prepare_directory(const std::string& directory) 
     return error("other users may write to " + directory +
                  " and could listen in; run:  chmod go-w " + directory);
   }
-  // A folder of an earlier version is closed, and the umask may have closed a new one.
+  // An earlier version of this program, or the umask, may have made the folder without access for
+  // other users.
   if (for_all && (found.st_mode & 0777) != 0711 && ::chmod(directory.c_str(), 0711) != 0) {
     return error("cannot open " + directory + " to the users of this host: " + system_text(errno));
   }

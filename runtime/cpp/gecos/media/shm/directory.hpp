@@ -12,17 +12,19 @@ namespace gecos::media::shm {
 /// Returns the directory with the sockets of this user's programs. This is the directory in the
 /// environment variable `GECOS_RUNTIME_DIR`, else /run/gecos if an administrator made it, else
 /// /tmp. If all users share that directory (it is owned by root and sticky), the result is the
-/// folder gecos-<uid> in it: a common folder would belong to its first user. No other function of
-/// shm reads the environment.
+/// folder gecos-<uid> in it, because a folder for several users would belong to the user who made
+/// it. No other function of shm reads the environment.
 std::string default_runtime_directory();
 
-/// Returns whether `uid` is root or the user `gecos`. The programs of these users serve all users
-/// of the host, if an administrator made a directory for that; other users' programs trust them.
+/// Returns whether `uid` is root or the user `gecos`. If an administrator made a directory for
+/// that, the programs of these two users serve all users of the host, and the programs of other
+/// users trust them.
 bool serves_the_host(std::uint32_t uid);
 
-/// Returns whether the programs of all users can reach the sockets in `directory`. This is so for
-/// the folders of root and of the user `gecos` in a directory that belongs to root and is shared by
-/// all users.
+/// Returns whether the programs of all users can reach the sockets in `directory`, a directory of
+/// this user. They can if this user is root or `gecos`, and `directory` is this user's folder in a
+/// directory that an administrator made for all users: one that is owned by root and sticky, but
+/// not /tmp.
 bool open_to_all_users(const std::string& directory);
 
 /// Returns the directories in which this program may look for servers of other users: the folders
@@ -31,8 +33,8 @@ bool open_to_all_users(const std::string& directory);
 std::vector<std::string> directories_of_the_host(const std::string& directory);
 
 /// Creates `directory` if it does not exist, with the mode 0711 if it is open to all users and with
-/// 0700 otherwise. Checks that its path is short
-/// enough for the paths of sockets in it, and that no other user can replace the sockets.
+/// 0700 otherwise. Checks that its path is short enough for the paths of sockets in it, and that no
+/// other user can replace the sockets.
 tl::expected<void, MediumError> prepare_directory(const std::string& directory);
 
 /// Returns the boot id of the kernel, for example "6b0c…-…"; an empty text when the kernel does not
