@@ -121,7 +121,7 @@ class Inward {
     with([&](session::InwardCore& core) { report = core.report(); });
     return report;
   }
-  /// From now on, samples that feed no command are refused even while no command takes samples.
+  /// Makes the stream refuse samples that feed no command, even while no command takes samples.
   void need_command() { unfed_ = session::Unfed::Refused; }
 
   /// While this object lives, the stream takes only the samples that feed one command. After the

@@ -53,9 +53,9 @@ struct CreateOptions {
   Duration latency{};
   /// Longest wait for an answer of the broker and of the server.
   Duration patience = std::chrono::seconds(2);
-  /// The time for which `create` keeps trying while none of the named objects is online, or while
-  /// no broker answers. Duration::max(): without limit. `create` does not wait for an object of the
-  /// wrong type.
+  /// The time for which `create` keeps trying while one of the named objects is not online, or
+  /// while no broker answers. Duration::max(): without limit. `create` does not wait for an object
+  /// of the wrong type.
   Duration wait{};
   /// Required incarnation of the server process, as in an ObjectRef; 0: any.
   std::uint64_t incarnation = 0;

@@ -23,8 +23,8 @@ struct ServeOptions {
   /// The line that `serve` prints on stdout once all objects are served. Empty: a line with the
   /// names of the objects, for example "serving RX90, GRIPPER".
   std::string ready{};
-  /// The users and hosts that may connect beyond the user of this process on this host, as given to
-  /// Server::allow. If both lists are empty, the lab file alone decides.
+  /// The users and hosts that may connect in addition to the user of this process on this host, as
+  /// given to Server::allow. If both lists are empty, the lab file alone decides.
   std::vector<std::string> users{};
   std::vector<std::string> hosts{};
   /// Called once all objects are served, before the `ready` line is printed. May return an object

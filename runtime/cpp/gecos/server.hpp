@@ -53,12 +53,12 @@ class Server {
       void, ServeError>
   add(std::string name, Servant& servant, ObjectOptions options = {});
   void add(std::string, Servant&&, ObjectOptions = {}) = delete;  // must outlive the server
-  /// Names the users and hosts that may connect to all objects of this server, beyond the user of
-  /// this process on this host, for example `allow({"anna"})`. "*" admits every name. If the lab
-  /// file also has a list for an object, both lists must admit a client. Applies to connections
-  /// that are made after the call, and replaces the names of an earlier call. Programs of another
-  /// user of this host can connect only if an administrator has prepared the host for this
-  /// (docs/security.md). Does not lower the status that an operation needs.
+  /// Names the users and hosts that may connect to all objects of this server, in addition to the
+  /// user of this process on this host: for example `allow({"anna"})`. "*" admits every name. If
+  /// the lab file also has a list for an object, both lists must admit a client. Applies to
+  /// connections that are made after the call, and replaces the names of an earlier call. Programs
+  /// of another user of this host can connect only if an administrator has prepared the host for
+  /// this (docs/security.md). Does not lower the status that an operation needs.
   void allow(std::vector<std::string> users, std::vector<std::string> hosts = {});
   /// Waits until any thread of the process gets SIGINT or SIGTERM, or until `shut_down()`. Logs an
   /// error and returns at once when the server could not be made.

@@ -87,8 +87,9 @@ class ForwardPass {
 
   double acceleration(std::size_t knot, const Interval& allowed) const {
     if (!smoothing_.on() || allowed.empty()) return allowed.upper;
-    const auto [before, limit] = in_window_before(knot);
-    const double change = smoothing_.change(limit);
+    const Window window = in_window_before(knot);
+    const auto& before = window.range;
+    const double change = smoothing_.change(window.limit);
     const double lowest = std::max(allowed.lower, before.greatest - change);
     // After hard braking, the limit of jerk may require that the motion goes on braking. The motion
     // need not brake harder than it must to stop within one window, even if it then exceeds the
