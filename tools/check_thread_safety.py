@@ -1,10 +1,10 @@
-"""Compiles each of our C++ sources alone, with clang's thread-safety analysis. It is an error if a
-member is touched without the mutex that guards it, or a function is called without a mutex that it
-needs; or if a source needs a header that it does not include.
+"""Compiles our C++ that uses mutexes with clang's thread-safety analysis: a member that is touched
+without the mutex that guards it, or a function called without one that it needs, is an error.
 
-A build that unites sources does not find a missing header, because another source includes it. The
-build's compile_commands.json says how the sources are compiled. The headers of the system and of
-other libraries are precompiled once for the sources of one library: they are most of the work.
+The analysis does not follow calls, so it looks at the sources that see the members: those that
+include gecos/base/mutex.hpp, or a header that does. The build's compile_commands.json says how they
+are compiled. What the sources of one library include is precompiled once: their headers are most of
+the work.
 
 The analysis sees only our mutexes. So a mutex of the standard library is an error, too.
 """
@@ -29,6 +29,10 @@ FLAGS = ("-Wthread-safety", "-Werror")
 PLAIN_MUTEX = re.compile(r"\bstd::(?:recursive_|shared_)?(?:timed_)?mutex\b")
 
 
+def includes(file: Path) -> set[str]:
+    return set(re.findall(r'^#include "([^"]+)"', file.read_text(encoding="utf-8"), re.MULTILINE))
+
+
 def plain_mutexes(tree: Path) -> list[str]:
     """An error for each line of our C++ that has a mutex which the analysis does not see."""
     return [
@@ -41,6 +45,17 @@ def plain_mutexes(tree: Path) -> list[str]:
         for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), start=1)
         if (found := PLAIN_MUTEX.search(line.split("//")[0]))
     ]
+
+
+def headers_with_mutexes() -> set[str]:
+    """Headers as other files include them: by their path from runtime/cpp, or from the tree."""
+    found = {MUTEX}
+    for root in ROOTS:
+        for header in (TREE / root).rglob("*.hpp"):
+            if MUTEX in includes(header):
+                parts = header.relative_to(TREE).parts
+                found.update("/".join(parts[at:]) for at in range(len(parts)))
+    return found
 
 
 def kept(arguments: list[str]) -> tuple[str, ...]:
@@ -63,9 +78,12 @@ def compiled(file: Path) -> list[Path]:
 
 
 def sources(build: Path) -> dict[tuple[str, ...], list[Path]]:
-    """Our sources, grouped by the flags they are compiled with."""
+    """The sources to check, grouped by the flags they are compiled with."""
     commands = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
-    wanted = {file for root in ROOTS for file in (TREE / root).rglob("*.cpp")}
+    mutexes = headers_with_mutexes()
+    wanted = {
+        file for root in ROOTS for file in (TREE / root).rglob("*.cpp") if includes(file) & mutexes
+    }
     found: dict[tuple[str, ...], list[Path]] = defaultdict(list)
     for command in commands:
         for file in compiled(Path(command["file"])):
@@ -78,12 +96,6 @@ def sources(build: Path) -> dict[tuple[str, ...], list[Path]]:
     return found
 
 
-def foreign_headers(source: str) -> set[str]:
-    """Lines that include a header of others, without those that a macro of the source adapts."""
-    unadapted, _, _ = source.partition("\n#define ")
-    return set(re.findall(r"^#include <[^>]+>", unadapted, re.MULTILINE))
-
-
 def clang(*arguments: str) -> str:
     """What it says; empty when it finds nothing."""
     command = ("tools/clang.sh", *FLAGS, *arguments)
@@ -94,8 +106,10 @@ def clang(*arguments: str) -> str:
 def check_alike(flags: tuple[str, ...], files: list[Path], folder: Path) -> list[str]:
     """What clang says of each of these files, which are compiled with the same flags."""
     every = folder / "every.hpp"
-    headers = set().union(*(foreign_headers(file.read_text(encoding="utf-8")) for file in files))
-    every.write_text("\n".join(("#pragma once", *sorted(headers), "")), encoding="utf-8")
+    lines = [line for file in files for line in file.read_text(encoding="utf-8").splitlines()]
+    # A header beside its source is found from there alone.
+    wanted = sorted({line for line in lines if re.match(r'#include (<|"[^"]*/)', line)})
+    every.write_text("#pragma once\n" + "\n".join(wanted) + "\n", encoding="utf-8")
     compiled = f"{every}.pch"
     if problem := clang(*flags, "-x", "c++-header", "-o", compiled, str(every)):
         return [problem]
@@ -122,6 +136,9 @@ def main() -> int:
         print(f"check_thread_safety: {build} has no compile_commands.json; run make build first")
         return 1
     checked = sources(build)
+    if not checked:
+        print(f"check_thread_safety: no source of {build} uses {MUTEX}")
+        return 1
     plain = plain_mutexes(TREE)
     found: list[str] = []
     for flags, files in checked.items():

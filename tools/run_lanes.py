@@ -65,6 +65,7 @@ def all_lanes(build: str, jobs: int) -> list[Lane]:
     return [
         Lane("host", (python, "tools/check_host.py"), r"^check_host: "),
         Lane("layers", (python, "tools/check_layers.py"), r"^check_layers: "),
+        Lane("includes", (python, "tools/check_includes.py"), r"^check_includes: "),
         Lane("class-sizes", (python, "tools/check_class_sizes.py"), r"^check_class_sizes: "),
         Lane("generated", (python, "-m", "gidl", "gen", "--check"), r"\S"),
         Lane("gidl-fmt", (python, "-m", "gidl", "fmt", "--check"), r"^gidl: "),

@@ -54,17 +54,29 @@ def test_names_what_is_touched_without_it(tmp_path: Path, instead: str, says: st
     assert says in text
 
 
-def test_names_a_source_whose_header_only_another_source_includes(tmp_path: Path) -> None:
-    (tmp_path / "counter.hpp").write_text(COUNTER, encoding="utf-8")
-    complete, incomplete = tmp_path / "complete.cpp", tmp_path / "incomplete.cpp"
-    complete.write_text('#include "counter.hpp"\nCounter first;\n', encoding="utf-8")
-    incomplete.write_text("Counter second;\n", encoding="utf-8")
-    flags = (*FLAGS, f"-I{tmp_path}")
-    nothing, text = check_thread_safety.check_alike(flags, [complete, incomplete], tmp_path)
-    assert nothing == ""
-    assert "unknown type name 'Counter'" in text
+def test_follows_a_header_that_has_a_mutex_to_the_sources_that_include_it() -> None:
+    found = check_thread_safety.headers_with_mutexes()
+    assert "gecos/session/server/host_state.hpp" in found
+    assert "gecos/wire/packet.hpp" not in found
 
 
-def test_a_header_that_a_macro_of_its_source_adapts_is_not_precompiled() -> None:
-    source = "#include <map>\n\n#define TOML_EXCEPTIONS 0\n#include <toml++/toml.h>\n"
-    assert check_thread_safety.foreign_headers(source) == {"#include <map>"}
+@pytest.mark.parametrize(
+    "kind", ["std::mutex", "std::recursive_mutex", "std::shared_mutex", "std::shared_timed_mutex"]
+)
+@pytest.mark.parametrize("path", ["runtime/cpp/gecos/media/queue.hpp", "devices/arm/arm.cpp"])
+def test_names_a_mutex_that_the_analysis_does_not_see(tmp_path: Path, kind: str, path: str) -> None:
+    file = tmp_path / path
+    file.parent.mkdir(parents=True)
+    source = f"// no {kind} here\nclass Queue {{\n  mutable {kind} mutex_;\n}};\n"
+    file.write_text(source, encoding="utf-8")
+    (text,) = check_thread_safety.plain_mutexes(tmp_path)
+    assert text.startswith(f"{path}:3: error: {kind}: ")
+    assert "use gecos::Mutex of gecos/base/mutex.hpp" in text
+
+
+def test_only_our_mutex_is_made_of_one_of_the_standard_library(tmp_path: Path) -> None:
+    for path in ("runtime/cpp/gecos/base/mutex.hpp", "tests/cpp/media/pair_medium.cpp"):
+        file = tmp_path / path
+        file.parent.mkdir(parents=True)
+        file.write_text("std::mutex mutex;\n", encoding="utf-8")
+    assert check_thread_safety.plain_mutexes(tmp_path) == []
