@@ -25,6 +25,8 @@ LINES, PROSE = 30, 30
 WORD = re.compile(r"[A-Za-z_]{4,}")
 BLANK = "{…}"
 CPP_TEXT = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
+# Of `condition ? "text" : "text"`, a reader meets only one.
+OTHER_TEXT = re.compile(r'(\?\s*"(?:[^"\\\n]|\\.)*")\s*:\s*"(?:[^"\\\n]|\\.)*"')
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +76,7 @@ def of_cpp(path: Path) -> Iterator[tuple[str, int, str]]:
             comment = []
         if says_something(line):
             yield "line", number, stripped
-        texts += CPP_TEXT.findall(line) if "#include" not in line else []
+        texts += CPP_TEXT.findall(OTHER_TEXT.sub(r"\1", line)) if "#include" not in line else []
         if texts and stripped.endswith((";", "{", "}")):
             yield "text", number, BLANK.join(texts)
             texts = []

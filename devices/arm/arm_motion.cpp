@@ -345,7 +345,7 @@ void ArmMotion::end_interrupted() {
   if (apart) changed_.notify_all();
 }
 
-/// Ends the moves of a motion that has ended.
+/// Tells the callers of the moves that were part of a motion that the motion has ended.
 void ArmMotion::end_motion(const ArmController::Outcome& outcome) {
   const Result result = result_of(outcome);
   if (result) {

@@ -71,8 +71,8 @@ class JointDriver {
   /// Returns the measured state of the joints. Sends no command to the drives. Allocates memory
   /// only when it fails.
   virtual tl::expected<JointState, DriverFault> read() = 0;
-  /// Takes the command for the next `seconds`. Ignores it unless the drives are On. Allocates
-  /// memory only when it fails.
+  /// Sends `command` to the drives, which follow it for `seconds`, until the next call. Does
+  /// nothing unless the drives are On. Allocates memory only when it fails.
   virtual tl::expected<void, DriverFault> write(const JointCommand& command, double seconds) = 0;
 
   /// Turns the drives on and releases the brakes. The joints stay where they are until the first

@@ -126,7 +126,10 @@ def test_neither_the_own_key_nor_an_unknown_one_is_removed(folder: Path, run: Ru
     assert err == f"gecos: {own.name}: this is your own key, which your programs need\n"
     code, _, err = run("keys", "remove", "01234567")
     assert code == 2
-    assert err == "gecos: 01234567: no admitted key has this name; `gecos keys` lists them\n"
+    assert (
+        err
+        == "gecos: 01234567: no admitted key has this name; `gecos keys` lists the admitted keys\n"
+    )
     code, _, err = run("keys", "remove", "012")
     assert (code, err) == (2, "gecos: 012: give at least 8 digits of the fingerprint\n")
 

@@ -124,8 +124,8 @@ def _struct(sides: Sides, old: Struct, new: Struct, report: Report) -> None:
     slots.compare(sides, report, owner, sides.old.all_members(old), sides.new.all_members(new))
     if old.maps_to != new.maps_to:
         report.add("G1102", old.name, f"'{old.name}' maps to another hand-written type now",
-                   "existing programs use the old hand-written type", "keep @maps_to",
-                   new=new.facts, old=old.facts)  # fmt: skip
+                   "existing programs handle its values as the old hand-written type",
+                   "keep @maps_to", new=new.facts, old=old.facts)  # fmt: skip
 
 
 def _refused(old: AnyDeclaration, new: AnyDeclaration, what: str, report: Report) -> None:

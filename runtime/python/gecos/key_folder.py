@@ -190,7 +190,7 @@ def remove(name: str) -> Admitted:
     found = [one for one in admitted() if one.file.name == wanted or one.key.startswith(digits)]
     if len(found) != 1:
         how_many = "no admitted key has" if not found else f"{len(found)} admitted keys have"
-        raise KeyFolderError(f"{name}: {how_many} this name; `gecos keys` lists them")
+        raise KeyFolderError(f"{name}: {how_many} this name; `gecos keys` lists the admitted keys")
     _unlink(found[0])
     return found[0]
 

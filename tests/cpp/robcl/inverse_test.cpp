@@ -124,7 +124,9 @@ TEST_P(ClosedForm, AFrontThatIsSingularOrOutsideTheTravelIsRefused) {
       << refusal(straight);
   JointValues outside = *model_.front();
   outside[1] = 10;
-  EXPECT_EQ(model_.with_front(outside).error().text.rfind("joint 2 of front is at 572.9", 0), 0u);
+  EXPECT_EQ(model_.with_front(outside).error().text.rfind(
+                "joint 2 of the posture 'front' is at 572.9", 0),
+            0u);
   EXPECT_FALSE(model_.with_front(outside.head(5)));
 }
 

@@ -3,8 +3,8 @@
 Python computes one order of all bases of a class by the algorithm C3. This order must contain the
 bases of each base in the order that Python computed for that base. Python refuses a class for which
 no such order exists: for example the class of `interface C : A, B` if B derives from A. Members are
-never overridden, so any order is correct. All generated classes use the same order: the deepest
-base first.
+never overridden, so any order is correct. All generated classes use the same order: the interface
+with the longest chain of bases comes first.
 """
 
 from __future__ import annotations

@@ -107,8 +107,8 @@ def renamed(names: Iterable[tuple[str, str]]) -> list[str]:
 
 
 def units_of(units: Iterable[tuple[str, str | None]]) -> list[str]:
-    """Returns the argument `units` of an exception, which maps the name of a member in the
-    interface to its unit. The list is empty if no member has a unit."""
+    """Returns the keyword argument `units` of an exception. It maps the names of members,
+    as in the interface, to their units. Without a member that has a unit, there is no argument."""
     pairs = [f"{quoted(name)}: {quoted(unit)}" for name, unit in units if unit]
     return [f"units={group(pairs, '{', '}')}"] if pairs else []
 

@@ -69,8 +69,8 @@ void KeptNames::keep(const std::vector<Entry>& entries, const Processes& process
   std::string why = failed == 0 ? std::string() : system_text(failed);
   if (!why.empty() && why != reported_) {
     log_warning("broker", "cannot write " + path_ + ": " + why +
-                              "; a later broker gives the name of a server away if the server is "
-                              "suspended when that broker starts");
+                              "; when the broker is started again, the names of suspended servers "
+                              "are free for others");
   }
   reported_ = std::move(why);
 }

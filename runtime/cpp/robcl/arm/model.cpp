@@ -173,7 +173,7 @@ tl::expected<ArmModel, ModelError> ArmModel::with_front(const JointValues& front
   for (Eigen::Index i = 0; i < axes(); ++i) {
     const JointLimits& limits = limits_[static_cast<std::size_t>(i)];
     if (front[i] >= limits.lower && front[i] <= limits.upper) continue;
-    return refuse("joint " + std::to_string(i + 1) + " of front is at " +
+    return refuse("joint " + std::to_string(i + 1) + " of the posture 'front' is at " +
                   std::to_string(in_deg(front[i])) + " deg, outside its travel from " +
                   std::to_string(in_deg(limits.lower)) + " to " +
                   std::to_string(in_deg(limits.upper)) + " deg");

@@ -25,8 +25,8 @@ class TimeLaw {
   /// Time-Optimal Path Parameterization Based on Reachability Analysis", 2018. If only the limits
   /// of the tool apply, the speed profile is a trapezoid.
   ///
-  /// With a limit of jerk, the change of d²s/dt² within the window of `smoothing` is limited.
-  /// Therefore the motion moves at constant speed for a while before it brakes.
+  /// A limit of jerk limits the change of d²s/dt² within the window of `smoothing`: the motion
+  /// cannot accelerate at one moment and brake at the next, but moves at constant speed in between.
   static TimeLaw fastest(const PathBounds& bounds, const Smoothing& smoothing = {}) {
     return *fastest_from(bounds, {}, smoothing);
   }

@@ -145,9 +145,9 @@ double Traversal::acceleration(double seconds) const {
                            [&](double some) { return stays_below(highest, some); });
 }
 
-/// Returns whether the motion can slow down in time after `seconds` with d²s/dt² = `u`. While `u`
-/// is in the window, d²s/dt² must not fall by more than `change`. Compares this with each d²s/dt²
-/// that the plan, slowed to the speed of the motion, may require during this time.
+/// Returns whether the motion can slow down in time after `seconds` with d²s/dt² = `u`. The limit
+/// of jerk lets d²s/dt² fall by at most `change` within one window of the smoothing. So the plan,
+/// slowed to the speed of the motion, must nowhere within this window require a lower d²s/dt².
 bool Traversal::can_slow_down(double u, double seconds, double change) const {
   const Smoothing& smoothing = plan().smoothing;
   const TimeLaw& law = plan().law;

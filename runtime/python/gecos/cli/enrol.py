@@ -76,7 +76,9 @@ def join(url: str, owner: str | None, yes: bool, as_json: bool) -> None:
         digits = key_folder.fingerprint(laboratory.key)
         question = f"Admit the laboratory of {laboratory.owner}, with the key {digits}?"
         if not yes and not click.confirm(question, err=True):
-            raise UsageFailure("the laboratory's key is not admitted, so you cannot reach it")
+            raise UsageFailure(
+                "you did not admit the laboratory's key, so you cannot reach the laboratory"
+            )
         enrolment.admit(laboratory)
     except enrolment.EnrolmentError as error:
         raise UsageFailure(str(error)) from None

@@ -6,8 +6,8 @@ import time
 
 
 def silent_since(silent_for: float) -> float:
-    """Returns the Unix time at which a server was last heard, if that was `silent_for` seconds
-    ago."""
+    """Returns the Unix time of the last sign of life of a server. `silent_for` is how long ago that
+    was, in s."""
     return time.time() - silent_for
 
 

@@ -39,7 +39,7 @@ _QUIET = (What.READY, What.RESTARTED)  # the program itself prints a line about 
 
 
 def show(event: Event) -> None:
-    """Prints an event of a program for people."""
+    """Prints what a program of the laboratory did, in a form that people read."""
     if event.event is What.OUTPUT:
         say(f"  [{event.program}] {event.text}")
     elif event.program and event.event not in _QUIET:

@@ -67,8 +67,9 @@ tl::expected<void, media::SendProblem> SessionFailover::send(
     header.deadline =
         std::max(again.deadline - session_.runtime().clock().since_boot(), Duration{1});
   }
-  // Another server process treats this as a new call. The same server process may already know the
-  // outcome of the call, so the packet names the session and the counter of the first attempt.
+  // A server process that was started anew takes the packet for a new call. The process that got
+  // the first attempt may know its outcome already, so the packet names the session and the counter
+  // of the first attempt.
   const bool known = again.sessions != 0 && command->incarnation == session_.welcome().incarnation;
   if (known) header.flags = sent_again;
   CallSender& calls = session_.calls();

@@ -75,7 +75,7 @@ class ObjectCalls {
     if (change.finished) finished(call);
     return change.finished;
   }
-  /// Must be called when the thread of the handler has returned.
+  /// Must be called when the handler of `call` has returned.
   void returned(const std::shared_ptr<ServerCall>& call);
 
   // Ends that do not come from the handler.

@@ -23,8 +23,8 @@ namespace gecos::session {
 
 /// One object of a server: admits and queues calls, keeps the leases, runs handlers and sends
 /// replies. Every accepted call is answered exactly once, by its handler or by the event that ended
-/// it. Thread-safe. It has more methods than other classes, because all threads of the server call
-/// it for all parts of the object.
+/// it. Thread-safe. The class has more methods than others, because it alone takes what the threads
+/// of the server want from the calls, the leases and the streams of the object.
 class ObjectHost final : public Publisher {
  public:
   /// `audit`: null if nothing is recorded.
