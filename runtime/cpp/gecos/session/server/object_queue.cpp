@@ -180,6 +180,8 @@ std::vector<std::shared_ptr<QueueEntry>> ObjectQueue::drop() {
 }
 
 std::optional<std::size_t> ObjectQueue::position(const QueueEntry& entry) const {
+  const bool added_last = !actor_.empty() && actor_.back().get() == &entry;
+  if (added_last) return actor_.size() - 1 + running_.size();
   const auto at = std::find_if(actor_.begin(), actor_.end(),
                                [&](const auto& other) { return other.get() == &entry; });
   if (at == actor_.end()) return std::nullopt;
