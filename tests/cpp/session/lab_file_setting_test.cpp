@@ -2,12 +2,9 @@
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
-#include <sys/inotify.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <fstream>
-#include <thread>
 
 #include "../media/scratch_directory.hpp"
 #include "probe.hpp"
@@ -62,22 +59,6 @@ TEST_F(LabFileSetting, WithAnErrorIsRefusedForEachObject) {
         server.add(name, servant, {.media = {gecos::media::Kind::Inproc}, .well_known = true});
     ASSERT_FALSE(added) << name << " would be served in no zone";
     EXPECT_NE(added.error().text.find("did you mean zone?"), std::string::npos) << added.error();
-  }
-}
-
-TEST_F(LabFileSetting, ThatIsBeingWrittenIsReadWhenItIsComplete) {
-  for (const char* const begun : {"", "[allow]\nusers = []\n"}) {
-    write(begun);
-    const int watch = ::inotify_init1(IN_CLOEXEC);
-    ASSERT_GE(::inotify_add_watch(watch, path.c_str(), IN_CLOSE_NOWRITE), 0);
-    std::jthread writer([&] {
-      char event[512];
-      EXPECT_GT(::read(watch, event, sizeof event), 0) << "the server has looked at the file";
-      std::ofstream(path, std::ios::app) << "[objects.LOCAL]\nzones = \"CELL\"\n";
-    });
-    EXPECT_NE(refusal(path).find("did you mean zone?"), std::string::npos) << "begun: " << begun;
-    writer.join();
-    ::close(watch);
   }
 }
 

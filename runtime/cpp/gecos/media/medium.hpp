@@ -240,10 +240,11 @@ class Connection {
   /// Returns a text that says why the connection is lost; on lcm also why no peer answers.
   virtual std::string loss_text() const = 0;
 
-  /// Returns why the medium would no longer admit this peer, for example because its key was
-  /// removed. Returns an empty text while the medium would admit the peer. Reads files, which is
-  /// too slow for code that processes calls. Any thread may call this function.
-  virtual std::string revoked() { return {}; }
+  /// Returns a function that says why the medium would no longer admit this peer, for example
+  /// because its key was removed. The text is empty while the medium would admit the peer. The
+  /// function reads files, so it may take long; any thread may call it, also after the end of the
+  /// connection. Null if the medium admits the peer for ever. Any thread may call later_refusal().
+  virtual std::function<std::string()> later_refusal() { return nullptr; }
 
   /// Makes a stream for this peer alone, for example for samples from a client to its server. Use
   /// Acceptor::make_stream for many readers. `largest` is the largest size of a sample in bytes;

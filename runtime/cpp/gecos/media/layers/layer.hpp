@@ -46,7 +46,7 @@ class ConnectionLayer : public Connection {
   std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override {
     return inner_->open_stream(id);
   }
-  std::string revoked() override { return inner_->revoked(); }
+  std::function<std::string()> later_refusal() override { return inner_->later_refusal(); }
   std::string why_no_stream(std::uint32_t id) override { return inner_->why_no_stream(id); }
 
  protected:

@@ -445,17 +445,18 @@ void SealedServer::tell(std::uint32_t id, Shared& shared, const SealedStream& st
   say(InnerKind::Share, std::uint64_t{generation} << 32 | id, body);
 }
 
-std::string SealedServer::revoked() {
-  const auto& keys = responder_->keys();
-  if (key_ == keys.own.public_key()) return {};
-  if (const auto admitted = keys.directory.admission(key_); !admitted) {
-    return admitted.error().passing ? std::string() : admitted.error().text;
-  }
-  const auto owner = keys.directory.owner(key_);
-  if (!owner) return {};  // the next call finds out
-  const crypto::KeyOwner now = owner->value_or(crypto::KeyOwner{});
-  if (now == crypto::KeyOwner{peer().user, peer().host}) return {};
-  return "the owner of the key " + key_.short_name() + " has changed since its client connected";
+std::function<std::string()> SealedServer::later_refusal() {
+  if (key_ == responder_->keys()->own.public_key()) return nullptr;
+  return [keys = responder_->keys(), key = key_,
+          owner_then = crypto::KeyOwner{peer().user, peer().host}]() -> std::string {
+    if (const auto admitted = keys->directory.admission(key); !admitted) {
+      return admitted.error().passing ? std::string() : admitted.error().text;
+    }
+    const auto owner = keys->directory.owner(key);
+    if (!owner) return {};  // the next call finds out
+    if (owner->value_or(crypto::KeyOwner{}) == owner_then) return {};
+    return "the owner of the key " + key.short_name() + " has changed since its client connected";
+  };
 }
 
 /// Makes a stream like those of the acceptor: it can have many readers, and so also a single one.

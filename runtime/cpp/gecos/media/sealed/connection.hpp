@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -142,7 +143,7 @@ class SealedServer final : public SealedConnection {
   tl::expected<void, SendProblem> share(std::uint32_t id, StreamWriter& stream) override;
   void unshare(std::uint32_t id) override;
   std::unique_ptr<StreamReader> open_stream(std::uint32_t id) override;
-  std::string revoked() override;
+  std::function<std::string()> later_refusal() override;
 
   SealedServer(std::shared_ptr<HandshakeResponder> responder,
                const HandshakeResponder::PendingPeer& pending,

@@ -53,7 +53,7 @@ class HandshakeResponder {
   /// Returns the eventfd that pump() notifies when a client has connected.
   EventFd& event() { return event_; }
   const SealedOptions& options() const { return options_; }
-  const SealedKeys& keys() const { return *keys_; }
+  const std::shared_ptr<const SealedKeys>& keys() const { return keys_; }
   const SealedAddress& address() const { return address_; }
   void close() { closed_.store(true); }
 

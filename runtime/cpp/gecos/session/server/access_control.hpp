@@ -2,33 +2,37 @@
 
 #include <cstdint>
 #include <map>
-#include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "gecos/access/lab_file.hpp"
+#include "gecos/access/access_policy.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/base/result.hpp"
 #include "gecos/media/medium.hpp"
+#include "gecos/session/server/lab_file_reader.hpp"
 
 namespace gecos::session {
 
-/// Decides which users may connect to the objects of one server (access::AccessPolicy). Reads the
-/// lab file again when a client of another user connects, so that an edit acts on the next
-/// connection. An edit with an error is logged once and changes nothing. A file that is being
-/// written changes nothing either: a file that was changed within the last 100 ms, or emptied
-/// within the last second. Thread-safe.
+/// Decides which users may connect to the objects of one server (access::AccessPolicy), by the lab
+/// file (LabFileReader) and the lists of the program. The lab file is read again for each client of
+/// another user than the server's own that connects, so that an edit acts on the next connection.
+/// No decision waits longer than 250 ms for the file; after that, the lists count as they were read
+/// last. Thread-safe.
 class AccessControl {
  public:
   /// @param lab_file as LabOptions::lab_file
   explicit AccessControl(const std::string& lab_file);
 
-  /// Reads the lab file. Waits while the file is being written. Fails when the file has an error or
-  /// is still being written after 3 s, unless an earlier text of the file was correct.
+  /// Reads the lab file. Waits while the file is being written. Fails when the file is still being
+  /// written after 3 s, when its file system does not answer for 3 s, or when the file has an error
+  /// and no earlier text was correct.
   tl::expected<void, std::string> read();
-  /// Reads the lab file again, because it may have been edited.
-  void reread();
+  /// Makes the lab file be read again, soon, because it may have been edited. Does not wait.
+  void reread() { file_.ask(); }
 
+  /// Returns the lists of the lab file as it was read last. Each reading makes new ones.
+  std::shared_ptr<const access::LabAccess> lists() const { return file_.found().lists; }
   /// Returns the zone in which the lab file, as it was read last, places an object; an empty text
   /// for an object in no zone.
   std::string zone_of(const std::string& object);
@@ -46,8 +50,8 @@ class AccessControl {
     std::string text{};  ///< as AccessDecision::text
   };
   Judgement judge(const std::string& object, const media::Peer& peer) noexcept;
-  /// Returns why `peer` may not connect to the object, or may not stay connected; an empty text
-  /// when it may.
+  /// Returns why `peer` may not stay connected to the object; an empty text when it may. Decides by
+  /// the lab file as it was read last, and does not wait.
   std::string refusal(const std::string& object, const media::Peer& peer) noexcept;
   /// Returns whether `peer` may end the status of other clients: it runs as the user of the server
   /// or as root, or the lab file names its user as an administrator.
@@ -63,17 +67,18 @@ class AccessControl {
 
  private:
   access::UserAtHost user_of(const media::Peer& peer, const std::string& host);
-  std::optional<access::LabFileError> read_file() GECOS_REQUIRES(mutex_);
-  void reread_file() GECOS_REQUIRES(mutex_);
+  Judgement judge_by_lists(const std::string& object, const media::Peer& peer) noexcept;
+  /// Returns the policy by the lab file as it was read last.
+  const access::AccessPolicy& policy() GECOS_REQUIRES(mutex_);
   std::string name_of(std::uint32_t uid);
 
+  LabFileReader file_;
   Mutex mutex_;
   /// The names of the users who have connected. The server checks each session repeatedly, and must
   /// not ask a directory server of the network each time.
   std::map<std::uint32_t, std::string> names_ GECOS_GUARDED_BY(mutex_);
-  bool must_exist_ GECOS_GUARDED_BY(mutex_);  ///< a setting names the file, or it did exist
-  access::EditedLabFile file_ GECOS_GUARDED_BY(mutex_);
   access::AccessPolicy policy_ GECOS_GUARDED_BY(mutex_);
+  std::shared_ptr<const access::LabAccess> lists_ GECOS_GUARDED_BY(mutex_);  ///< in `policy_`
 };
 
 }  // namespace gecos::session

@@ -280,8 +280,7 @@ TimePoint IoLoop::on_tick(TimePoint now) {
   }
   handler_seen_ = handler;
 
-  const bool revoked = now >= next_review_ && end_revoked();
-  if (now >= next_review_) next_review_ = now + review_every;
+  const bool revoked = end_revoked(now);
   // When a session is excluded from streams, these streams move to new memory. The next heartbeat
   // tells the remaining readers where this memory is, so it is sent at once.
   const bool beat = revoked || now >= next_beat_;
@@ -302,20 +301,28 @@ TimePoint IoLoop::on_tick(TimePoint now) {
   return now + (handler % 2 == 1 ? Maintenance::tick : Maintenance::calm_tick);
 }
 
-bool IoLoop::end_revoked() {
+bool IoLoop::end_revoked(TimePoint now) {
   bool any = false;
-  for (const auto& session : sessions_.all()) {
-    if (session->gone.load()) continue;
-    media::Connection& connection = session->connection();
-    std::string why = connection.revoked();
-    if (why.empty()) why = access_->refusal(session->object()->name(), connection.peer());
-    if (why.empty()) continue;
-    session->gone = true;
-    session->object()->depart(session, ObjectHost::Departure::Lost, "was revoked: " + why);
-    exclude(*session, why);
-    any = true;
+  for (const auto& [key_session, why] : keys_.take()) {
+    if (const auto session = key_session.lock()) any = revoke(session, why) || any;
   }
+  if (now < next_review_) return any;
+  next_review_ = now + review_every;
+  const auto sessions = sessions_.all();
+  for (const auto& session : sessions) {
+    const std::string why =
+        access_->refusal(session->object()->name(), session->connection().peer());
+    if (!why.empty()) any = revoke(session, why) || any;
+  }
+  keys_.begin(sessions);
   return any;
+}
+
+bool IoLoop::revoke(const std::shared_ptr<ServerSession>& session, const std::string& why) {
+  if (session->gone.exchange(true)) return false;
+  session->object()->depart(session, ObjectHost::Departure::Lost, "was revoked: " + why);
+  exclude(*session, why);
+  return true;
 }
 
 void IoLoop::withdraw(const ObjectHost& object) {

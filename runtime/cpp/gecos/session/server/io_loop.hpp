@@ -12,6 +12,7 @@
 #include "gecos/session/server/access_control.hpp"
 #include "gecos/session/server/active_sessions.hpp"
 #include "gecos/session/server/epoll.hpp"
+#include "gecos/session/server/key_review.hpp"
 #include "gecos/session/server/object_host.hpp"
 #include "gecos/session/server/session_list.hpp"
 #include "gecos/session/server/standby_call.hpp"
@@ -81,7 +82,9 @@ class IoLoop {
   void drop_closed_endpoints() GECOS_REQUIRES(polling_);
   void part_if_lost(const std::shared_ptr<ServerSession>& session);
   /// Ends the sessions whose clients are not admitted any more. Returns whether there were any.
-  bool end_revoked();
+  bool end_revoked(TimePoint now);
+  /// Ends one of them. Returns false if it has ended already.
+  bool revoke(const std::shared_ptr<ServerSession>& session, const std::string& why);
 
   const std::shared_ptr<Runtime> runtime_;
   const std::shared_ptr<AccessControl> access_;
@@ -110,6 +113,7 @@ class IoLoop {
   std::uint64_t handler_seen_ = 0;
   TimePoint next_beat_{};
   TimePoint next_review_{};
+  KeyReview keys_;
   std::thread main_;
   std::thread standby_;
 };

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <ostream>
 #include <system_error>
+#include <utility>
 
 #include "gecos/audit/audit.hpp"
 #include "gecos/audit/folder.hpp"
@@ -108,7 +109,9 @@ class Server::Core {
   session::IoLoop io_;
   session::Registrar registrar_;
   session::ZoneWatches zones_ GECOS_GUARDED_BY(mutex_);
-  TimePoint next_look_ GECOS_GUARDED_BY(mutex_){};  ///< at the lab file
+  TimePoint next_look_ GECOS_GUARDED_BY(mutex_){};  ///< when the lab file is to be read again
+  /// The lists of the lab file whose zones the objects are in.
+  std::shared_ptr<const access::LabAccess> followed_ GECOS_GUARDED_BY(mutex_);
   std::shared_ptr<Upkeep> upkeep_;
 };
 
@@ -143,10 +146,13 @@ void Server::Core::Upkeep::after_pause(Duration stood_still) {
 }
 
 void Server::Core::follow_lab_file(TimePoint now) {
-  if (now < next_look_) return;
-  next_look_ = now + between_looks;
-  try {
+  if (now >= next_look_) {
+    next_look_ = now + between_looks;
     access_->reread();
+  }
+  const auto lists = access_->lists();
+  if (lists == std::exchange(followed_, lists)) return;
+  try {
     for (const auto& object : objects_) {
       const std::string zone = access_->zone_of(object->name());
       if (zone.empty() || zone == object->presence().zone()) continue;
@@ -154,7 +160,7 @@ void Server::Core::follow_lab_file(TimePoint now) {
       zones_.add(zone, object);
       object->presence().enter(zone);
     }
-  } catch (const std::exception& failed) {  // the next look tries again
+  } catch (const std::exception& failed) {  // the next reading tries again
     log_error("session", std::string("an edit of the lab file was not applied: ") + failed.what());
   }
 }

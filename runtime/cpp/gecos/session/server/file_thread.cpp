@@ -1,0 +1,98 @@
+#include "gecos/session/server/file_thread.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <string>
+#include <utility>
+
+#include "gecos/base/log.hpp"
+#include "gecos/base/mutex.hpp"
+#include "gecos/base/thread.hpp"
+#include "gecos/session/protocol/packets.hpp"
+
+namespace gecos::session {
+namespace {
+
+constexpr Duration longest_job_at_end = std::chrono::seconds(1);
+
+}  // namespace
+
+/// What the thread uses. It outlives the FileThread while the job does not end.
+struct FileThread::Shared {
+  explicit Shared(std::function<void()> its_job) : job(std::move(its_job)) {}
+  void work();
+  void run_job() const;
+
+  const std::function<void()> job;
+  Mutex mutex;
+  ConditionVariable changed;
+  std::uint64_t asked GECOS_GUARDED_BY(mutex) = 0;      ///< number of the last run that is wanted
+  std::uint64_t ended_run GECOS_GUARDED_BY(mutex) = 0;  ///< number of the last run that has ended
+  TimePoint since GECOS_GUARDED_BY(mutex) = TimePoint::max();  ///< begin of the run; max: none runs
+  bool must_end GECOS_GUARDED_BY(mutex) = false;
+  bool ended GECOS_GUARDED_BY(mutex) = false;
+};
+
+void FileThread::Shared::work() {
+  MutexLock lock(mutex);
+  for (;;) {
+    while (!must_end && asked == ended_run) changed.wait(lock);
+    if (must_end) break;
+    const std::uint64_t run = asked;
+    since = system_clock().now();
+    lock.unlock();
+    run_job();
+    lock.lock();
+    since = TimePoint::max();
+    ended_run = run;
+    changed.notify_all();
+  }
+  ended = true;
+  changed.notify_all();
+}
+
+void FileThread::Shared::run_job() const {
+  try {
+    job();
+  } catch (const std::exception& failed) {  // the next run tries again
+    log_error("session", std::string("files were not read: ") + failed.what());
+  }
+}
+
+FileThread::FileThread(const std::string& name, std::function<void()> job)
+    : shared_(std::make_shared<Shared>(std::move(job))),
+      thread_(start_thread(name, [shared = shared_] { shared->work(); })) {}
+
+FileThread::~FileThread() {
+  const TimePoint until = deadline_after(longest_job_at_end);
+  MutexLock lock(shared_->mutex);
+  shared_->must_end = true;
+  shared_->changed.notify_all();
+  while (!shared_->ended && shared_->changed.wait_until(lock, until)) {
+  }
+  const bool ended = shared_->ended;
+  lock.unlock();
+  if (ended) {
+    thread_.join();
+    return;
+  }
+  log_warning("session", "a file system does not answer; the reading of a file is abandoned");
+  thread_.detach();
+}
+
+std::uint64_t FileThread::ask() {
+  const MutexLock lock(shared_->mutex);
+  shared_->changed.notify_all();
+  return ++shared_->asked;
+}
+
+bool FileThread::await(std::uint64_t run, Duration patience) {
+  MutexLock lock(shared_->mutex);
+  const TimePoint began = std::min(shared_->since, system_clock().now());
+  while (shared_->ended_run < run && shared_->changed.wait_until(lock, began + patience)) {
+  }
+  return shared_->ended_run >= run;
+}
+
+}  // namespace gecos::session
