@@ -6,9 +6,6 @@
 #include <string_view>
 #include <utility>
 
-#include "gecos/binding.hpp"
-#include "gecos/presence_interface.hpp"  // generated from idl/gecos/presence.gidl
-
 namespace devices {
 namespace {
 
@@ -22,12 +19,6 @@ std::string new_code() {
   std::string code;
   while (code.size() < code_length) code += code_letters[draw(random)];
   return code;
-}
-
-constexpr std::uint32_t longest_source = 64;  // as in presence.gidl
-
-gecos::Result<void> rejected(std::string why) {
-  return tl::unexpected(gecos::Fault::rejected(std::move(why)));
 }
 
 /// Returns a number that is higher at each start of this program than at the start before.
@@ -60,19 +51,6 @@ void ZoneServant::publish_verdict() {
 
 void ZoneServant::publish_change() {
   if (zone_.verdict(now()) != published_) publish_verdict();
-}
-
-bool ZoneServant::gecos_answer(gecos::IncomingCall& call) {
-  const gecos::FunctionCode code = call.operation().code;
-  if (code == gecos::ZoneInterface::report_door.code ||
-      code == gecos::ZoneInterface::report_button.code) {
-    std::string source;  // the first argument of both
-    gecos::wire::Decoder from(call.arguments());
-    if (!from.get_string(source, longest_source, "source")) return call.refuse(from.error());
-    std::string why = gecos::session::refusal_to_report(*call.core(), source);
-    if (!why.empty()) return call.answer(rejected(std::move(why)), {});
-  }
-  return gecos::ZoneServant::gecos_answer(call);
 }
 
 gecos::Result<gecos::ZonePresence> ZoneServant::presence() {

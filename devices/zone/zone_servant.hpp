@@ -27,8 +27,6 @@ class ZoneServant final : public gecos::ZoneServant {
   void simulate(const std::vector<std::string>& sources);
 
  private:
-  /// Refuses a report of a door or button if the calling program may not report for it.
-  bool gecos_answer(gecos::IncomingCall& call) override;
   gecos::Result<gecos::ZonePresence> presence() override;
   gecos::Result<void> show_code() override;
   gecos::Result<void> check_in(const std::string& code, const std::string& person,

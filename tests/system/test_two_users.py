@@ -57,7 +57,14 @@ def test_a_server_in_python_names_who_is_admitted() -> None:
     assert rule in refused
 
 
-def test_the_lab_file_says_who_may_report_for_a_door(build: Path) -> None:
+@pytest.fixture(params=["robcl-zone", "a zone of one's own"])
+def zone_server(request: pytest.FixtureRequest, build: Path) -> list[str]:
+    if request.param == "robcl-zone":
+        return [str(build / "devices" / "zone" / "robcl-zone"), "--doors", "DOOR"]
+    return [sys.executable, str(TREE / "tests" / "system" / "programs" / "own_zone.py")]
+
+
+def test_the_lab_file_says_who_may_report_for_a_door(zone_server: list[str]) -> None:
     with tempfile.TemporaryDirectory(prefix="gecos-") as folder:
         lab_file = Path(folder) / "lab.toml"
         lab_file.write_text(
@@ -65,26 +72,41 @@ def test_the_lab_file_says_who_may_report_for_a_door(build: Path) -> None:
         )
         lab_file.chmod(0o644)
         subprocess.run([*WITH_OTHER_USERS, "chmod", "1777", folder], check=True)
-        places = {"GECOS_RUNTIME_DIR": folder, "GECOS_LAB_FILE": str(lab_file)}
+        environment = {
+            **os.environ,
+            "GECOS_RUNTIME_DIR": folder,
+            "GECOS_LAB_FILE": str(lab_file),
+            "GECOS_AUDIT_DIR": f"{folder}/audit",
+        }
         program = TREE / "tests" / "system" / "programs" / "two_reporters.py"
-        ran = subprocess.run(
-            [*WITH_OTHER_USERS, sys.executable, program, build / "devices" / "zone" / "robcl-zone"],
-            env={**os.environ, **places},
-            capture_output=True,
-            text=True,
-            timeout=120,
-            check=False,
-        )
-    assert ran.returncode == 0, ran.stdout + ran.stderr
-    own, stranger, bound, unbound = ran.stdout.splitlines()
+        ran = _run(environment, sys.executable, program, *zone_server)
+        own, stranger, bound, unbound = ran.splitlines()
+        refusal, request = stranger.removesuffix(")").split(" (request ")
+        explained = _run(environment, sys.executable, "-m", "gecos.cli", "why", request)
     host = socket.gethostname()
     assert own == "root: reported"
-    assert stranger == (
-        f"daemon: REJECTED: a program of user daemon of host {host} may not report for DOOR of "
+    why = (
+        f"DENIED: a program of user daemon of host {host} may not report for DOOR of "
         "CELL: no [objects.CELL.sources] of a lab file binds this source, so only the user of the "
         f'zone\'s server may report for it; write DOOR = "daemon@{host}" under '
         "[objects.CELL.sources]"
     )
+    assert refusal == f"daemon: {why}"
+    assert f" CELL: daemon on {host} (" in explained, explained
+    assert f"report_door ended {why}" in explained
     assert bound == "daemon: reported"
     assert "a program of user root" in unbound
     assert f"binds this source to user daemon of host {host}" in unbound
+
+
+def _run(environment: dict[str, str], *command: str | Path) -> str:
+    ran = subprocess.run(
+        [*WITH_OTHER_USERS, *command],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    return ran.stdout

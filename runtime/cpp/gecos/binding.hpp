@@ -92,11 +92,6 @@ class CallCore;
 /// a refusal to the audit.
 std::string refusal_to_register(const CallCore& call, const std::string& name);
 
-/// Returns why the client that issued `call`, a call of a zone, may not report for `source`, for
-/// example a door; an empty text when it may. This function is for the servant of a zone. It
-/// decides by [objects.ZONE.sources] of the lab file, as this process last read the file.
-std::string refusal_to_report(const CallCore& call, const std::string& source);
-
 class HandlerHere;
 
 /// Records, while this object lives, that the handler on this thread waits for `command` without a

@@ -1,6 +1,6 @@
 """A zone of root, whose door is reported by root and by the user `daemon`: before and after an edit
-of the lab file names `daemon` as the owner of the door. The argument is the program robcl-zone. The
-child is forked here, because another user may not be able to read the tree."""
+of the lab file names `daemon` as the owner of the door. The arguments are the command that serves
+the zone. The child is forked here, because another user may not be able to read the tree."""
 
 import os
 import pwd
@@ -54,9 +54,7 @@ def daemon_reports() -> str:
 
 
 with gecos.Lab() as lab, gecos.Broker(lab):
-    zone_program = subprocess.Popen(
-        [sys.argv[1], "--doors", "DOOR"], stdout=subprocess.PIPE, text=True
-    )
+    zone_program = subprocess.Popen(sys.argv[1:], stdout=subprocess.PIPE, text=True)
     assert zone_program.stdout is not None
     assert "ready" in zone_program.stdout.readline()
     root_zone = lab.create(Zone, "CELL")

@@ -21,7 +21,9 @@ struct UserRights {
   /// Returns why the user may not report for `source`, such as a door contact of `zone`, that a
   /// person is present; an empty text when it may.
   std::function<std::string(const std::string& zone, const std::string& source, const media::Peer&)>
-      refusal_to_report = [](const auto&, const auto&, const auto&) { return std::string(); };
+      refusal_to_report = [](const auto& zone, const auto& source, const auto&) {
+        return "nothing says who may report for " + source + " of " + zone;
+      };
 };
 
 /// The settings of one object of a server, constant while it is served.

@@ -28,14 +28,6 @@ std::string refusal_to_register(const CallCore& call, const std::string& name) {
   return client.object()->setup().rights.refusal_to_register(name, client.connection().peer());
 }
 
-std::string refusal_to_report(const CallCore& call, const std::string& source) {
-  const auto* const served = dynamic_cast<const ServerCall*>(&call);
-  if (served == nullptr) return {};  // a test's own call
-  ServerSession& client = *served->session;
-  const ObjectSetup& zone = client.object()->setup();
-  return zone.rights.refusal_to_report(zone.name, source, client.connection().peer());
-}
-
 const Caller& ServerCall::caller() const { return session->caller(); }
 
 bool ServerCall::wait_interrupted_until(TimePoint until) {

@@ -13,6 +13,7 @@
 #include "gecos/session/server/admission.hpp"
 #include "gecos/session/server/call_log.hpp"
 #include "gecos/session/server/greeting.hpp"
+#include "gecos/session/server/presence_reports.hpp"
 #include "gecos/wire/layout.hpp"
 
 namespace gecos::session {
@@ -268,17 +269,7 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
     if (log_enabled(level_of(operation)))
       log_refused(setup_.name, operation, session->caller(), failure);
   };
-  if (const auto refusal =
-          refusal_to_queue({operation, session->id(), packet.header.epoch, packet.header.counter},
-                           statuses_.admitting(), claim_, calls_.queue(), closed_)) {
-    return refuse(*refusal);
-  }
-  if (presence_.required()) {
-    if (const auto refusal =
-            refusal_for_absence(operation, setup_.name, presence_, setup_.clock().since_boot())) {
-      return refuse(*refusal);
-    }
-  }
+  if (const auto why = refusal(*session, packet, operation)) return refuse(*why);
   auto call = make_recycled<ServerCall>(session, operation, packet.header.counter,
                                         packet.header.epoch, packet.body);
   if (log_enabled(level_of(operation))) call->arrived = setup_.clock().now();
@@ -304,6 +295,20 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
     call->position_sent = position;
     if (position != 0) session->report(*call, Detail::Queued, position);
   }
+}
+
+/// Returns why the call must not be queued; nullopt when it may.
+std::optional<Failure> SessionPackets::refusal(ServerSession& session,
+                                               const wire::PacketView& packet,
+                                               const OperationDescription& operation) {
+  if (auto refusal =
+          refusal_to_queue({operation, session.id(), packet.header.epoch, packet.header.counter},
+                           statuses_.admitting(), claim_, calls_.queue(), closed_)) {
+    return refusal;
+  }
+  if (auto refusal = refusal_to_report(setup_, session, packet, operation)) return refusal;
+  if (!presence_.required()) return std::nullopt;
+  return refusal_for_absence(operation, setup_.name, presence_, setup_.clock().since_boot());
 }
 
 void SessionPackets::preempt(const ServerCall& by) {

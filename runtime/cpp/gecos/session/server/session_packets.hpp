@@ -59,6 +59,8 @@ class SessionPackets {
   void take_call(const Session& session, const wire::PacketView& packet, Age age = {});
   void admit(const Session& session, const wire::PacketView& packet,
              const OperationDescription& operation, Age age);
+  std::optional<Failure> refusal(ServerSession& session, const wire::PacketView& packet,
+                                 const OperationDescription& operation);
   void preempt(const ServerCall& by);
 
   // Calls that arrive before calls that were issued earlier.
