@@ -2,9 +2,11 @@
 
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <condition_variable>
 #include <cstdarg>
@@ -25,6 +27,8 @@ struct FileSystem {
   std::condition_variable changed;
   std::string hangs;  ///< part of the paths that hang; empty: none
   int hanging = 0;    ///< number of threads that hang
+  bool no_threads = false;
+  int refused_threads = 0;
   Awaited open;
   Awaited read;
 };
@@ -102,6 +106,23 @@ extern "C" [[gnu::visibility("default")]] ssize_t read(int descriptor, void* int
   return real(descriptor, into, size);
 }
 
+extern "C" [[gnu::visibility("default")]] int pthread_create(pthread_t* thread,
+                                                             const pthread_attr_t* attributes,
+                                                             void* (*run)(void*),
+                                                             void* argument) noexcept {
+  static const auto real =
+      next<int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*)>("pthread_create");
+  {
+    const std::lock_guard lock(files().mutex);
+    if (files().no_threads) {
+      ++files().refused_threads;
+      files().changed.notify_all();
+      return EAGAIN;
+    }
+  }
+  return real(thread, attributes, run, argument);
+}
+
 namespace probe {
 
 HangingFiles::HangingFiles(const std::string& part) {
@@ -122,6 +143,25 @@ void HangingFiles::await_reader() {
   if (!files().changed.wait_for(lock, std::chrono::seconds(30),
                                 [] { return files().hanging > 0; })) {
     throw std::runtime_error("no thread has opened a file of " + files().hangs);
+  }
+}
+
+NoThreads::NoThreads() {
+  const std::lock_guard lock(files().mutex);
+  files().no_threads = true;
+  files().refused_threads = 0;
+}
+
+NoThreads::~NoThreads() {
+  const std::lock_guard lock(files().mutex);
+  files().no_threads = false;
+}
+
+void NoThreads::await_try() {
+  std::unique_lock lock(files().mutex);
+  if (!files().changed.wait_for(lock, std::chrono::seconds(30),
+                                [] { return files().refused_threads > 0; })) {
+    throw std::runtime_error("nobody has started a thread");
   }
 }
 

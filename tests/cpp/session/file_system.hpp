@@ -1,4 +1,5 @@
-// The system in the hands of the test: open() and read() of this program obey the objects below.
+// The system in the hands of the test: open(), read() and pthread_create() of this program obey the
+// objects below.
 #pragma once
 
 #include <functional>
@@ -15,6 +16,17 @@ class HangingFiles {
   HangingFiles& operator=(const HangingFiles&) = delete;
   /// Waits until a thread opens such a file.
   void await_reader();
+};
+
+/// While it lives, this process can start no thread.
+class NoThreads {
+ public:
+  NoThreads();
+  ~NoThreads();
+  NoThreads(const NoThreads&) = delete;
+  NoThreads& operator=(const NoThreads&) = delete;
+  /// Waits until it could not start one.
+  void await_try();
 };
 
 /// Calls `action` once, at the next open() of the file, before the file is opened.

@@ -15,6 +15,7 @@
 #include "bench.hpp"
 #include "gecos/media/sealed/keys.hpp"
 #include "gecos/session/server/access_control.hpp"
+#include "reporting_zone.hpp"
 
 namespace {
 
@@ -125,6 +126,27 @@ TEST_F(TheLabFile, ThatIsWrittenWhileItIsReadIsNotTakenHalf) {
   gecos::session::AccessControl access(lab_file);
   ASSERT_TRUE(access.read());
   EXPECT_EQ(access.zone_of("SECOND"), "CELL");
+}
+
+TEST_F(AnEditOfTheLabFile, ThatCannotBeFollowedLeavesAnObjectInItsZone) {
+  write("[objects.PROBE]\nzone = \"CELL\"\n");
+  probe::ReportingZone zone;
+  gecos::Server zone_server(second_lab_);
+  ASSERT_TRUE(zone_server.add("CELL", zone, {.simulated = true, .media = {kind_}}));
+  serve("PROBE", servant_);
+  const auto robot = connect(lab_);
+  const auto says = [&](const std::string& text) {
+    return settles([&] {
+      const auto about = gecos::describe(robot).get();
+      return about && about->presence.find(text) != std::string::npos;
+    });
+  };
+  ASSERT_TRUE(says("in zone CELL: no person has checked in"));
+  probe::NoThreads none;
+  write("[objects.PROBE]\nzone = \"HALL\"\n");
+  none.await_try();
+  zone.say(true, "ben has checked in");
+  EXPECT_TRUE(says("a person is present in zone CELL: ben has checked in"));
 }
 
 class KeyFilesThatDoNotAnswer : protected WithLabFile, public probe::Bench {

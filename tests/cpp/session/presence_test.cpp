@@ -1,69 +1,16 @@
 // An object that the lab file places in a zone moves only while the zone reports that a person is
 // present, over every medium.
 #include <chrono>
-#include <condition_variable>
 #include <fstream>
-#include <mutex>
-#include <thread>
 
 #include "../media/scratch_directory.hpp"
-#include "gecos/presence_server.hpp"  // generated from idl/gecos/presence.gidl
 #include "over_media.hpp"
+#include "reporting_zone.hpp"
 
 namespace {
 
 using namespace std::chrono_literals;
 using gecos::Detail;
-
-/// Reports ten times a second, and at once, what the test says.
-class ReportingZone final : public gecos::ZoneServant {
- public:
-  ReportingZone() : beat_([this](const std::stop_token& end) { run(end); }) {}
-
-  void say(bool present, const std::string& why) {
-    const std::lock_guard lock(mutex_);
-    silent_ = false;
-    if (present && !report_.present) ++report_.spell;
-    report_.present = present;
-    report_.why = why;
-    publish_presence(report_);
-  }
-  /// Between two reports nobody was there.
-  void blink() {
-    const std::lock_guard lock(mutex_);
-    ++report_.spell;
-  }
-  void fall_silent() {
-    const std::lock_guard lock(mutex_);
-    silent_ = true;
-  }
-
- private:
-  gecos::Result<gecos::ZonePresence> presence() override {
-    const std::lock_guard lock(mutex_);
-    return report_;
-  }
-  gecos::Result<void> show_code() override { return {}; }
-  gecos::Result<void> check_in(const std::string&, const std::string&, double) override {
-    return {};
-  }
-  gecos::Result<bool> check_out(const std::string&) override { return false; }
-  gecos::Result<void> report_door(const std::string&, bool) override { return {}; }
-  gecos::Result<void> report_button(const std::string&, bool) override { return {}; }
-
-  void run(const std::stop_token& end) {
-    std::unique_lock lock(mutex_);
-    while (!wake_.wait_for(lock, end, 100ms, [&] { return end.stop_requested(); })) {
-      if (!silent_) publish_presence(report_);
-    }
-  }
-
-  std::mutex mutex_;
-  std::condition_variable_any wake_;
-  gecos::ZonePresence report_{false, 1, "no person has checked in; check in at CELL"};
-  bool silent_ = false;
-  std::jthread beat_;
-};
 
 /// Made before the labs of the test, which read it.
 struct LabFileWithZone {
@@ -105,7 +52,7 @@ class Presence : protected LabFileWithZone, public probe::OverMedia {
     EXPECT_NE(ended.error().text.find(why), std::string::npos) << ended.error();
   }
 
-  ReportingZone zone_;
+  probe::ReportingZone zone_;
   gecos::Lab zone_lab_{probe::patient()};
   std::unique_ptr<gecos::Server> zone_server_ = std::make_unique<gecos::Server>(zone_lab_);
   probe::Probe robot;
@@ -175,19 +122,21 @@ TEST_P(Presence, IsLostWhenAnEditOfTheLabFileMovesTheObjectToAnotherZone) {
 }
 
 TEST_P(Presence, IsNeededByAnObjectThatEntersAZoneAndByOneThatLeavesItsZone) {
-  probe::ProbeServant free;
+  write("[objects.STAYS]\nzone = \"CELL\"\n");
+  probe::ProbeServant stays, free;
   gecos::Server its_server(zone_lab_);
+  ASSERT_TRUE(its_server.add("STAYS", stays, {.simulated = true, .media = {kind_}}));
   ASSERT_TRUE(its_server.add("FREE", free, {.simulated = true, .media = {kind_}}));
-  const auto moves = connect(lab_, "FREE");
-  const auto its_lease = gecos::actor(moves);
-  ASSERT_TRUE(its_lease);
+  const auto remains = connect(lab_, "STAYS"), moves = connect(lab_, "FREE");
+  const auto lease_of_remains = gecos::actor(remains), lease_of_moves = gecos::actor(moves);
+  ASSERT_TRUE(lease_of_remains && lease_of_moves);
+  ASSERT_TRUE(says(remains, "no person has checked in"));
   const auto runs = moves.move(1);
   free.await_moves(1);
-  ASSERT_TRUE(says("no person has checked in"));
   write("[objects.FREE]\nzone = \"HALL\"\n");
   expect_lost(runs, "presence was lost: nobody is known to be present in zone HALL");
-  ASSERT_TRUE(says("in zone CELL")) << "PROBE leaves its zone only when it is served anew";
-  expect_lost(robot.move(2), "nobody is known to be present in zone CELL");
+  ASSERT_TRUE(says(remains, "in zone CELL")) << "it leaves its zone only when it is served anew";
+  expect_lost(remains.move(2), "nobody is known to be present in zone CELL");
 }
 
 TEST_P(Presence, EndsWithTheServerOfTheZone) {

@@ -118,12 +118,15 @@ bool ZoneWatch::rest() {
 }
 
 void ZoneWatches::add(const std::string& zone, const std::shared_ptr<ObjectHost>& object) {
-  for (const auto& watch : watches_) watch->remove(*object);
-  const auto found =
+  auto found =
       std::ranges::find_if(watches_, [&](const auto& watch) { return watch->zone() == zone; });
-  if (found != watches_.end()) return (*found)->add(object);
-  watches_.push_back(std::make_unique<ZoneWatch>(runtime_, zone));
-  watches_.back()->add(object);
+  if (found == watches_.end()) {
+    found = watches_.insert(found, std::make_unique<ZoneWatch>(runtime_, zone));
+  }
+  (*found)->add(object);
+  for (const auto& watch : watches_) {
+    if (watch != *found) watch->remove(*object);
+  }
 }
 
 }  // namespace gecos::session

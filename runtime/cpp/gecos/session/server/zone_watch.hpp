@@ -58,7 +58,8 @@ class ZoneWatches {
   explicit ZoneWatches(std::shared_ptr<Runtime> runtime) : runtime_(std::move(runtime)) {}
 
   /// From now on tells `object` whether a person is present in `zone`, and no longer tells it
-  /// anything about another zone.
+  /// anything about another zone. When this function
+  /// throws, because no thread is left, it changes nothing.
   void add(const std::string& zone, const std::shared_ptr<ObjectHost>& object);
   void end() { watches_.clear(); }
 
