@@ -10,12 +10,10 @@ using namespace std::chrono_literals;
 using gecos::Detail;
 
 /// `holder` has actor status; `other` may wait for it.
-class HandOvers : public probe::OverMedia {
+class HandOvers : public probe::TwoProxies {
  protected:
   void SetUp() override {
-    OverMedia::SetUp();
-    holder = connect(lab_);
-    other = connect(second_lab_);
+    TwoProxies::SetUp();
     lease.emplace(*gecos::actor(holder));
   }
   /// `other` waits in line, on a thread of its own.
@@ -28,7 +26,6 @@ class HandOvers : public probe::OverMedia {
     return asked.value_or(std::vector<gecos::WaitingRequest>());
   }
 
-  probe::Probe holder, other;
   std::optional<gecos::Lease> lease;
 };
 PROBE_OVER_MEDIA(HandOvers);
@@ -151,11 +148,25 @@ TEST_F(QuestionsAboutTheLine, AreAnsweredAfterTheirPatience) {
   EXPECT_EQ(reply_to(1), Detail::Done);
 }
 
-TEST_F(QuestionsAboutTheLine, AreBoundedInNumber) {
-  for (std::uint64_t counter = 1; counter <= 64; ++counter) ask(counter, 60);
-  EXPECT_EQ(reply_to(64), std::nullopt);
-  ask(65, 60);
-  EXPECT_EQ(reply_to(65), Detail::QueueFull);
+TEST_F(QuestionsAboutTheLine, AreBoundedInNumberForEachProgramAndForAll) {
+  std::uint64_t counter = 0;
+  std::vector<std::shared_ptr<ServerSession>> sessions;
+  for (incarnation_ = 1; incarnation_ <= 8; ++incarnation_) {
+    for (int question = 0; question < 8; ++question) {
+      sessions.push_back(connect());  // a program may have many proxies
+      ask(++counter, 60);
+      EXPECT_EQ(reply_to(counter), std::nullopt);
+    }
+    ask(++counter, 60);
+    EXPECT_EQ(reply_to(counter), Detail::QueueFull);
+    EXPECT_TRUE(failure().ends_with(") already wait; ask again when one of them has been answered"))
+        << failure();
+  }
+  sessions.push_back(connect());
+  ask(++counter, 60);
+  EXPECT_EQ(reply_to(counter), Detail::QueueFull);
+  EXPECT_EQ(failure(),
+            "PROBE: too many questions about requests: 64 already wait; ask again later");
 }
 
 TEST_F(QuestionsAboutTheLine, EndWithTheObjectAndAreForgottenWithTheirSession) {

@@ -122,6 +122,7 @@ class ServedObjects : public ::testing::Test {
     session_ = std::make_shared<ServerSession>(std::move(connection), object_);
     Hello hello;
     hello.user = "ada";
+    hello.incarnation = incarnation_;
     hello.interface_name = "probe::Probe";
     wire::PacketHeader header;
     header.kind = wire::PacketKind::Hello;
@@ -233,6 +234,7 @@ class ServedObjects : public ::testing::Test {
   std::shared_ptr<ServerSession> session_;
   TestConnection* connection_ = nullptr;
   std::uint64_t acknowledged_ = 0;
+  std::uint64_t incarnation_ = 0;  ///< of the client's program, at the next connect()
 };
 
 class OverALossyLine : public ServedObjects {

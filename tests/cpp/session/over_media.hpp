@@ -15,6 +15,17 @@ class OverMedia : public Bench, public ::testing::WithParamInterface<gecos::medi
   }
 };
 
+/// Two programs have a proxy of PROBE.
+class TwoProxies : public OverMedia {
+ protected:
+  void SetUp() override {
+    OverMedia::SetUp();
+    holder = connect(lab_);
+    other = connect(second_lab_);
+  }
+  Probe holder, other;
+};
+
 }  // namespace probe
 
 #define PROBE_OVER_MEDIA(suite)                                                                   \

@@ -1,4 +1,4 @@
-// Who holds the status of an object, and each change of that, told to observers and holders.
+// Who holds the status of an object, and each change of that, told to others and holders.
 #include "object_host_bench.hpp"
 #include "over_media.hpp"
 
@@ -8,16 +8,11 @@ using namespace std::chrono_literals;
 using gecos::Detail;
 using gecos::HolderChange;
 
-/// `observer` holds no status.
-class Rosters : public probe::OverMedia {
+/// `other` observes, and holds no status.
+class Rosters : public probe::TwoProxies {
  protected:
-  void SetUp() override {
-    OverMedia::SetUp();
-    holder = connect(lab_);
-    observer = connect(second_lab_);
-  }
   gecos::Roster roster(std::uint64_t after = 0, gecos::Duration timeout = 60s) {
-    const auto told = gecos::roster(observer, after, timeout).get();
+    const auto told = gecos::roster(other, after, timeout).get();
     EXPECT_TRUE(told) << told.error();
     return told.value_or(gecos::Roster());
   }
@@ -27,8 +22,6 @@ class Rosters : public probe::OverMedia {
     return found;
   }
   using Kinds = std::vector<HolderChange>;
-
-  probe::Probe holder, observer;
 };
 PROBE_OVER_MEDIA(Rosters);
 
@@ -47,8 +40,8 @@ TEST_P(Rosters, AreToldAtOnceAtFirst) {
 
 TEST_P(Rosters, AreToldWhenTheyChange) {
   const std::uint64_t known = roster().newest;
-  const auto told = gecos::roster(observer, known, 60s);
-  ASSERT_TRUE(observer.read().get()) << "the server has the question";
+  const auto told = gecos::roster(other, known, 60s);
+  ASSERT_TRUE(other.read().get()) << "the server has the question";
   const auto lease = gecos::master(holder);
   ASSERT_TRUE(lease);
   const auto changed = told.get();
@@ -98,15 +91,15 @@ TEST_P(Rosters, TellWhoStoppedTheObject) {
   const auto lease = gecos::actor(holder);
   ASSERT_TRUE(lease);
   const std::uint64_t known = roster().newest;
-  ASSERT_TRUE(gecos::stop(observer).get());
+  ASSERT_TRUE(gecos::stop(other).get());
   const gecos::Roster told = roster(known);
   ASSERT_EQ(kinds(told), Kinds({HolderChange::ENDED}));
   EXPECT_TRUE(told.changes[0].why.starts_with("stopped by ")) << told.changes[0].why;
 }
 
 TEST_P(Rosters, EndTheQuestionOfAClientThatCancels) {
-  auto told = gecos::roster(observer, roster().newest, 3600s);
-  ASSERT_TRUE(observer.read().get()) << "the server has the question";
+  auto told = gecos::roster(other, roster().newest, 3600s);
+  ASSERT_TRUE(other.read().get()) << "the server has the question";
   told.cancel();
   EXPECT_EQ(told.get().error().detail, Detail::Canceled);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string>
 
 namespace gecos::session {
 namespace {
@@ -23,15 +24,26 @@ Duration patience_of(double seconds) {
 
 void OpenQuestions::add(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
                         std::uint64_t after, double patience) {
-  if (questions_.size() < most) {
-    questions_.push_back({session, counter, after, clock_.now() + patience_of(patience)});
-    return;
+  if (const std::string why = too_many(session->caller()); !why.empty()) {
+    return session->reply(counter, Failure{Detail::QueueFull, why, {}, {}});
   }
-  session->reply(counter, Failure{Detail::QueueFull,
-                                  about_ + ": " + std::to_string(questions_.size()) +
-                                      " already wait; ask again later",
-                                  {},
-                                  {}});
+  questions_.push_back({session, counter, after, clock_.now() + patience_of(patience)});
+}
+
+std::string OpenQuestions::too_many(const Caller& program) const {
+  const auto own =
+      static_cast<std::size_t>(std::ranges::count_if(questions_, [&](const Question& question) {
+        const Caller& other = question.session->caller();
+        return other.user == program.user && other.host == program.host &&
+               other.incarnation == program.incarnation;
+      }));
+  if (own >= most_of_program) {
+    return about_ + ": " + std::to_string(own) + " of " + program.program + " (pid " +
+           std::to_string(program.pid) + " on " + program.host +
+           ") already wait; ask again when one of them has been answered";
+  }
+  if (questions_.size() < most) return "";
+  return about_ + ": " + std::to_string(questions_.size()) + " already wait; ask again later";
 }
 
 bool OpenQuestions::waits(SessionId session, std::uint64_t counter) const {

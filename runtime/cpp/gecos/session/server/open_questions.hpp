@@ -27,11 +27,13 @@ class OpenQuestions {
   /// `about`: begins the text of a refusal, for example "RX90: too many questions about requests".
   OpenQuestions(std::string about, const Clock& clock) : about_(std::move(about)), clock_(clock) {}
 
-  /// Maximum number of questions. A correct client has one at a time.
+  /// Maximum number of questions, of all programs and of one. A correct proxy has one at a time.
   static constexpr std::size_t most = 64;
+  static constexpr std::size_t most_of_program = 8;
 
   /// Keeps a question for at most `patience` seconds, until `answer` replies to it. If there are
-  /// `most` questions already, replies that this one is refused.
+  /// too many questions already, of all programs or of the one that asks, replies that this one is
+  /// refused.
   void add(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
            std::uint64_t after, double patience);
   bool waits(SessionId session, std::uint64_t counter) const;
@@ -53,6 +55,9 @@ class OpenQuestions {
   }
 
  private:
+  /// Returns why a question of this program is one too many; an empty text when it is not.
+  std::string too_many(const Caller& program) const;
+
   const std::string about_;
   const Clock& clock_;
   std::vector<Question> questions_;

@@ -58,8 +58,7 @@ class ZoneWatches {
   explicit ZoneWatches(std::shared_ptr<Runtime> runtime) : runtime_(std::move(runtime)) {}
 
   /// From now on tells `object` whether a person is present in `zone`, and no longer tells it
-  /// anything about another zone. When this function
-  /// throws, because no thread is left, it changes nothing.
+  /// anything about another zone. Changes nothing when it throws, because no thread is left.
   void add(const std::string& zone, const std::shared_ptr<ObjectHost>& object);
   void end() { watches_.clear(); }
 
