@@ -183,6 +183,45 @@ def changing_meanwhile(lamp: Lamp, monkeypatch: pytest.MonkeyPatch) -> list[str]
     return seen
 
 
+@pytest.mark.parametrize("words", [("holders", "LAMP", "--watch"), ("watch", "LAMP")])
+@pytest.mark.parametrize("replaced", [True, False])
+def test_a_watch_of_the_holders_says_what_it_missed(
+    words: tuple[str, ...],
+    replaced: bool,
+    lamp: Lamp,
+    server: gecos.Server,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    server.add("NEXT", PlainLamp(), simulated=True)
+    ask = gecos.roster
+    robots: list[Any] = []
+
+    def asked(robot: Any, after: int = 0, timeout: float | None = 0.0) -> Any:
+        robots.append(robot)
+        if len(robots) == 3:
+            raise KeyboardInterrupt
+        if len(robots) == 2 and replaced:
+            return ask(following, after, timeout)
+        if len(robots) == 2:
+            for _ in range(130):
+                gecos.take_over(lamp).result()
+                gecos.give_back(lamp).result()
+        return ask(robot, after, timeout)
+
+    monkeypatch.setattr(gecos, "roster", asked)
+    with gecos.Lab() as second, gecos.actor(lamp):
+        following = second.create(Lamp, "NEXT")
+        assert run(monkeypatch, *words) == 130
+    warned = capsys.readouterr().err.splitlines()[0]
+    if replaced:
+        assert warned == (
+            "gecos: LAMP: another server serves it now; what happened between the two is not known"
+        )
+    else:  # the object keeps 256 of the 260
+        assert warned == "gecos: LAMP: 4 changes of its holders before these were missed"
+
+
 def test_holders_of_a_free_object_says_so(
     server: gecos.Server, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

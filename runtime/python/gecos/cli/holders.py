@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     import gecos
 
 
+# Two servers of an object number its changes from two random numbers of 52 bits.
+MOST_MISSED = 2**32
+
+
 @click.command()
 @name_argument
 @click.option(
@@ -53,10 +57,12 @@ def _print(name: str, told: Roster, as_json: bool) -> None:
 
 def rosters(robot: gecos.Object, timeout: float | None = None) -> Iterator[Roster]:
     """Yields the present roster without past changes. Then, at each change, yields the roster
-    together with the changes since the previous roster. Raises TimeoutError if no change comes
-    within `timeout` s."""
+    together with the changes since the previous roster. Warns on stderr when changes were missed,
+    or when another server serves the object now. Raises TimeoutError if no change comes within
+    `timeout` s."""
     import gecos
 
+    name = robot._gecos_session.object_name
     told = gecos.roster(robot).result()
     told.changes = []
     while True:
@@ -64,5 +70,17 @@ def rosters(robot: gecos.Object, timeout: float | None = None) -> Iterator[Roste
         known = told.newest
         told = gecos.roster(robot, known, timeout).result()
         if told.newest == known:
-            name = robot._gecos_session.object_name
             raise TimeoutError(f"{name}: its holders have not changed within {timeout} s")
+        if missing := _missing(told, known):
+            click.echo(f"gecos: {name}: {missing}", err=True)
+
+
+def _missing(told: Roster, known: int) -> str:
+    """Says what is missing between the change with the number `known` and the changes of `told`.
+    Returns an empty text if nothing is."""
+    missed = told.newest - known - len(told.changes)
+    if missed == 0:
+        return ""
+    if 0 < missed < MOST_MISSED:
+        return f"{missed} changes of its holders before these were missed"
+    return "another server serves it now; what happened between the two is not known"
