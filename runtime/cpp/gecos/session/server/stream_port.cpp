@@ -74,6 +74,10 @@ void StreamPort::publish_in_clear(media::Acceptor& acceptor) {
   if (*opened) open_channels_.insert_or_assign(acceptor.capabilities().name, std::move(*opened));
 }
 
+/// Sends while the mutex is held, as the writers of the media do, so that the samples of several
+/// publishing threads leave in the order of their numbers. The send is one UDP datagram (or its
+/// fragments) without an answer: it waits only while the send buffer of the socket is full, until
+/// the network card of this host has sent a part of it. No reader can make it wait.
 void StreamPort::send_in_clear(ByteView sample) {
   write_open_message(open_message_, stream_.open_fingerprint.value_or(0), sample);
   for (const auto& [medium, channel] : open_channels_) {
