@@ -10,20 +10,12 @@
 #include <variant>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/seconds.hpp"
 #include "gecos/base/thread.hpp"
 #include "gecos/binding.hpp"
 
 namespace gecos::broker {
 namespace {
-
-/// Converts a time in seconds that a server reports. Returns zero for a negative number or NaN, and
-/// at most a century.
-Duration duration_of(double seconds) {
-  constexpr double century = 3.2e9;
-  if (!(seconds > 0)) return Duration::zero();
-  return std::chrono::duration_cast<Duration>(
-      std::chrono::duration<double>(std::min(seconds, century)));
-}
 
 /// Returns the silence of a server after which the broker ends the session with that server.
 Duration silence_that_ends_a_session() {
@@ -40,8 +32,6 @@ std::uint64_t draw_life() {
   std::random_device random;
   return std::uint64_t{random()} << 32U | random();
 }
-
-double seconds(Duration length) { return std::chrono::duration<double>(length).count(); }
 
 }  // namespace
 
@@ -186,7 +176,7 @@ Result<std::optional<double>> Broker::enlist(const Entry& what, double served_fo
   }
   remove_ended();
   const bool here = session::sees_process(what) && processes_->watch(what.pid);
-  const Claim claim{calling_.session, calling_.incarnation, duration_of(served_for),
+  const Claim claim{calling_.session, calling_.incarnation, from_seconds(served_for),
                     here ? Host::Same : Host::Other};
   const auto before = directory_.look_up(what.name);
   const auto provisional = directory_.enlist(claim, what, SystemClock().since_boot());
@@ -203,7 +193,7 @@ Result<std::optional<double>> Broker::enlist(const Entry& what, double served_fo
                               what.hostname + ", which has served it for longer");
   }
   if (*provisional == Duration::zero()) return std::nullopt;
-  return seconds(*provisional);
+  return to_seconds(*provisional);
 }
 
 Result<void> Broker::withdraw(const std::string& name) {
@@ -268,8 +258,8 @@ Result<std::vector<SilentObject>> Broker::silent() {
   std::vector<SilentObject> objects;
   for (Silent& one : directory_.silent(now)) {
     const auto free_in = directory_.free_in(one, now);
-    objects.push_back({std::move(one.entry), seconds(now - one.since),
-                       free_in ? std::optional(seconds(*free_in)) : std::nullopt});
+    objects.push_back({std::move(one.entry), to_seconds(now - one.since),
+                       free_in ? std::optional(to_seconds(*free_in)) : std::nullopt});
   }
   return objects;
 }

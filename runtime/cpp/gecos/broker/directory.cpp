@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "gecos/base/seconds.hpp"
+
 namespace gecos::broker {
 namespace {
 
@@ -15,7 +17,7 @@ std::string described(const Entry& entry) {
 /// Returns a duration as text for people, for example "3.2 s".
 std::string in_seconds(Duration length) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.1f s", std::chrono::duration<double>(length).count());
+  std::snprintf(text, sizeof text, "%.1f s", to_seconds(length));
   return text;
 }
 
@@ -251,9 +253,7 @@ std::uint64_t Directory::note(const Entry& entry, Presence presence, std::uint64
 
 ListChanges Directory::changes(const ListRevision& since, TimePoint now) const {
   ListChanges answer;
-  const auto seconds = [&](TimePoint begin) {
-    return std::max(0.0, std::chrono::duration<double>(now - begin).count());
-  };
+  const auto seconds = [&](TimePoint begin) { return std::max(0.0, to_seconds(now - begin)); };
   answer.revision = revision();
   answer.running_for = seconds(started_);
   answer.whole = since.life != options_.life || since.number > number_ ||

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "gecos/base/seconds.hpp"
 #include "gecos/broker_calls.hpp"      // generated from idl/gecos/broker.gidl
 #include "gecos/broker_interface.hpp"  // generated from idl/gecos/broker.gidl
 #include "gecos/session/client/client_connection.hpp"
@@ -21,10 +22,7 @@ std::string advice(const std::vector<std::string>& names) {
 
 /// Converts a duration that a broker sent. Returns at most one minute, because a longer duration is
 /// not plausible.
-Duration longest_provisional(double seconds) {
-  return std::chrono::duration_cast<Duration>(
-      std::chrono::duration<double>(seconds > 0 ? std::min(seconds, 60.0) : 0.0));
-}
+Duration longest_provisional(double seconds) { return from_seconds(std::min(seconds, 60.0)); }
 
 /// Waits for the broker's answer to the call `asked`.
 template <class Reply, class T>
@@ -120,7 +118,7 @@ tl::expected<ListChanges, std::string> list_changes(Context& lab, const ListRevi
 
 std::shared_ptr<CommandCore> register_object(ClientConnection& broker, const Entry& entry,
                                              Duration served_for) {
-  const double seconds = std::chrono::duration<double>(served_for).count();
+  const double seconds = to_seconds(served_for);
   return own_call(broker, BrokerInterface::enlist, Broker_enlist_arguments{entry, seconds});
 }
 

@@ -3,6 +3,7 @@
 #include <ostream>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/seconds.hpp"
 #include "gecos/binding.hpp"
 #include "gecos/builtin_operations.hpp"
 #include "gecos/object_calls.hpp"      // generated from idl/gecos/object.gidl
@@ -49,9 +50,7 @@ tl::expected<Lease, LeaseRefusal> acquire(const Object& object, Status wanted,
 
 /// Converts `timeout` to the seconds for which a server may delay its reply, while there is no
 /// news.
-double patience_for(Duration timeout) {
-  return std::chrono::duration<double>(std::max(timeout, Duration::zero())).count();
-}
+double patience_for(Duration timeout) { return to_seconds(std::max(timeout, Duration::zero())); }
 
 /// Returns the number of calls of the session, plus the number of calls that this process refused
 /// before they were sent.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include "gecos/base/seconds.hpp"
+
 namespace gecos::session {
 namespace {
 
@@ -44,8 +46,7 @@ std::vector<Registration> ListView::take(const ListChanges& answer, TimePoint no
     if (same_life) skipped_ += answer.revision.number - revision_.number;
     std::set<std::string> listed;
     for (const Registration& one : answer.changed) listed.insert(one.entry.name);
-    const auto age = std::chrono::duration_cast<Duration>(
-        std::chrono::duration<double>(std::clamp(answer.running_for, 0.0, 1e9)));
+    const Duration age = from_seconds(answer.running_for);
     const TimePoint back_by = now + std::max(servers_return_within - age, Duration::zero());
     for (const auto& [name, one] : known_) {
       if (listed.contains(name)) continue;

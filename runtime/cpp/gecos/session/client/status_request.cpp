@@ -2,6 +2,7 @@
 #include <chrono>
 #include <utility>
 
+#include "gecos/base/seconds.hpp"
 #include "gecos/binding.hpp"
 #include "gecos/builtin_operations.hpp"
 #include "gecos/object_calls.hpp"      // generated from idl/gecos/object.gidl
@@ -22,7 +23,7 @@ std::shared_ptr<CommandCore> ask_for_status(ClientSession& session, Status wante
   }
   GecosObject_acquire_arguments arguments{wanted};
   if (!password.empty()) arguments.password = password;
-  arguments.patience = std::chrono::duration<double>(std::max(timeout, Duration::zero())).count();
+  arguments.patience = to_seconds(std::max(timeout, Duration::zero()));
   return own_call(session, GecosObjectInterface::acquire, arguments);
 }
 

@@ -1,17 +1,12 @@
 #include "gecos/session/server/call_statistics.hpp"
 
 #include <algorithm>
-#include <chrono>
 
+#include "gecos/base/seconds.hpp"
 #include "gecos/session/server/server_call.hpp"
 #include "gecos/session/server/server_session.hpp"
 
 namespace gecos::session {
-namespace {
-
-double in_seconds(Duration duration) { return std::chrono::duration<double>(duration).count(); }
-
-}  // namespace
 
 std::vector<OutcomeCount> CallCounts::outcomes() const {
   std::vector<OutcomeCount> counted;
@@ -82,9 +77,9 @@ std::vector<OperationStats> CallStatistics::shown() const {
     stats.ended = calls.outcomes();
     stats.deadline_missed = calls.deadline_missed;
     stats.start_by_missed = calls.start_by_missed;
-    stats.median = in_seconds(times.quantile(0.5));
-    stats.percentile_99 = in_seconds(times.quantile(0.99));
-    stats.worst = in_seconds(times.worst());
+    stats.median = to_seconds(times.quantile(0.5));
+    stats.percentile_99 = to_seconds(times.quantile(0.99));
+    stats.worst = to_seconds(times.worst());
     all.push_back(std::move(stats));
   }
   std::ranges::sort(all, {}, &OperationStats::operation);

@@ -4,16 +4,13 @@
 #include <chrono>
 #include <functional>
 
+#include "gecos/base/seconds.hpp"
 #include "gecos/session/server/object_calls.hpp"
 #include "gecos/session/server/object_host.hpp"
 #include "gecos/session/server/server_session.hpp"
 
 namespace gecos::session {
 namespace {
-
-double seconds_since(TimePoint then, TimePoint now) {
-  return std::chrono::duration<double>(now - then).count();
-}
 
 SessionStats stats_of_session(ServerSession& session, TimePoint now) {
   const Caller& caller = session.caller();
@@ -23,7 +20,7 @@ SessionStats stats_of_session(ServerSession& session, TimePoint now) {
   stats.program = caller.program;
   stats.pid = caller.pid;
   stats.medium = session.connection().capabilities().name;
-  stats.connected_for = seconds_since(session.greeted_at, now);
+  stats.connected_for = to_seconds(now - session.greeted_at);
   stats.begun = session.counts.begun;
   stats.ended = session.counts.outcomes();
   stats.deadline_missed = session.counts.deadline_missed;
@@ -35,7 +32,7 @@ SessionStats stats_of_session(ServerSession& session, TimePoint now) {
 
 ObjectStats stats_of(ObjectHost& object, ObjectCalls& calls, TimePoint now) {
   ObjectStats stats;
-  stats.served_for = seconds_since(calls.statistics().since(), now);
+  stats.served_for = to_seconds(now - calls.statistics().since());
   stats.operations = calls.statistics().shown();
   stats.streams = object.streams().stats();
   stats.inward = object.inward().stats();

@@ -1,8 +1,9 @@
 #include "gecos/session/server/open_questions.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <string>
+
+#include "gecos/base/seconds.hpp"
 
 namespace gecos::session {
 namespace {
@@ -14,12 +15,6 @@ auto is_question(SessionId session, std::uint64_t counter) {
   };
 }
 
-/// Converts seconds to a Duration. Returns about 30 years for longer times, including infinity.
-Duration patience_of(double seconds) {
-  return std::chrono::duration_cast<Duration>(
-      std::chrono::duration<double>(std::min(1e9, seconds)));
-}
-
 }  // namespace
 
 void OpenQuestions::add(const std::shared_ptr<ServerSession>& session, std::uint64_t counter,
@@ -27,7 +22,7 @@ void OpenQuestions::add(const std::shared_ptr<ServerSession>& session, std::uint
   if (const std::string why = too_many(session->caller()); !why.empty()) {
     return session->reply(counter, Failure{Detail::QueueFull, why, {}, {}});
   }
-  questions_.push_back({session, counter, after, clock_.now() + patience_of(patience)});
+  questions_.push_back({session, counter, after, clock_.now() + from_seconds(patience)});
 }
 
 std::string OpenQuestions::too_many(const Caller& program) const {

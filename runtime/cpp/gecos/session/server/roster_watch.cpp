@@ -1,15 +1,13 @@
 #include "gecos/session/server/roster_watch.hpp"
 
 #include <algorithm>
-#include <chrono>
 
+#include "gecos/base/seconds.hpp"
 #include "gecos/session/server/status_line.hpp"
 #include "gecos/wire/layout.hpp"
 
 namespace gecos::session {
 namespace {
-
-double to_seconds(Duration duration) { return std::chrono::duration<double>(duration).count(); }
 
 /// Returns the number that precedes the first change of an object that is served from now on. The
 /// number is a hash with 2^52 values, so another object, or the same object in another process,

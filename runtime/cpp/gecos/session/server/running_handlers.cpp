@@ -3,6 +3,7 @@
 #include <chrono>
 #include <utility>
 
+#include "gecos/base/seconds.hpp"
 #include "gecos/session/server/server_call.hpp"
 
 namespace gecos::session {
@@ -42,7 +43,7 @@ std::vector<RunningHandler> RunningHandlers::shown(TimePoint since_boot) const {
     RunningHandler& line = handlers.emplace_back();
     const Caller& caller = call->caller();
     line.operation = call->operation().name;
-    line.running_for = std::chrono::duration<double>(since_boot - *call->state.begun_at()).count();
+    line.running_for = to_seconds(since_boot - *call->state.begun_at());
     line.user = caller.user;
     line.host = caller.host;
     line.program = caller.program;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "gecos/base/log.hpp"
+#include "gecos/base/seconds.hpp"
 #include "gecos/crypto/secret.hpp"
 #include "gecos/session/server/call_log.hpp"
 #include "gecos/wire/layout.hpp"
@@ -21,12 +22,6 @@ constexpr std::string_view released = "released";
 
 access::Status status_of(Status status) { return static_cast<access::Status>(status); }
 Status status_of(access::Status status) { return static_cast<Status>(status); }
-
-/// Converts seconds to a Duration. Returns about 30 years for longer times, including infinity.
-Duration duration(double seconds) {
-  return std::chrono::duration_cast<Duration>(
-      std::chrono::duration<double>(std::min(seconds, 1e9)));
-}
 
 /// Returns the password as a proof, and wipes the text.
 access::Proof taken_from(std::optional<std::string>& password) {
@@ -104,7 +99,7 @@ void StatusGrants::request(const std::shared_ptr<ServerSession>& session, std::u
                                   {},
                                   {}});
   }
-  Duration patience = duration(asked.patience);
+  Duration patience = from_seconds(asked.patience);
   const bool handler_runs = outlives_its_status(leases_, calls_.queue()) != nullptr;
   if (handler_runs) patience = std::max(patience, longest_wait_for_handler);
   access::Proof password = taken_from(asked.password);

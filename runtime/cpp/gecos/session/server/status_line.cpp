@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <chrono>
 
+#include "gecos/base/seconds.hpp"
 #include "gecos/wire/layout.hpp"
 #include "gecos/wire/text.hpp"
 
 namespace gecos::session {
 namespace {
-
-double in_seconds(Duration duration) { return std::chrono::duration<double>(duration).count(); }
 
 /// Returns a predicate for the request with this counter in this session.
 auto is(SessionId session, std::uint64_t counter) {
@@ -26,8 +25,8 @@ WaitingRequest shown(const StatusRequest& request, TimePoint now) {
   line.host = cut_to(caller.host, 64);
   line.program = cut_to(caller.program, 128);
   line.pid = caller.pid;
-  line.waited_for = in_seconds(now - request.arrived);
-  line.expires_in = in_seconds(request.give_up - now);
+  line.waited_for = to_seconds(now - request.arrived);
+  line.expires_in = to_seconds(request.give_up - now);
   return line;
 }
 

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+
+#include "gecos/base/clock.hpp"
+
+namespace gecos {
+
+/// Interfaces state times as seconds, in a double.
+constexpr double to_seconds(Duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+/// Converts a time that a caller waits. Returns zero for a negative number or NaN, and about 30
+/// years for longer times, including infinity.
+constexpr Duration from_seconds(double seconds) {
+  if (!(seconds > 0)) return Duration::zero();
+  return std::chrono::duration_cast<Duration>(
+      std::chrono::duration<double>(std::min(seconds, 1e9)));
+}
+
+}  // namespace gecos
