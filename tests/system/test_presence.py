@@ -110,7 +110,7 @@ def test_an_arm_moves_while_a_person_is_present_and_stops_when_a_door_opens(
             stopped_at = robot.joints().result().position[0]
             assert stopped_at > far.position[0] + 0.01, "it stopped on its way"
         with gecos.actor(robot), closed_door(zone):
-            says(robot, "a person is present")
+            says(robot, "a person is present in zone CELL: ")
             assert robot.standing().result(), "nothing resumes"
             robot.move_joints(Joints(list(at))).result()
 
@@ -123,7 +123,7 @@ def test_an_arm_stops_when_the_program_of_its_zone_is_killed(
         at = robot.joints().result().position
         with gecos.actor(robot), closed_door(zone):
             check_in(zone, zone_program)
-            says(robot, "a person is present")
+            says(robot, "a person is present in zone CELL: ")
             move = robot.move_joints(Joints([at[0] - 2.0, *at[1:]]))
             until(lambda: not robot.standing().result(), "the arm moves")
             zone_program.kill()
