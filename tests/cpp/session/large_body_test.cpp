@@ -68,7 +68,8 @@ TEST_P(LargeBody, SeveralAtOnceAndSmallOnesBesideThem) {
 TEST_P(LargeBody, ThatNoMediumCarriesIsRefusedWithItsSize) {
   const auto command = echo(body(largest() + 1));
   ASSERT_EQ(command->progress().detail, Detail::BadParameter);
-  const std::string carries = std::string(gecos::media::to_string(GetParam())) + " carries " +
+  const std::string carries = std::string(gecos::media::to_string(GetParam())) +
+                              " carries at most " +
                               std::to_string(largest() + gecos::wire::packet_size(0));
   EXPECT_NE(command->failure().text.find(carries), std::string::npos) << command->failure().text;
 }
