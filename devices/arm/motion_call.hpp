@@ -19,6 +19,7 @@ class CallWatcher final : public MotionWatcher {
   void progress(double fraction, double remaining) override {
     run_.progress(fraction, {.fraction = fraction, .remaining = remaining, .corner = corner_});
   }
+  std::uint64_t caller() const override { return run_.caller().session; }
   void taken() override { run_.let_next(); }
   void passes_goal(double distance) override { corner_ = distance; }
 

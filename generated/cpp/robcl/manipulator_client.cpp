@@ -67,7 +67,9 @@ gecos::Command<void, ::robcl::MotionProgress> Manipulator::move(
     const std::optional<std::uint64_t>& pose_epoch) const {
   if (how) {
     if (auto why = ::robcl::gecos_violation(*how); !why.empty()) return gecos::session::Refused(
-        why);
+        why,
+        *gecos_session_,
+        ManipulatorInterface::move);
   }
   std::size_t size = 58;
   if (how) {

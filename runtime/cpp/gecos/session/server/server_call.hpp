@@ -81,6 +81,10 @@ class ServerCall final : public CallCore,
   TimePoint arrived{};  ///< set only when the end of the call will be logged
   std::optional<HandlerWait> waits_for;
   bool listed = false;                ///< the call is in ObjectCalls::open_
+  std::uint64_t chain = 0;            ///< BlendChain::first() when the call arrived
+  /// Why the call is left out: an earlier one of its chain did not succeed. Set when this is known;
+  /// a handler that has begun is then interrupted.
+  std::optional<Failure> left_out;
   OperationCounts* counts = nullptr;  ///< of its operation; set when the call is queued
   HandlerTiming timing{};
 
