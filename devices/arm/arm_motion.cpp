@@ -327,6 +327,7 @@ void ArmMotion::look_after_links() {
   const double factor = controller_.speed_override();
   const double remaining = stopping_ ? 0 : factor > 0 ? left / factor : left;
   const bool over = left <= 0 || whole <= 0;
+  first.watcher.scaled(factor);
   first.watcher.progress(over ? 1 : std::clamp(1 - left / whole, 0.0, 1.0), remaining);
 }
 

@@ -30,9 +30,9 @@ class LeftOutMoves : public Rx90Laboratory {
   }
   /// Asks for a straight move to the place `side` beside the start and `up` above it.
   void ask(double side, double up, robcl::Blend at_goal = robcl::Blend::NOBREAK) {
-    moves_.push_back(robot_.move(start_ * translate(0, side, -up),
-                                 robcl::Trajectory{.path = robcl::PathType::STRAIGHT,
-                                                   .at_goal = at_goal}));
+    moves_.push_back(
+        robot_.move(start_ * translate(0, side, -up),
+                    robcl::Trajectory{.path = robcl::PathType::STRAIGHT, .at_goal = at_goal}));
   }
   /// Cycles of the control loop until all moves have ended. Notes how far up a set point is.
   void let_end() {
@@ -74,7 +74,7 @@ TEST_F(LeftOutMoves, AreThoseAfterAFirstMoveThatIsOutOfReach) {
   let_end();
   expect_ended(0, Detail::Fault, "OutOfReach");
   expect_ended(1, Detail::Rejected, "'move', which the same caller had called before it, did not");
-  expect_ended(2, Detail::Rejected, "FAULT, robcl::OutOfReach");
+  expect_ended(2, Detail::Rejected, "FAULT, OutOfReach");
   expect_stands_beside(0);
 }
 

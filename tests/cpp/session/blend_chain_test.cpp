@@ -9,7 +9,7 @@ namespace gecos::session {
 namespace {
 
 constexpr Epoch epoch{7};
-const std::string name = "'move' of RX90";
+const std::string called = "'move' of RX90";
 
 BlendChain::Failed failed(std::uint64_t counter, Detail detail = Detail::Fault) {
   return {counter, "move", detail, "out of reach"};
@@ -20,11 +20,11 @@ TEST(BlendChain, LeavesOutWhatComesAfterAFailureAndNothingBeforeIt) {
   chain.arrived(3, epoch, false);
   chain.arrived(4, epoch, false);
   EXPECT_EQ(chain.first(), 3u) << "a new epoch begins a chain";
-  EXPECT_FALSE(chain.left_out(3, 5, name));
+  EXPECT_FALSE(chain.left_out(3, 5, called));
   chain.broke(3, failed(4));
-  EXPECT_FALSE(chain.left_out(3, 3, name));
-  EXPECT_FALSE(chain.left_out(3, 4, name));
-  const auto refusal = chain.left_out(3, 5, name);
+  EXPECT_FALSE(chain.left_out(3, 3, called));
+  EXPECT_FALSE(chain.left_out(3, 4, called));
+  const auto refusal = chain.left_out(3, 5, called);
   ASSERT_TRUE(refusal);
   EXPECT_EQ(refusal->detail, Detail::Rejected);
   EXPECT_EQ(refusal->text,
@@ -38,8 +38,8 @@ TEST(BlendChain, EndsWithTheCallThatBeginsAnew) {
   chain.arrived(1, epoch, false);
   chain.broke(1, failed(2));
   chain.arrived(5, epoch, true);
-  EXPECT_FALSE(chain.left_out(5, 5, name));
-  EXPECT_FALSE(chain.left_out(5, 6, name));
+  EXPECT_FALSE(chain.left_out(5, 5, called));
+  EXPECT_FALSE(chain.left_out(5, 6, called));
 }
 
 TEST(BlendChain, IsNotBrokenByTheFailureOfAnEarlierChain) {
@@ -47,7 +47,7 @@ TEST(BlendChain, IsNotBrokenByTheFailureOfAnEarlierChain) {
   chain.arrived(1, epoch, false);
   chain.arrived(5, epoch, true);
   chain.broke(1, failed(3));
-  EXPECT_FALSE(chain.left_out(5, 6, name));
+  EXPECT_FALSE(chain.left_out(5, 6, called));
 }
 
 TEST(BlendChain, NamesTheEarliestFailure) {
@@ -56,7 +56,7 @@ TEST(BlendChain, NamesTheEarliestFailure) {
   chain.broke(1, {4, "move", Detail::QueueFull, "full"});
   chain.broke(1, {5, "move", Detail::Rejected, "left out"});
   chain.broke(1, {2, "move", Detail::Expired, "late"});
-  EXPECT_NE(chain.left_out(1, 6, name)->text.find("EXPIRED, late"), std::string::npos);
+  EXPECT_NE(chain.left_out(1, 6, called)->text.find("EXPIRED, late"), std::string::npos);
 }
 
 TEST(BlendChain, BeginsAnewUnderANewerStatus) {
@@ -64,7 +64,7 @@ TEST(BlendChain, BeginsAnewUnderANewerStatus) {
   chain.arrived(1, epoch, false);
   chain.broke(1, failed(1));
   chain.arrived(2, Epoch{8}, false);
-  EXPECT_FALSE(chain.left_out(chain.first(), 2, name));
+  EXPECT_FALSE(chain.left_out(chain.first(), 2, called));
 }
 
 TEST(BlendChain, KeepsWhatACancelAndANotStartedCommandPromise) {
@@ -72,7 +72,7 @@ TEST(BlendChain, KeepsWhatACancelAndANotStartedCommandPromise) {
     BlendChain chain;
     chain.arrived(1, epoch, false);
     chain.broke(1, failed(1, detail));
-    EXPECT_EQ(chain.left_out(1, 2, name)->detail, detail);
+    EXPECT_EQ(chain.left_out(1, 2, called)->detail, detail);
   }
 }
 
@@ -81,8 +81,8 @@ TEST(BlendChain, IsBrokenByACommandThatWasCanceledBeforeThoseBeforeItArrived) {
   chain.arrived(1, epoch, false);
   chain.broke(1, failed(4, Detail::Canceled));
   chain.arrived(2, epoch, false);
-  EXPECT_FALSE(chain.left_out(1, 2, name));
-  EXPECT_TRUE(chain.left_out(1, 5, name));
+  EXPECT_FALSE(chain.left_out(1, 2, called));
+  EXPECT_TRUE(chain.left_out(1, 5, called));
 }
 
 TEST(SeenFailures, LetOneCallBeginAnewForWhatTheProgramHasSeen) {

@@ -114,7 +114,8 @@ void ProbeServant::gecos_dispatch(gecos::IncomingCall call) {
     }
     call.let_next();
   }
-  if (code == move_code || code == finish_code || code == step_code) return move(std::move(call), argument);
+  if (code == move_code || code == finish_code || code == step_code)
+    return move(std::move(call), argument);
   if (code == set_code) {
     if (argument < 0) return call.fail(gecos::Fault(Jammed{argument}).failure());
     note("set " + std::to_string(argument));

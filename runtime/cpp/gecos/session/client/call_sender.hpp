@@ -123,7 +123,7 @@ class CallSender {
   const SessionId id_;
   const Welcome& welcome_;
   const ServerWatch& server_;
-  const bool repeats_;             ///< the medium may lose packets
+  const bool repeats_;  ///< the medium may lose packets
   const std::shared_ptr<SeenFailures> failures_ = std::make_shared<SeenFailures>();
   std::atomic<bool> lost_{false};  // publishes loss_text_
 

@@ -110,9 +110,8 @@ void SessionPackets::cancel(ServerSession& session, std::uint64_t counter) {
     const auto* const operation = setup_.interface.find(session.intake.code_aside(counter));
     end_early(session, counter, Detail::Canceled, before_start);
     if (operation == nullptr || operation->on_new != OnNew::Blend) return;
-    session.chain.broke(
-        session.chain.first(),
-        {counter, std::string(operation->name), Detail::Canceled, before_start});
+    session.chain.broke(session.chain.first(),
+                        {counter, std::string(operation->name), Detail::Canceled, before_start});
     return cancel_later(session, counter);
   }
   const auto* found = session.calls.find(counter);
@@ -124,6 +123,10 @@ void SessionPackets::cancel(ServerSession& session, std::uint64_t counter) {
     calls_.note_ready();
   } else if (call->operation().cancelable && !call->state.canceling()) {
     cancel_running(session, *call);
+    if (call->operation().on_new == OnNew::Blend) {  // for commands that still arrive
+      session.chain.broke(call->chain, {counter, std::string(call->operation().name),
+                                        Detail::Canceled, "canceled while it was executing"});
+    }
     for (const auto& [later, other] : session.calls.all()) {
       if (later > counter && call->lets_next && other->operation().on_new == OnNew::Blend) {
         cancel_running(session, *other);
@@ -257,10 +260,8 @@ void SessionPackets::take_call(const Session& session, const wire::PacketView& p
   // A correct client never has so many calls in flight.
   if (session->calls.size() + session->intake.aside() >= most) {
     calls_.statistics().refused(*session, operation, Detail::QueueFull);
-    const Failure failure{Detail::QueueFull,
-                          "the client has more unanswered calls than the server granted",
-                          {},
-                          {}};
+    const Failure failure{
+        Detail::QueueFull, "the client has more unanswered calls than the server granted", {}, {}};
     note_failed(*session, packet.header, failure);
     return session->reply(counter, failure);
   }
@@ -285,7 +286,8 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
       log_refused(setup_.name, operation, session->caller(), failure);
   };
   if (const auto refusal =
-          refusal_to_queue({operation, session->id(), packet.header.epoch, packet.header.counter},
+          refusal_to_queue({operation, session->id(), packet.header.epoch, packet.header.counter,
+                            &session->caller()},
                            statuses_.admitting(), claim_, calls_.queue(), closed_)) {
     return refuse(*refusal);
   }
@@ -333,8 +335,8 @@ void SessionPackets::note_failed(ServerSession& session, const wire::PacketHeade
                                  const Failure& failure) {
   const auto* const operation = setup_.interface.find(call.code);
   if (operation == nullptr || operation->on_new != OnNew::Blend) return;
-  session.chain.broke(session.chain.first(), {call.counter, std::string(operation->name),
-                                              failure.detail, failure.text});
+  session.chain.broke(session.chain.first(),
+                      {call.counter, std::string(operation->name), failure.detail, failure.text});
 }
 
 void SessionPackets::preempt(const ServerCall& by) {
