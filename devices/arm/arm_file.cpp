@@ -181,7 +181,10 @@ constexpr Key start_deg{"start_deg",
 constexpr Key place{"place",
                     "a text that says where the arm stands, for example \"an RX90 stands on the "
                     "floor\""};
-constexpr Key tool{"tool", "a table [tool] with the offset and the limits of the tool"};
+constexpr Key tool{"tool",
+                   "a table for the tool: the line [tool] at the end of this file and, below it, "
+                   "offset_mm, speed_m_per_s, acceleration_m_per_s2, turn_speed_deg_per_s and "
+                   "turn_acceleration_deg_per_s2"};
 constexpr Key offset_mm{"offset_mm",
                         "a list of x, y and z of the tool frame, seen from the flange, in mm"};
 constexpr Key offset_zyz_deg{"offset_zyz_deg",
@@ -299,7 +302,19 @@ robcl::motion::ToolLimits limits_of(const Table& table) {
           .turn_acceleration = robcl::deg(table.positive(turn_acceleration))};
 }
 
+/// Refuses the keys of the tool in `table`, that of the whole file.
+void refuse_tool_keys(const Table& table) {
+  for (const Key& key :
+       {offset_mm, offset_zyz_deg, speed, acceleration, turn_speed, turn_acceleration}) {
+    if (!table.has(key)) continue;
+    table.refuse(key,
+                 "this key belongs to the table [tool]; write the line [tool] above the keys "
+                 "of the tool, at the end of this file");
+  }
+}
+
 ArmDescription arm_of(const Table& table, const ReadUrdf& read_urdf) {
+  refuse_tool_keys(table);
   table.admit_only({name, description, urdf, base_link, flange_link, seconds_to_full_speed,
                     seconds_to_full_acceleration, front_deg, start_deg, place, tool});
   std::string called = table.text(name);

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <iomanip>
 #include <iterator>
+#include <map>
 #include <sstream>
 #include <utility>
 
@@ -26,6 +27,13 @@ DriverFault stalled_loop() {
 
 Refused refused_because(const std::exception& why) {
   return {std::string("the motion cannot be planned: ") + why.what()};
+}
+
+/// The failure of a move whose caller had asked for another one before it, which failed with
+/// `earlier`.
+Refused left_out_after(const MoveFailure& earlier) {
+  return {"the arm does not begin this move, because an earlier move failed: " +
+          to_string(earlier)};
 }
 
 std::string not_settled(const ArmController::Outcome& outcome) {
@@ -319,6 +327,7 @@ void ArmMotion::look_after_links() {
   const double factor = controller_.speed_override();
   const double remaining = stopping_ ? 0 : factor > 0 ? left / factor : left;
   const bool over = left <= 0 || whole <= 0;
+  first.watcher.scaled(factor);
   first.watcher.progress(over ? 1 : std::clamp(1 - left / whole, 0.0, 1.0), remaining);
 }
 
@@ -361,14 +370,21 @@ void ArmMotion::end_motion(const ArmController::Outcome& outcome) {
 }
 
 /// Plans the remaining moves from rest. The arm stopped before them because it could not go over
-/// into them, or because another move was interrupted.
+/// into them, or because another move was interrupted. After a move that is impossible, those of
+/// its caller are not made.
 void ArmMotion::go_on_from_rest() {
   const std::deque<Link*> left = std::exchange(links_, {});
+  std::map<std::uint64_t, MoveFailure> impossible;  // the first one of each caller
   for (Link* const link : left) {
+    const std::uint64_t caller = link->watcher.caller();
     link->leave_motion();
     links_.push_back(link);
     std::optional<MoveFailure> failure = Interrupted{};
-    if (!link->watcher.interrupted()) failure = plan(*link);
+    if (!link->watcher.interrupted()) {
+      const auto earlier = impossible.find(caller);
+      failure = earlier == impossible.end() ? plan(*link) : left_out_after(earlier->second);
+      if (failure) impossible.try_emplace(caller, *failure);
+    }
     if (!failure) continue;
     links_.pop_back();
     link->result = tl::unexpected(*std::move(failure));

@@ -81,12 +81,18 @@ gecos::Result<void> ManipulatorServant::move(const Frame& goal,
   const PathKind path =
       trajectory.path == robcl::PathType::STRAIGHT ? PathKind::Straight : PathKind::Joint;
   auto wanted = configuration_of(trajectory);
+  std::optional<robcl::arm::Configuration> set_before;
   if (path == PathKind::Joint) {
-    const auto set_before = next_configuration_.take(run.caller().session);
+    set_before = next_configuration_.take(run.caller().session);
     if (!wanted) wanted = set_before;
   }
   CallWatcher watcher(run);
-  return answer(arm_.move(goal, path, pace_of(trajectory), watcher, wanted, goes_over(trajectory)));
+  const auto moved =
+      arm_.move(goal, path, pace_of(trajectory), watcher, wanted, goes_over(trajectory));
+  if (set_before && !moved && is_refusal(moved.error())) {
+    next_configuration_.give_back(run.caller().session, *set_before);
+  }
+  return answer(moved);
 }
 
 gecos::Result<void> ManipulatorServant::set_configuration(const robcl::Configuration& wanted,

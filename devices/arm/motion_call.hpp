@@ -17,14 +17,22 @@ class CallWatcher final : public MotionWatcher {
   explicit CallWatcher(Progress& run) : run_(run) {}
   bool interrupted() override { return run_.interrupted(); }
   void progress(double fraction, double remaining) override {
-    run_.progress(fraction, {.fraction = fraction, .remaining = remaining, .corner = corner_});
+    run_.progress(fraction, {.fraction = fraction,
+                             .remaining = remaining,
+                             .corner = corner_,
+                             .speed_override = factor_});
   }
+  std::uint64_t caller() const override { return run_.caller().session; }
   void taken() override { run_.let_next(); }
   void passes_goal(double distance) override { corner_ = distance; }
+  void scaled(double factor) override {
+    factor_ = factor == 1 ? std::nullopt : std::optional(factor);
+  }
 
  private:
   Progress& run_;
   std::optional<double> corner_;  // m, distance from the goal to the tool that passes it
+  std::optional<double> factor_;  // of the speed; nullopt: 1
 };
 
 /// Returns whether the arm may go over into the next motion and need not stand at the goal.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 namespace devices {
 
 /// The interface through which a running motion reports its progress to its caller, and asks
@@ -14,6 +16,12 @@ class MotionWatcher {
   /// Receives the progress of the motion: `fraction` is the passed part of the motion's duration, 0
   /// to 1; `remaining` is the time in s until it ends.
   virtual void progress(double fraction, double remaining) = 0;
+  /// Called before each `progress`: the factor that scales the speed of motions; 0 pauses the
+  /// motion.
+  virtual void scaled(double factor) { static_cast<void>(factor); }
+  /// Returns a number that stands for the caller of the motion. After a move that fails, the moves
+  /// of the same caller that are to follow it are not made.
+  virtual std::uint64_t caller() const { return 0; }
   /// Called when the arm has accepted the move. The caller may then request the next move.
   virtual void taken() {}
   /// Called when the arm will not stop at the goal, because it goes over into the next move. The

@@ -22,6 +22,12 @@ struct Words {
 
 std::string to_string(const MoveFailure& failure) { return std::visit(Words{}, failure); }
 
+bool is_refusal(const MoveFailure& failure) {
+  return !std::holds_alternative<Interrupted>(failure) &&
+         !std::holds_alternative<CorrectionsStopped>(failure) &&
+         !std::holds_alternative<DriverFault>(failure);
+}
+
 MoveFailure as_move_failure(const robcl::arm::Failure& failure) {
   return std::visit([](const auto& reason) { return MoveFailure(reason); }, failure);
 }

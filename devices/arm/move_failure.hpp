@@ -24,6 +24,8 @@ using MoveFailure =
                  CorrectionsStopped, Refused, DriverFault>;
 
 std::string to_string(const MoveFailure& failure);
+/// Returns whether the motion was refused before it began.
+bool is_refusal(const MoveFailure& failure);
 MoveFailure as_move_failure(const robcl::arm::Failure& failure);
 
 }  // namespace devices

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -19,6 +20,14 @@ class NextConfiguration {
     static_cast<void>(take_held(session));
     if (wanted_.size() == most_sessions) wanted_.pop_front();
     wanted_.emplace_back(session, wanted);
+  }
+  /// Sets the configuration again, because the joint move for which it was taken was refused. Does
+  /// nothing if the session has set another one since.
+  void give_back(std::uint64_t session, const robcl::arm::Configuration& taken) {
+    const gecos::MutexLock lock(mutex_);
+    const auto of_session = [&](const auto& known) { return known.first == session; };
+    if (std::ranges::any_of(wanted_, of_session) || wanted_.size() == most_sessions) return;
+    wanted_.emplace_back(session, taken);
   }
   /// Returns the configuration for the joint move that the session has just requested, and forgets
   /// it. Returns nullopt if the session has set no configuration.

@@ -117,6 +117,7 @@ CASES: list[tuple[str, str, Any]] = [
         "speed": 0.01, "acceleration": 0.5, "path": "STRAIGHT", "at_goal": "NOBREAK",
         "tool_speed": 0.25, "turn_speed": 1.5}),
     ("robcl::MotionProgress", "half", {"fraction": 0.5, "remaining": 1.75}),
+    ("robcl::MotionProgress", "paused", {"fraction": 0.5, "speed_override": 0.0}),
     ("robcl::FollowLimits", "as made", {}),
     ("robcl::FollowLimits", "slow and near", {
         "tool_speed": 0.05, "turn_speed": 0.5, "distance": 0.01, "angle": 0.1}),

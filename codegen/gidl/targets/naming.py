@@ -99,10 +99,11 @@ def range_words(limits: Range) -> str:
 
 
 def range_text(limits: Range, unit: str | None) -> str:
-    """Returns a range as messages show it, for example "[0.01, 1.0] m/s"."""
+    """Returns a range as messages show it, for example "[0.01, 1.0] m/s". A number without a
+    dimension, whose unit is "1", is shown without a unit."""
     lower = "-inf" if limits.minimum is None else str(limits.minimum)
     upper = "inf" if limits.maximum is None else str(limits.maximum)
-    return f"[{lower}, {upper}]{f' {unit}' if unit else ''}"
+    return f"[{lower}, {upper}]{f' {unit}' if unit and unit != '1' else ''}"
 
 
 def is_number(value: Value | None) -> bool:

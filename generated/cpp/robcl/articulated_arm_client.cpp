@@ -41,10 +41,14 @@ gecos::Command<void, ::robcl::MotionProgress> ArticulatedArm::move_joints(
     const ::robcl::JointPositions& target,
     const std::optional<::robcl::Trajectory>& how) const {
   if (auto why = ::robcl::gecos_violation(target); !why.empty()) return gecos::session::Refused(
-      why);
+      why,
+      *gecos_session_,
+      ArticulatedArmInterface::move_joints);
   if (how) {
     if (auto why = ::robcl::gecos_violation(*how); !why.empty()) return gecos::session::Refused(
-        why);
+        why,
+        *gecos_session_,
+        ArticulatedArmInterface::move_joints);
   }
   std::size_t size = 1 + target.encoded_size();
   if (how) {

@@ -48,7 +48,7 @@ struct Manipulator_override_speed_arguments {
     return each(
         "override_speed.factor",
         self.factor,
-        gecos::layout::Ranged<double>{{0.0, 1.0}, "[0.0, 1.0] 1"});
+        gecos::layout::Ranged<double>{{0.0, 1.0}, "[0.0, 1.0]"});
   }
 };
 

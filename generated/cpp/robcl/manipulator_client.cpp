@@ -67,7 +67,9 @@ gecos::Command<void, ::robcl::MotionProgress> Manipulator::move(
     const std::optional<std::uint64_t>& pose_epoch) const {
   if (how) {
     if (auto why = ::robcl::gecos_violation(*how); !why.empty()) return gecos::session::Refused(
-        why);
+        why,
+        *gecos_session_,
+        ManipulatorInterface::move);
   }
   std::size_t size = 58;
   if (how) {
@@ -101,7 +103,7 @@ gecos::Command<void> Manipulator::set_configuration(const ::robcl::Configuration
 gecos::Command<void> Manipulator::override_speed(double factor) const {
   if (!(factor >= 0.0 && factor <= 1.0)) {
     return gecos::session::Refused(
-        gecos::wire::out_of_range("override_speed.factor", factor, "[0.0, 1.0] 1"));
+        gecos::wire::out_of_range("override_speed.factor", factor, "[0.0, 1.0]"));
   }
   return gecos_call<void>(
       ManipulatorInterface::override_speed, 8,

@@ -76,7 +76,8 @@ template <>
 bool JsonStruct<::robcl::MotionProgress>::visit(JsonMembers& each, ::robcl::MotionProgress& value) {
   return each.member("fraction", value.fraction) &&
          each.member("remaining", value.remaining) &&
-         each.member("corner", value.corner);
+         each.member("corner", value.corner) &&
+         each.member("speed_override", value.speed_override);
 }
 
 template <>

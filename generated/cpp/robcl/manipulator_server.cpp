@@ -67,7 +67,7 @@ bool ManipulatorServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call
       gecos::wire::Decoder from(call.arguments());
       double factor{};
       const bool read = from.get(factor, "override_speed.factor") &&
-          gecos::wire::within(from, factor, {0.0, 1.0}, "override_speed.factor", "[0.0, 1.0] 1");
+          gecos::wire::within(from, factor, {0.0, 1.0}, "override_speed.factor", "[0.0, 1.0]");
       if (!read) return call.refuse(from.error());
       return call.answer(this->override_speed(factor), {});
     }

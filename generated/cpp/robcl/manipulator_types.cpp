@@ -241,18 +241,22 @@ std::ostream& operator<<(std::ostream& out, const Trajectory& value) {
 }
 
 std::size_t MotionProgress::encoded_size() const {
-  std::size_t size = 17;
+  std::size_t size = 18;
   if (corner) size += 8;
+  if (speed_override) size += 8;
   return size;
 }
 
 void MotionProgress::encode(gecos::wire::Encoder& to) const {
   to.put(fraction, remaining, corner.has_value());
   if (corner) to.put(*corner);
+  to.put(speed_override.has_value());
+  if (speed_override) to.put(*speed_override);
 }
 
 bool MotionProgress::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   corner = std::nullopt;
+  speed_override = std::nullopt;
   return from.get(fraction, "MotionProgress.fraction") &&
          gecos::wire::within(from, fraction, {0.0, 1.0}, "MotionProgress.fraction", "[0.0, 1.0]") &&
          from.get(remaining, "MotionProgress.remaining") &&
@@ -260,6 +264,11 @@ bool MotionProgress::decode([[maybe_unused]] gecos::wire::Decoder& from) {
           gecos::wire::get_optional(from, corner, "MotionProgress.corner",
               [&](auto& value) {
                 return from.get(value, "MotionProgress.corner");
+              })) &&
+         (from.at_end() ||
+          gecos::wire::get_optional(from, speed_override, "MotionProgress.speed_override",
+              [&](auto& value) {
+                return from.get(value, "MotionProgress.speed_override");
               })) &&
          gecos::wire::skip_rest(from);
 }
@@ -274,7 +283,7 @@ std::string gecos_violation(const MotionProgress& value) {
 std::ostream& operator<<(std::ostream& out, const MotionProgress& value) {
   return gecos::wire::print_all(out,
       "MotionProgress{fraction=", value.fraction, ", remaining=", value.remaining, " s, corner=",
-      value.corner, " m}");
+      value.corner, " m, speed_override=", value.speed_override, " 1}");
 }
 
 std::string_view to_string(FollowMode value) {

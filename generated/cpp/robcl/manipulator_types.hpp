@@ -120,9 +120,11 @@ struct MotionProgress {
   double remaining = 0;
   /// [m, optional]
   std::optional<double> corner{};
+  /// [1, optional]
+  std::optional<double> speed_override{};
 
   static constexpr std::string_view type_name() { return "robcl::MotionProgress"; }
-  static constexpr std::int64_t fingerprint() { return std::int64_t(0x7f3bed462b56f085U); }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xfcbd5b842f214558U); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);

@@ -42,7 +42,9 @@ gecos::Command<void, ::robcl::MotionProgress> SixAxis::move_joints(
     const std::optional<::robcl::Trajectory>& how) const {
   if (how) {
     if (auto why = ::robcl::gecos_violation(*how); !why.empty()) return gecos::session::Refused(
-        why);
+        why,
+        *gecos_session_,
+        SixAxisInterface::move_joints);
   }
   std::size_t size = 49;
   if (how) {

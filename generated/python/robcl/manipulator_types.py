@@ -120,11 +120,12 @@ class Trajectory(_layout.Struct):
 
 
 @_layout.struct(
-    0x7F3BED462B56F085,
+    0xFCBD5B842F214558,
     _layout.ranged("d", 0.0, 1.0),
     "d",
     _layout.optional("d"),
-    missing=1,
+    _layout.optional("d"),
+    missing=2,
     open=True,
 )
 @_dataclass(slots=True)
@@ -135,6 +136,8 @@ class MotionProgress(_layout.Struct):
     """[s]"""
     corner: float | None = None
     """[m]"""
+    speed_override: float | None = None
+    """[1]"""
 
 
 @_layout.enumeration("i", "IN_TOOL")

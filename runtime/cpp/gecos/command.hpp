@@ -137,6 +137,9 @@ class CommandCore {
   /// ended, the name is empty unless the command failed and no caller had observed the failure.
   virtual std::string about() const { return {}; }
 
+  /// Declares that the program does not need the outcome, and that the outcome does not matter for
+  /// what the program issues later.
+  virtual void ignore_outcome() { observe(); }
   /// Marks the outcome as observed. A failure of the command is then not logged.
   void observe() { observed_.store(true, std::memory_order_relaxed); }
   bool observed() const { return observed_.load(std::memory_order_relaxed); }
@@ -198,8 +201,8 @@ class AnyCommand {
     core_->cancel();
   }
   /// Declares that the program does not need the outcome. A failure of the command is then not
-  /// logged.
-  void detach() const { core_->observe(); }
+  /// logged, and does not prevent commands that the program issues after this call.
+  void detach() const { core_->ignore_outcome(); }
 
   /// Returns a descriptor for poll, select or epoll that becomes readable when the command is
   /// terminal. The command owns the descriptor.

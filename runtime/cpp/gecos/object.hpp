@@ -47,6 +47,9 @@ class ClientSession {
   virtual std::shared_ptr<CommandCore> call(const OperationDescription& operation, std::size_t size,
                                             FunctionRef<void(wire::Encoder&)> encode,
                                             const CallOptions& options) = 0;
+  /// Returns a command of `operation` that has ended with `failure`, without being sent.
+  virtual std::shared_ptr<CommandCore> refuse(const OperationDescription& operation,
+                                              Failure failure);
   /// Subscribes to a stream of the object.
   virtual tl::expected<std::shared_ptr<StreamCore>, Failure> subscribe(
       const StreamDescription& stream) = 0;
@@ -97,6 +100,8 @@ std::shared_ptr<CommandCore> ended(Failure failure);
 class Refused {
  public:
   explicit Refused(std::string why);
+  /// For an operation with @on_new("blend"): `session` then leaves out those that are called later.
+  Refused(std::string why, ClientSession& session, const OperationDescription& operation);
   /// Returns how many calls this process has refused before they were sent.
   static std::uint64_t count();
   template <class T, class Feedback>

@@ -415,7 +415,7 @@ void bind_client(nb::module_& module) {
   nb::class_<CommandHandle>(module, "Command")
       .def("id", [](const CommandHandle& c) { return to_string(c.core().id()); })
       .def("about", [](const CommandHandle& c) { return c.core().about(); })
-      .def("observe", [](const CommandHandle& c) { c.core().observe(); })
+      .def("ignore_outcome", [](const CommandHandle& c) { c.core().ignore_outcome(); })
       .def("peek", &peek)
       .def("progress", &progress)
       .def("feedback", [](const CommandHandle& c) { return to_python(c.core().feedback()); })

@@ -84,8 +84,9 @@ class Command:
     def about(self) -> str:
         """Returns the name of the called operation, for example "RX90.move", if the command failed
         and no caller has observed the failure."""
-    def observe(self) -> None:
-        """Marks the command as observed, so that its failure is not logged."""
+    def ignore_outcome(self) -> None:
+        """Declares that the program does not need the outcome. A failure is then not logged, and
+        does not prevent commands that are issued later."""
     def peek(self) -> tuple[int, int, float]:
         """Does the same as progress(), but does not mark the command as observed."""
     def progress(self) -> tuple[int, int, float]: ...

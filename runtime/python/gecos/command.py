@@ -136,10 +136,10 @@ class Command(TaskOf[T], Generic[T, F]):
         self._core.cancel()
 
     def detach(self) -> None:
-        """Detaches the command: it keeps running, and no warning is issued when it is dropped or
-        fails."""
+        """Detaches the command: it keeps running, no warning is issued when it is dropped or fails,
+        and its failure does not prevent commands that are issued later."""
         self._observe()
-        self._core.observe()
+        self._core.ignore_outcome()
 
     def fileno(self) -> int:
         """Returns a descriptor that becomes readable once the command is terminal, for `select` and

@@ -174,6 +174,9 @@ const std::vector<Bad> bad{
     {"place", "place = 2026-11-27",
      "arm.toml:9: place: a date or time does not fit here; give a text that says where the arm "
      "stands, for example \"an RX90 stands on the floor\""},
+    {"[tool]", "",
+     "arm.toml:11: offset_mm: this key belongs to the table [tool]; write the line [tool] above "
+     "the keys of the tool, at the end of this file"},
     {"[tool]", "[tools]",
      "arm.toml:10: tools: this key is unknown; the keys here are name, description, urdf, "
      "base_link, flange_link, seconds_to_full_speed, seconds_to_full_acceleration, front_deg, "
@@ -206,6 +209,15 @@ TEST(ArmFile, ABadFileIsRefusedWithItsLineItsKeyAndWhatToDo) {
     ASSERT_FALSE(arm) << file.line;
     EXPECT_EQ(to_string(arm.error()), file.says);
   }
+}
+
+TEST(ArmFile, AFileWithoutATableForTheToolIsToldWhatIsMissingAndWhere) {
+  const Parsed arm = parse(good.substr(0, good.find("[tool]")));
+  ASSERT_FALSE(arm);
+  EXPECT_EQ(to_string(arm.error()),
+            "arm.toml:1: tool: this key is missing; give a table for the tool: the line [tool] at "
+            "the end of this file and, below it, offset_mm, speed_m_per_s, acceleration_m_per_s2, "
+            "turn_speed_deg_per_s and turn_acceleration_deg_per_s2");
 }
 
 TEST(ArmFile, WhatIsNotTomlIsRefusedWithItsLine) {

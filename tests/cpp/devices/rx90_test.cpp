@@ -301,6 +301,38 @@ TEST_F(Rx90Test, TheConfigurationThatIsSetIsThatOfTheNextJointMoveOfTheSameSessi
   EXPECT_EQ(hand(), robcl::Wrist::FLIP);
 }
 
+TEST_F(Rx90Test, AJointMoveThatIsRefusedDoesNotUseUpTheConfigurationThatIsSet) {
+  const auto lease = gecos::actor(robot_);
+  const Frame here = robot_.tool().get().value();
+  ASSERT_TRUE(get(robot_.set_configuration({.hand = robcl::Wrist::NOFLIP}), cycle()));
+  ASSERT_FALSE(get(robot_.move(here * translate(5, 0, 0)), cycle()));
+  ASSERT_TRUE(get(robot_.move(here), cycle()));
+  EXPECT_EQ(robot_.posture().get().value().hand, robcl::Wrist::NOFLIP);
+}
+
+TEST_F(Rx90Test, AMoveThatIsPausedBecauseTheFactorOfTheSpeedIsZeroSaysSo) {
+  const auto lease = gecos::actor(robot_);
+  ASSERT_TRUE(robot_.override_speed(0).get());
+  const auto move = robot_.move(robot_.tool().get().value() * translate(0, 50_mm, 0));
+  const auto shown = [&] {
+    const auto told = move.feedback();
+    return told ? told->speed_override : std::nullopt;
+  };
+  while (!shown()) cycle()();
+  EXPECT_EQ(shown(), 0);
+  ASSERT_TRUE(robot_.override_speed(1).get());
+  ASSERT_TRUE(get(move, cycle())) << move.get().error();
+  EXPECT_FALSE(shown());
+}
+
+TEST_F(Rx90Test, AFactorOfTheSpeedThatIsRefusedIsNamedWithoutAUnit) {
+  const auto lease = gecos::actor(robot_);
+  const auto refused = robot_.override_speed(2).get();
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().text,
+            "override_speed.factor: 2 is outside [0.0, 1.0]; give at most 1.0");
+}
+
 TEST_F(Rx90Test, StandsOnTheFloorAndOnNoOtherArm) {
   const auto lease = gecos::actor(robot_);
   const auto refused = robot_.mount("PUMA", Frame()).get();

@@ -365,6 +365,81 @@ bool goes_over_late(double clock_speed) {
   return one.corner >= 0;
 }
 
+class NamedCaller final : public Caller {
+ public:
+  explicit NamedCaller(std::uint64_t its_name) : name_(its_name) {}
+  std::uint64_t caller() const override { return name_; }
+  /// Called for all moves that have not ended, while one of them runs.
+  bool interrupted() override {
+    is_known = true;
+    is_known.notify_all();
+    return Caller::interrupted();
+  }
+
+  std::atomic<bool> is_known{false};
+
+ private:
+  const std::uint64_t name_;
+};
+
+/// Asks for a turn of joint 1, and so late for a second one of the caller 1 that the arm stands
+/// before it. The second one is then impossible. Returns what becomes of a third one, of the caller
+/// `last`, and expects that the arm stands `stands_at` beside its start.
+ArmMotion::Result after_an_impossible_move(std::uint64_t last, double stands_at) {
+  const auto model = rx90();
+  Recorder driver(ready);
+  ArmController controller(model, {}, driver);
+  ArmMotion motion(controller, robcl::motion::Planner(model, {}));
+  const auto to = [](double angle) {
+    return [angle](robcl::motion::Planner& planner,
+                   const JointValues& from) -> tl::expected<robcl::motion::Move, MoveFailure> {
+      JointValues there = ready;
+      there[0] += angle;
+      return *planner.joint_move(from, there, {.speed = 0.1});
+    };
+  };
+  int made = 0;
+  const auto impossible_from_rest =
+      [&](robcl::motion::Planner& planner,
+          const JointValues& from) -> tl::expected<robcl::motion::Move, MoveFailure> {
+    if (++made > 1) return tl::unexpected(robcl::arm::OutOfReach{"too far"});
+    return to(0.4)(planner, from);
+  };
+  NamedCaller one(1), other(1), third(last);
+  const auto asked = [&](const auto& make, Caller& caller) {
+    return std::async(std::launch::async, [&motion, &caller, make] {
+      return motion.move({make, true}, caller);
+    });
+  };
+  auto first = asked(to(0.3), one);
+  one.is_taken.wait(false);
+  do {
+    controller.step(cycle);
+  } while (controller.now().remaining > 0.01);
+  auto second = asked(impossible_from_rest, other);
+  other.is_taken.wait(false);
+  auto outcome = asked(to(0.2), third);
+  third.is_known.wait(false);
+  const ControlLoop loop(controller);
+  EXPECT_TRUE(first.get());
+  EXPECT_TRUE(std::holds_alternative<robcl::arm::OutOfReach>(second.get().error()));
+  auto result = outcome.get();
+  EXPECT_NEAR(driver.all().back()[0], ready[0] + stands_at, 1e-6);
+  return result;
+}
+
+TEST(ArmMotions, AMoveAfterAnImpossibleOneOfTheSameCallerIsNotBegun) {
+  const auto left_out = after_an_impossible_move(1, 0.3);
+  ASSERT_FALSE(left_out);
+  EXPECT_EQ(to_string(left_out.error()),
+            "the arm does not begin this move, because an earlier move failed: out of reach: too "
+            "far");
+}
+
+TEST(ArmMotions, AMoveAfterAnImpossibleOneOfAnotherCallerIsMade) {
+  EXPECT_TRUE(after_an_impossible_move(2, 0.2));
+}
+
 TEST(ArmMotions, AtAFastLabClockTheNextMoveMustComeSoonerBecausePlanningTakesRealTime) {
   EXPECT_TRUE(goes_over_late(1));
   EXPECT_FALSE(goes_over_late(20));

@@ -291,6 +291,29 @@ constexpr const char* arms_without_closed_form[] = {"Ur5", "SevenAxes", "FiveAxe
 INSTANTIATE_TEST_SUITE_P(Of, NumericInverses, ::testing::Values(&ur5, &seven_axes, &five_axes),
                          [](const auto& made) { return arms_without_closed_form[made.index]; });
 
+TEST(NumericInverse, OfAnArmWithFiveJointsTakesAGoalWhoseRoundingItCannotReach) {
+  const ArmModel model = five_axes();
+  Kinematics forward(model);
+  const auto inverse = make_inverse(model);
+  const JointValues there = joints({10, 20, 60, 30, 40});
+  const Frame pose = forward.base_from_flange(there);
+  for (const auto& [about_z, about_y, about_x] :
+       {std::array{15e-9, 0., 0.}, std::array{0., 15e-9, 0.}, std::array{0., 0., 15e-9}}) {
+    const Frame rounded = pose * Frame::from_euler_zyx(0, 0, 0, about_z, about_y, about_x);
+    const auto solution = inverse->solve(rounded, joints({0, 20, 60, 30, 0}), {});
+    ASSERT_TRUE(solution) << to_string(solution.error());
+    EXPECT_LT((*solution - there).cwiseAbs().maxCoeff(), 1e-6);
+  }
+  const Frame turned = pose * Frame::from_euler_zyx(0, 0, 0, 0.01, 0.02, 0.03);
+  const auto refused = inverse->solve(turned, there, {});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(to_string(refused.error())
+                .find("an arm with 5 joints reaches a place in some "
+                      "orientations only"),
+            std::string::npos)
+      << to_string(refused.error());
+}
+
 TEST_P(NumericInverses, ReachNearlyEveryPoseAndNeverLie) {
   ASSERT_NE(dynamic_cast<NumericInverse*>(inverse_.get()), nullptr);
   RandomJoints random(model_, 7);

@@ -34,6 +34,19 @@ TEST_P(Leases, AreRefusedToASecondProgramWithTheHolderNamed) {
   EXPECT_EQ(gecos::holders(second).get().value().size(), 1u);
 }
 
+TEST_P(Leases, ThatAnotherProxyOfTheSameProgramHoldsAreToldAsSuch) {
+  const auto first = connect(lab_);
+  const auto second = connect(second_lab_);
+  const auto lease = *gecos::actor(first);
+  const auto refused = second.set(1).get();
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().detail, Detail::Denied);
+  EXPECT_NE(refused.error().text.find("; another proxy of the same program holds it: call through "
+                                      "that proxy or a copy of it"),
+            std::string::npos)
+      << refused.error();
+}
+
 TEST_P(Leases, AreFreeAgainWhenReleased) {
   const auto first = connect(lab_);
   const auto second = connect(second_lab_);

@@ -81,18 +81,20 @@ class SuspendedMachine final : public Clock {
 class Servant final : public probe::ProbeServant {
  public:
   void gecos_dispatch(IncomingCall call) override {
-    ++calls;
     marked_at = call.marked_at();
     if (keep) {
       kept.push_back(std::move(call));
+      ++calls;
     } else {
+      ++calls;
       call.finish(result);
     }
   }
   bool gecos_begins_calls() const override { return queues; }
   void gecos_session_ended(std::uint64_t) override { ++sessions_ended; }
 
-  std::atomic<int> calls = 0;  ///< that were carried out, or begun
+  /// That were carried out, begun, or kept; publishes `kept`.
+  std::atomic<int> calls = 0;
   bool keep = false;
   bool queues = false;                 ///< calls, and begins them later
   std::optional<TimePoint> marked_at;  ///< the last of them

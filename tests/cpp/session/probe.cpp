@@ -11,7 +11,7 @@ using gecos::OperationDescription;
 using gecos::access::Status;
 
 std::vector<OperationDescription> make_operations() {
-  std::vector<OperationDescription> all(8);
+  std::vector<OperationDescription> all(9);
   all[0].code = read_code, all[0].name = "read", all[0].status = Status::Sensor;
   all[1].code = move_code, all[1].name = "move", all[1].cancelable = true;
   all[2].code = set_code, all[2].name = "set";
@@ -24,6 +24,8 @@ std::vector<OperationDescription> make_operations() {
   all[6].idempotent = true;
   all[7].code = prompt_code, all[7].name = "prompt", all[7].status = Status::Sensor;
   all[7].quality.start_by = std::chrono::hours(1);
+  all[8].code = step_code, all[8].name = "step", all[8].cancelable = true;
+  all[8].on_new = gecos::OnNew::Blend;
   std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.code < b.code; });
   return all;
 }
@@ -105,7 +107,15 @@ void ProbeServant::gecos_dispatch(gecos::IncomingCall call) {
     if (code == read_code || code == look_code) special = on_read_;
   }
   if (special) return special(std::move(call));
-  if (code == move_code || code == finish_code) return move(std::move(call), argument);
+  if (code == step_code) {
+    if (argument < 0) {
+      note("refuse " + std::to_string(argument));
+      return call.fail(gecos::Fault(Jammed{argument}).failure());
+    }
+    call.let_next();
+  }
+  if (code == move_code || code == finish_code || code == step_code)
+    return move(std::move(call), argument);
   if (code == set_code) {
     if (argument < 0) return call.fail(gecos::Fault(Jammed{argument}).failure());
     note("set " + std::to_string(argument));

@@ -31,6 +31,7 @@ inline constexpr auto finish_code = function_code("probe::Probe::finish");
 inline constexpr auto look_code = function_code("probe::Probe::look");
 /// Must start within an hour (`@qos(start_by="1h")`).
 inline constexpr auto prompt_code = function_code("probe::Probe::prompt");
+inline constexpr auto step_code = function_code("probe::Probe::step");
 inline constexpr auto missing_code = function_code("probe::Probe::missing");
 
 const gecos::InterfaceDescription& description();
@@ -62,6 +63,9 @@ class Probe : public virtual gecos::Object {
     return number(look_code, which);
   }
   gecos::Command<std::int32_t> move(std::int32_t goal) const { return number(move_code, goal); }
+  /// `@on_new("blend")`: a move that lets the next step begin beside it. Fails if `goal` is
+  /// negative.
+  gecos::Command<std::int32_t> step(std::int32_t goal) const { return number(step_code, goal); }
   gecos::Command<std::int32_t> set(std::int32_t value) const { return number(set_code, value); }
   gecos::Command<std::int32_t> urgent() const { return number(urgent_code, 0); }
   /// Goes on when its caller is lost.
@@ -81,8 +85,8 @@ class Other : public Probe {
   using Probe::Probe;
 };
 
-/// Server side: `read` gives the level, `set` sets it; `move` runs until the test opens the gate or
-/// it is interrupted, and notes what happened.
+/// Server side: `read` gives the level, `set` sets it; `move` and `step` run until the test opens
+/// the gate or they are interrupted, and note what happened.
 class ProbeServant : public gecos::Servant {
  public:
   const gecos::InterfaceDescription& gecos_interface() const override { return description(); }

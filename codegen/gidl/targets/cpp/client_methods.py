@@ -7,6 +7,7 @@ from gidl.model import (
     Attribute,
     Operation,
 )
+from gidl.model.policy import OnNew
 from gidl.targets.calls import (
     attribute_value,
     parameter_value,
@@ -48,15 +49,23 @@ class Client(CallFacts):
         local = names.Locals(taken)
         size, to = local.fresh("size"), local.fresh("to")
         used = {*taken, size, to}
+        constant = self._constant(self._constants[call.name])
+        blends = isinstance(member, Operation) and member.on_new is OnNew.BLEND
+
+        def refused(why: str) -> str:
+            # The session leaves out what is called after a command that blends and is refused.
+            known = ("*gecos_session_", constant) if blends else ()
+            return called("gecos::session::Refused", why, *known)
+
         return MethodView(
             doc,
             f"gecos::Command<{types}>",
             name,
             group(f"{t} {n}{d}" for t, n, d in parameters),
             group(f"{t} {n}" for t, n, _ in parameters),
-            tuple(x for s in slots for x in self._lowering.check(s, names.Locals(used), _refused)),
+            tuple(x for s in slots for x in self._lowering.check(s, names.Locals(used), refused)),
             f"gecos_call<{types}>",
-            self._constant(self._constants[call.name]),
+            constant,
             self._writing(slots, size, to, taken) if slots else None,
             self._reading(call.reply, short_name(call), taken) if call.reply else None,
         )
@@ -109,7 +118,3 @@ class Client(CallFacts):
             tuple(self._lowering.check(slot, names.Locals({*taken, "size", "to"}), refused)),
             self._writing([slot], "size", "to", taken),
         )
-
-
-def _refused(why: str) -> str:
-    return called("gecos::session::Refused", why)

@@ -19,6 +19,11 @@ Eigen::Matrix<double, 6, 1> weights() {
 
 constexpr double solver_error = 1e-8;
 constexpr int solver_steps = 500;
+// An arm with fewer than six joints reaches only some of the poses near a pose that it reaches, so
+// the rounding of a goal makes the goal unreachable. Such an arm may miss its goal by so many m and
+// rad.
+constexpr double accuracy_of_few_joints = 1e-6;
+constexpr Eigen::Index joints_for_every_pose = 6;
 
 }  // namespace
 
@@ -46,7 +51,11 @@ JointValues NumericInverse::start(int attempt, const JointValues& reference) con
 /// Returns the solution near `joints`; nullopt if there is none.
 std::optional<JointValues> NumericInverse::refined(const Frame& base_from_flange,
                                                    JointValues joints) const {
-  const auto solution = local_.solve(base_from_flange, local_.at(joints));
+  const auto known = local_.at(joints);
+  auto solution = local_.solve(base_from_flange, known);
+  if (!solution && joints.size() < joints_for_every_pose) {
+    solution = local_.solve(base_from_flange, known, accuracy_of_few_joints);
+  }
   if (!solution) return std::nullopt;
   return solution->joints;
 }
@@ -84,6 +93,10 @@ tl::expected<JointValues, Failure> NumericInverse::solve(const Frame& base_from_
   text << std::fixed << std::setprecision(1) << "no joint positions found for a flange "
        << in_mm(base_from_flange.position().norm()) << " mm from the base (reach "
        << in_mm(model_.reach()) << " mm); the solver tried " << starts << " start positions";
+  if (reference.size() < joints_for_every_pose) {
+    text << "; an arm with " << reference.size()
+         << " joints reaches a place in some orientations only: begin with a pose that it has had";
+  }
   return tl::unexpected(OutOfReach{text.str()});
 }
 

@@ -22,12 +22,13 @@ def mistaken_unit(value: object, low: float, high: float, unit: str) -> str:
 
 
 class Range:
-    """The limits of a number and their unit. None means that there is no limit on that side."""
+    """The limits of a number and their unit. None means that there is no limit on that side. A
+    number without a dimension, whose unit is "1", is shown without a unit."""
 
     __slots__ = ("high", "low", "unit")
 
     def __init__(self, low: Any, high: Any, unit: str = "") -> None:
-        self.low, self.high, self.unit = low, high, unit
+        self.low, self.high, self.unit = low, high, "" if unit == "1" else unit
 
     def __str__(self) -> str:
         """ "[0.01, 1.0] m/s" """

@@ -15,6 +15,7 @@
 #include "gecos/session/client/ending.hpp"
 #include "gecos/session/client/failover.hpp"
 #include "gecos/session/client/open_calls.hpp"
+#include "gecos/session/client/seen_failures.hpp"
 #include "gecos/session/client/server_watch.hpp"
 #include "gecos/session/client/withdrawal.hpp"
 #include "gecos/session/process/runtime.hpp"
@@ -40,7 +41,8 @@ class CallSender {
     return welcome_.credits + (urgent ? welcome_.credits / 4 : 0);
   }
   /// Sends `command` as a call with `header` and with the arguments of `size` bytes that `encode`
-  /// writes. Sets session, counter and acknowledgement in `header`. Fails with Full when `most`
+  /// writes. Sets session, counter, acknowledgement and, for an actor command, `begins_anew` in
+  /// `header`. Fails with Full when `most`
   /// calls are open. `attach_to`: the session, for a command that may be sent in several sessions;
   /// null for other commands.
   tl::expected<void, media::SendProblem> send(wire::PacketHeader& header, std::size_t most,
@@ -54,6 +56,8 @@ class CallSender {
   /// Cancels `command`. Returns false when `command` is not open in this session under `counter`.
   bool cancel(PendingCommand& command, std::uint64_t counter);
 
+  /// Returns the failures of this session's commands that the program has seen.
+  const std::shared_ptr<SeenFailures>& failures() const { return failures_; }
   /// Returns the number of calls sent so far.
   std::uint64_t issued();
   /// Returns the number of open calls.
@@ -119,7 +123,8 @@ class CallSender {
   const SessionId id_;
   const Welcome& welcome_;
   const ServerWatch& server_;
-  const bool repeats_;             ///< the medium may lose packets
+  const bool repeats_;  ///< the medium may lose packets
+  const std::shared_ptr<SeenFailures> failures_ = std::make_shared<SeenFailures>();
   std::atomic<bool> lost_{false};  // publishes loss_text_
 
   FutexMutex mutex_;

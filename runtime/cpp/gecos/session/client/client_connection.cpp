@@ -9,6 +9,20 @@
 #include "gecos/session/protocol/start_words.hpp"
 
 namespace gecos::session {
+namespace {
+
+Failure left_out_because_of(const std::string& why, std::string_view operation,
+                            const std::string& object) {
+  return {Detail::Rejected,
+          "'" + std::string(operation) + "' of " + object +
+              " was not sent, because a command that the same caller had issued before it was not "
+              "sent: " +
+              why + ". Look at the outcome of a failed command before you issue the next one",
+          {},
+          {}};
+}
+
+}  // namespace
 
 ClientConnection::ClientConnection(std::shared_ptr<Runtime> runtime,
                                    std::unique_ptr<media::Connection> connection, SessionId id,
@@ -48,18 +62,28 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
                                                     std::size_t size,
                                                     FunctionRef<void(wire::Encoder&)> encode,
                                                     const CallOptions& options) {
-  if (auto refused = refusal(operation.code, operation.name)) return ended(std::move(*refused));
+  if (auto refused = refusal(operation.code, operation.name)) {
+    return refuse(operation, std::move(*refused));
+  }
   if (options.deadline && *options.deadline <= Duration{}) {
-    return ended(
+    return refuse(
+        operation,
         {Detail::Expired,
          "the deadline of '" + std::string(operation.name) +
              "' passed before the call was sent; the call was not carried out: allow it more time",
          {},
          {}});
   }
+  const bool chained = operation.on_new == OnNew::Blend;
+  if (chained) {
+    if (const auto why = calls_.failures()->why_not_sent()) {
+      return refuse(operation, left_out_because_of(*why, operation.name, object_name()));
+    }
+  }
   if (failover_.covers(operation)) return failover_.call(operation, size, encode, options);
   auto command = make_recycled<PendingCommand>(shared_from_this(), operation);
   command->marked_words = marked_words(operation);
+  if (chained) command->chain.failures = calls_.failures();
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Call;
   header.code = operation.code;
@@ -72,8 +96,34 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
     reader_.poll_once();  // to read the replies that wait may make room
     sent = calls_.send(header, most, size, encode, command, nullptr);
   }
-  if (!sent) command->fail(calls_.not_sent(operation.name, size, sent.error()));
+  if (sent) return command;
+  Failure failure = calls_.not_sent(operation.name, size, sent.error());
+  if (chained && sent.error() != media::SendProblem::Lost) note_unsent(*command, failure);
+  command->fail(std::move(failure));
   return command;
+}
+
+std::shared_ptr<CommandCore> ClientConnection::refuse(const OperationDescription& operation,
+                                                      Failure failure) {
+  auto command = std::make_shared<PendingCommand>(std::move(failure));
+  if (operation.on_new == OnNew::Blend) {
+    command->chain.failures = calls_.failures();
+    note_unsent(*command, command->failure());
+  }
+  return command;
+}
+
+/// Notes that `command`, which has @on_new("blend"), is not sent because of `failure`, so that
+/// later ones are left out until the program has seen that.
+void ClientConnection::note_unsent(PendingCommand& command, const Failure& failure) {
+  command.chain.place = SeenFailures::of_unsent(calls_.issued());
+  calls_.failures()->not_sent(command.chain.place,
+                              std::string(to_string(failure.detail)) + ", " + failure.text);
+}
+
+std::uint64_t ClientConnection::lease_acquired(std::uint64_t epoch) {
+  calls_.failures()->saw(SeenFailures::of_unsent(calls_.issued()));
+  return leases_.acquired(epoch);
 }
 
 void ClientConnection::close(Duration patience) {

@@ -25,8 +25,9 @@
 namespace gecos::session {
 
 /// Client side of a session over one connection of a medium. Owns the parts of the session and
-/// connects them to each other. This class has many methods and members, because it implements the
-/// whole interface of a session and gives each part access to the others.
+/// connects them to each other. This class has more methods than other classes, and more members
+/// than other classes, because it implements the whole interface of a session and gives each part
+/// access to the others.
 ///
 /// A lost session stays lost: every later call ends as CONNECTION_FAILED, and the program must
 /// create a new session with `Lab::create`. Only `@idempotent` readings continue, in a successor
@@ -51,7 +52,9 @@ class ClientConnection final : public ClientSession,
   const std::string& object_name() const override { return welcome_.object; }
   const media::Capabilities& capabilities() const override { return connection_->capabilities(); }
   ObjectRef reference() const override;
-  std::uint64_t lease_acquired(std::uint64_t epoch) override { return leases_.acquired(epoch); }
+  std::shared_ptr<CommandCore> refuse(const OperationDescription& operation,
+                                      Failure failure) override;
+  std::uint64_t lease_acquired(std::uint64_t epoch) override;
   void lease_released(std::uint64_t held) override { leases_.released(held); }
   bool lease_lost(std::uint64_t held) const override {
     return lost() || closed() || leases_.lost(held);
@@ -105,6 +108,8 @@ class ClientConnection final : public ClientSession,
   TickTarget& tick_target() { return maintenance_; }
 
  private:
+  void note_unsent(PendingCommand& command, const Failure& failure);
+
   const std::shared_ptr<Runtime> runtime_;
   const std::unique_ptr<media::Connection> connection_;
   const Welcome welcome_;

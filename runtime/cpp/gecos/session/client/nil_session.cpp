@@ -57,8 +57,18 @@ std::shared_ptr<CommandCore> ended(Failure failure) {
   return std::make_shared<PendingCommand>(std::move(failure));
 }
 
+std::shared_ptr<CommandCore> ClientSession::refuse(const OperationDescription& /*operation*/,
+                                                   Failure failure) {
+  return ended(std::move(failure));
+}
+
 namespace {
 std::atomic<std::uint64_t> refused_calls{0};  // orders no other memory
+}
+
+Refused::Refused(std::string why, ClientSession& session, const OperationDescription& operation)
+    : core_(session.refuse(operation, {Detail::BadParameter, std::move(why), {}, {}})) {
+  refused_calls.fetch_add(1, std::memory_order_relaxed);
 }
 
 Refused::Refused(std::string why) : core_(ended({Detail::BadParameter, std::move(why), {}, {}})) {

@@ -10,6 +10,8 @@
 #include "gecos/base/short_bytes.hpp"
 #include "gecos/command.hpp"
 #include "gecos/description.hpp"
+#include "gecos/session/client/seen_failures.hpp"
+#include "gecos/session/protocol/builtin.hpp"
 #include "gecos/session/protocol/handshake.hpp"
 
 namespace gecos::session {
@@ -25,6 +27,7 @@ class PendingCommand final : public CommandCore {
   PendingCommand(std::shared_ptr<ClientConnection> session, const OperationDescription& operation)
       : operation_(operation.name),
         actor_(operation.status != access::Status::Sensor),
+        keeps_place_(actor_ && !operation.safety && !is_builtin(operation.code)),
         home_(session.get()),
         session_(std::move(session)) {}
   /// Makes a command that ended before it was sent.
@@ -39,8 +42,12 @@ class PendingCommand final : public CommandCore {
   Bytes feedback() const override;
   bool wait_until(TimePoint deadline) override;
   void cancel() override;
+  void ignore_outcome() override;
   ByteView result() const override { return result_.view(); }
-  const Failure& failure() const override { return failure_; }
+  const Failure& failure() const override {
+    note_seen();
+    return failure_;
+  }
   int descriptor() override;
   void when_ended(std::function<void()> then) override;
   std::string about() const override;
@@ -50,6 +57,9 @@ class PendingCommand final : public CommandCore {
   bool terminal() const {
     return project(detail_.load(std::memory_order_seq_cst)) != State::Running;
   }
+
+  /// True for an actor command: the server takes those of a session in the order of their issue.
+  bool keeps_place() const { return keeps_place_; }
 
   // Called by the session of the command.
   void report(Detail detail, const ProgressBody& body);
@@ -71,6 +81,13 @@ class PendingCommand final : public CommandCore {
   /// Notes that the session no longer has this command. The caller must hold the mutex of the
   /// session's CallSender, unless no session has the command.
   void detach() { home_.store(nullptr, std::memory_order_release); }
+
+  /// Set before the command is shared, for a command with @on_new("blend"): is told when the
+  /// program has seen that the command failed.
+  struct InChain {
+    std::shared_ptr<SeenFailures> failures;
+    SeenFailures::Place place{};
+  } chain;
 
   /// True if the time at which the reply arrives must be recorded. Written before other threads
   /// know the command.
@@ -107,6 +124,7 @@ class PendingCommand final : public CommandCore {
 
  private:
   std::shared_ptr<ClientConnection> session() const;
+  void note_seen() const;
   void watch_end() GECOS_REQUIRES(mutex_);
   std::string name_in(const ClientConnection& session) const;
   void log_end(const ClientConnection& in, Detail detail) const;
@@ -120,6 +138,7 @@ class PendingCommand final : public CommandCore {
 
   const std::string_view operation_;  ///< empty: the command was never sent
   const bool actor_ = false;          ///< the operation needs a status
+  const bool keeps_place_ = false;
   mutable FutexMutex mutex_;
   std::atomic<Detail> detail_{Detail::Sent};  // a terminal value publishes result_, failure_
   std::uint32_t position_ GECOS_GUARDED_BY(mutex_) = 0;

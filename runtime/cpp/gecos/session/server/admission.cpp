@@ -1,5 +1,6 @@
 #include "gecos/session/server/admission.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 
@@ -29,10 +30,24 @@ Failure refused(Detail detail, const CallRequest& call, const AdmittingObject& o
           {}};
 }
 
+/// Returns an advice for a program that holds the status of the object in another session than the
+/// one of `call`; otherwise an empty text.
+std::string through_other_proxy(const CallRequest& call, const access::LeaseTable& leases) {
+  if (call.caller == nullptr) return {};
+  const Caller& caller = *call.caller;
+  const auto is_caller = [&](const access::Holder& holder) {
+    return holder.session != call.session && holder.client.pid == caller.pid &&
+           holder.client.host == caller.host && holder.client.user == caller.user;
+  };
+  if (!std::ranges::any_of(leases.roster(), is_caller)) return {};
+  return "; another proxy of the same program holds it: call through that proxy or a copy of it";
+}
+
 Failure denied(const access::Denial& denial, const CallRequest& call,
                const AdmittingObject& object) {
   return refused(detail_of(denial.reason), call, object,
-                 denial.text + named_request(call.session, call.counter));
+                 denial.text + through_other_proxy(call, object.leases) +
+                     named_request(call.session, call.counter));
 }
 
 /// Returns a text such as "0.5 ms".

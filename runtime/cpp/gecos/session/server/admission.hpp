@@ -7,6 +7,7 @@
 #include "gecos/access/object_presence.hpp"
 #include "gecos/command.hpp"
 #include "gecos/description.hpp"
+#include "gecos/servant.hpp"
 #include "gecos/session/server/name_claim.hpp"
 #include "gecos/session/server/object_queue.hpp"
 
@@ -22,8 +23,9 @@ bool commands_the_object(const OperationDescription& operation);
 struct CallRequest {
   const OperationDescription& operation;
   SessionId session{};
-  Epoch epoch{};              ///< epoch of the status under which the call was issued
-  std::uint64_t counter = 0;  ///< number of the call in the session
+  Epoch epoch{};                   ///< epoch of the status under which the call was issued
+  std::uint64_t counter = 0;       ///< number of the call in the session
+  const Caller* caller = nullptr;  ///< null: not known
 };
 
 /// The object that is called. `now`: the current time by the clock of the object's leases.

@@ -67,6 +67,8 @@ class Intake {
   /// deadline.
   std::optional<EarlyCall> next(TimePoint now);
   bool is_aside(std::uint64_t counter) const { return early_.contains(counter); }
+  /// Returns the function code of the deferred call `counter`. @pre is_aside(counter)
+  FunctionCode code_aside(std::uint64_t counter) const { return early_.at(counter).header.code; }
   std::size_t aside() const { return early_.size(); }
   /// Returns the lowest counter above `after` among the deferred calls.
   std::optional<std::uint64_t> first_aside(std::uint64_t after = 0) const;

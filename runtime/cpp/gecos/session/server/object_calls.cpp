@@ -36,6 +36,13 @@ std::vector<std::shared_ptr<ServerCall>> commands_of(const ObjectQueue& queue) {
   return commands;
 }
 
+/// Returns true for an end that also ends the queued commands of its client, each with a reason of
+/// its own: a cancel, a stop, the loss of the status.
+bool ends_queued_commands_too(Detail detail) {
+  return detail == Detail::Canceled || detail == Detail::Stopped || detail == Detail::Preempted ||
+         detail == Detail::LeaseLost || detail == Detail::PresenceLost;
+}
+
 void tell_progress(ServerCall& call, TimePoint now) {
   if (call.state.ended() || !call.reported.due(now)) return;
   const Detail detail = call.state.canceling() ? Detail::Canceling : Detail::Executing;
@@ -138,8 +145,33 @@ void ObjectCalls::tell_outcome(ServerCall& call, ByteView result) {
 }
 
 void ObjectCalls::tell_outcome(ServerCall& call, const Failure& failure) {
-  settle(call, failure.detail, failure.text);
-  call.listener().reply(call.counter_in(call.listener()), failure);
+  // A handler that was interrupted because of its chain answers that it was.
+  const bool interrupted = call.left_out && failure.detail == Detail::Canceled;
+  const Failure& told = interrupted ? *call.left_out : failure;
+  settle(call, told.detail, told.text);
+  call.listener().reply(call.counter_in(call.listener()), told);
+  break_chain(call, told);
+}
+
+/// Leaves out the commands of the chain of `call` that were issued after it.
+void ObjectCalls::break_chain(ServerCall& call, const Failure& failure) {
+  if (call.operation().on_new != OnNew::Blend || call.left_out) return;
+  const BlendChain::Failed failed{call.counter, std::string(call.operation().name), failure.detail,
+                                  failure.text};
+  call.session->chain.broke(call.chain, failed);
+  if (ends_queued_commands_too(failure.detail)) return;
+  for (const auto& later : commands_of(queue_)) {
+    if (later->session != call.session || later->chain != call.chain) continue;
+    if (later->counter <= call.counter || later->operation().on_new != OnNew::Blend) continue;
+    if (later->state.ended() || later->left_out) continue;
+    later->left_out = left_out_because_of(failed, later->title());
+    if (later->state.queued()) {
+      end(*later, *later->left_out);
+    } else {
+      interrupt(*later);
+    }
+  }
+  note_ready();
 }
 
 /// Records the end of `call`. Must be called before the reply is sent, so that a client that sees

@@ -107,6 +107,7 @@ class ObjectCalls {
   void tell_outcome(ServerCall& call, const Failure& failure);
   void tell_outcome(ServerCall& call, ByteView result);
   void settle(ServerCall& call, Detail detail, const std::string& text);
+  void break_chain(ServerCall& call, const Failure& failure);
   void finished(ServerCall& call);
   void end_overdue(ServerCall& call, bool missed_start);
 

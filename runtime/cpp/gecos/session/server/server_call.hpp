@@ -25,7 +25,8 @@ struct HandlerWait {
 };
 
 /// One call at the server, from its arrival until the call is answered and its handler has
-/// returned.
+/// returned. This class has more members than other classes, because the other classes of the
+/// server store their data about one call here and so need no tables of their own.
 class ServerCall final : public CallCore,
                          public QueueEntry,
                          public HandlerHere,
@@ -80,7 +81,11 @@ class ServerCall final : public CallCore,
   std::size_t position_sent = 0;
   TimePoint arrived{};  ///< set only when the end of the call will be logged
   std::optional<HandlerWait> waits_for;
-  bool listed = false;                ///< the call is in ObjectCalls::open_
+  bool listed = false;      ///< the call is in ObjectCalls::open_
+  std::uint64_t chain = 0;  ///< BlendChain::first() when the call arrived
+  /// Why the call is left out: an earlier one of its chain did not succeed. Set when this is known;
+  /// a handler that has begun is then interrupted.
+  std::optional<Failure> left_out;
   OperationCounts* counts = nullptr;  ///< of its operation; set when the call is queued
   HandlerTiming timing{};
 

@@ -12,6 +12,7 @@
 #include "gecos/session/protocol/handshake.hpp"
 #include "gecos/session/protocol/peer_liveness.hpp"
 #include "gecos/session/protocol/receive_window.hpp"
+#include "gecos/session/server/blend_chain.hpp"
 #include "gecos/session/server/call_statistics.hpp"
 #include "gecos/session/server/feed_standing.hpp"
 #include "gecos/session/server/intake.hpp"
@@ -80,6 +81,7 @@ class ServerSession {
 
   // Guarded by the object's mutex.
   CallTable<ServerCall> calls;
+  BlendChain chain;
   Intake intake;
   /// Replies that the client may request again: all replies over a medium that loses packets, and
   /// replies made after the connection was lost, which the client requests in another session.

@@ -23,6 +23,16 @@ constexpr const char* not_started = "the call was not started: its caller had gi
 
 std::uint8_t number_of(Detail detail) { return static_cast<std::uint8_t>(detail); }
 
+/// Ends the commands that run or wait, because `by` replaces them.
+void preempt(ObjectCalls& calls, const ServerCall& by) {
+  const Failure failure{Detail::Preempted,
+                        "replaced by '" + std::string(by.operation().name) + "' of " +
+                            by.caller().program + " (pid " + std::to_string(by.caller().pid) + ")",
+                        {},
+                        {}};
+  calls.end_commands([&](const ServerCall& other) { return &other != &by; }, failure);
+}
+
 }  // namespace
 
 void SessionPackets::take(const Session& session, ByteView bytes) {
@@ -103,38 +113,50 @@ void SessionPackets::withdraw(ServerSession& session) {
 }
 
 void SessionPackets::cancel(ServerSession& session, std::uint64_t counter) {
+  constexpr const char* before_start = "canceled before it started";
   const Failure left_line{Detail::Canceled, "canceled while the request waited", {}, {}};
   if (statuses_.line().end(session.id(), counter, left_line)) return;
   if (statuses_.roster().questions().end(session.id(), counter, left_line)) return;
   if (session.intake.is_aside(counter)) {
-    return end_early(session, counter, Detail::Canceled, "canceled before it started");
+    const auto* const operation = setup_.interface.find(session.intake.code_aside(counter));
+    end_early(session, counter, Detail::Canceled, before_start);
+    if (operation == nullptr || operation->on_new != OnNew::Blend) return;
+    session.chain.broke(session.chain.first(),
+                        {counter, std::string(operation->name), Detail::Canceled, before_start});
+    return cancel_later(session, counter);
   }
   const auto* found = session.calls.find(counter);
   if (found == nullptr) return;
   const std::shared_ptr<ServerCall> call = *found;
   if (call->state.queued()) {
-    calls_.end(*call, Failure{Detail::Canceled, "canceled before it started", {}, {}});
+    calls_.end(*call, Failure{Detail::Canceled, before_start, {}, {}});
+    if (call->operation().on_new == OnNew::Blend) cancel_later(session, counter);
     calls_.note_ready();
   } else if (call->operation().cancelable && !call->state.canceling()) {
     cancel_running(session, *call);
+    if (call->operation().on_new == OnNew::Blend) {  // for commands that still arrive
+      session.chain.broke(call->chain, {counter, std::string(call->operation().name),
+                                        Detail::Canceled, "canceled while it was executing"});
+    }
     for (const auto& [later, other] : session.calls.all()) {
       if (later > counter && call->lets_next && other->operation().on_new == OnNew::Blend) {
         cancel_running(session, *other);
       }
     }
-    calls_.end_commands(
-        [&](const ServerCall& other) {
-          return other.client == call->client && other.state.queued() &&
-                 other.counter > call->counter;
-        },
-        Failure{Detail::Canceled,
-                "canceled, because an earlier command of the same client was canceled",
-                {},
-                {}});
-    while (const auto later = session.intake.first_aside(counter)) {
-      end_early(session, *later, Detail::Canceled,
-                "canceled, because an earlier command of the same client was canceled");
-    }
+    cancel_later(session, counter);
+  }
+}
+
+/// Cancels the commands of `session` that wait and were issued after the command `counter`.
+void SessionPackets::cancel_later(ServerSession& session, std::uint64_t counter) {
+  const std::string why = "canceled, because an earlier command of the same client was canceled";
+  calls_.end_commands(
+      [&](const ServerCall& other) {
+        return other.client == session.id() && other.state.queued() && other.counter > counter;
+      },
+      Failure{Detail::Canceled, why, {}, {}});
+  while (const auto later = session.intake.first_aside(counter)) {
+    end_early(session, *later, Detail::Canceled, why);
   }
 }
 
@@ -213,6 +235,7 @@ void SessionPackets::refuse_late(ServerSession& session, const wire::PacketHeade
   calls_.outcomes().ended({session.id(), call.counter, Detail::NotStarted, why});
   if (!is_builtin(call.code)) {
     calls_.statistics().refused(session, setup_.interface.find(call.code), Detail::NotStarted);
+    note_failed(session, call, {Detail::NotStarted, why, {}, {}});
   }
   session.reply(call.counter, Failure{Detail::NotStarted, why, {}, {}});
 }
@@ -248,21 +271,25 @@ void SessionPackets::take_call(const Session& session, const wire::PacketView& p
   // A correct client never has so many calls in flight.
   if (session->calls.size() + session->intake.aside() >= most) {
     calls_.statistics().refused(*session, operation, Detail::QueueFull);
-    return session->reply(counter,
-                          Failure{Detail::QueueFull,
-                                  "the client has more unanswered calls than the server granted",
-                                  {},
-                                  {}});
+    const Failure failure{
+        Detail::QueueFull, "the client has more unanswered calls than the server granted", {}, {}};
+    note_failed(*session, packet.header, failure);
+    return session->reply(counter, failure);
   }
   if (!too_early(*session, packet, *operation, age)) admit(session, packet, *operation, age);
 }
 
 void SessionPackets::admit(const Session& session, const wire::PacketView& packet,
                            const OperationDescription& operation, Age age) {
+  const wire::PacketHeader& header = packet.header;
+  if (commands_the_object(operation)) {
+    session->chain.arrived(header.counter, header.epoch, header.flags == begins_anew);
+  }
   const auto refuse = [&](const Failure& failure) {
     if (operation.status != access::Status::Sensor) {
       calls_.outcomes().ended({session->id(), packet.header.counter, failure.detail, failure.text});
     }
+    note_failed(*session, packet.header, failure);
     session->reply(packet.header.counter, failure);
     calls_.statistics().refused(*session, &operation, failure.detail);
     setup_.audit->refused(*session, packet.header.counter, operation.code, operation.name, failure);
@@ -272,6 +299,7 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
   if (const auto why = refusal(*session, packet, operation)) return refuse(*why);
   auto call = make_recycled<ServerCall>(session, operation, packet.header.counter,
                                         packet.header.epoch, packet.body);
+  call->chain = session->chain.first();
   if (log_enabled(level_of(operation))) call->arrived = setup_.clock().now();
   if (packet.header.deadline > Duration{}) {
     call->state.set_deadline(expiry(packet.header.deadline, setup_.clock().since_boot()));
@@ -289,7 +317,7 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
                    {}});
   }
   if (call->lane != CallLane::Actor) return;
-  if (operation.on_new == OnNew::Preempt) preempt(*call);
+  if (operation.on_new == OnNew::Preempt) preempt(calls_, *call);
   const auto position = calls_.queue().position(*call).value_or(0);
   if (position != 0 || session->repeats() || setup_.runs_long(operation)) {
     call->position_sent = position;
@@ -301,23 +329,30 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
 std::optional<Failure> SessionPackets::refusal(ServerSession& session,
                                                const wire::PacketView& packet,
                                                const OperationDescription& operation) {
-  if (auto refusal =
-          refusal_to_queue({operation, session.id(), packet.header.epoch, packet.header.counter},
-                           statuses_.admitting(), claim_, calls_.queue(), closed_)) {
+  if (auto refusal = refusal_to_queue(
+          {operation, session.id(), packet.header.epoch, packet.header.counter, &session.caller()},
+          statuses_.admitting(), claim_, calls_.queue(), closed_)) {
     return refusal;
   }
   if (auto refusal = refusal_to_report(setup_, session, packet, operation)) return refusal;
-  if (!presence_.required()) return std::nullopt;
-  return refusal_for_absence(operation, setup_.name, presence_, setup_.clock().since_boot());
+  if (presence_.required()) {
+    if (auto refusal =
+            refusal_for_absence(operation, setup_.name, presence_, setup_.clock().since_boot())) {
+      return refusal;
+    }
+  }
+  if (operation.on_new != OnNew::Blend) return std::nullopt;
+  const std::string what = "'" + std::string(operation.name) + "' of " + setup_.name;
+  return session.chain.left_out(session.chain.first(), packet.header.counter, what);
 }
 
-void SessionPackets::preempt(const ServerCall& by) {
-  const Failure failure{Detail::Preempted,
-                        "replaced by '" + std::string(by.operation().name) + "' of " +
-                            by.caller().program + " (pid " + std::to_string(by.caller().pid) + ")",
-                        {},
-                        {}};
-  calls_.end_commands([&](const ServerCall& other) { return &other != &by; }, failure);
+/// Notes that `call` ends with `failure` and does not get into the queue.
+void SessionPackets::note_failed(ServerSession& session, const wire::PacketHeader& call,
+                                 const Failure& failure) {
+  const auto* const operation = setup_.interface.find(call.code);
+  if (operation == nullptr || operation->on_new != OnNew::Blend) return;
+  session.chain.broke(session.chain.first(),
+                      {call.counter, std::string(operation->name), failure.detail, failure.text});
 }
 
 // Calls that arrive before calls that were issued earlier
@@ -333,10 +368,11 @@ bool SessionPackets::too_early(ServerSession& session, const wire::PacketView& p
   }
   if (!session.intake.put_aside(packet, setup_.clock().since_boot(),
                                 age.value_or(session.connection().age()))) {
-    const auto why = text_of(ObjectQueue::Full::BytesOfClient, packet.body.size());
+    const auto why = "the command was not queued: " +
+                     text_of(ObjectQueue::Full::BytesOfClient, packet.body.size());
     calls_.statistics().refused(session, &operation, Detail::QueueFull);
-    end_early(session, packet.header.counter, Detail::QueueFull,
-              "the command was not queued: " + why);
+    note_failed(session, packet.header, {Detail::QueueFull, why, {}, {}});
+    end_early(session, packet.header.counter, Detail::QueueFull, why);
   }
   return true;
 }

@@ -56,18 +56,19 @@ class SessionPackets {
   // From the arrival of a call to the queue.
   void arrive(const Session& session, const wire::PacketView& packet);
   void refuse_late(ServerSession& session, const wire::PacketHeader& call);
+  void note_failed(ServerSession& session, const wire::PacketHeader& call, const Failure& failure);
   void take_call(const Session& session, const wire::PacketView& packet, Age age = {});
   void admit(const Session& session, const wire::PacketView& packet,
              const OperationDescription& operation, Age age);
   std::optional<Failure> refusal(ServerSession& session, const wire::PacketView& packet,
                                  const OperationDescription& operation);
-  void preempt(const ServerCall& by);
 
   // Calls that arrive before calls that were issued earlier.
   bool too_early(ServerSession& session, const wire::PacketView& packet,
                  const OperationDescription& operation, Age age);
   void take_early(const Session& session);
   void end_early(ServerSession& session, std::uint64_t counter, Detail how, const std::string& why);
+  void cancel_later(ServerSession& session, std::uint64_t counter);
 
   // Calls of a session that the client has lost.
   void take_again(const Session& session, const wire::PacketView& packet, Age age);

@@ -54,6 +54,12 @@ bool StartGate::may_start(ServerCall& call) {
     refusal =
         refusal_for_absence(call.operation(), setup_.name, presence_, setup_.clock().since_boot());
   }
+  if (!refusal && call.operation().on_new == OnNew::Blend) {
+    if (!call.left_out) {
+      call.left_out = caller.chain.left_out(call.chain, call.counter, call.title());
+    }
+    refusal = call.left_out;
+  }
   if (refusal) calls_.end(call, *refusal);
   return !refusal;
 }
