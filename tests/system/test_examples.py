@@ -342,8 +342,10 @@ def test_the_arm_stands_when_the_button_of_a_person_is_released(
     roster = lab.start(*GECOS, "watch", "RX90", ready="nobody holds")
     with gecos.Lab() as client:
         arm = client.create(Manipulator, "RX90")
-        present = "a person is present in zone"
-        until(lambda: present in gecos.describe(arm).result().presence, present)
+        until(
+            lambda: "a person is present in zone" in gecos.describe(arm).result().presence,
+            "present",
+        )
         bound = PRESENCE_ENDS_S + arm.braking_time().result()
         mover = lab.start(*mover_command, ready="lowering the tool")
         until(lambda: not arm.standing().result(), "the arm moves")
