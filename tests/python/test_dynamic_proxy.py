@@ -198,7 +198,8 @@ def test_feedback_is_plain() -> None:
     table, _ = issued("robcl::Rx90", "move", GOAL)
     assert table.feedback is not None
     data = to_bytes(MotionProgress(0.5, 2.0))
-    assert table.feedback(Decoder(data)) == {"fraction": 0.5, "remaining": 2.0, "corner": None}
+    known = {"fraction": 0.5, "remaining": 2.0, "corner": None, "speed_override": None}
+    assert table.feedback(Decoder(data)) == known
 
 
 def test_a_proxy_describes_its_members() -> None:

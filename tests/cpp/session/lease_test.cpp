@@ -34,7 +34,7 @@ TEST_P(Leases, AreRefusedToASecondProgramWithTheHolderNamed) {
   EXPECT_EQ(gecos::holders(second).get().value().size(), 1u);
 }
 
-TEST_P(Leases, ThatAnotherProxyOfTheSameProgramHoldsAreToldAsSuch) {
+TEST_P(Leases, AreDeniedWithAnAdviceIfAnotherProxyOfTheSameProgramHoldsThem) {
   const auto first = connect(lab_);
   const auto second = connect(second_lab_);
   const auto lease = *gecos::actor(first);

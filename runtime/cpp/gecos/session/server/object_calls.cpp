@@ -147,10 +147,10 @@ void ObjectCalls::tell_outcome(ServerCall& call, ByteView result) {
 void ObjectCalls::tell_outcome(ServerCall& call, const Failure& failure) {
   // A handler that was interrupted because of its chain answers that it was.
   const bool interrupted = call.left_out && failure.detail == Detail::Canceled;
-  const Failure& told = interrupted ? *call.left_out : failure;
-  settle(call, told.detail, told.text);
-  call.listener().reply(call.counter_in(call.listener()), told);
-  break_chain(call, told);
+  const Failure& reported = interrupted ? *call.left_out : failure;
+  settle(call, reported.detail, reported.text);
+  call.listener().reply(call.counter_in(call.listener()), reported);
+  break_chain(call, reported);
 }
 
 /// Leaves out the commands of the chain of `call` that were issued after it.
