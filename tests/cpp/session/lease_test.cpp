@@ -34,7 +34,7 @@ TEST_P(Leases, AreRefusedToASecondProgramWithTheHolderNamed) {
   EXPECT_EQ(gecos::holders(second).get().value().size(), 1u);
 }
 
-TEST_P(Leases, AreDeniedWithAnAdviceIfAnotherProxyOfTheSameProgramHoldsThem) {
+TEST_P(Leases, AreDeniedWithAnAdviceToASecondProxyOfTheProgram) {
   const auto first = connect(lab_);
   const auto second = connect(second_lab_);
   const auto lease = *gecos::actor(first);
