@@ -3,6 +3,7 @@ until the program has seen the failure."""
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Iterator
 
 import gecos
@@ -76,6 +77,19 @@ def test_a_program_begins_anew_when_it_has_seen_the_failure_and_not_when_only_it
     assert isinstance(later.exception(), gecos.CommandFailed)
     lit.shine(30.0).result()
     assert chained.value == 30
+
+
+@pytest.mark.filterwarnings("ignore::gecos.UnobservedCommandWarning")
+def test_a_command_that_is_dropped_is_not_seen(lit: ChainLamp, chained: ChainServant) -> None:
+    gecos.command._warned.discard("shine")
+    lit.shine(1200.0)  # its end is told by a warning when the next command replaces it
+    gc.collect()
+    lit.label().result()
+    later = lit.shine(20.0)
+    with pytest.raises(gecos.CommandFailed) as left_out:
+        later.result()
+    assert left_out.value.detail is Detail.REJECTED
+    assert chained.value == 0
 
 
 def test_a_detached_command_ends_no_others(lit: ChainLamp, chained: ChainServant) -> None:

@@ -140,6 +140,9 @@ class CommandCore {
   /// Declares that the program does not need the outcome, and that the outcome does not matter for
   /// what the program issues later.
   virtual void ignore_outcome() { observe(); }
+  /// Must be called when the program has read the state or the outcome of the command. After it has
+  /// seen a failure, later commands of its chain are carried out again.
+  virtual void note_look() const {}
   /// Marks the outcome as observed. A failure of the command is then not logged.
   void observe() { observed_.store(true, std::memory_order_relaxed); }
   bool observed() const { return observed_.load(std::memory_order_relaxed); }
@@ -178,7 +181,9 @@ class AnyCommand {
   State state() && = delete;  // keep the command: `auto move = robot.move(goal); move.state()`
   Progress progress() const& {
     core_->observe();
-    return core_->progress();
+    const Progress progress = core_->progress();
+    core_->note_look();
+    return progress;
   }
   Progress progress() && = delete;  // keep the command: `auto move = robot.move(goal);`
 
@@ -229,7 +234,7 @@ class AnyCommand {
  private:
   State wait_until(TimePoint deadline) const {
     core_->wait_until(deadline);
-    return project(core_->progress().detail);
+    return state();
   }
 
   std::shared_ptr<CommandCore> core_;
@@ -269,7 +274,7 @@ class GECOS_KEPT Command : public session::AnyCommand<Feedback> {
 
   /// Calls `callback` with the result of `get()` once the command is terminal: immediately when it
   /// is terminal already, else on the lab's callback thread, one callback after another. A callback
-  /// may block and issue commands.
+  /// may block and issue commands. With the callback, the program has seen how the command ended.
   template <class Callback>
   void then(Callback callback) const {
     this->call_once_ended(*this, std::move(callback));

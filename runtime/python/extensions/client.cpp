@@ -231,7 +231,9 @@ nb::tuple peek(const CommandHandle& self) {
 
 nb::tuple progress(const CommandHandle& self) {
   self.core().observe();
-  return peek(self);
+  nb::tuple seen = peek(self);
+  self.core().note_look();
+  return seen;
 }
 
 bool wait(const CommandHandle& self, std::optional<double> timeout) {
@@ -245,6 +247,7 @@ bool wait(const CommandHandle& self, std::optional<double> timeout) {
 nb::object answer(const CommandHandle& self, std::optional<double> timeout) {
   wait(self, timeout);
   const Detail detail = self.core().progress().detail;
+  self.core().note_look();
   if (detail == Detail::Done) return to_python(self.core().result());
   return nb::int_(static_cast<int>(detail));
 }
@@ -425,6 +428,7 @@ void bind_client(nb::module_& module) {
       .def("failure",
            [](const CommandHandle& c) {
              c.core().observe();
+             c.core().note_look();
              return as_tuple(c.core().failure());
            })
       .def("peek_failure", [](const CommandHandle& c) { return as_tuple(c.core().failure()); })

@@ -172,7 +172,10 @@ class Command(TaskOf[T], Generic[T, F]):
         return self.result()
 
     def _failure(self) -> CommandFailed | ConnectionFailed:
-        number, text, exception, evidence = self._core.failure()
+        return self._as_error(self._core.failure())
+
+    def _as_error(self, failure: tuple[int, str, str, bytes]) -> CommandFailed | ConnectionFailed:
+        number, text, exception, evidence = failure
         detail = Detail(number)
         if detail.state is State.CONNECTION_FAILED:
             return ConnectionFailed(detail, text)
@@ -218,7 +221,8 @@ class _Unobserved(Command[T, F]):
             what = f"{self._name}: dropped while it was running, so nobody would notice a failure"
         else:
             about = self._core.about() or self._name
-            what = f"{about} failed, and nobody observed the failure: {self._failure()}"
+            failure = self._as_error(self._core.peek_failure())  # no look of the program
+            what = f"{about} failed, and nobody observed the failure: {failure}"
         warnings.warn(
             f"{what}; keep the command and wait() for it, or detach() it",
             UnobservedCommandWarning,

@@ -20,6 +20,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr std::ptrdiff_t most_questions_of_program = 8;
+
 /// What the model forgets, so that a test shows that the schedules find it.
 enum class Forgotten { Nothing, TimeOut, Denial, Order, Drain, Death };
 
@@ -52,6 +54,8 @@ class LineModel {
     serve();
   }
   void ask(int who, std::uint64_t call, std::uint64_t after, Duration patience) {
+    if (std::ranges::count(questions_, who, &Waits::who) == most_questions_of_program)
+      return tell(who, call, Detail::QueueFull);
     questions_.push_back({who, call, after, now_ + patience});
     answer_questions();
   }
@@ -221,6 +225,7 @@ class LineSchedule {
     caller.session = std::make_shared<ServerSession>(std::move(connection), object_);
     Hello hello;
     hello.user = "ada";
+    hello.incarnation = static_cast<std::uint64_t>(&caller - callers_.data()) + 1;
     hello.interface_name = "probe::Probe";
     send(caller, wire::PacketKind::Hello, 0, {}, wire::to_bytes(hello));
   }

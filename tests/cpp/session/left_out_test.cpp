@@ -124,6 +124,42 @@ TEST_P(LeftOut, AreThoseAfterACommandThatRunsAndIsCanceled) {
   EXPECT_EQ(probe_.step(4).get().value_or(0), 4);
 }
 
+TEST_P(LeftOut, AreThoseThatWereIssuedAfterACancelIfACommandThatRanBeforeThenFails) {
+  const auto runs = gecos::with(probe_, {.deadline = std::chrono::seconds(1)}).step(1);
+  const auto queued = probe_.set(7);  // does not blend, and so holds up the steps after it
+  const auto canceled = probe_.step(2);
+  servant_.await_moves(1);
+  canceled.cancel();
+  const auto anew = probe_.step(3);
+  expect_ended(runs, Detail::TimedOut, "");
+  expect_ended(anew, Detail::Rejected, "did not succeed: TIMED_OUT, ");
+  servant_.open_gate();
+  EXPECT_EQ(probe_.step(4).get().value_or(0), 4);
+  EXPECT_TRUE(queued.get());
+}
+
+TEST_P(LeftOut, AreThoseAfterAFailureOfWhichOnlyACommandThatEndedWellWasDetached) {
+  servant_.open_gate();
+  const auto done = probe_.step(1);
+  EXPECT_EQ(done.wait(), gecos::State::Finished);
+  const auto refused = probe_.step(-2);
+  servant_.await_event("refuse -2");
+  done.detach();
+  done.cancel();
+  expect_left_out(probe_.step(3));
+  EXPECT_EQ(refused.wait(), gecos::State::CommandFailed);
+}
+
+TEST_P(LeftOut, AreThoseAfterAFailureEvenIfTheStatusIsAcquiredOnceMore) {
+  servant_.open_gate();
+  const auto refused = probe_.step(-1);
+  servant_.await_event("refuse -1");
+  const auto again = gecos::actor(probe_);
+  ASSERT_TRUE(again);
+  expect_left_out(probe_.step(2));
+  EXPECT_EQ(refused.wait(), gecos::State::CommandFailed);
+}
+
 TEST_P(LeftOut, AreThoseAfterACommandForWhichTheQueueWasFull) {
   const auto runs = probe_.move(1);
   servant_.await_moves(1);
@@ -258,15 +294,17 @@ TEST_F(LeftOutAtTheServer, AreCallsThatArriveAfterTheFailureUntilOneBeginsAnew) 
   ASSERT_TRUE(settles([&] { return servant_.calls == 2; }));
 }
 
-TEST_F(LeftOutAtTheServer, AreQueuedCallsOfTheChainAndNotThoseThatBeginAnew) {
+TEST_F(LeftOutAtTheServer, AreQueuedCallsAlsoThoseThatBeganAnewAndNotThoseThatStandAlone) {
   step(2);
   ASSERT_TRUE(settles([&] { return servant_.calls == 1; }));
   step(3);
   step(4, begins_anew);
+  step(5, stands_alone);
   refuse_first();
   EXPECT_EQ(reply_to(3), Detail::Rejected);
+  EXPECT_EQ(reply_to(4), Detail::Rejected) << "2 was open when the call arrived";
   ASSERT_TRUE(settles([&] { return servant_.calls == 2; }));
-  EXPECT_EQ(reply_to(4), std::nullopt);
+  EXPECT_EQ(reply_to(5), std::nullopt);
 }
 
 TEST_F(LeftOutAtTheServer, AreCallsThatArriveAfterTheCancelOfOneThatRuns) {

@@ -115,9 +115,9 @@ TEST_P(Lines, WithFailTheSessionIsLostAndSaysWhy) {
 
 TEST_P(Lines, PingsAreNoCallsOfTheProgramAndKeepNoSessionOpen) {
   auto robot = std::make_optional(connect<OnDegraded::Event>());
-  const std::uint64_t issued = robot->session()->issued();
   ASSERT_TRUE(settles([&] { return gecos::line_state(*robot).round_trip.has_value(); }));
-  EXPECT_EQ(robot->session()->issued(), issued);
+  // A ping counts as issued for the moment between its sending and its being known as a ping.
+  EXPECT_TRUE(settles([&] { return robot->session()->issued() == 0; }));
   delay = gecos::Duration(1h).count();
   ASSERT_TRUE(settles([&] { return gecos::line_state(*robot).round_trip > bound; }))
       << "one is under way";

@@ -37,8 +37,8 @@ tl::expected<void, media::SendProblem> CallSender::send(
   }
   header.session = id_;
   header.counter = calls_.next_counter();
-  const bool anew = command->keeps_place() && failures_->begins_anew();
-  if (anew) header.flags = begins_anew;
+  const std::int8_t chain = command->keeps_place() ? failures_->flags() : std::int8_t{0};
+  if (chain != 0) header.flags = chain;
   if (repeats_) header.acknowledged = calls_.finished_up_to();
   write_packet(packet_, header, size, encode);
   const auto sent = send_first(packet_);
@@ -46,8 +46,8 @@ tl::expected<void, media::SendProblem> CallSender::send(
     return tl::unexpected(sent.error());
   }
   calls_.issue();
-  if (anew) failures_->sent_anew(header.counter);
-  command->chain.place = SeenFailures::of_sent(header.counter);
+  failures_->sent(header.counter, chain);
+  command->chain.place = {true, header.counter};
   if (attach_to) {
     command->attach(attach_to, {welcome_.incarnation, number(id_), header.counter},
                     sent.value_or(0));

@@ -41,10 +41,10 @@ class CallSender {
     return welcome_.credits + (urgent ? welcome_.credits / 4 : 0);
   }
   /// Sends `command` as a call with `header` and with the arguments of `size` bytes that `encode`
-  /// writes. Sets session, counter, acknowledgement and, for an actor command, `begins_anew` in
-  /// `header`. Fails with Full when `most`
-  /// calls are open. `attach_to`: the session, for a command that may be sent in several sessions;
-  /// null for other commands.
+  /// writes. Sets session, counter and acknowledgement in `header`, and for an actor command the
+  /// flags that begin a chain (SeenFailures). Fails with Full when `most` calls are open.
+  /// `attach_to`: the session, for a command that may be sent in several sessions; null for other
+  /// commands.
   tl::expected<void, media::SendProblem> send(wire::PacketHeader& header, std::size_t most,
                                               std::size_t size,
                                               FunctionRef<void(wire::Encoder&)> encode,

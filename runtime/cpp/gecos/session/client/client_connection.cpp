@@ -116,13 +116,12 @@ std::shared_ptr<CommandCore> ClientConnection::refuse(const OperationDescription
 /// Notes that `command`, which has @on_new("blend"), is not sent because of `failure`, so that
 /// later ones are left out until the program has seen that.
 void ClientConnection::note_unsent(PendingCommand& command, const Failure& failure) {
-  command.chain.place = SeenFailures::of_unsent(calls_.issued());
-  calls_.failures()->not_sent(command.chain.place,
-                              std::string(to_string(failure.detail)) + ", " + failure.text);
+  command.chain.place =
+      calls_.failures()->not_sent(std::string(to_string(failure.detail)) + ", " + failure.text);
 }
 
 std::uint64_t ClientConnection::lease_acquired(std::uint64_t epoch) {
-  calls_.failures()->saw(SeenFailures::of_unsent(calls_.issued()));
+  calls_.failures()->acquired(epoch, calls_.issued());
   return leases_.acquired(epoch);
 }
 

@@ -69,24 +69,19 @@ std::string PendingCommand::name_in(const ClientConnection& session) const {
   return session.object_name() + "." + std::string(operation_);
 }
 
-/// Tells the session that the program has seen the end of this command, if that was a failure. A
-/// look that is not an observation, for example by a debugger's text of the command, does not
-/// count.
-void PendingCommand::note_seen() const {
-  if (!chain.failures || !observed() || !terminal()) return;
+void PendingCommand::note_look() const {
+  if (!chain.failures || !terminal()) return;
   if (detail_.load(std::memory_order_relaxed) != Detail::Done) chain.failures->saw(chain.place);
 }
 
 void PendingCommand::ignore_outcome() {
   observe();
-  if (chain.failures) chain.failures->saw(chain.place);
+  if (terminal()) return note_look();
+  if (chain.failures) chain.failures->ignores(chain.place);
 }
 
 Progress PendingCommand::progress() const {
-  if (terminal()) {
-    note_seen();
-    return {detail_.load(std::memory_order_relaxed), 0, fraction_};
-  }
+  if (terminal()) return {detail_.load(std::memory_order_relaxed), 0, fraction_};
   bool unreachable = false;
   if (const auto session = this->session()) {
     session->reader().poll_once();
@@ -95,7 +90,6 @@ Progress PendingCommand::progress() const {
   const MutexLock lock(mutex_);
   const Detail detail = detail_.load(std::memory_order_relaxed);
   const bool running = project(detail) == State::Running;
-  if (!running) note_seen();
   return {running && (unreachable || awaits_failover()) ? Detail::Unreachable : detail, position_,
           fraction_};
 }
@@ -119,7 +113,11 @@ bool PendingCommand::wait_until(TimePoint deadline) {
 }
 
 void PendingCommand::cancel() {
-  if (chain.failures) chain.failures->saw(chain.place);
+  if (terminal()) {
+    note_look();
+  } else if (chain.failures) {
+    chain.failures->saw(chain.place);
+  }
   if (again) return cancel_in_any_session();
   if (const auto session = this->session()) session->calls().cancel(*this, counter);
 }

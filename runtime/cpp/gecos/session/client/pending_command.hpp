@@ -44,10 +44,8 @@ class PendingCommand final : public CommandCore {
   void cancel() override;
   void ignore_outcome() override;
   ByteView result() const override { return result_.view(); }
-  const Failure& failure() const override {
-    note_seen();
-    return failure_;
-  }
+  const Failure& failure() const override { return failure_; }
+  void note_look() const override;
   int descriptor() override;
   void when_ended(std::function<void()> then) override;
   std::string about() const override;
@@ -124,7 +122,6 @@ class PendingCommand final : public CommandCore {
 
  private:
   std::shared_ptr<ClientConnection> session() const;
-  void note_seen() const;
   void watch_end() GECOS_REQUIRES(mutex_);
   std::string name_in(const ClientConnection& session) const;
   void log_end(const ClientConnection& in, Detail detail) const;

@@ -25,8 +25,12 @@ struct SentBefore {
   }
 };
 /// Flags of a Call packet with an actor command that its program issued after it had seen that an
-/// earlier command with @on_new("blend") of this session did not succeed (server/blend_chain.hpp).
+/// earlier command with @on_new("blend") of this session did not succeed, or had canceled one
+/// (server/blend_chain.hpp).
 inline constexpr std::int8_t begins_anew = 2;
+/// Flags of a Call packet with an actor command that its program issued after it had declared by
+/// `detach` that the outcome of an earlier command does not matter.
+inline constexpr std::int8_t stands_alone = 3;
 /// Flags of a Goodbye packet after which no call of the session may start. A client sends this
 /// packet when it has lost the session, or when a Goodbye without this flag was not acknowledged.
 inline constexpr std::int8_t withdraws = 1;

@@ -31,7 +31,7 @@ bool is_of_server(const media::Peer& peer) {
 AccessControl::AccessControl(const std::string& lab_file) : file_(lab_file) {}
 
 const access::AccessPolicy& AccessControl::policy() {
-  if (auto found = file_.found().lists; found != lists_) {
+  if (auto found = file_.lists(); found != lists_) {
     policy_.lab = *found;
     lists_ = std::move(found);
   }
@@ -90,7 +90,6 @@ bool AccessControl::administers(const media::Peer& peer) noexcept {
     const std::string host = host_name();
     const access::UserAtHost server{name_of(::geteuid()), host};
     const access::UserAtHost who = user_of(peer, host);
-    file_.read(answer_within);
     const MutexLock lock(mutex_);
     return policy().administers(server, who);
   } catch (const std::exception& failed) {

@@ -32,7 +32,7 @@ class AccessControl {
   void reread() { file_.ask(); }
 
   /// Returns the lists of the lab file as it was read last. Each reading makes new ones.
-  std::shared_ptr<const access::LabAccess> lists() const { return file_.found().lists; }
+  std::shared_ptr<const access::LabAccess> lists() const { return file_.lists(); }
   /// Returns the zone in which the lab file, as it was read last, places an object; an empty text
   /// for an object in no zone.
   std::string zone_of(const std::string& object);
@@ -54,7 +54,8 @@ class AccessControl {
   /// the lab file as it was read last, and does not wait.
   std::string refusal(const std::string& object, const media::Peer& peer) noexcept;
   /// Returns whether `peer` may end the status of other clients: it runs as the user of the server
-  /// or as root, or the lab file names its user as an administrator.
+  /// or as root, or the lab file, as it was read last, names its user as an administrator. Does not
+  /// wait, because the caller holds the mutex of an object.
   bool administers(const media::Peer& peer) noexcept;
   /// Decides whether the server `peer` may register an object under `name` with the broker of this
   /// process (access::may_register). While the lab file has an error, no server may register: the

@@ -13,22 +13,33 @@ Detail detail_after(Detail cause) {
 
 }  // namespace
 
-void BlendChain::arrived(std::uint64_t counter, Epoch epoch, bool anew) {
-  if (!anew && epoch <= epoch_) return;
-  first_ = counter;
-  epoch_ = epoch;
-  if (failed_ && failed_->counter < counter) failed_.reset();
+void BlendChain::arrived(std::uint64_t counter, std::uint64_t held_from, Begin begin) {
+  if (std::exchange(held_from_, held_from) != held_from) begin = Begin::Alone;
+  last_ = counter;
+  if (begin != Begin::No) {
+    first_ = counter;
+    failed_.reset();
+    if (ahead_ && ahead_->counter < counter) ahead_.reset();
+  }
+  if (begin == Begin::Alone) oldest_ = counter;
+  if (!ahead_ || ahead_->counter >= counter) return;
+  if (!failed_) failed_ = std::move(ahead_);
+  ahead_.reset();
 }
 
 void BlendChain::broke(std::uint64_t first, Failed failed) {
-  if (first != first_ || (failed_ && failed_->counter <= failed.counter)) return;
-  failed_ = std::move(failed);
+  if (!binds(first, failed.detail)) return;
+  std::optional<Failed>& earliest = failed.counter > last_ ? ahead_ : failed_;
+  if (!earliest || failed.counter < earliest->counter) earliest = std::move(failed);
 }
 
 std::optional<Failure> BlendChain::left_out(std::uint64_t first, std::uint64_t counter,
                                             const std::string& what) const {
-  if (!failed_ || first != first_ || counter <= failed_->counter) return std::nullopt;
-  return left_out_because_of(*failed_, what);
+  if (first != first_) return std::nullopt;
+  for (const auto* const failed : {&failed_, &ahead_}) {
+    if (*failed && counter > (*failed)->counter) return left_out_because_of(**failed, what);
+  }
+  return std::nullopt;
 }
 
 Failure left_out_because_of(const BlendChain::Failed& failed, const std::string& what) {

@@ -104,7 +104,8 @@ std::optional<EditedLabFile::Text> text_of(const std::string& path, bool& must_e
   if (count < 0 || ::fstat(file.get(), &after) != 0) {
     return failed("the file cannot be read: " + system_text(errno));
   }
-  if (was_changed(before, after)) return std::nullopt;
+  const bool all_read = text.size() == static_cast<std::size_t>(after.st_size);
+  if (!all_read || was_changed(before, after)) return std::nullopt;
   return text;
 }
 
@@ -141,6 +142,11 @@ LabFileReader::LabFileReader(const std::string& lab_file)
     : shared_(std::make_shared<Shared>(named_file(lab_file))),
       path_(shared_->file.lists().file),
       thread_("gecos-lab-file", [shared = shared_] { shared->read(); }) {}
+
+std::shared_ptr<const access::LabAccess> LabFileReader::lists() const {
+  const MutexLock lock(shared_->mutex);
+  return shared_->found.lists;
+}
 
 LabFileReader::Found LabFileReader::found() const {
   const MutexLock lock(shared_->mutex);

@@ -28,6 +28,8 @@ class LabFileReader {
     bool being_written = true;                    ///< the last reading found no text that counts
   };
   Found found() const;
+  /// Returns `found().lists`, without copying the rest.
+  std::shared_ptr<const access::LabAccess> lists() const;
   const std::string& path() const { return path_; }
 
   /// Makes the thread read the file again, soon.

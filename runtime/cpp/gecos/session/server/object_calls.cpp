@@ -158,10 +158,15 @@ void ObjectCalls::break_chain(ServerCall& call, const Failure& failure) {
   if (call.operation().on_new != OnNew::Blend || call.left_out) return;
   const BlendChain::Failed failed{call.counter, std::string(call.operation().name), failure.detail,
                                   failure.text};
-  call.session->chain.broke(call.chain, failed);
+  BlendChain& chain = call.session->chain;
+  const std::uint64_t now = chain.first();
+  const bool binds = chain.binds(call.chain, failure.detail);
+  chain.broke(call.chain, failed);
   if (ends_queued_commands_too(failure.detail)) return;
   for (const auto& later : commands_of(queue_)) {
-    if (later->session != call.session || later->chain != call.chain) continue;
+    if (later->session != call.session) continue;
+    const bool same_chain = later->chain == call.chain;
+    if (!same_chain && (later->chain != now || !binds)) continue;
     if (later->counter <= call.counter || later->operation().on_new != OnNew::Blend) continue;
     if (later->state.ended() || later->left_out) continue;
     later->left_out = left_out_because_of(failed, later->title());

@@ -23,6 +23,11 @@ constexpr const char* not_started = "the call was not started: its caller had gi
 
 std::uint8_t number_of(Detail detail) { return static_cast<std::uint8_t>(detail); }
 
+BlendChain::Begin begin_of_chain(std::int8_t flags) {
+  if (flags == stands_alone) return BlendChain::Begin::Alone;
+  return flags == begins_anew ? BlendChain::Begin::Anew : BlendChain::Begin::No;
+}
+
 /// Ends the commands that run or wait, because `by` replaces them.
 void preempt(ObjectCalls& calls, const ServerCall& by) {
   const Failure failure{Detail::Preempted,
@@ -283,7 +288,7 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
                            const OperationDescription& operation, Age age) {
   const wire::PacketHeader& header = packet.header;
   if (commands_the_object(operation)) {
-    session->chain.arrived(header.counter, header.epoch, header.flags == begins_anew);
+    session->chain.arrived(header.counter, session->held_from, begin_of_chain(header.flags));
   }
   const auto refuse = [&](const Failure& failure) {
     if (operation.status != access::Status::Sensor) {
@@ -341,7 +346,7 @@ std::optional<Failure> SessionPackets::refusal(ServerSession& session,
       return refusal;
     }
   }
-  if (operation.on_new != OnNew::Blend) return std::nullopt;
+  if (operation.on_new != OnNew::Blend || !session.chain.broken()) return std::nullopt;
   const std::string what = "'" + std::string(operation.name) + "' of " + setup_.name;
   return session.chain.left_out(session.chain.first(), packet.header.counter, what);
 }

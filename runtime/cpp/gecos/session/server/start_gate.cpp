@@ -55,7 +55,7 @@ bool StartGate::may_start(ServerCall& call) {
         refusal_for_absence(call.operation(), setup_.name, presence_, setup_.clock().since_boot());
   }
   if (!refusal && call.operation().on_new == OnNew::Blend) {
-    if (!call.left_out) {
+    if (!call.left_out && caller.chain.broken()) {
       call.left_out = caller.chain.left_out(call.chain, call.counter, call.title());
     }
     refusal = call.left_out;
