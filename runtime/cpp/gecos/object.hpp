@@ -49,7 +49,7 @@ class ClientSession {
                                             const CallOptions& options) = 0;
   /// Returns a command of `operation` that has ended with `failure`, without being sent.
   virtual std::shared_ptr<CommandCore> refuse(const OperationDescription& operation,
-                                              Failure failure);
+                                              Failure failure) = 0;
   /// Subscribes to a stream of the object.
   virtual tl::expected<std::shared_ptr<StreamCore>, Failure> subscribe(
       const StreamDescription& stream) = 0;

@@ -73,6 +73,10 @@ class Direct final : public gecos::session::ClientSession {
         gecos::IncomingCall(std::make_shared<Arrived>(operation, std::move(arguments), outcome)));
     return std::make_shared<Answered>(std::move(outcome));
   }
+  std::shared_ptr<gecos::session::CommandCore> refuse(const gecos::OperationDescription&,
+                                                      gecos::Failure failure) override {
+    return gecos::session::ended(std::move(failure));
+  }
   tl::expected<std::shared_ptr<gecos::session::StreamCore>, gecos::Failure> subscribe(
       const gecos::StreamDescription& stream) override {
     return tl::unexpected(gecos::Failure{gecos::Detail::Denied, std::string(stream.name), {}, {}});

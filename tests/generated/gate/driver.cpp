@@ -83,6 +83,9 @@ std::shared_ptr<CommandCore> ended(Failure failure) {
   return std::make_shared<gate::Done>(std::move(failure));
 }
 
+Refused::Refused(std::string why, ClientSession& session, const OperationDescription& operation)
+    : core_(session.refuse(operation, {Detail::BadParameter, std::move(why), {}, {}})) {}
+
 Refused::Refused(std::string why)
     : core_(ended(Failure{Detail::BadParameter, std::move(why), {}, {}})) {}
 

@@ -284,6 +284,10 @@ class Line final : public gecos::session::ClientSession {
       const gecos::OperationDescription& operation, std::size_t size,
       gecos::FunctionRef<void(gecos::wire::Encoder&)> encode,
       const gecos::CallOptions& options) override;
+  std::shared_ptr<gecos::session::CommandCore> refuse(const gecos::OperationDescription&,
+                                                      gecos::Failure failure) override {
+    return gecos::session::ended(std::move(failure));
+  }
   tl::expected<std::shared_ptr<gecos::session::StreamCore>, gecos::Failure> subscribe(
       const gecos::StreamDescription& stream) override;
   tl::expected<std::shared_ptr<gecos::session::WriterCore>, gecos::Failure> open_writer(

@@ -121,7 +121,7 @@ void ClientConnection::note_unsent(PendingCommand& command, const Failure& failu
 }
 
 std::uint64_t ClientConnection::lease_acquired(std::uint64_t epoch) {
-  calls_.failures()->acquired(epoch, calls_.issued());
+  calls_.failures()->acquired(epoch);
   return leases_.acquired(epoch);
 }
 

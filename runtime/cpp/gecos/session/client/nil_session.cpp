@@ -21,6 +21,10 @@ class NilSession final : public ClientSession {
                                     const CallOptions& /*options*/) override {
     return ended(why("'" + std::string(operation.name) + "'" + of_object() + " was called"));
   }
+  std::shared_ptr<CommandCore> refuse(const OperationDescription& /*operation*/,
+                                      Failure failure) override {
+    return ended(std::move(failure));
+  }
   tl::expected<std::shared_ptr<StreamCore>, Failure> subscribe(
       const StreamDescription& stream) override {
     return tl::unexpected(
@@ -55,11 +59,6 @@ class NilSession final : public ClientSession {
 
 std::shared_ptr<CommandCore> ended(Failure failure) {
   return std::make_shared<PendingCommand>(std::move(failure));
-}
-
-std::shared_ptr<CommandCore> ClientSession::refuse(const OperationDescription& /*operation*/,
-                                                   Failure failure) {
-  return ended(std::move(failure));
 }
 
 namespace {

@@ -28,11 +28,10 @@ class SeenFailures {
   void saw(const Place& place) { raise(place.sent ? seen_ : seen_unsent_, place.number); }
   /// Notes that the outcome of the command at `place` does not matter to the program.
   void ignores(const Place& place) { raise(place.sent ? ignored_ : seen_unsent_, place.number); }
-  /// Notes that the program has acquired the status at `epoch`, while `issued` commands were sent.
-  /// An epoch that was noted already, of a status that the program had, changes nothing.
-  void acquired(std::uint64_t epoch, std::uint64_t issued) {
+  /// Notes that the program has acquired the status at `epoch`, with which the server begins a
+  /// chain. An epoch that was noted already, of a status that the program had, changes nothing.
+  void acquired(std::uint64_t epoch) {
     if (acquired_.exchange(epoch) == epoch) return;
-    raise(seen_, issued);
     raise(seen_unsent_, unsent_so_far_.load(std::memory_order_relaxed));
   }
 

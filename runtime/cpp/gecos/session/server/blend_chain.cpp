@@ -28,7 +28,8 @@ void BlendChain::arrived(std::uint64_t counter, std::uint64_t held_from, Begin b
 }
 
 void BlendChain::broke(std::uint64_t first, Failed failed) {
-  if (!binds(first, failed.detail)) return;
+  const bool rests_on_it = first >= oldest_ && failed.detail != Detail::Canceled;
+  if (first != first_ && !rests_on_it) return;
   std::optional<Failed>& earliest = failed.counter > last_ ? ahead_ : failed_;
   if (!earliest || failed.counter < earliest->counter) earliest = std::move(failed);
 }

@@ -41,11 +41,9 @@ class BlendChain {
   void arrived(std::uint64_t counter, std::uint64_t held_from, Begin begin);
   /// Returns the counter of the command that began the current chain; 0 for the first chain.
   std::uint64_t first() const { return first_; }
-  /// Returns whether a failure of a command of the chain that began with `first` with this detail
-  /// concerns the commands of the current chain.
-  bool binds(std::uint64_t first, Detail detail) const {
-    return first == first_ || (first >= oldest_ && detail != Detail::Canceled);
-  }
+  /// Returns the counter of the command that began the earliest chain on which the current one
+  /// rests.
+  std::uint64_t oldest() const { return oldest_; }
   /// Notes that `failed`, a command of the chain that began with `first`, did not succeed. The
   /// earliest failure counts, and the earliest one of a command that has not arrived in its turn.
   void broke(std::uint64_t first, Failed failed);

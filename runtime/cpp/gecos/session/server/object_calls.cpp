@@ -158,15 +158,12 @@ void ObjectCalls::break_chain(ServerCall& call, const Failure& failure) {
   if (call.operation().on_new != OnNew::Blend || call.left_out) return;
   const BlendChain::Failed failed{call.counter, std::string(call.operation().name), failure.detail,
                                   failure.text};
-  BlendChain& chain = call.session->chain;
-  const std::uint64_t now = chain.first();
-  const bool binds = chain.binds(call.chain, failure.detail);
-  chain.broke(call.chain, failed);
+  call.session->chain.broke(call.chain, failed);
   if (ends_queued_commands_too(failure.detail)) return;
   for (const auto& later : commands_of(queue_)) {
     if (later->session != call.session) continue;
-    const bool same_chain = later->chain == call.chain;
-    if (!same_chain && (later->chain != now || !binds)) continue;
+    const bool rests_on_it = later->rests_on <= call.chain && failure.detail != Detail::Canceled;
+    if (later->chain != call.chain && !rests_on_it) continue;
     if (later->counter <= call.counter || later->operation().on_new != OnNew::Blend) continue;
     if (later->state.ended() || later->left_out) continue;
     later->left_out = left_out_because_of(failed, later->title());

@@ -81,8 +81,9 @@ class ServerCall final : public CallCore,
   std::size_t position_sent = 0;
   TimePoint arrived{};  ///< set only when the end of the call will be logged
   std::optional<HandlerWait> waits_for;
-  bool listed = false;      ///< the call is in ObjectCalls::open_
-  std::uint64_t chain = 0;  ///< BlendChain::first() when the call arrived
+  bool listed = false;         ///< the call is in ObjectCalls::open_
+  std::uint64_t chain = 0;     ///< BlendChain::first() when the call arrived
+  std::uint64_t rests_on = 0;  ///< BlendChain::oldest() when the call arrived
   /// Why the call is left out: an earlier one of its chain did not succeed. Set when this is known;
   /// a handler that has begun is then interrupted.
   std::optional<Failure> left_out;

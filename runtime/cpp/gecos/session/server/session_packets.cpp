@@ -305,6 +305,7 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
   auto call = make_recycled<ServerCall>(session, operation, packet.header.counter,
                                         packet.header.epoch, packet.body);
   call->chain = session->chain.first();
+  call->rests_on = session->chain.oldest();
   if (log_enabled(level_of(operation))) call->arrived = setup_.clock().now();
   if (packet.header.deadline > Duration{}) {
     call->state.set_deadline(expiry(packet.header.deadline, setup_.clock().since_boot()));
