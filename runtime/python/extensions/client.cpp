@@ -419,6 +419,7 @@ void bind_client(nb::module_& module) {
       .def("id", [](const CommandHandle& c) { return to_string(c.core().id()); })
       .def("about", [](const CommandHandle& c) { return c.core().about(); })
       .def("ignore_outcome", [](const CommandHandle& c) { c.core().ignore_outcome(); })
+      .def("observe", [](const CommandHandle& c) { c.core().observe(); })
       .def("peek", &peek)
       .def("progress", &progress)
       .def("feedback", [](const CommandHandle& c) { return to_python(c.core().feedback()); })

@@ -97,6 +97,9 @@ class Command:
         """Waits for the end of the command. Returns the encoded result, or the detail if there is
         no result."""
     def failure(self) -> tuple[int, str, str, bytes]: ...
+    def observe(self) -> None:
+        """Marks the command as observed: the log does not tell its failure. The program has not
+        looked at the outcome thereby."""
     def peek_failure(self) -> tuple[int, str, str, bytes]:
         """Does the same as failure(), but does not mark the command as observed."""
     def descriptor(self) -> int: ...

@@ -221,7 +221,9 @@ class _Unobserved(Command[T, F]):
             what = f"{self._name}: dropped while it was running, so nobody would notice a failure"
         else:
             about = self._core.about() or self._name
-            failure = self._as_error(self._core.peek_failure())  # no look of the program
+            # The warning tells the failure instead of the log. It is no look of the program.
+            self._core.observe()
+            failure = self._as_error(self._core.peek_failure())
             what = f"{about} failed, and nobody observed the failure: {failure}"
         warnings.warn(
             f"{what}; keep the command and wait() for it, or detach() it",
