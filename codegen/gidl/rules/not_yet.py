@@ -95,8 +95,8 @@ NOT_YET = (
 
 
 def check(model: Model, findings: Findings) -> None:
-    """Warns about terms without effect in the files named on the command line, not in included
-    files."""
+    """Warns about the terms of annotations, such as `deadline` of `@qos`, that have no effect yet.
+    Looks at the files named on the command line, not at those that they include."""
     for file in model.files:
         if file.asked_for:
             for declared, name, facts in _annotated(file):

@@ -46,7 +46,7 @@ class Type(Record):
         return self.name
 
     def named(self) -> set[str]:
-        """Returns the names of all declarations in the text of the type."""
+        """Returns the names of all declared types that the text of this type mentions."""
         own = {self.name} if self.kind == "named" else set()
         return own.union(*(each.named() for each in self.inner))
 

@@ -50,7 +50,8 @@ _LARGEST: dict[str, int | float] = {
     "f": 3.4e38,
     "d": 1.7e308,
 }
-"""The greatest absolute value that a limit of a range may have, for each number code."""
+"""The greatest absolute value that a limit of a range may have. The keys are the format characters
+of the module `struct` for the types of numbers."""
 _FLOATING = ("float", "double")
 _ZEROS = {"boolean": False, "char": "\0", "float": 0.0, "double": 0.0}
 

@@ -36,8 +36,8 @@ std::vector<std::shared_ptr<ServerCall>> commands_of(const ObjectQueue& queue) {
   return commands;
 }
 
-/// Returns true for an end that also ends the queued commands of its client, each with a reason of
-/// its own: a cancel, a stop, the loss of the status.
+/// Returns whether a command that ends as `detail` was ended together with the queued commands of
+/// its client, for example by a cancel, a stop or the loss of the status.
 bool ends_queued_commands_too(Detail detail) {
   return detail == Detail::Canceled || detail == Detail::Stopped || detail == Detail::Preempted ||
          detail == Detail::LeaseLost || detail == Detail::PresenceLost;
