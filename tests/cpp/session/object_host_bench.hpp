@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <functional>
+#include <mutex>
 #include <semaphore>
 #include <vector>
 
@@ -28,6 +29,7 @@ class TestConnection final : public media::Connection {
   const media::Peer& peer() const override { return peer_; }
   tl::expected<std::uint64_t, media::SendProblem> send(ByteView head, ByteView) override {
     if (full) return tl::unexpected(media::SendProblem::Full);
+    const std::scoped_lock lock(sending);
     sent.emplace_back(head.begin(), head.end());
     if (on_send) on_send();
     return sent.size();
@@ -56,6 +58,8 @@ class TestConnection final : public media::Connection {
   bool unread = false;  ///< a packet that arrived before them all
   std::vector<Bytes> sent;
   std::function<void()> on_send;
+  /// Guards `sent` where a thread of the object sends; held during `on_send`.
+  mutable std::recursive_mutex sending;
 
  private:
   media::Capabilities capabilities_;
@@ -205,6 +209,7 @@ class ServedObjects : public ::testing::Test {
   }
   /// Detail of the newest reply to `counter`; nothing while there was none.
   std::optional<Detail> reply_to(std::uint64_t counter) const {
+    const std::scoped_lock lock(connection_->sending);
     for (auto at = connection_->sent.rbegin(); at != connection_->sent.rend(); ++at) {
       const auto packet = wire::decode_packet(*at);
       if (packet->header.kind == wire::PacketKind::Reply && packet->header.counter == counter) {
@@ -215,6 +220,7 @@ class ServedObjects : public ::testing::Test {
   }
   /// The text of the newest reply, a failure.
   std::string failure() const {
+    const std::scoped_lock lock(connection_->sending);
     const auto packet = wire::decode_packet(connection_->sent.back());
     const auto body = wire::from_bytes<FailureBody>(packet->body);
     EXPECT_TRUE(body);
@@ -222,6 +228,7 @@ class ServedObjects : public ::testing::Test {
   }
   Epoch granted() const {
     Grant grant;
+    const std::scoped_lock lock(connection_->sending);
     const auto packet = wire::decode_packet(connection_->sent.back());
     wire::Decoder from(packet->body);
     EXPECT_TRUE(wire::get_block(from, grant, "grant"));
