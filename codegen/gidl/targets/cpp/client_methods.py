@@ -53,7 +53,7 @@ class Client(CallFacts):
         blends = isinstance(member, Operation) and member.on_new is OnNew.BLEND
 
         def refused(why: str) -> str:
-            # The session leaves out what is called after a command that blends and is refused.
+            # After a refused command that blends, the session leaves out the later ones.
             known = ("*gecos_session_", constant) if blends else ()
             return called("gecos::session::Refused", why, *known)
 
