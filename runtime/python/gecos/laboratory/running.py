@@ -104,8 +104,10 @@ class _Process:
     def await_ready(self) -> None:
         """Raises LaboratoryError if the program ends before it is ready, or is not ready in
         time."""
-        if not self._ready_or_ended.wait(READY_WITHIN):
-            raise LaboratoryError(self._not_ready())
+        end = time.monotonic() + READY_WITHIN
+        while not self._ready_or_ended.wait(_LOOK_ANYWAY):
+            if time.monotonic() >= end:
+                raise LaboratoryError(self._not_ready())
         if not self._is_ready:
             raise LaboratoryError(f"{self.program.name} {self.how_ended()} before it was ready")
 
