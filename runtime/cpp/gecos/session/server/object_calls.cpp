@@ -64,8 +64,10 @@ void tell_positions(const ObjectQueue& queue) {
 
 // From the queue to the end of the handler
 
-tl::expected<void, ObjectQueue::Full> ObjectCalls::add(const std::shared_ptr<ServerCall>& call) {
-  if (auto queued = queue_.push(call); !queued) return queued;
+tl::expected<std::size_t, ObjectQueue::Full> ObjectCalls::add(
+    const std::shared_ptr<ServerCall>& call) {
+  const auto commands_before = queue_.push(call);
+  if (!commands_before) return commands_before;
   statistics_.queued(*call);
   ServerSession& session = *call->session;
   session.calls.insert(call->counter, call);
@@ -73,7 +75,7 @@ tl::expected<void, ObjectQueue::Full> ObjectCalls::add(const std::shared_ptr<Ser
   if (call->lane == CallLane::Actor) ++session.commands;
   if (call->state.has_deadline()) list(*call);
   note_ready();
-  return {};
+  return commands_before;
 }
 
 std::shared_ptr<ServerCall> ObjectCalls::take() {
@@ -186,7 +188,7 @@ void ObjectCalls::settle(ServerCall& call, Detail detail, const std::string& tex
   call.session->calls.take(call.counter);
   if (call.resumed_in) call.resumed_in->calls.take(call.resumed_counter);
   if (call.lane != CallLane::Actor) return;
-  outcomes_.ended({call.client, call.counter, detail, text});
+  outcomes_.ended(call.session->id(), call.counter, detail, text);
   if (--call.session->commands == 0) observer_.commands_ended(call.client);
 }
 

@@ -52,8 +52,8 @@ class ObjectCalls {
   void note_ready() { ready_.store(true, std::memory_order_release); }
 
   // From the queue to the end of the handler.
-  /// Queues `call`. When a limit of the queue is reached, fails and returns which limit.
-  tl::expected<void, ObjectQueue::Full> add(const std::shared_ptr<ServerCall>& call);
+  /// Queues `call`, and returns as ObjectQueue::push does.
+  tl::expected<std::size_t, ObjectQueue::Full> add(const std::shared_ptr<ServerCall>& call);
   /// Removes the next call that may start from the queue and returns it; null when no call may
   /// start.
   std::shared_ptr<ServerCall> take();

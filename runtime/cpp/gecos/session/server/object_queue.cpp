@@ -39,7 +39,8 @@ std::string text_of(ObjectQueue::Full full, std::size_t bytes) {
   return {};
 }
 
-tl::expected<void, ObjectQueue::Full> ObjectQueue::push(std::shared_ptr<QueueEntry> entry) {
+tl::expected<std::size_t, ObjectQueue::Full> ObjectQueue::push(std::shared_ptr<QueueEntry> entry) {
+  const std::size_t commands_before = actor_.size() + running_.size();
   const std::size_t commands = replaces(*entry) ? 0 : actor_.size();
   const std::size_t waiting = safety_.size() + sensor_.size() + commands;
   if (waiting != 0 && !entry->operation.safety) {
@@ -66,7 +67,7 @@ tl::expected<void, ObjectQueue::Full> ObjectQueue::push(std::shared_ptr<QueueEnt
     entry->lane = CallLane::Actor;
   }
   lane_of(*entry).push_back(std::move(entry));
-  return {};
+  return commands_before;
 }
 
 std::optional<ObjectQueue::Full> ObjectQueue::too_large(const QueueEntry& entry) const {
@@ -180,8 +181,6 @@ std::vector<std::shared_ptr<QueueEntry>> ObjectQueue::drop() {
 }
 
 std::optional<std::size_t> ObjectQueue::position(const QueueEntry& entry) const {
-  const bool added_last = !actor_.empty() && actor_.back().get() == &entry;
-  if (added_last) return actor_.size() - 1 + running_.size();
   const auto at = std::find_if(actor_.begin(), actor_.end(),
                                [&](const auto& other) { return other.get() == &entry; });
   if (at == actor_.end()) return std::nullopt;

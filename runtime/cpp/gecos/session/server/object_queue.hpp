@@ -54,10 +54,10 @@ class ObjectQueue {
   explicit ObjectQueue(LaneThreads threads) : threads_(threads) {}
 
   enum class Full : std::uint8_t { Object, Client, BytesOfObject, BytesOfClient };
-  /// Queues `entry`. When a limit is reached, fails and returns which limit. A preempting command
-  /// may use the room of the commands that it replaces. The caller must end these commands after
-  /// `push`.
-  tl::expected<void, Full> push(std::shared_ptr<QueueEntry> entry);
+  /// Queues `entry`. Returns the number of actor commands that were queued or running before. When
+  /// a limit is reached, fails and returns which limit. A preempting command may use the room of
+  /// the commands that it replaces. The caller must end these commands after `push`.
+  tl::expected<std::size_t, Full> push(std::shared_ptr<QueueEntry> entry);
 
   /// Removes and returns the next call that may start now; null when no call may start.
   std::shared_ptr<QueueEntry> next();

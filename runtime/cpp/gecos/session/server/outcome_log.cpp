@@ -7,17 +7,23 @@
 
 namespace gecos::session {
 
-void OutcomeLog::ended(Entry entry) {
-  if (entry.text.size() > longest_text) {
-    entry.text.resize(longest_text);
+void OutcomeLog::ended(SessionId session, std::uint64_t counter, Detail detail,
+                       const std::string& text) {
+  Entry& entry = next_place();
+  entry.session = session;
+  entry.counter = counter;
+  entry.detail = detail;
+  entry.text.assign(text, 0, longest_text);
+  if (text.size() > longest_text) {
     while (!wire::valid_utf8(entry.text)) entry.text.pop_back();
   }
-  if (entries_.size() < most_entries) {
-    entries_.push_back(std::move(entry));
-  } else {
-    entries_[next_] = std::move(entry);
-    next_ = (next_ + 1) % most_entries;
-  }
+}
+
+OutcomeLog::Entry& OutcomeLog::next_place() {
+  if (entries_.size() < most_entries) return entries_.emplace_back();
+  Entry& oldest = entries_[next_];
+  next_ = (next_ + 1) % most_entries;
+  return oldest;
 }
 
 const OutcomeLog::Entry* OutcomeLog::find(SessionId session, std::uint64_t counter) const {

@@ -27,7 +27,8 @@ class OutcomeLog {
     std::string text;
   };
   OutcomeLog() { entries_.reserve(most_entries); }  // no reallocation when a command ends
-  void ended(Entry entry);
+  /// Records the end of a command. Keeps the first `longest_text` bytes of `text`.
+  void ended(SessionId session, std::uint64_t counter, Detail detail, const std::string& text);
   const Entry* find(SessionId session, std::uint64_t counter) const;
 
   void opened(SessionId id, std::weak_ptr<ServerSession> session);
@@ -62,6 +63,7 @@ class OutcomeLog {
     std::shared_ptr<const ReplyCache> replies;  ///< null: the replies of this session are not kept
   };
   const Closed* find_closed(SessionId id) const;
+  Entry& next_place();
 
   std::vector<Entry> entries_;  ///< a ring when full; next_ is then the index of the oldest entry
   std::size_t next_ = 0;

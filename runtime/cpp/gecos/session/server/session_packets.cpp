@@ -237,7 +237,7 @@ void SessionPackets::refuse_late(ServerSession& session, const wire::PacketHeade
       "the call was not started: it was unread for more than " +
       std::to_string(session.intake.accepts_within() / std::chrono::milliseconds(1)) +
       " ms, because the server process or its machine did not run";
-  calls_.outcomes().ended({session.id(), call.counter, Detail::NotStarted, why});
+  calls_.outcomes().ended(session.id(), call.counter, Detail::NotStarted, why);
   if (!is_builtin(call.code)) {
     calls_.statistics().refused(session, setup_.interface.find(call.code), Detail::NotStarted);
     note_failed(session, call, {Detail::NotStarted, why, {}, {}});
@@ -292,7 +292,7 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
   }
   const auto refuse = [&](const Failure& failure) {
     if (operation.status != access::Status::Sensor) {
-      calls_.outcomes().ended({session->id(), packet.header.counter, failure.detail, failure.text});
+      calls_.outcomes().ended(session->id(), packet.header.counter, failure.detail, failure.text);
     }
     note_failed(*session, packet.header, failure);
     session->reply(packet.header.counter, failure);
@@ -315,16 +315,18 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
         std::max(start_by - age.value_or(session->connection().age()), Duration{1});
     call->state.set_start_by(expiry(left, setup_.clock().since_boot()));
   }
-  if (const auto queued = calls_.add(call); !queued) {
+  const auto commands_before = calls_.add(call);
+  if (!commands_before) {
     return refuse({Detail::QueueFull,
                    "'" + std::string(operation.name) + "' of " + setup_.name +
-                       " was not queued: " + text_of(queued.error(), packet.body.size()),
+                       " was not queued: " + text_of(commands_before.error(), packet.body.size()),
                    {},
                    {}});
   }
   if (call->lane != CallLane::Actor) return;
   if (operation.on_new == OnNew::Preempt) preempt(calls_, *call);
-  const auto position = calls_.queue().position(*call).value_or(0);
+  // A preempting command has just ended the commands before it.
+  const auto position = *commands_before == 0 ? 0 : calls_.queue().position(*call).value_or(0);
   if (position != 0 || session->repeats() || setup_.runs_long(operation)) {
     call->position_sent = position;
     if (position != 0) session->report(*call, Detail::Queued, position);
@@ -395,7 +397,7 @@ void SessionPackets::take_early(const Session& session) {
 void SessionPackets::end_early(ServerSession& session, std::uint64_t counter, Detail how,
                                const std::string& why) {
   session.intake.drop(counter);
-  calls_.outcomes().ended({session.id(), counter, how, why});
+  calls_.outcomes().ended(session.id(), counter, how, why);
   session.reply(counter, Failure{how, why, {}, {}});
 }
 
