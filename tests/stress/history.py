@@ -8,7 +8,8 @@ CLOCK_BOOTTIME, which all programs share. Of a client:
     open <session> <pid>                             a session with the server of that pid
     see <command> <STATE> <DETAIL>                   looked at
     end <command> <STATE> <DETAIL> <result>          waited for; "-": no result
-    granted <session> <ACTOR|MASTER>                 it has a status now
+    granted <session> <ACTOR|MASTER> [password]      it has a status now; without password: the
+                                                     common one
     send <sample> <session>                          before it sends a sample
     released <session>                               it has released its status
     asks <session> <take|give|stop|break>            before it asks for that
@@ -226,8 +227,8 @@ def note_status(client: Client, time: int, event: str, rest: list[str]) -> bool:
     match event, rest:
         case "client", [pid]:
             client.pid = int(pid)
-        case "granted", [session, status]:
-            client.grants.append(Grant(time, int(session), status))
+        case "granted", [session, status, *password]:
+            client.grants.append(Grant(time, int(session), status, *password))
         case "released", [session]:
             client.grants.append(Grant(time, int(session), ""))
         case "asks", [session, what]:

@@ -491,6 +491,23 @@ def freezing(freezes: int, longest_s: float, seeds: random.Random) -> list[Plan]
     ]
 
 
+def around_a_zone(medium: str, seed: int, kills: int, freezes: int) -> Plan:
+    """A laboratory with a zone whose person comes and goes. Programs are killed and suspended, the
+    zone most of all."""
+    return Plan(
+        medium,
+        seed,
+        kills=kills,
+        victims={"zone": 3, "server": 1, "client": 1, "broker": 1},
+        freezes=freezes,
+        frozen={"zone": 3, "server": 2, "server zone": 2, "client": 1, "broker": 1},
+        longest_freeze_s=2.5,
+        pause_s=0.6,
+        clients=2,
+        zone=True,
+    )
+
+
 WORKBENCH = HERE / "idl" / "stress" / "workbench.gidl"
 
 

@@ -90,9 +90,13 @@ def waiting(instants: int, seeds: random.Random) -> Iterator[Plan]:
 
 
 def freezing(freezes: int, seeds: random.Random) -> Iterator[list[Plan]]:
-    """Six laboratories beside each other, in which programs stand still for up to ten seconds."""
+    """Eight laboratories beside each other, in which programs stand still for up to ten seconds;
+    two of them have a zone."""
     while freezes > 0:
-        plans = rampage.freezing(min(ROUND_OF_FREEZES, -(-freezes // 6)), 10.0, seeds)
+        each = min(ROUND_OF_FREEZES, -(-freezes // 8))
+        plans = rampage.freezing(each, 10.0, seeds)
+        for medium in ("shm", "lcm"):
+            plans.append(rampage.around_a_zone(medium, seeds.randrange(1 << 30), 0, each))
         freezes -= sum(plan.freezes for plan in plans)
         yield plans
 

@@ -1,5 +1,5 @@
-"""Checks who commanded: each actor command that started had a live status, a taker and a master
-were alone, and what a take-over ended did not go on.
+"""Checks who commanded: each actor command that started had a live status, a taker, a master and
+the holders of one password were alone, and what a take-over ended did not go on.
 
 Clients note a request before it is sent and after its answer. So what a server did lies between
 the two, and a check uses that one of them with which no right history can fail. A server marks a
@@ -22,6 +22,8 @@ ACTOR = frozenset({"tap", "file"})
 COMMANDS = ACTOR | {"push"}
 """What needs a status: also the samples of this stream."""
 ENDS = {"stop": "a stop", "break": "a break", "take": "a take-over"}
+SILENCE_S = 1.0
+"""When a silent client has lost its status: lease_ttl, and as long again to notice it."""
 
 Session = tuple[str, int]
 """Client and number of its session."""
@@ -33,6 +35,7 @@ class Grant(NamedTuple):
     time: int
     session: int
     status: str
+    password: str = ""
 
 
 @dataclass(slots=True)
@@ -68,13 +71,15 @@ class Done(NamedTuple):
     who: Session
 
 
-class Alone(NamedTuple):
-    """From `begin` on the session was alone, until the last mark of a command of its own."""
+class Held(NamedTuple):
+    """The session had a status from `begin` on, until the last mark of a command of its own."""
 
     begin: int
     end: int
     who: Session
-    master: bool
+    status: str
+    """ACTOR, MASTER, or TAKER: alone by a take-over."""
+    password: str = ""
 
 
 @dataclass(slots=True)
@@ -84,7 +89,7 @@ class OneServer:
     server: Server
     begun: list[Begun] = field(default_factory=list)
     done: list[Done] = field(default_factory=list)
-    alone: list[Alone] = field(default_factory=list)
+    held: list[Held] = field(default_factory=list)
 
 
 def by_server(history: History) -> Iterator[OneServer]:
@@ -117,13 +122,13 @@ def by_server(history: History) -> Iterator[OneServer]:
                 if act.end is not None and client.servers.get(act.session) == server.pid
             ]
         one.done.sort()
-        one.alone = [*alone_at(one, history.clients)]
+        one.held = [*held_at(one, history.clients)]
         yield one
 
 
-def alone_at(one: OneServer, clients: Iterable[Client]) -> Iterator[Alone]:
-    """The times in which a taker or a master certainly was alone: it lost its status neither before
-    nor between, because a command that it issued under it started at the end."""
+def held_at(one: OneServer, clients: Iterable[Client]) -> Iterator[Held]:
+    """The times in which a session certainly had its status: it lost the status neither before nor
+    between, because a command that it issued under the status started at the end."""
     marks: dict[Session, list[Begun]] = defaultdict(list)
     for begun in one.begun:
         if begun.call.operation in ACTOR:
@@ -134,16 +139,16 @@ def alone_at(one: OneServer, clients: Iterable[Client]) -> Iterator[Alone]:
             + [(act.begin, act.session) for act in client.acts]
         )
         begins = [
-            (done.end, done.who[1], False)
+            Grant(done.end, done.who[1], "TAKER")
             for done in one.done
             if done.what == "take" and done.who[0] == client.name
         ]
         begins += [
-            (grant.time, grant.session, True)
+            grant
             for grant in client.grants
-            if grant.status == "MASTER" and client.servers.get(grant.session) == one.server.pid
+            if grant.status and client.servers.get(grant.session) == one.server.pid
         ]
-        for begin, session, master in begins:
+        for begin, session, status, password in begins:
             later = (time for time, other in changes if other == session and time > begin)
             until = next(later, None)
             who = (client.name, session)
@@ -153,7 +158,7 @@ def alone_at(one: OneServer, clients: Iterable[Client]) -> Iterator[Alone]:
                 if begin < begun.call.issued and (until is None or begun.call.issued < until)
             ]
             if own:
-                yield Alone(begin, max(own), who, master)
+                yield Held(begin, max(own), who, status, password)
 
 
 def grant_of(client: Client, call: Call) -> Grant | None:
@@ -167,7 +172,8 @@ def check(history: History, bound_s: float) -> Iterator[str]:
     yield from took_what_was_sent(history)
     for one in by_server(history):
         yield from had_a_live_status(history, one)
-        yield from nobody_beside(one)
+        yield from none_of_a_silent_client(history, one)
+        yield from nobody_beside(history, one)
         yield from ended_by_a_take_over(one)
         yield from preempted_by_somebody(history, one)
         yield from stopped_with_its_client(history, one, bound_s)
@@ -207,16 +213,49 @@ def had_a_live_status(history: History, one: OneServer) -> Iterator[str]:
                 yield f"{where} started after {ENDS[act.what]} by {act.who[0]} had ended it"
 
 
-def nobody_beside(one: OneServer) -> Iterator[str]:
-    marks = [begun.marked for begun in one.begun]
-    for begin, end, who, master in one.alone:
-        for begun in one.begun[bisect_right(marks, begin) : bisect_left(marks, end)]:
-            other = begun.who != who and begun.until < end
-            if other and (master or begun.call.operation in COMMANDS):
+def none_of_a_silent_client(history: History, one: OneServer) -> Iterator[str]:
+    """A client that stood still for longer than a status lives without it has lost the status: none
+    of the commands and samples that it issued before starts any more."""
+    pids = {client.name: client.pid for client in history.clients}
+    for freeze in history.freezes:
+        if (freeze.end - freeze.begin) * 1e-9 <= SILENCE_S or freeze.pid == one.server.pid:
+            continue
+        for begun in one.begun:
+            if begun.call.operation not in COMMANDS or pids[begun.who[0]] != freeze.pid:
+                continue
+            silent = (begun.marked - freeze.begin) * 1e-9
+            late = history.late_s(freeze.begin, begun.marked)
+            if begun.call.issued < freeze.begin and silent - late > SILENCE_S:
                 yield (
-                    f"{one.server.name}: {begun.named()} started while {who[0]}"
-                    f" {'was master' if master else 'had taken over'}"
+                    f"{one.server.name}: {begun.named()} started {silent:.3f} s after"
+                    f" {begun.who[0]} had fallen silent"
                 )
+
+
+def nobody_beside(history: History, one: OneServer) -> Iterator[str]:
+    clients = {client.name: client for client in history.clients}
+    marks = [begun.marked for begun in one.begun]
+    for held in one.held:
+        for begun in one.begun[bisect_right(marks, held.begin) : bisect_left(marks, held.end)]:
+            if begun.who == held.who or begun.until >= held.end:
+                continue
+            why = excludes(held, begun, grant_of(clients[begun.who[0]], begun.call))
+            if why:
+                yield f"{one.server.name}: {begun.named()} started while {held.who[0]} {why}"
+
+
+def excludes(held: Held, begun: Begun, grant: Grant | None) -> str:
+    """Why a call that was issued under `grant` may not begin while another session has a status;
+    empty: it may."""
+    if held.status == "MASTER":
+        return "was master"
+    if begun.call.operation not in COMMANDS:
+        return ""
+    if held.status == "TAKER":
+        return "had taken over"
+    if grant is not None and grant.status == "ACTOR" and grant.password != held.password:
+        return "had a status with another password"
+    return ""
 
 
 def ended_by_a_take_over(one: OneServer) -> Iterator[str]:
@@ -277,6 +316,8 @@ class Figures(NamedTuple):
     """That were taken."""
     takes: int
     masters: int
+    passwords: int
+    """Statuses with a password other than the common one."""
     breaks: int
     dead_movers: int
     """Killed clients whose motion was interrupted, and who saw no end of it."""
@@ -286,6 +327,7 @@ class Figures(NamedTuple):
             "samples": self.samples,
             "take-overs": self.takes,
             "masters": self.masters,
+            "other passwords": self.passwords,
             "breaks": self.breaks,
             "killed in motion": self.dead_movers,
         }
@@ -304,8 +346,9 @@ def figures(history: History) -> Figures:
     }
     return Figures(
         sum(len(one.server.taken) for one in servers),
-        sum(not alone.master for one in servers for alone in one.alone),
-        sum(alone.master for one in servers for alone in one.alone),
+        sum(held.status == "TAKER" for one in servers for held in one.held),
+        sum(held.status == "MASTER" for one in servers for held in one.held),
+        sum(held.password != "" for one in servers for held in one.held),
         sum(done.what == "break" for one in servers for done in one.done),
         len(movers),
     )

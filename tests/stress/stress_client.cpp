@@ -156,23 +156,45 @@ class Client {
       master.emplace(std::move(*granted));
     }
     note_status("granted", "MASTER");
-    for (int left = 4; left > 0; --left) issue();
-    static_cast<void>(file(up_to(0.05)));
-    tap();
-    await_all();
+    command_for_a_while();
     master.reset();
     release();
     tap();  // is refused
     acquire();
   }
 
+  /// Stops the others, has a status with a password of its own if none of them was faster, and is
+  /// then an actor as the others again.
+  void use_another_password() {
+    if (!ask("stop", [this] { return gecos::stop(bench_); })) return;
+    if (setting_.text("pretends") != "password") {
+      release();
+      auto granted = gecos::actor(bench_, "client " + std::to_string(::getpid()));
+      if (granted) lease_.emplace(std::move(*granted));
+    }
+    if (lease_) {
+      note_status("granted", "ACTOR own");
+      command_for_a_while();
+    }
+    acquire();
+  }
+
+  void command_for_a_while() {
+    for (int left = 4; left > 0; --left) issue();
+    static_cast<void>(file(up_to(0.05)));
+    tap();
+    await_all();
+  }
+
   void change_status() {
     const double which = up_to(1);
     const std::string& pretends = setting_.text("pretends");
-    if (pretends.empty() ? which < 0.6 : pretends == "take") {
+    if (pretends.empty() ? which < 0.5 : pretends == "take") {
       take_over();
-    } else if (pretends.empty() ? which < 0.9 : pretends == "master") {
+    } else if (pretends.empty() ? which < 0.7 : pretends == "master") {
       be_master();
+    } else if (pretends.empty() ? which < 0.9 : pretends == "password") {
+      use_another_password();
     } else {
       ask("break", [this] { return gecos::break_status(bench_, "a test of the judge"); });
     }

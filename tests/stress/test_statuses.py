@@ -136,6 +136,42 @@ def test_rejected_is_a_reading_beside_a_master(tmp_path: Path) -> None:
     assert judged(tmp_path, takes, works, before) == []
 
 
+def test_rejected_is_a_command_beside_a_status_with_another_password(tmp_path: Path) -> None:
+    takes = TAKES.replace("20 asks 1 take\n30 did 1 take\n", "30 granted 1 ACTOR own\n").replace(
+        "50 asks 1 give\n60 did 1 give\n", "60 released 1\n"
+    )
+    works = WORKS.replace("PREEMPTED", "STOPPED").replace(
+        f"33 end {WORKER + 2} COMMAND_FAILED STOPPED -", f"89 end {WORKER + 2} FINISHED DONE 7"
+    )
+    assert judged(tmp_path, takes, works, with_start(WORKER + 2, 34)) == [
+        f"server.0.log: command {WORKER + 2} started while client.1.log had a status with another"
+        " password"
+    ]
+    assert judged(tmp_path, takes, works, with_start(WORKER + 2, 29)) == []
+    shared = takes.replace("ACTOR own", "ACTOR")
+    assert judged(tmp_path, shared, works, with_start(WORKER + 2, 34)) == []
+
+
+def test_rejected_is_a_command_of_a_client_that_fell_silent_before(tmp_path: Path) -> None:
+    takes = "0 client 11\n90 done\n"
+    at = 3 * SECOND
+    works = (
+        f"0 client 12\n1 open 1 4711\n2 granted 1 ACTOR\n4 issue {WORKER + 1} tap 1 7\n"
+        f"{at + 9} end {WORKER + 1} FINISHED DONE 7\n{at + 9} done\n"
+    )
+    server = f"0 serve 4711\n{begins(WORKER + 1, at)}"
+    frozen = f"10 freeze 12 {2 * SECOND}\n"
+    assert judged(tmp_path, takes, works, server, frozen) == [
+        f"server.0.log: command {WORKER + 1} started 3.000 s after client.2.log had fallen silent"
+    ]
+    for kills in ("", f"10 freeze 12 {SECOND // 2}\n"):
+        assert judged(tmp_path, takes, works, server, kills) == [], "nobody was silent for so long"
+    after = works.replace("4 issue", f"{2 * SECOND + 1} issue")
+    assert judged(tmp_path, takes, after, server, frozen) == []
+    (tmp_path / "machine.log").write_text(f"10 late {5 * SECOND // 2}\n")
+    assert judged(tmp_path, takes, works, server, frozen) == [], "the server could not notice it"
+
+
 SENDS = WORKS.replace(
     "33 end", f"34 send {WORKER + 9} 1\n34 issue {WORKER + 4} look 1 4\n33 end"
 ).replace("90 done", f"89 end {WORKER + 4} COMMAND_FAILED REJECTED -\n90 done")
@@ -221,6 +257,7 @@ def test_rejected_is_a_motion_that_outlives_its_client(tmp_path: Path) -> None:
     [
         ("take", "client.2.log had taken over"),
         ("master", "client.2.log was master"),
+        ("password", "client.2.log had a status with another password"),
         ("break", "started after a break by client.2.log"),
     ],
 )

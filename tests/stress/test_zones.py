@@ -8,7 +8,6 @@ from pathlib import Path
 import history
 import pytest
 import rampage
-from rampage import Plan
 
 SECOND = 1_000_000_000
 HERS = 1 << 32
@@ -74,18 +73,7 @@ def test_rejected_is_a_command_that_begins_long_after_the_zone_fell_silent(
 def test_nothing_starts_while_nobody_is_present_whoever_is_killed_or_stands_still(
     medium: str, build: Path, tmp_path: Path, env: dict[str, str], seed: int
 ) -> None:
-    plan = Plan(
-        medium,
-        seed,
-        kills=8,
-        victims={"zone": 3, "server": 1, "client": 1, "broker": 1},
-        freezes=10,
-        frozen={"zone": 3, "server": 2, "server zone": 2, "client": 1, "broker": 1},
-        longest_freeze_s=2.5,
-        pause_s=0.6,
-        clients=2,
-        zone=True,
-    )
+    plan = rampage.around_a_zone(medium, seed, kills=8, freezes=10)
     told = rampage.run(plan, build, tmp_path, env)
     print(f"\n{plan}\n{told.summary()}")
     calls = [call for client in told.clients for call in client.calls.values()]

@@ -31,7 +31,7 @@ GOES_ON = frozenset(
 )
 """Ends of commands after which session and status may go on."""
 
-CHANGES = ["take"] * 6 + ["master"] * 3 + ["break"]
+CHANGES = ["take"] * 5 + ["master"] * 2 + ["password"] * 2 + ["break"]
 
 told_to_end = False
 
@@ -119,16 +119,35 @@ class Client:
         except (gecos.LeaseRefused, gecos.ConnectionFailed):
             return True
         self._record.note(f"granted {self._session} MASTER")
-        for _ in range(4):
-            self._issue(bench)
-        self._issue(bench, "file", self._random.random() * 0.05)
-        self._issue(bench, "tap")
-        self._finish_all()
+        self._command_for_a_while(bench)
         if lease is not None:
             lease.release()
         self._release()
         self._issue(bench, "tap")  # is refused
         return self._acquire(bench)
+
+    def _use_another_password(self, bench: Workbench) -> bool:
+        """Stops the others, has a status with a password of its own if none of them was faster, and
+        is then an actor as the others again."""
+        if not self._ask("stop", lambda: gecos.stop(bench)):
+            return False
+        if self._pretends != "password":
+            self._release()
+            try:
+                self._lease = gecos.actor(bench, f"client {os.getpid()}")
+            except (gecos.LeaseRefused, gecos.ConnectionFailed):
+                return self._acquire(bench)
+        self._record.note(f"granted {self._session} ACTOR own")
+        self._command_for_a_while(bench)
+        self._release()
+        return self._acquire(bench)
+
+    def _command_for_a_while(self, bench: Workbench) -> None:
+        for _ in range(4):
+            self._issue(bench)
+        self._issue(bench, "file", self._random.random() * 0.05)
+        self._issue(bench, "tap")
+        self._finish_all()
 
     def _change_status(self, bench: Workbench) -> bool:
         """False: the status is lost."""
@@ -138,6 +157,8 @@ class Client:
             return True
         if which == "master":
             return self._be_master(bench)
+        if which == "password":
+            return self._use_another_password(bench)
         why = "a test of the judge"
         return not self._ask("break", lambda: gecos.break_status(bench, why))
 
