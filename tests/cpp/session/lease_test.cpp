@@ -342,6 +342,41 @@ TEST_P(Leases, EndWhenAnybodyStopsTheDevice) {
   EXPECT_EQ(servant_.events(), (std::vector<std::string>{"start 1", "interrupted 1"}));
 }
 
+TEST_P(Leases, OfAMasterEndWhenAnybodyStopsTheDevice) {
+  const auto first = connect(lab_);
+  const auto second = connect(second_lab_);
+  const auto lease = gecos::master(first);
+  ASSERT_TRUE(lease) << lease.error();
+  const auto move = first.move(1);
+  servant_.await_moves(1);
+  EXPECT_EQ(gecos::holders(second).get().value().size(), 1u);
+  ASSERT_TRUE(gecos::stop(second).get());
+  EXPECT_EQ(move.get().error().detail, Detail::Stopped);
+  EXPECT_EQ(first.set(2).get().error().detail, Detail::Stopped);
+  EXPECT_EQ(second.read().get().value(), 7) << "nobody is master any more";
+}
+
+TEST_P(Leases, EndWhenAnybodyStopsADeviceWhoseQueueIsFull) {
+  std::vector<std::unique_ptr<gecos::Lab>> labs;
+  std::vector<gecos::Lease> leases;
+  std::vector<gecos::Command<std::int32_t>> open;
+  for (int client = 0; client < 5; ++client) {
+    labs.push_back(std::make_unique<gecos::Lab>(probe::patient()));
+    const auto robot = connect(*labs.back());
+    auto lease = gecos::actor(robot, "many hands");
+    ASSERT_TRUE(lease) << lease.error();
+    leases.push_back(std::move(*lease));
+    if (client == 0) open.push_back(robot.move(1));
+    servant_.await_moves(1);
+    for (int at = 0; at < 60; ++at) open.push_back(robot.set(at));
+  }
+  EXPECT_EQ(open.back().get().error().detail, Detail::QueueFull) << "256 wait at the object";
+  ASSERT_TRUE(gecos::stop(connect(second_lab_)).get());
+  for (std::size_t at = 0; at < 1 + 4 * 60; ++at) {
+    EXPECT_EQ(open[at].get().error().detail, Detail::Stopped) << at;
+  }
+}
+
 TEST_P(Leases, GoOnForAMemberThatStopsTheDeviceItself) {
   const auto mover = connect(lab_);
   auto lease = gecos::actor(mover);
