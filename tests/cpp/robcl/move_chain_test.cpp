@@ -223,6 +223,35 @@ TEST_P(MoveChains, ACornerIsMissedByTheDistanceThatIsToldBefore) {
   EXPECT_NEAR(chained.duration(), 0.3 / 0.25 + 0.25 + GetParam(), 0.02);
 }
 
+/// Moves the arm along lines and by a joint move that go over into each other, with a limit of jerk
+/// and a set point in each `period`, in s. Returns the greatest difference between the
+/// accelerations of a joint in two successive periods, in rad/s².
+double greatest_change_of_acceleration(double period) {
+  const arm::ArmModel model = rx90();
+  Planner planner(model, {}, Smoothing::over(0.03, period));
+  const Frame start = planner.base_from_tool(ready, {});
+  const Frame corner = start * translate(0.15, 0, 0);
+  Chained chained(planner, *planner.straight_move(ready, corner, {}, {}), period);
+  EXPECT_TRUE(chained.straight_to(corner * translate(0, 0.15, 0)));
+  EXPECT_TRUE(chained.straight_to(corner * translate(0, 0.02, 0)));  // back, on the same line
+  const auto turned = planner.joint_move(chained.chain().goal(), ready, {});
+  EXPECT_TRUE(turned && chained.extend(*turned));
+  chained.run();
+  const auto& at = chained.set_points();
+  double greatest = 0;
+  for (std::size_t k = 3; k < at.size(); ++k) {
+    const JointValues change = at[k] - 3 * at[k - 1] + 3 * at[k - 2] - at[k - 3];
+    greatest = std::max(greatest, change.cwiseAbs().maxCoeff() / (period * period));
+  }
+  return greatest;
+}
+
+TEST(MoveChain, RoundsACornerWithoutAJumpOfTheAcceleration) {
+  // In a quarter of the time, an acceleration that rises changes by a quarter, and one that jumps
+  // by as much. At a knot of the path, a small part of the change is a jump.
+  EXPECT_LT(greatest_change_of_acceleration(0.00025), 0.6 * greatest_change_of_acceleration(0.001));
+}
+
 TEST_P(MoveChains, JointMovesKeepTheSpeedOfTheToolAlsoWhereTheyOverlap) {
   Pace pace;
   pace.tool_speed = 0.05;

@@ -14,12 +14,35 @@ namespace {
 constexpr double share_in_overlap = 0.994;
 constexpr std::size_t fewest_intervals = 16, most_intervals = 4096;  // of an overlap
 
+/// In an overlap, one motion fades out while the other fades in. The acceleration of each rises in
+/// this share of the overlap, is constant, and falls again in the same share at the end, so that it
+/// never jumps.
+constexpr double rising = 0.25;
+/// The greatest second derivative of `faded_in`.
+constexpr double greatest_bend = 2 / (1 - rising);
+
+/// Returns how far the motion that fades in has come, as a share of half the overlap. `u` is the
+/// share of the overlap that has passed, from 0 to 1. The slope rises from 0 to 2, and the second
+/// derivative is a trapezoid. faded_in(u) - faded_in(1 - u) is 2u - 1: two motions in one direction
+/// with the same speed make one motion with this speed.
+double faded_in(double u) {
+  if (u > 1 - rising) return 2 * u - 1 + faded_in(1 - u);
+  if (u < rising) return greatest_bend * u * u * u / (6 * rising);
+  const double past = u - rising;
+  return greatest_bend * (squared(rising) / 6 + rising * past / 2 + squared(past) / 2);
+}
+
+/// Half an overlap as a multiple of the way in which the faster motion brakes. A corner is then
+/// passed at the same distance as one in which the accelerations jump and half an overlap is this
+/// way.
+const double overlap_per_braking_way = 0.25 / faded_in(0.5);
+
 /// The overlap of two moves lasts from the nominal time -half to half; the corner is at 0. For the
 /// nominal time `t`, `before_corner` returns a place on the path of the first move, and
 /// `behind_corner` a place on the path of the next move, both as a difference of s from the corner.
 /// The pose of the arm in the overlap is made from the poses at these two places.
-double before_corner(double t, double half) { return -squared(half - t) / (4 * half); }
-double behind_corner(double t, double half) { return squared(half + t) / (4 * half); }
+double before_corner(double t, double half) { return -half * faded_in((half - t) / (2 * half)); }
+double behind_corner(double t, double half) { return half * faded_in((half + t) / (2 * half)); }
 
 /// The motion of the tool on the line of a move, per unit of s: its velocity, seen from the base,
 /// and its rotation about the tool's own axes.
@@ -102,7 +125,8 @@ double least_time_alone(const Move& move, double braking) {
 IntervalLimits::Tool tool_in_overlap(double fastest, double change, double half, double unhindered,
                                      double acceleration) {
   if (fastest <= 0) return {};
-  return {fastest, change / (2 * half), std::max(acceleration, change / (2 * unhindered))};
+  const double bend = change * greatest_bend / 4;  // times half an overlap
+  return {fastest, bend / half, std::max(acceleration, bend / unhindered)};
 }
 
 }  // namespace
@@ -155,8 +179,6 @@ MoveChain::Course MoveChain::course_between(std::size_t start, std::size_t entry
     if (i == entry && end - plan_.path.place(i) < rounding * plan_.path.step(i)) break;
     // A knot just before the end would make a very short interval, so the end replaces this knot.
     const bool last = i >= entry && plan_.path.place(i + 1) > end - plan_.path.step(i) / 4;
-    const bool joins = std::ranges::binary_search(course_.knots.joins, i);
-    if (i > start && joins) course.knots.joins.push_back(i - start);
     if (last) {
       course.knots.add(end, plan_.path.position(end));
     } else {
@@ -243,16 +265,12 @@ bool MoveChain::add_overlap(Course& course, const Overlap& overlap) {
   if (!joints) return false;
 
   const auto [moving, braking] = limits_in(overlap);
-  const std::size_t begins = course.knots.places.size() - 1;
-  std::vector<std::size_t>& joins = course.knots.joins;
-  if (begins > 0 && (joins.empty() || joins.back() != begins)) joins.push_back(begins);
   for (std::size_t i = 1; i <= intervals; ++i) {
     const double part = static_cast<double>(i) / static_cast<double>(intervals);
     course.knots.add(overlap.corner + overlap.half * (2 * part - 1), (*joints)[i - 1]);
     course.limits.moving.push_back(moving);
     course.limits.braking.push_back(braking);
   }
-  joins.push_back(course.knots.places.size() - 1);
   return true;
 }
 
@@ -333,8 +351,9 @@ std::optional<std::vector<MoveChain::Overlap>> MoveChain::overlaps_with(
   for (const Move& move : next) {
     if (last->stands || move.stands) return std::nullopt;
     Overlap overlap{*last, move, corner};
-    overlap.unhindered = std::max(braking_way(*last, planner_.model(), tool),
-                                  braking_way(move, planner_.model(), tool));
+    overlap.unhindered =
+        overlap_per_braking_way * std::max(braking_way(*last, planner_.model(), tool),
+                                           braking_way(move, planner_.model(), tool));
     overlap.half = half_overlap(overlap.unhindered, last->duration(), move.duration());
     overlap.before = last == &last_ ? plan_.path.position(overlap.begins())
                                     : last->path.position(last->duration() - overlap.half);

@@ -18,11 +18,12 @@ namespace robcl::motion {
 ///
 /// Let the corner be at the nominal time s, and let d be half the nominal duration of the overlap.
 /// At s + t, for t from -d to d, two displacements from the corner are added: the displacement at
-/// (t - d)²/4d before the corner on the first path, and the displacement at (t + d)²/4d behind the
-/// corner on the second path. If both paths are straight lines, the displacements are those of the
-/// tool, otherwise those of the joints. With the speed v, the acceleration a and the directions u
-/// and w of the two lines, the tool passes the corner at the distance |w - u|·v²/8a. A corner takes
-/// at most half of either move.
+/// d·f(1 - x) before the corner on the first path, and the displacement at d·f(x) behind the corner
+/// on the second path, with x = (t + d)/2d. The function f rises from 0 to 1, and its second
+/// derivative is a trapezoid, so that the path bends gradually. If both paths are straight lines,
+/// the displacements are those of the tool, otherwise those of the joints. With the speed v, the
+/// acceleration a and the directions u and w of the two lines, the tool passes the corner at the
+/// distance |w - u|·v²/8a. A corner takes at most half of either move.
 class MoveChain {
  public:
   /// Makes a chain that begins at rest with the move `first`. The planner must exist as long as the

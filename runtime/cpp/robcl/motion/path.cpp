@@ -12,25 +12,15 @@ Path::Path(Knots knots) : knots_(std::move(knots)) {
   assert(knots_.places.size() >= 2 && knots_.places.size() == knots_.joints.size());
   const std::size_t last = intervals();
   slopes_.resize(last + 1);
-  std::vector<std::size_t> ends = knots_.joins;
-  ends.push_back(last);
-  std::size_t first = 0;
-  for (const std::size_t end : ends) {
-    for (std::size_t i = first; i <= end; ++i) {
-      const JointValues slope = slope_within(i, first, end);
-      const bool joins = i == first && first > 0;
-      slopes_[i] = joins ? JointValues((slopes_[i] + slope) / 2) : slope;
-    }
-    first = end;
-  }
+  for (std::size_t i = 0; i <= last; ++i) slopes_[i] = slope_from_knots(i);
   std::ranges::copy(knots_.first_slopes, slopes_.begin());
 }
 
 /// Returns the derivative at the knot `i` of a polynomial through this knot and up to two knots on
-/// each side of it, all of them from `first` to `last`. Inside an evenly spaced path, the
-/// derivative is accurate to fourth order; at the ends of the path, to second order.
-JointValues Path::slope_within(std::size_t i, std::size_t first, std::size_t last) const {
-  const std::size_t from = std::max(first + 2, i) - 2, to = std::min(last, i + 2);
+/// each side of it. Inside an evenly spaced path, the derivative is accurate to fourth order; at
+/// the ends of the path, to second order.
+JointValues Path::slope_from_knots(std::size_t i) const {
+  const std::size_t from = std::max<std::size_t>(2, i) - 2, to = std::min(intervals(), i + 2);
   const double here = place(i);
   JointValues slope = JointValues::Zero(knot(i).size());
   for (std::size_t j = from; j <= to; ++j) {

@@ -22,9 +22,6 @@ class Path {
   struct Knots {
     std::vector<double> places;       ///< s at each knot, rising
     std::vector<JointValues> joints;  ///< rad
-    /// The indices, in rising order, of the knots at which the curvature jumps. The path is smooth
-    /// between these knots.
-    std::vector<std::size_t> joins{};
     /// The derivatives of the joint positions by s at the first knots, if the path continues
     /// another path and must have the same derivatives there. The path computes the derivatives at
     /// all knots that have no element here.
@@ -73,7 +70,7 @@ class Path {
   JointValues position(double s) const;
 
  private:
-  JointValues slope_within(std::size_t i, std::size_t first, std::size_t last) const;
+  JointValues slope_from_knots(std::size_t i) const;
 
   Knots knots_;
   std::vector<JointValues> slopes_;
