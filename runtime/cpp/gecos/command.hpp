@@ -140,9 +140,9 @@ class CommandCore {
   /// Declares that the program does not need the outcome, and that the outcome does not matter for
   /// what the program issues later.
   virtual void ignore_outcome() { observe(); }
-  /// Must be called when the program has read the state or the outcome of the command. After it has
-  /// seen a failure, later commands of its chain are carried out again.
-  virtual void note_look() const {}
+  /// Must be called when the program has read `seen`, the state or the outcome of the command.
+  /// After it has seen a failure, later commands of its chain are carried out again.
+  virtual void note_look(Detail seen) const { static_cast<void>(seen); }
   /// Marks the outcome as observed. A failure of the command is then not logged.
   void observe() { observed_.store(true, std::memory_order_relaxed); }
   bool observed() const { return observed_.load(std::memory_order_relaxed); }
@@ -182,7 +182,7 @@ class AnyCommand {
   Progress progress() const& {
     core_->observe();
     const Progress progress = core_->progress();
-    core_->note_look();
+    core_->note_look(progress.detail);
     return progress;
   }
   Progress progress() && = delete;  // keep the command: `auto move = robot.move(goal);`

@@ -222,18 +222,19 @@ nb::object lease(SessionHandle& self, const CommandHandle& asked) {
 
 // Command and stream -----------------------------------------------------------------------------
 
-/// Returns the progress of a command, for `repr` and warnings. Unlike `progress`, does not mark the
-/// command as observed.
-nb::tuple peek(const CommandHandle& self) {
-  const Progress progress = self.core().progress();
+nb::tuple as_tuple(const Progress& progress) {
   return nb::make_tuple(static_cast<int>(progress.detail), progress.position, progress.fraction);
 }
 
+/// Returns the progress of a command, for `repr` and warnings. Unlike `progress`, does not mark the
+/// command as observed.
+nb::tuple peek(const CommandHandle& self) { return as_tuple(self.core().progress()); }
+
 nb::tuple progress(const CommandHandle& self) {
   self.core().observe();
-  nb::tuple seen = peek(self);
-  self.core().note_look();
-  return seen;
+  const Progress progress = self.core().progress();
+  self.core().note_look(progress.detail);
+  return as_tuple(progress);
 }
 
 bool wait(const CommandHandle& self, std::optional<double> timeout) {
@@ -247,7 +248,7 @@ bool wait(const CommandHandle& self, std::optional<double> timeout) {
 nb::object answer(const CommandHandle& self, std::optional<double> timeout) {
   wait(self, timeout);
   const Detail detail = self.core().progress().detail;
-  self.core().note_look();
+  self.core().note_look(detail);
   if (detail == Detail::Done) return to_python(self.core().result());
   return nb::int_(static_cast<int>(detail));
 }
@@ -420,6 +421,7 @@ void bind_client(nb::module_& module) {
       .def("about", [](const CommandHandle& c) { return c.core().about(); })
       .def("ignore_outcome", [](const CommandHandle& c) { c.core().ignore_outcome(); })
       .def("observe", [](const CommandHandle& c) { c.core().observe(); })
+      .def("observed", [](const CommandHandle& c) { return c.core().observed(); })
       .def("peek", &peek)
       .def("progress", &progress)
       .def("feedback", [](const CommandHandle& c) { return to_python(c.core().feedback()); })
@@ -429,7 +431,7 @@ void bind_client(nb::module_& module) {
       .def("failure",
            [](const CommandHandle& c) {
              c.core().observe();
-             c.core().note_look();
+             c.core().note_look(c.core().progress().detail);
              return as_tuple(c.core().failure());
            })
       .def("peek_failure", [](const CommandHandle& c) { return as_tuple(c.core().failure()); })

@@ -100,6 +100,7 @@ class Command:
     def observe(self) -> None:
         """Marks the command as observed: the log does not tell its failure. The program has not
         looked at the outcome thereby."""
+    def observed(self) -> bool: ...
     def peek_failure(self) -> tuple[int, str, str, bytes]:
         """Does the same as failure(), but does not mark the command as observed."""
     def descriptor(self) -> int: ...

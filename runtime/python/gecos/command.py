@@ -157,7 +157,7 @@ class Command(TaskOf[T], Generic[T, F]):
         the command has already ended. Callbacks may block and issue commands; their exceptions are
         logged.
         """
-        if self.state is State.RUNNING:
+        if Detail(self._core.peek()[0]).state is State.RUNNING:
             when_ended(self, lambda: callback(self))
         else:
             call(lambda: callback(self))
@@ -214,7 +214,7 @@ class _Unobserved(Command[T, F]):
         if self._name in _warned:
             return  # a warning was already issued; the log reports later failures
         detail = Detail(self._core.peek()[0])
-        if detail is Detail.DONE:
+        if detail is Detail.DONE or self._core.observed():  # as one that was left out
             return
         _warned.add(self._name)
         if detail.state is State.RUNNING:

@@ -8,7 +8,7 @@
 namespace gecos::session {
 namespace {
 
-using Begin = BlendChain::Begin;
+using Known = ChainReport::Known;
 
 constexpr std::uint64_t held = 7;
 const std::string called = "'move' of RX90";
@@ -17,132 +17,208 @@ BlendChain::Failed failed(std::uint64_t counter, Detail detail = Detail::Fault) 
   return {counter, "move", detail, "out of reach"};
 }
 
-TEST(BlendChain, LeavesOutWhatComesAfterAFailureAndNothingBeforeIt) {
-  BlendChain chain;
-  chain.arrived(3, held, Begin::No);
-  chain.arrived(4, held, Begin::No);
-  EXPECT_EQ(chain.first(), 3u) << "a new epoch begins a chain";
-  EXPECT_FALSE(chain.left_out(3, 5, called));
-  chain.broke(3, failed(4));
-  EXPECT_FALSE(chain.left_out(3, 3, called));
-  EXPECT_FALSE(chain.left_out(3, 4, called));
-  const auto refusal = chain.left_out(3, 5, called);
+class BlendChainTest : public ::testing::Test {
+ protected:
+  void arrived(std::uint64_t counter, std::vector<ChainReport::Entry> known = {}) {
+    chain_.arrived({counter, held, false}, {std::move(known)});
+  }
+  bool left_out(std::uint64_t counter) const {
+    return chain_.left_out(counter, called).has_value();
+  }
+
+  BlendChain chain_;
+};
+
+TEST_F(BlendChainTest, LeavesOutWhatComesAfterAFailureAndNothingBeforeIt) {
+  arrived(3);
+  arrived(4);
+  EXPECT_FALSE(left_out(5));
+  chain_.failed(failed(4));
+  EXPECT_FALSE(left_out(3));
+  EXPECT_FALSE(left_out(4));
+  const auto refusal = chain_.left_out(5, called);
   ASSERT_TRUE(refusal);
-  EXPECT_EQ(refusal->detail, Detail::Rejected);
-  EXPECT_EQ(refusal->text,
+  EXPECT_EQ(refusal->because_of, 4u);
+  EXPECT_EQ(refusal->failure.detail, Detail::Rejected);
+  EXPECT_EQ(refusal->failure.text,
             "'move' of RX90 was not carried out, because 'move', which the same caller had called "
             "before it, did not succeed: FAULT, out of reach. Look at the outcome of a failed "
             "command before you issue the next one");
 }
 
-TEST(BlendChain, EndsWithTheCallThatBeginsAnew) {
-  BlendChain chain;
-  chain.arrived(1, held, Begin::No);
-  chain.broke(1, failed(2));
-  chain.arrived(5, held, Begin::Anew);
-  EXPECT_FALSE(chain.left_out(5, 5, called));
-  EXPECT_FALSE(chain.left_out(5, 6, called));
+TEST_F(BlendChainTest, CarriesOutWhatItsProgramIssuedWhenItKnewTheFailure) {
+  arrived(1);
+  arrived(2);
+  chain_.failed(failed(2));
+  arrived(5, {{2, Known::Failure}});
+  EXPECT_TRUE(left_out(4)) << "issued before";
+  EXPECT_FALSE(left_out(5));
+  EXPECT_FALSE(left_out(6));
 }
 
-TEST(BlendChain, IsBoundByTheCommandsOfEarlierChainsThatAreOpen) {
-  BlendChain chain;
-  chain.arrived(1, held, Begin::No);
-  chain.broke(chain.first(), failed(2));
-  chain.arrived(5, held, Begin::Anew);
-  EXPECT_FALSE(chain.left_out(5, 6, called)) << "the program has seen the failure of 2";
-  chain.broke(1, failed(1));
-  EXPECT_TRUE(chain.left_out(5, 5, called)) << "1 ran when the program began anew";
-  EXPECT_TRUE(chain.left_out(5, 6, called));
+TEST_F(BlendChainTest, LeavesOutWhatItsProgramIssuedWhenItKnewOnlyAnotherFailure) {
+  arrived(1);
+  arrived(2);
+  chain_.failed(failed(2));
+  arrived(5, {{2, Known::Failure}});
+  chain_.failed(failed(1));
+  EXPECT_TRUE(left_out(5)) << "1 still ran when the program saw the failure of 2";
+  EXPECT_TRUE(left_out(6));
+  arrived(7, {{1, Known::Failure}});
+  EXPECT_FALSE(left_out(7));
 }
 
-TEST(BlendChain, IsNotBoundByWhatItsProgramCanceled) {
-  BlendChain chain;
-  chain.arrived(1, held, Begin::No);
-  chain.arrived(5, held, Begin::Anew);
-  chain.broke(1, failed(1, Detail::Canceled));
-  EXPECT_FALSE(chain.left_out(5, 5, called));
-}
-
-TEST(BlendChain, ThatStandsAloneIsBoundByNothingEarlier) {
-  BlendChain chain;
-  chain.arrived(1, held, Begin::No);
-  const std::uint64_t first = chain.first();
-  chain.arrived(5, held, Begin::Alone);
-  chain.broke(first, failed(1));
-  EXPECT_FALSE(chain.left_out(5, 6, called));
-  chain.arrived(7, held, Begin::Anew);
-  chain.broke(first, failed(2));
-  EXPECT_FALSE(chain.left_out(7, 8, called));
-  chain.broke(5, failed(6));
-  EXPECT_TRUE(chain.left_out(7, 8, called));
-}
-
-TEST(BlendChain, NamesTheEarliestFailure) {
-  BlendChain chain;
-  for (const std::uint64_t counter : {1, 2, 3, 4, 5}) chain.arrived(counter, held, Begin::No);
-  chain.broke(1, {4, "move", Detail::QueueFull, "full"});
-  chain.broke(1, {5, "move", Detail::Rejected, "left out"});
-  chain.broke(1, {2, "move", Detail::Expired, "late"});
-  EXPECT_NE(chain.left_out(1, 6, called)->text.find("EXPIRED, late"), std::string::npos);
-}
-
-TEST(BlendChain, BeginsAnewUnderANewerStatus) {
-  BlendChain chain;
-  chain.arrived(1, held, Begin::No);
-  chain.broke(1, failed(1));
-  chain.arrived(2, held + 1, Begin::No);
-  EXPECT_FALSE(chain.left_out(chain.first(), 2, called));
-}
-
-TEST(BlendChain, KeepsWhatACancelAndANotStartedCommandPromise) {
-  for (const Detail detail : {Detail::Canceled, Detail::NotStarted}) {
-    BlendChain chain;
-    chain.arrived(1, held, Begin::No);
-    chain.broke(1, failed(1, detail));
-    EXPECT_EQ(chain.left_out(1, 2, called)->detail, detail);
+TEST_F(BlendChainTest, GoesOnWhenTheFirstOfTwoFailuresIsKnownInWhicheverOrderTheyCame) {
+  for (const bool later_first : {false, true}) {
+    chain_ = {};
+    arrived(1);
+    chain_.failed(failed(later_first ? 4 : 2));
+    chain_.failed(failed(later_first ? 2 : 4));
+    EXPECT_EQ(chain_.left_out(5, called)->because_of, 2u);
+    arrived(6, {{2, Known::Failure}});
+    EXPECT_FALSE(left_out(6)) << "4 would have been left out because of 2";
   }
 }
 
-TEST(BlendChain, IsBrokenByACommandThatWasCanceledBeforeThoseBeforeItArrived) {
-  BlendChain chain;
-  chain.arrived(1, held, Begin::No);
-  chain.broke(1, failed(4, Detail::Canceled));
-  chain.arrived(2, held, Begin::No);
-  EXPECT_FALSE(chain.left_out(1, 2, called));
-  EXPECT_TRUE(chain.left_out(1, 5, called));
+TEST_F(BlendChainTest, CarriesOutWhatWasIssuedAfterACancel) {
+  for (const Detail end : {Detail::Canceled, Detail::TimedOut}) {
+    chain_ = {};
+    arrived(1);
+    arrived(5, {{1, Known::Canceled}});
+    chain_.failed(failed(1, end));
+    EXPECT_TRUE(left_out(4)) << "issued before the cancel";
+    EXPECT_FALSE(left_out(5));
+  }
 }
 
-TEST(BlendChain, KeepsTheFailureOfACommandThatWasCanceledInAdvanceWhenAnotherChainBegins) {
-  BlendChain chain;
-  chain.arrived(1, held, Begin::No);
-  chain.arrived(2, held, Begin::No);
-  chain.broke(chain.first(), failed(2));
-  chain.broke(chain.first(), failed(4, Detail::Canceled));  // before 3 arrives
-  chain.arrived(3, held, Begin::Anew);
-  EXPECT_FALSE(chain.left_out(3, 3, called));
-  chain.arrived(5, held, Begin::No);
-  EXPECT_TRUE(chain.left_out(3, 5, called));
+TEST_F(BlendChainTest, LeavesOutWhatWasIssuedAfterACancelOfACommandThatFailed) {
+  arrived(1);
+  arrived(5, {{1, Known::Canceled}});
+  chain_.failed(failed(1));
+  EXPECT_TRUE(left_out(5)) << "a fault is not the end for which the program asked";
 }
 
-TEST(SeenFailures, LetOneCallBeginAnewForWhatTheProgramHasSeen) {
+TEST_F(BlendChainTest, LeavesOutWhatWasIssuedAfterACancelIfTheCanceledCommandThenFails) {
+  arrived(1);
+  chain_.failed(failed(1, Detail::Canceled));  // while it runs
+  arrived(5, {{1, Known::Canceled}});
+  EXPECT_FALSE(left_out(5));
+  chain_.failed(failed(1));
+  EXPECT_TRUE(left_out(5));
+}
+
+TEST_F(BlendChainTest, IsNotFreedByTheCancelOfACommandThatWasLeftOut) {
+  arrived(1);
+  arrived(2);
+  chain_.failed(failed(1));
+  arrived(3, {{2, Known::Canceled}});
+  EXPECT_TRUE(left_out(3)) << "the program has not seen the failure of 1";
+}
+
+TEST_F(BlendChainTest, IgnoresTheFailureOfADetachedCommandAndOfNoOther) {
+  arrived(1);
+  arrived(2);
+  arrived(3, {{1, Known::Detached}});
+  chain_.failed(failed(1));
+  EXPECT_FALSE(left_out(3));
+  chain_.failed(failed(2));
+  EXPECT_TRUE(left_out(3));
+}
+
+TEST_F(BlendChainTest, ForgetsWhatItsProgramKnewOfACommandThatSucceeded) {
+  arrived(1);
+  for (std::uint64_t counter = 2; counter < 2000; ++counter) {
+    arrived(counter + 1, {{counter, Known::Detached}, {1, Known::Detached}});
+    chain_.succeeded(counter);
+  }
+  chain_.failed(failed(1));
+  EXPECT_FALSE(left_out(2001)) << "1 was not pushed out";
+}
+
+TEST_F(BlendChainTest, NamesTheEarliestFailure) {
+  for (const std::uint64_t counter : {1, 2, 3, 4, 5}) arrived(counter);
+  chain_.failed({4, "move", Detail::QueueFull, "full"});
+  chain_.failed({5, "move", Detail::Rejected, "left out"});
+  chain_.failed({2, "move", Detail::Expired, "late"});
+  EXPECT_NE(chain_.left_out(6, called)->failure.text.find("EXPIRED, late"), std::string::npos);
+}
+
+TEST_F(BlendChainTest, BeginsAnewUnderANewerStatus) {
+  arrived(1);
+  chain_.failed(failed(1));
+  chain_.arrived({2, held + 1, false}, {});
+  EXPECT_FALSE(left_out(2));
+  chain_.arrived({3, 0, false}, {});  // of the earlier status, late
+  chain_.arrived({4, held + 1, false}, {});
+  chain_.failed(failed(3));
+  EXPECT_TRUE(left_out(4)) << "the same status once more begins nothing";
+}
+
+TEST_F(BlendChainTest, BeginsAnewWithACommandThatStandsAlone) {
+  arrived(1);
+  arrived(2);
+  chain_.failed(failed(1));
+  chain_.arrived({3, held, true}, {});
+  EXPECT_FALSE(left_out(3));
+  chain_.failed(failed(2, Detail::Stopped));
+  EXPECT_FALSE(left_out(3)) << "it was asked for before the stop";
+  EXPECT_FALSE(left_out(4));
+  chain_.failed(failed(3));
+  EXPECT_TRUE(left_out(4));
+}
+
+TEST_F(BlendChainTest, KeepsWhatACancelAndANotStartedCommandPromise) {
+  for (const Detail detail : {Detail::Canceled, Detail::NotStarted}) {
+    chain_ = {};
+    arrived(1);
+    chain_.failed(failed(1, detail));
+    EXPECT_EQ(chain_.left_out(2, called)->failure.detail, detail);
+  }
+}
+
+TEST_F(BlendChainTest, IsBrokenByCommandsThatWereCanceledBeforeThoseBeforeThemArrived) {
+  arrived(1);
+  chain_.failed(failed(6, Detail::Canceled));
+  chain_.failed(failed(4, Detail::Canceled));
+  arrived(2);
+  EXPECT_FALSE(left_out(2));
+  arrived(5, {{4, Known::Canceled}});
+  EXPECT_FALSE(left_out(5));
+  EXPECT_TRUE(left_out(8)) << "issued before the cancel of 6";
+}
+
+TEST_F(BlendChainTest, StaysSmallWhateverAClientSends) {
+  arrived(1);
+  chain_.failed(failed(1));
+  for (std::uint64_t counter = 2; counter < 100'000; ++counter) {
+    arrived(counter, {{counter + 1'000'000, Known::Detached}});
+    chain_.failed(failed(counter));
+    ASSERT_EQ(chain_.left_out(counter + 1, called)->because_of, 1u);
+  }
+}
+
+TEST(SeenFailures, AreReportedOnceWithTheNextCommand) {
   SeenFailures failures;
-  EXPECT_EQ(failures.flags(), 0);
-  failures.saw({true, 3});
-  EXPECT_EQ(failures.flags(), begins_anew);
-  failures.sent(6, begins_anew);
-  EXPECT_EQ(failures.flags(), 0);
-  failures.saw({true, 5});
-  EXPECT_EQ(failures.flags(), 0) << "5 belongs to the chain that the program has left";
-  failures.saw({true, 6});
-  EXPECT_EQ(failures.flags(), begins_anew);
+  EXPECT_EQ(failures.next().flags, 0);
+  failures.knows({true, 3}, Known::Failure);
+  failures.knows({true, 3}, Known::Failure);
+  failures.knows({true, 5}, Known::Canceled);
+  const auto says = failures.next();
+  EXPECT_EQ(says.flags, reports);
+  EXPECT_EQ(says.report.entries,
+            (std::vector<ChainReport::Entry>{{3, Known::Failure}, {5, Known::Canceled}}));
+  EXPECT_EQ(failures.next().report.entries.size(), 2u) << "it was not sent";
+  failures.sent(says);
+  EXPECT_EQ(failures.next().flags, 0);
 }
 
-TEST(SeenFailures, LetACallStandAloneAfterADetachedCommand) {
+TEST(SeenFailures, LetACallStandAloneAfterAStop) {
   SeenFailures failures;
-  failures.ignores({true, 3});
-  EXPECT_EQ(failures.flags(), stands_alone);
-  failures.sent(4, stands_alone);
-  EXPECT_EQ(failures.flags(), 0);
+  failures.begins_alone();
+  const auto says = failures.next();
+  EXPECT_EQ(says.flags, stands_alone);
+  failures.sent(says);
+  EXPECT_EQ(failures.next().flags, 0);
 }
 
 TEST(SeenFailures, KnowTheFirstCommandThatWasNotSentUntilTheProgramHasSeenIt) {
@@ -151,9 +227,9 @@ TEST(SeenFailures, KnowTheFirstCommandThatWasNotSentUntilTheProgramHasSeenIt) {
   const auto full = failures.not_sent("full");
   failures.not_sent("left out");
   EXPECT_EQ(failures.why_not_sent(), "full");
-  failures.saw(full);
+  failures.knows(full, Known::Failure);
   EXPECT_FALSE(failures.why_not_sent());
-  EXPECT_EQ(failures.flags(), 0) << "the program has not seen how those ended that were sent";
+  EXPECT_EQ(failures.next().flags, 0) << "the program has not seen how those ended that were sent";
   failures.not_sent("full again");
   EXPECT_EQ(failures.why_not_sent(), "full again");
 }
@@ -164,9 +240,24 @@ TEST(SeenFailures, AreAllSeenWithANewStatusAndNotWithTheSameOnceMore) {
   failures.not_sent("full");
   failures.acquired(7);
   EXPECT_EQ(failures.why_not_sent(), "full");
-  EXPECT_EQ(failures.flags(), 0);
+  EXPECT_EQ(failures.next().flags, 0);
   failures.acquired(9);
   EXPECT_FALSE(failures.why_not_sent());
+}
+
+TEST(ChainReport, IsReadAsItWasWritten) {
+  const ChainReport report{{{3, Known::Failure}, {1ULL << 60, Known::Detached}}};
+  Bytes bytes(report.encoded_size());
+  wire::Encoder to(bytes);
+  report.encode(to);
+  ChainReport read;
+  wire::Decoder from(bytes);
+  ASSERT_TRUE(read.decode(from));
+  EXPECT_EQ(read.entries, report.entries);
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    wire::Decoder cut(ByteView(bytes).first(size));
+    EXPECT_FALSE(ChainReport().decode(cut)) << size;
+  }
 }
 
 }  // namespace

@@ -158,6 +158,45 @@ TEST_P(LeftOut, AreThoseAfterAFailureOfWhichOnlyACommandThatEndedWellWasDetached
   EXPECT_EQ(refused.wait(), gecos::State::CommandFailed);
 }
 
+TEST_P(LeftOut, AreThoseAfterACancelOfACommandThatWasLeftOut) {
+  servant_.open_gate();
+  const auto refused = probe_.step(-1);
+  const auto left_out = probe_.step(2);
+  ASSERT_TRUE(ends_unseen(left_out));
+  left_out.cancel();
+  expect_left_out(probe_.step(3));
+  EXPECT_EQ(refused.wait(), gecos::State::CommandFailed);
+}
+
+TEST_P(LeftOut, AreThoseAfterAFailureAlsoIfTheProgramHasSeenALaterOne) {
+  const auto runs = gecos::with(probe_, {.deadline = std::chrono::milliseconds(500)}).step(1);
+  const auto refused = probe_.step(-2);
+  EXPECT_EQ(refused.wait(), gecos::State::CommandFailed);
+  ASSERT_TRUE(ends_unseen(runs));
+  servant_.open_gate();
+  expect_ended(probe_.step(3), Detail::Rejected, "did not succeed: TIMED_OUT, ");
+  EXPECT_EQ(probe_.step(4).get().value_or(0), 4) << "the text named the failure of 1";
+  EXPECT_EQ(runs.wait(), gecos::State::CommandFailed);
+}
+
+TEST_P(LeftOut, AreThoseAfterAFailureAlsoIfAnotherCommandWasDetached) {
+  servant_.open_gate();
+  const auto refused = probe_.step(-1);
+  const auto detached = probe_.step(2);
+  detached.detach();
+  expect_left_out(probe_.step(3));
+  EXPECT_EQ(refused.wait(), gecos::State::CommandFailed);
+}
+
+TEST_P(LeftOut, IsNothingAfterAStopOfTheOwnProgram) {
+  const auto runs = probe_.step(1);
+  servant_.await_moves(1);
+  ASSERT_TRUE(gecos::stop(probe_).get());
+  servant_.open_gate();
+  EXPECT_EQ(probe_.step(2).get().value_or(0), 2) << "the program moves out of the way at once";
+  expect_ended(runs, Detail::Stopped, "");
+}
+
 TEST_P(LeftOut, AreThoseAfterAFailureEvenIfTheStatusIsAcquiredOnceMore) {
   servant_.open_gate();
   const auto refused = probe_.step(-1);
@@ -267,7 +306,14 @@ namespace {
 class LeftOutAtTheServer : public ServedObjects {
  protected:
   void step(std::uint64_t counter, std::int8_t flags = 0) {
-    packet(wire::PacketKind::Call, counter, probe::step_code, wire_number(), epoch_, flags);
+    packet(wire::PacketKind::Call, counter, probe::step_code, Bytes(4), epoch_, flags);
+  }
+  /// Sends a step whose program knew `known` when it issued the step.
+  void step_that_reports(std::uint64_t counter, const ChainReport& known) {
+    Bytes body(known.encoded_size() + 4);
+    wire::Encoder to(body);
+    known.encode(to);
+    packet(wire::PacketKind::Call, counter, probe::step_code, body, epoch_, reports);
   }
   /// Ends the kept call of the lowest counter as refused.
   void refuse_first() {
@@ -281,9 +327,6 @@ class LeftOutAtTheServer : public ServedObjects {
     epoch_ = granted();
   }
   Epoch epoch_{};
-
- private:
-  static Bytes wire_number() { return Bytes(4); }
 };
 
 TEST_F(LeftOutAtTheServer, AreCallsThatArriveAfterTheFailureUntilOneBeginsAnew) {
@@ -298,20 +341,21 @@ TEST_F(LeftOutAtTheServer, AreCallsThatArriveAfterTheFailureUntilOneBeginsAnew) 
       << failure();
   step(4);
   EXPECT_EQ(reply_to(4), Detail::Rejected);
-  step(5, begins_anew);
+  step_that_reports(5, {{{2, ChainReport::Known::Failure}}});
   EXPECT_EQ(reply_to(5), std::nullopt);
   ASSERT_TRUE(settles([&] { return servant_.calls == 2; }));
 }
 
-TEST_F(LeftOutAtTheServer, AreQueuedCallsAlsoThoseThatBeganAnewAndNotThoseThatStandAlone) {
+TEST_F(LeftOutAtTheServer,
+       AreQueuedCallsAlsoThoseThatReportAnotherFailureAndNotThoseThatStandAlone) {
   step(2);
   ASSERT_TRUE(settles([&] { return servant_.calls == 1; }));
   step(3);
-  step(4, begins_anew);
+  step_that_reports(4, {{{1, ChainReport::Known::Failure}}});
   step(5, stands_alone);
   refuse_first();
   EXPECT_EQ(reply_to(3), Detail::Rejected);
-  EXPECT_EQ(reply_to(4), Detail::Rejected) << "2 was open when the call arrived";
+  EXPECT_EQ(reply_to(4), Detail::Rejected) << "its program did not know how 2 ends";
   ASSERT_TRUE(settles([&] { return servant_.calls == 2; }));
   EXPECT_EQ(reply_to(5), std::nullopt);
 }
@@ -322,8 +366,15 @@ TEST_F(LeftOutAtTheServer, AreCallsThatArriveAfterTheCancelOfOneThatRuns) {
   packet(wire::PacketKind::Cancel, 2);
   step(3);
   EXPECT_EQ(reply_to(3), Detail::Canceled) << "it was issued before the cancel, and came after it";
-  step(4, begins_anew);
+  step_that_reports(4, {{{2, ChainReport::Known::Canceled}}});
   EXPECT_EQ(reply_to(4), std::nullopt);
+}
+
+TEST_F(LeftOutAtTheServer, AreRefusedIfTheirReportDoesNotDecode) {
+  packet(wire::PacketKind::Call, 2, probe::step_code, Bytes(4, std::byte{0x7f}), epoch_, reports);
+  EXPECT_EQ(reply_to(2), Detail::BadParameter);
+  step(3);
+  EXPECT_EQ(reply_to(3), Detail::Rejected);
 }
 
 TEST_F(LeftOutAtTheServer, AreNoCallsOfAnOperationThatDoesNotBlend) {

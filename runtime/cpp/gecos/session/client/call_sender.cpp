@@ -1,6 +1,7 @@
 #include "gecos/session/client/call_sender.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "gecos/session/protocol/packets.hpp"
 #include "gecos/session/protocol/retry.hpp"
@@ -32,21 +33,29 @@ tl::expected<void, media::SendProblem> CallSender::send(
   const MutexLock lock(mutex_);
   if (lost_.load(std::memory_order_relaxed)) return tl::unexpected(media::SendProblem::Lost);
   if (calls_.size() >= most) return tl::unexpected(media::SendProblem::Full);
-  if (wire::packet_size(size) > connection_.capabilities().largest_packet) {
+  const auto chain = command->keeps_place() ? failures_->next() : SeenFailures::Says{};
+  const std::size_t with_report = size + (chain.flags == reports ? chain.report.encoded_size() : 0);
+  if (wire::packet_size(with_report) > connection_.capabilities().largest_packet) {
     return tl::unexpected(media::SendProblem::TooLarge);
   }
   header.session = id_;
   header.counter = calls_.next_counter();
-  const std::int8_t chain = command->keeps_place() ? failures_->flags() : std::int8_t{0};
-  if (chain != 0) header.flags = chain;
+  if (chain.flags != 0) header.flags = chain.flags;
   if (repeats_) header.acknowledged = calls_.finished_up_to();
-  write_packet(packet_, header, size, encode);
+  if (chain.flags == reports) {
+    write_packet(packet_, header, with_report, [&](wire::Encoder& to) {
+      chain.report.encode(to);
+      encode(to);
+    });
+  } else {
+    write_packet(packet_, header, size, encode);
+  }
   const auto sent = send_first(packet_);
   if (!sent && !(repeats_ && sent.error() == media::SendProblem::Full)) {
     return tl::unexpected(sent.error());
   }
   calls_.issue();
-  failures_->sent(header.counter, chain);
+  failures_->sent(chain);
   command->chain.place = {true, header.counter};
   if (attach_to) {
     command->attach(attach_to, {welcome_.incarnation, number(id_), header.counter},
@@ -121,16 +130,25 @@ bool CallSender::cancel(PendingCommand& command, std::uint64_t counter) {
   const MutexLock lock(mutex_);
   const auto* const found = calls_.find(counter);
   if (command.terminal() || found == nullptr || found->get() != &command) return false;
-  command.retry.cancel = true;
-  wire::PacketHeader header;
-  header.kind = wire::PacketKind::Cancel;
-  header.counter = counter;
-  if (!send_packet(header)) {
+  if (!std::exchange(command.retry.cancel, true)) command.retry.cancel_up_to = calls_.issued();
+  if (!send_cancel(command, counter)) {
     command.retry.next = {};  // the maintenance thread tries again
     cancels_waiting_ = true;
     runtime_.maintenance().wake();
   }
   return true;
+}
+
+tl::expected<std::uint64_t, media::SendProblem> CallSender::send_cancel(
+    const PendingCommand& command, std::uint64_t counter) {
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Cancel;
+  header.session = id_;
+  header.counter = counter;
+  header.acknowledged = repeats_ ? calls_.finished_up_to() : 0;
+  write_packet(packet_, header, cancel_size,
+               [&](wire::Encoder& to) { to.put(command.retry.cancel_up_to); });
+  return connection_.send(packet_, {});
 }
 
 /// Sends a packet without a body.
@@ -225,8 +243,7 @@ TimePoint CallSender::repeat(TimePoint now, TimePoint next_beat) {
     wire::PacketHeader header;
     header.counter = counter;
     if (retry.cancel) {
-      header.kind = wire::PacketKind::Cancel;
-      if (!send_packet(header)) cancels_waiting_ = true;
+      if (!send_cancel(*command, counter)) cancels_waiting_ = true;
     }
     if (repeats_ && retry.arrived) {
       header.kind = wire::PacketKind::Query;

@@ -41,8 +41,8 @@ class CallSender {
     return welcome_.credits + (urgent ? welcome_.credits / 4 : 0);
   }
   /// Sends `command` as a call with `header` and with the arguments of `size` bytes that `encode`
-  /// writes. Sets session, counter and acknowledgement in `header`, and for an actor command the
-  /// flags that begin a chain (SeenFailures). Fails with Full when `most` calls are open.
+  /// writes. Sets session, counter and acknowledgement in `header`, and for an actor command what
+  /// the program knows of earlier ones (SeenFailures). Fails with Full when `most` calls are open.
   /// `attach_to`: the session, for a command that may be sent in several sessions; null for other
   /// commands.
   tl::expected<void, media::SendProblem> send(wire::PacketHeader& header, std::size_t most,
@@ -114,6 +114,9 @@ class CallSender {
   tl::expected<std::uint64_t, media::SendProblem> send_first(ByteView packet)
       GECOS_REQUIRES(mutex_);
   tl::expected<std::uint64_t, media::SendProblem> send_packet(wire::PacketHeader header)
+      GECOS_REQUIRES(mutex_);
+  tl::expected<std::uint64_t, media::SendProblem> send_cancel(const PendingCommand& command,
+                                                              std::uint64_t counter)
       GECOS_REQUIRES(mutex_);
   void withdraw_by_packet() GECOS_REQUIRES(mutex_);
   std::vector<PendingFailover> detach(Ending how, const std::string& text) GECOS_REQUIRES(mutex_);

@@ -4,6 +4,7 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/base/recycling_allocator.hpp"
+#include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/client/client_writer.hpp"
 #include "gecos/session/protocol/builtin.hpp"
 #include "gecos/session/protocol/start_words.hpp"
@@ -74,6 +75,7 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
          {},
          {}});
   }
+  if (operation.code == GecosObjectInterface::stop.code) calls_.failures()->begins_alone();
   const bool chained = operation.on_new == OnNew::Blend;
   if (chained) {
     if (const auto why = calls_.failures()->why_not_sent()) {

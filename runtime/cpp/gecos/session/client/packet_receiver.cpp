@@ -38,6 +38,15 @@ std::shared_ptr<PendingCommand> PacketReceiver::take_reply(const wire::PacketVie
   if (detail == Detail::Done) {
     command->finish(packet.body);
   } else {
+    if (command->chain.failures) {
+      command->chain.because_of = packet.header.acknowledged;
+      // The warning is about the command that failed, not about each one that was left out.
+      if (command->chain.because_of != 0) command->observe();
+    } else if (detail == Detail::NotStarted) {
+      // The server may not know the operation of a call that it did not start. The end of this one
+      // binds no other.
+      calls_.failures()->knows({true, packet.header.counter}, ChainReport::Known::Failure);
+    }
     command->fail(failure_from(detail, packet.body));
   }
   return command;

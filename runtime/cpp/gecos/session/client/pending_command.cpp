@@ -69,15 +69,22 @@ std::string PendingCommand::name_in(const ClientConnection& session) const {
   return session.object_name() + "." + std::string(operation_);
 }
 
-void PendingCommand::note_look() const {
-  if (!chain.failures || !terminal()) return;
-  if (detail_.load(std::memory_order_relaxed) != Detail::Done) chain.failures->saw(chain.place);
+void PendingCommand::note_look(Detail seen) const {
+  if (!chain.failures || seen == Detail::Done || project(seen) == State::Running) return;
+  if (looked_.exchange(true, std::memory_order_relaxed)) return;
+  const auto place =
+      chain.because_of == 0 ? chain.place : SeenFailures::Place{true, chain.because_of};
+  chain.failures->knows(place, ChainReport::Known::Failure);
 }
 
 void PendingCommand::ignore_outcome() {
   observe();
-  if (terminal()) return note_look();
-  if (chain.failures) chain.failures->ignores(chain.place);
+  if (!chain.failures) return;
+  const bool ended_well = terminal() && detail_.load(std::memory_order_relaxed) == Detail::Done;
+  const bool was_left_out = terminal() && chain.because_of != 0;
+  if (!ended_well && !was_left_out) {
+    chain.failures->knows(chain.place, ChainReport::Known::Detached);
+  }
 }
 
 Progress PendingCommand::progress() const {
@@ -113,10 +120,8 @@ bool PendingCommand::wait_until(TimePoint deadline) {
 }
 
 void PendingCommand::cancel() {
-  if (terminal()) {
-    note_look();
-  } else if (chain.failures) {
-    chain.failures->saw(chain.place);
+  if (chain.failures && !terminal()) {
+    chain.failures->knows(chain.place, ChainReport::Known::Canceled);
   }
   if (again) return cancel_in_any_session();
   if (const auto session = this->session()) session->calls().cancel(*this, counter);

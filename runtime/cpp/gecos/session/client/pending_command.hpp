@@ -45,7 +45,7 @@ class PendingCommand final : public CommandCore {
   void ignore_outcome() override;
   ByteView result() const override { return result_.view(); }
   const Failure& failure() const override { return failure_; }
-  void note_look() const override;
+  void note_look(Detail seen) const override;
   int descriptor() override;
   void when_ended(std::function<void()> then) override;
   std::string about() const override;
@@ -80,11 +80,14 @@ class PendingCommand final : public CommandCore {
   /// session's CallSender, unless no session has the command.
   void detach() { home_.store(nullptr, std::memory_order_release); }
 
-  /// Set before the command is shared, for a command with @on_new("blend"): is told when the
-  /// program has seen that the command failed.
+  /// Set before the command is shared, for a command with @on_new("blend"): is told what the
+  /// program knows of the end of the command.
   struct InChain {
     std::shared_ptr<SeenFailures> failures;
     SeenFailures::Place place{};
+    /// The counter of the failed command because of which this one was left out; 0 if it was not.
+    /// Written before the command is terminal.
+    std::uint64_t because_of = 0;
   } chain;
 
   /// True if the time at which the reply arrives must be recorded. Written before other threads
@@ -103,6 +106,7 @@ class PendingCommand final : public CommandCore {
     bool on_its_way = false;  ///< the packet was sent at least once
     bool arrived = false;     ///< the server has the call; only the outcome is queried
     bool cancel = false;
+    std::uint64_t cancel_up_to = 0;  ///< the call that was issued last when `cancel` was set
   } retry;
 
   /// Data for sending the command again in another session. All members except the last three are
@@ -136,6 +140,8 @@ class PendingCommand final : public CommandCore {
   const std::string_view operation_;  ///< empty: the command was never sent
   const bool actor_ = false;          ///< the operation needs a status
   const bool keeps_place_ = false;
+  mutable std::atomic<bool> looked_{
+      false};  ///< `chain.failures` knows that the program has seen it
   mutable FutexMutex mutex_;
   std::atomic<Detail> detail_{Detail::Sent};  // a terminal value publishes result_, failure_
   std::uint32_t position_ GECOS_GUARDED_BY(mutex_) = 0;

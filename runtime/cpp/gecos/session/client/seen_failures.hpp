@@ -6,28 +6,40 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "gecos/base/mutex.hpp"
+#include "gecos/session/protocol/chain_report.hpp"
 #include "gecos/session/protocol/packets.hpp"
 
 namespace gecos::session {
 
-/// Which failures of the commands with @on_new("blend") of one session the program has seen. When
-/// such a command does not succeed, those that the program issues before it has seen the failure
-/// are left out: the server leaves out the ones that are issued after a sent one, and this class
-/// those after one that was not sent. Thread-safe, except where a function says more.
+/// What the program knows of the ends of the commands with @on_new("blend") of one session. When
+/// such a command does not succeed, those that the program issues before it knows that are left
+/// out: the server leaves out the ones that are issued after a sent one, and this class those after
+/// one that was not sent. Thread-safe, except where a function says more.
 class SeenFailures {
  public:
+  using Known = ChainReport::Known;
   /// A command among those of its session that were sent, or among those that were not.
   struct Place {
     bool sent = true;
     std::uint64_t number = 0;  ///< of a sent command its counter
   };
 
-  /// Notes that the program knows that the command at `place` did not succeed.
-  void saw(const Place& place) { raise(place.sent ? seen_ : seen_unsent_, place.number); }
-  /// Notes that the outcome of the command at `place` does not matter to the program.
-  void ignores(const Place& place) { raise(place.sent ? ignored_ : seen_unsent_, place.number); }
+  /// Notes what the program knows of the command at `place`.
+  void knows(const Place& place, Known known) {
+    if (!place.sent) return raise(seen_unsent_, place.number);
+    const MutexLock lock(mutex_);
+    const ChainReport::Entry entry{place.number, known};
+    if (std::ranges::find(unreported_, entry) == unreported_.end()) unreported_.push_back(entry);
+    any_unreported_.store(true, std::memory_order_relaxed);
+  }
+  /// Notes that the program stops the object or has taken over, so that no earlier command counts.
+  void begins_alone() {
+    alone_.store(true, std::memory_order_relaxed);
+    raise(seen_unsent_, unsent_so_far_.load(std::memory_order_relaxed));
+  }
   /// Notes that the program has acquired the status at `epoch`, with which the server begins a
   /// chain. An epoch that was noted already, of a status that the program had, changes nothing.
   void acquired(std::uint64_t epoch) {
@@ -35,15 +47,26 @@ class SeenFailures {
     raise(seen_unsent_, unsent_so_far_.load(std::memory_order_relaxed));
   }
 
-  /// Returns the flags of the next Call packet with an actor command. The mutex of the CallSender
-  /// must be held, also for `sent`.
-  std::int8_t flags() const {
-    if (ignored_.load(std::memory_order_relaxed) >= begun_) return stands_alone;
-    return seen_.load(std::memory_order_relaxed) >= begun_ ? begins_anew : std::int8_t{0};
+  /// What the next Call packet with an actor command says.
+  struct Says {
+    std::int8_t flags = 0;  ///< 0, `reports` or `stands_alone`
+    ChainReport report;     ///< empty unless the flags are `reports`
+  };
+  Says next() const {
+    if (alone_.load(std::memory_order_relaxed)) return {stands_alone, {}};
+    if (!any_unreported_.load(std::memory_order_relaxed)) return {};
+    const MutexLock lock(mutex_);
+    const std::size_t count = std::min(unreported_.size(), ChainReport::most);
+    return {reports,
+            {{unreported_.begin(), unreported_.begin() + static_cast<std::ptrdiff_t>(count)}}};
   }
-  /// Notes that the command with this counter was sent with `flags`.
-  void sent(std::uint64_t counter, std::int8_t flags) {
-    if (flags != 0) begun_ = counter;
+  /// Notes that a command was sent that said `said`.
+  void sent(const Says& said) {
+    if (said.flags == 0) return;
+    if (said.flags == stands_alone) alone_.store(false, std::memory_order_relaxed);
+    const MutexLock lock(mutex_);
+    for (const ChainReport::Entry& entry : said.report.entries) std::erase(unreported_, entry);
+    any_unreported_.store(!unreported_.empty(), std::memory_order_relaxed);
   }
 
   /// Notes that a command was not sent because of `why`, and returns its place.
@@ -77,14 +100,14 @@ class SeenFailures {
     return unsent_.number > seen_unsent_.load(std::memory_order_relaxed);
   }
 
-  // These numbers order no other memory.
-  std::atomic<std::uint64_t> seen_{0};
-  std::atomic<std::uint64_t> ignored_{0};
+  // The atomics order no other memory.
+  std::atomic<bool> alone_{false};
+  std::atomic<bool> any_unreported_{false};
   std::atomic<std::uint64_t> seen_unsent_{0};
   std::atomic<std::uint64_t> unsent_so_far_{0};
   std::atomic<std::uint64_t> acquired_{0};
-  std::uint64_t begun_ = 1;  // guarded by the mutex of the CallSender
   mutable Mutex mutex_;
+  std::vector<ChainReport::Entry> unreported_ GECOS_GUARDED_BY(mutex_);
   Unsent unsent_ GECOS_GUARDED_BY(mutex_);
 };
 

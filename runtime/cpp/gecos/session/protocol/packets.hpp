@@ -24,13 +24,15 @@ struct SentBefore {
     return from.get(session, "session") && from.get(counter, "counter");
   }
 };
-/// Flags of a Call packet with an actor command that its program issued after it had seen that an
-/// earlier command with @on_new("blend") of this session did not succeed, or had canceled one
-/// (server/blend_chain.hpp).
-inline constexpr std::int8_t begins_anew = 2;
-/// Flags of a Call packet with an actor command that its program issued after it had declared by
-/// `detach` that the outcome of an earlier command does not matter.
+/// Flags of a Call packet with an actor command whose body begins with a ChainReport
+/// (chain_report.hpp).
+inline constexpr std::int8_t reports = 2;
+/// Flags of a Call packet with an actor command that its program issued after it had stopped the
+/// object or taken over, so that no earlier command counts (server/blend_chain.hpp).
 inline constexpr std::int8_t stands_alone = 3;
+/// Size in bytes of the body of a Cancel packet: the counter of the call that its client had issued
+/// last when it canceled. Later calls are not canceled.
+inline constexpr std::size_t cancel_size = 8;
 /// Flags of a Goodbye packet after which no call of the session may start. A client sends this
 /// packet when it has lost the session, or when a Goodbye without this flag was not acknowledged.
 inline constexpr std::int8_t withdraws = 1;

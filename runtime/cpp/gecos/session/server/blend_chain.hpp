@@ -1,70 +1,92 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "gecos/base/ids.hpp"
 #include "gecos/command.hpp"
+#include "gecos/session/protocol/chain_report.hpp"
 
 namespace gecos::session {
 
 /// Decides which commands with @on_new("blend") of one session are left out because an earlier one
 /// did not succeed.
 ///
-/// A chain is what a client issues before its program has seen the failure of a command of the
-/// chain. When a command of a chain does not succeed, the later commands of the chain are not
-/// carried out: an arm would go to their goals on a path that nobody asked for and that nobody
-/// checked. This includes commands that arrive after the failure.
-///
-/// A call that its client marks with `begins_anew` begins the next chain. Commands of earlier
-/// chains that are still open bind the new chain, too, because the program has not seen how they
-/// end. Only the end of one that its client cancels does not. A call that is marked with
-/// `stands_alone`, and a newly acquired status, begin a chain that nothing earlier binds. Reads no
-/// clock and knows no thread.
+/// When such a command does not succeed, the later ones of its client are not carried out: an arm
+/// would go to their goals on a path that nobody asked for and that nobody checked. This includes
+/// commands that arrive after the failure. A command is carried out only if its program, when it
+/// issued the command, knew each failure before it. The client reports what its program knows with
+/// the command (ChainReport). Under a newly acquired status nothing earlier counts. Reads no clock
+/// and knows no thread.
 class BlendChain {
  public:
-  /// A command of the chain that did not succeed.
+  /// A command that did not succeed, and was not left out because of another one.
   struct Failed {
     std::uint64_t counter = 0;
     std::string operation;  ///< for example "move"
     Detail detail{};
     std::string text;
   };
+  /// A command that is left out, and the counter of the failed command that is the reason.
+  struct LeftOut {
+    std::uint64_t because_of = 0;
+    Failure failure;
+  };
 
-  /// How a call begins a chain, as its client marks it.
-  enum class Begin { No, Anew, Alone };
-
-  /// Notes that an actor command arrived. Must be called for the actor commands of the session in
-  /// the order in which the client issued them. `held_from`: the epoch at which the session
-  /// acquired its status.
-  void arrived(std::uint64_t counter, std::uint64_t held_from, Begin begin);
-  /// Returns the counter of the command that began the current chain; 0 for the first chain.
-  std::uint64_t first() const { return first_; }
-  /// Returns the counter of the command that began the earliest chain on which the current one
-  /// rests.
-  std::uint64_t oldest() const { return oldest_; }
-  /// Notes that `failed`, a command of the chain that began with `first`, did not succeed. The
-  /// earliest failure counts, and the earliest one of a command that has not arrived in its turn.
-  void broke(std::uint64_t first, Failed failed);
+  /// An actor command that arrives, as its client sent it.
+  struct Arrival {
+    std::uint64_t counter = 0;
+    /// The epoch at which the session acquired the status of the command; 0 if the command has an
+    /// earlier status, or none.
+    std::uint64_t held_from = 0;
+    /// The client has stopped the object or taken over before: no earlier command counts.
+    bool stands_alone = false;
+  };
+  /// Notes an arrival, with what the client reports. Must be called for the actor commands of the
+  /// session in the order in which the client issued them.
+  void arrived(const Arrival& command, const ChainReport& known);
+  /// Notes that the command `failed` did not succeed.
+  void failed(Failed failed);
+  /// Notes that the command `counter` succeeded.
+  void succeeded(std::uint64_t counter) {
+    if (!expected_.empty()) forget(counter);
+  }
   /// Returns whether a failure is noted, so that `left_out` may return one.
-  bool broken() const { return failed_ || ahead_; }
-  /// Returns why the command `counter` of the chain that began with `first` is left out; nullopt if
-  /// it may be carried out. `what` names the command, for example "'move' of RX90".
-  std::optional<Failure> left_out(std::uint64_t first, std::uint64_t counter,
-                                  const std::string& what) const;
+  bool broken() const { return !failures_.empty(); }
+  /// Returns why the command `counter` is left out; nullopt if it may be carried out. `what` names
+  /// the command, for example "'move' of RX90".
+  std::optional<LeftOut> left_out(std::uint64_t counter, const std::string& what) const;
 
  private:
-  std::uint64_t first_ = 0;
-  std::uint64_t oldest_ =
-      0;                    ///< the first command of the earliest chain that binds the current one
-  std::uint64_t last_ = 0;  ///< the command that arrived last
-  std::uint64_t held_from_ = 0;
-  std::optional<Failed> failed_;
-  std::optional<Failed> ahead_;  ///< failed before those arrived that were issued before it
-};
+  static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
+  static constexpr std::size_t most_known = 256;
 
-/// Returns the failure of `what`, a command that is left out because of `failed`.
-Failure left_out_because_of(const BlendChain::Failed& failed, const std::string& what);
+  struct Unseen {
+    Failed failed;
+    /// The first command that was issued when the program knew the failure, and what it knew.
+    std::uint64_t known_from = never;
+    ChainReport::Known known = ChainReport::Known::Failure;
+  };
+  /// The program knows the end that this command will have.
+  struct Expected {
+    std::uint64_t counter = 0;
+    ChainReport::Known known{};
+    std::uint64_t known_from = 0;
+  };
+  void begin_at(std::uint64_t counter);
+  void note(const ChainReport::Entry& entry, std::uint64_t from);
+  static void learn(Unseen& failure, ChainReport::Known known, std::uint64_t from);
+  Unseen* find(std::uint64_t counter);
+  void forget(std::uint64_t counter);
+  void drop_known();
+
+  std::uint64_t begin_ = 0;  ///< commands before this one do not count for it and later ones
+  std::uint64_t held_from_ = 0;
+  std::vector<Unseen> failures_;  ///< in the order of their counters
+  std::vector<Expected> expected_;
+};
 
 }  // namespace gecos::session

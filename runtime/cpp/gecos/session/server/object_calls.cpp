@@ -143,34 +143,33 @@ void ObjectCalls::finished(ServerCall& call) {
 
 void ObjectCalls::tell_outcome(ServerCall& call, ByteView result) {
   settle(call, Detail::Done, {});
+  call.session->chain.succeeded(call.counter);
   call.listener().reply(call.counter_in(call.listener()), result);
 }
 
 void ObjectCalls::tell_outcome(ServerCall& call, const Failure& failure) {
   // A handler that was interrupted because of its chain answers that it was.
   const bool interrupted = call.left_out && failure.detail == Detail::Canceled;
-  const Failure& reported = interrupted ? *call.left_out : failure;
+  const Failure& reported = interrupted ? call.left_out->failure : failure;
   settle(call, reported.detail, reported.text);
-  call.listener().reply(call.counter_in(call.listener()), reported);
+  call.listener().reply(call.counter_in(call.listener()), reported,
+                        call.left_out ? call.left_out->because_of : 0);
   break_chain(call, reported);
 }
 
-/// Leaves out the commands of the chain of `call` that were issued after it.
+/// Leaves out the commands of the caller of `call` that were issued after it.
 void ObjectCalls::break_chain(ServerCall& call, const Failure& failure) {
   if (call.operation().on_new != OnNew::Blend || call.left_out) return;
-  const BlendChain::Failed failed{call.counter, std::string(call.operation().name), failure.detail,
-                                  failure.text};
-  call.session->chain.broke(call.chain, failed);
+  BlendChain& chain = call.session->chain;
+  chain.failed({call.counter, std::string(call.operation().name), failure.detail, failure.text});
   if (ends_queued_commands_too(failure.detail)) return;
   for (const auto& later : commands_of(queue_)) {
-    if (later->session != call.session) continue;
-    const bool rests_on_it = later->rests_on <= call.chain && failure.detail != Detail::Canceled;
-    if (later->chain != call.chain && !rests_on_it) continue;
-    if (later->counter <= call.counter || later->operation().on_new != OnNew::Blend) continue;
+    if (later->session != call.session || later->operation().on_new != OnNew::Blend) continue;
     if (later->state.ended() || later->left_out) continue;
-    later->left_out = left_out_because_of(failed, later->title());
+    later->left_out = chain.left_out(later->counter, later->title());
+    if (!later->left_out) continue;
     if (later->state.queued()) {
-      end(*later, *later->left_out);
+      end(*later, later->left_out->failure);
     } else {
       interrupt(*later);
     }

@@ -8,6 +8,7 @@
 #include "gecos/base/short_bytes.hpp"
 #include "gecos/servant.hpp"
 #include "gecos/session/process/handler_here.hpp"
+#include "gecos/session/server/blend_chain.hpp"
 #include "gecos/session/server/call_state.hpp"
 #include "gecos/session/server/call_statistics.hpp"
 #include "gecos/session/server/object_queue.hpp"
@@ -81,12 +82,10 @@ class ServerCall final : public CallCore,
   std::size_t position_sent = 0;
   TimePoint arrived{};  ///< set only when the end of the call will be logged
   std::optional<HandlerWait> waits_for;
-  bool listed = false;         ///< the call is in ObjectCalls::open_
-  std::uint64_t chain = 0;     ///< BlendChain::first() when the call arrived
-  std::uint64_t rests_on = 0;  ///< BlendChain::oldest() when the call arrived
+  bool listed = false;  ///< the call is in ObjectCalls::open_
   /// Why the call is left out: an earlier one of its chain did not succeed. Set when this is known;
   /// a handler that has begun is then interrupted.
-  std::optional<Failure> left_out;
+  std::optional<BlendChain::LeftOut> left_out;
   OperationCounts* counts = nullptr;  ///< of its operation; set when the call is queued
   HandlerTiming timing{};
 

@@ -50,8 +50,9 @@ void ServerSession::reply(std::uint64_t counter, ByteView result) {
   sender_.reply(header, result, kept());
 }
 
-void ServerSession::reply(std::uint64_t counter, const Failure& failure) {
+void ServerSession::reply(std::uint64_t counter, const Failure& failure, std::uint64_t because_of) {
   auto header = reply_to(counter);
+  header.acknowledged = because_of;
   header.session = id_;
   header.epoch = renewed;
   sender_.reply(header, failure, kept());

@@ -49,7 +49,9 @@ class ServerSession {
   }
 
   // The functions below require the object's mutex.
-  void reply(std::uint64_t counter, const Failure& failure);
+  /// `because_of`: the counter of the failed command because of which this one was left out; 0 if
+  /// it was not.
+  void reply(std::uint64_t counter, const Failure& failure, std::uint64_t because_of = 0);
   void reply(std::uint64_t counter, ByteView result);
   /// Replies to the call `counter` with `before`, the reply that this call got in another session.
   void reply_as(std::uint64_t counter, const wire::PacketView& before);

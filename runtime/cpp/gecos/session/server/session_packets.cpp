@@ -1,6 +1,7 @@
 #include "gecos/session/server/session_packets.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -23,9 +24,11 @@ constexpr const char* not_started = "the call was not started: its caller had gi
 
 std::uint8_t number_of(Detail detail) { return static_cast<std::uint8_t>(detail); }
 
-BlendChain::Begin begin_of_chain(std::int8_t flags) {
-  if (flags == stands_alone) return BlendChain::Begin::Alone;
-  return flags == begins_anew ? BlendChain::Begin::Anew : BlendChain::Begin::No;
+/// Returns the counter of the last call that a Cancel packet with the body `body` may cancel.
+std::uint64_t last_canceled(ByteView body) {
+  std::uint64_t last = 0;
+  wire::Decoder from(body);
+  return from.get(last, "last call") ? last : std::numeric_limits<std::uint64_t>::max();
 }
 
 /// Ends the commands that run or wait, because `by` replaces them.
@@ -68,7 +71,7 @@ void SessionPackets::take(const Session& session, ByteView bytes) {
     case wire::PacketKind::Call:
       return arrive(session, *packet);
     case wire::PacketKind::Cancel:
-      return cancel(*session, header.counter);
+      return cancel(*session, header.counter, last_canceled(packet->body));
     case wire::PacketKind::Query:
       return answer_again(*session, header.counter);
     default:
@@ -117,7 +120,9 @@ void SessionPackets::withdraw(ServerSession& session) {
   calls_.note_ready();
 }
 
-void SessionPackets::cancel(ServerSession& session, std::uint64_t counter) {
+/// Ends or interrupts the call `counter`, and the commands of its chain that were issued after it,
+/// up to the call `last`.
+void SessionPackets::cancel(ServerSession& session, std::uint64_t counter, std::uint64_t last) {
   constexpr const char* before_start = "canceled before it started";
   const Failure left_line{Detail::Canceled, "canceled while the request waited", {}, {}};
   if (statuses_.line().end(session.id(), counter, left_line)) return;
@@ -126,38 +131,41 @@ void SessionPackets::cancel(ServerSession& session, std::uint64_t counter) {
     const auto* const operation = setup_.interface.find(session.intake.code_aside(counter));
     end_early(session, counter, Detail::Canceled, before_start);
     if (operation == nullptr || operation->on_new != OnNew::Blend) return;
-    session.chain.broke(session.chain.first(),
-                        {counter, std::string(operation->name), Detail::Canceled, before_start});
-    return cancel_later(session, counter);
+    session.chain.failed({counter, std::string(operation->name), Detail::Canceled, before_start});
+    return cancel_later(session, counter, last);
   }
   const auto* found = session.calls.find(counter);
   if (found == nullptr) return;
   const std::shared_ptr<ServerCall> call = *found;
   if (call->state.queued()) {
     calls_.end(*call, Failure{Detail::Canceled, before_start, {}, {}});
-    if (call->operation().on_new == OnNew::Blend) cancel_later(session, counter);
+    if (call->operation().on_new == OnNew::Blend) cancel_later(session, counter, last);
     calls_.note_ready();
   } else if (call->operation().cancelable && !call->state.canceling()) {
     cancel_running(session, *call);
     if (call->operation().on_new == OnNew::Blend) {  // for commands that still arrive
-      session.chain.broke(call->chain, {counter, std::string(call->operation().name),
-                                        Detail::Canceled, "canceled while it was executing"});
+      session.chain.failed({counter, std::string(call->operation().name), Detail::Canceled,
+                            "canceled while it was executing"});
     }
     for (const auto& [later, other] : session.calls.all()) {
-      if (later > counter && call->lets_next && other->operation().on_new == OnNew::Blend) {
+      const bool after = later > counter && later <= last;
+      if (after && call->lets_next && other->operation().on_new == OnNew::Blend) {
         cancel_running(session, *other);
       }
     }
-    cancel_later(session, counter);
+    cancel_later(session, counter, last);
   }
 }
 
-/// Cancels the commands of `session` that wait and were issued after the command `counter`.
-void SessionPackets::cancel_later(ServerSession& session, std::uint64_t counter) {
+/// Cancels the commands of `session` that wait and were issued after the command `counter`, up to
+/// the command `last`.
+void SessionPackets::cancel_later(ServerSession& session, std::uint64_t counter,
+                                  std::uint64_t last) {
   const std::string why = "canceled, because an earlier command of the same client was canceled";
   calls_.end_commands(
       [&](const ServerCall& other) {
-        return other.client == session.id() && other.state.queued() && other.counter > counter;
+        return other.client == session.id() && other.state.queued() && other.counter > counter &&
+               other.counter <= last;
       },
       Failure{Detail::Canceled, why, {}, {}});
   while (const auto later = session.intake.first_aside(counter)) {
@@ -281,31 +289,53 @@ void SessionPackets::take_call(const Session& session, const wire::PacketView& p
     note_failed(*session, packet.header, failure);
     return session->reply(counter, failure);
   }
-  if (!too_early(*session, packet, *operation, age)) admit(session, packet, *operation, age);
+  if (!too_early(*session, packet, *operation, age)) take_in_turn(session, packet, *operation, age);
+}
+
+/// Notes what the client reports of earlier commands, and admits the call.
+void SessionPackets::take_in_turn(const Session& session, const wire::PacketView& packet,
+                                  const OperationDescription& operation, Age age) {
+  const wire::PacketHeader& header = packet.header;
+  wire::PacketView call = packet;
+  ChainReport known;
+  std::optional<Failure> malformed;
+  if (header.flags == reports) {
+    wire::Decoder from(packet.body);
+    if (!known.decode(from)) malformed = {Detail::BadParameter, from.error().message(), {}, {}};
+    call.body = packet.body.subspan(packet.body.size() - from.remaining());
+  }
+  if (commands_the_object(operation)) {
+    const bool under_it = number(header.epoch) >= session->held_from;
+    session->chain.arrived(
+        {header.counter, under_it ? session->held_from : 0, header.flags == stands_alone}, known);
+  }
+  if (!malformed) return admit(session, call, operation, age);
+  note_failed(*session, header, *malformed);
+  session->reply(header.counter, *malformed);
 }
 
 void SessionPackets::admit(const Session& session, const wire::PacketView& packet,
                            const OperationDescription& operation, Age age) {
-  const wire::PacketHeader& header = packet.header;
-  if (commands_the_object(operation)) {
-    session->chain.arrived(header.counter, session->held_from, begin_of_chain(header.flags));
-  }
-  const auto refuse = [&](const Failure& failure) {
+  const auto refuse = [&](const Failure& failure, std::uint64_t because_of = 0) {
     if (operation.status != access::Status::Sensor) {
       calls_.outcomes().ended(session->id(), packet.header.counter, failure.detail, failure.text);
     }
-    note_failed(*session, packet.header, failure);
-    session->reply(packet.header.counter, failure);
+    if (because_of == 0) note_failed(*session, packet.header, failure);
+    session->reply(packet.header.counter, failure, because_of);
     calls_.statistics().refused(*session, &operation, failure.detail);
     setup_.audit->refused(*session, packet.header.counter, operation.code, operation.name, failure);
     if (log_enabled(level_of(operation)))
       log_refused(setup_.name, operation, session->caller(), failure);
   };
   if (const auto why = refusal(*session, packet, operation)) return refuse(*why);
+  if (operation.on_new == OnNew::Blend && session->chain.broken()) {
+    const std::string what = "'" + std::string(operation.name) + "' of " + setup_.name;
+    if (const auto left_out = session->chain.left_out(packet.header.counter, what)) {
+      return refuse(left_out->failure, left_out->because_of);
+    }
+  }
   auto call = make_recycled<ServerCall>(session, operation, packet.header.counter,
                                         packet.header.epoch, packet.body);
-  call->chain = session->chain.first();
-  call->rests_on = session->chain.oldest();
   if (log_enabled(level_of(operation))) call->arrived = setup_.clock().now();
   if (packet.header.deadline > Duration{}) {
     call->state.set_deadline(expiry(packet.header.deadline, setup_.clock().since_boot()));
@@ -349,9 +379,7 @@ std::optional<Failure> SessionPackets::refusal(ServerSession& session,
       return refusal;
     }
   }
-  if (operation.on_new != OnNew::Blend || !session.chain.broken()) return std::nullopt;
-  const std::string what = "'" + std::string(operation.name) + "' of " + setup_.name;
-  return session.chain.left_out(session.chain.first(), packet.header.counter, what);
+  return std::nullopt;
 }
 
 /// Notes that `call` ends with `failure` and does not get into the queue.
@@ -359,8 +387,7 @@ void SessionPackets::note_failed(ServerSession& session, const wire::PacketHeade
                                  const Failure& failure) {
   const auto* const operation = setup_.interface.find(call.code);
   if (operation == nullptr || operation->on_new != OnNew::Blend) return;
-  session.chain.broke(session.chain.first(),
-                      {call.counter, std::string(operation->name), failure.detail, failure.text});
+  session.chain.failed({call.counter, std::string(operation->name), failure.detail, failure.text});
 }
 
 // Calls that arrive before calls that were issued earlier
@@ -497,7 +524,9 @@ OutcomeRecord SessionPackets::outcome_of(SessionId asked, std::uint64_t counter)
                 "the call has not arrived, but may still start: it is too far ahead of a missing "
                 "call; ask again"};
       }
-      session->reply(counter, Failure{Detail::NotStarted, never.text, {}, {}});
+      const Failure failure{Detail::NotStarted, never.text, {}, {}};
+      session->chain.failed({counter, "a call that had not arrived", failure.detail, failure.text});
+      session->reply(counter, failure);
       take_early(session);
       return never;
     }

@@ -49,7 +49,7 @@ class SessionPackets {
   void say_goodbye(ServerSession& session, SessionId to, const std::string& why);
   bool unheard_since_a_pause(const ServerSession& session) const;
   void withdraw(ServerSession& session);
-  void cancel(ServerSession& session, std::uint64_t counter);
+  void cancel(ServerSession& session, std::uint64_t counter, std::uint64_t last);
   void cancel_running(ServerSession& session, ServerCall& call);
   void answer_again(ServerSession& session, std::uint64_t counter);
 
@@ -58,6 +58,8 @@ class SessionPackets {
   void refuse_late(ServerSession& session, const wire::PacketHeader& call);
   void note_failed(ServerSession& session, const wire::PacketHeader& call, const Failure& failure);
   void take_call(const Session& session, const wire::PacketView& packet, Age age = {});
+  void take_in_turn(const Session& session, const wire::PacketView& packet,
+                    const OperationDescription& operation, Age age);
   void admit(const Session& session, const wire::PacketView& packet,
              const OperationDescription& operation, Age age);
   std::optional<Failure> refusal(ServerSession& session, const wire::PacketView& packet,
@@ -68,7 +70,7 @@ class SessionPackets {
                  const OperationDescription& operation, Age age);
   void take_early(const Session& session);
   void end_early(ServerSession& session, std::uint64_t counter, Detail how, const std::string& why);
-  void cancel_later(ServerSession& session, std::uint64_t counter);
+  void cancel_later(ServerSession& session, std::uint64_t counter, std::uint64_t last);
 
   // Calls of a session that the client has lost.
   void take_again(const Session& session, const wire::PacketView& packet, Age age);

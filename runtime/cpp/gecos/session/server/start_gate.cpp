@@ -56,9 +56,9 @@ bool StartGate::may_start(ServerCall& call) {
   }
   if (!refusal && call.operation().on_new == OnNew::Blend) {
     if (!call.left_out && caller.chain.broken()) {
-      call.left_out = caller.chain.left_out(call.chain, call.counter, call.title());
+      call.left_out = caller.chain.left_out(call.counter, call.title());
     }
-    refusal = call.left_out;
+    if (call.left_out) refusal = call.left_out->failure;
   }
   if (refusal) calls_.end(call, *refusal);
   return !refusal;
