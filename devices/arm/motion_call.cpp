@@ -10,8 +10,15 @@ struct AsFault {
     return robcl::OutOfReach{failure.reason.substr(0, 160)};
   }
   gecos::Fault operator()(const robcl::arm::JointLimit& failure) const {
-    return robcl::JointLimit{static_cast<std::uint32_t>(failure.axis), failure.value, failure.lower,
-                             failure.upper};
+    robcl::JointLimit limit{.axis = static_cast<std::uint32_t>(failure.axis),
+                            .value = failure.value,
+                            .lower = failure.lower,
+                            .upper = failure.upper};
+    if (failure.place) limit.place = {.way = failure.place->way, .turn = failure.place->turn};
+    if (failure.configuration != robcl::arm::Configuration{}) {
+      limit.configuration = devices::on_wire(failure.configuration);
+    }
+    return limit;
   }
   gecos::Fault operator()(const robcl::arm::Singular& failure) const {
     return robcl::Singular{failure.reason.substr(0, 160)};

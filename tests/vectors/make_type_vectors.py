@@ -127,6 +127,11 @@ CASES: list[tuple[str, str, Any]] = [
         "state": {"applied": 7, "distance_left": 0.25, "out_of_reach": True}}),
     ("robcl::Manipulator::stood", "there", {"tool": FRAME}),
     ("robcl::JointLimit", "axis 3", {"axis": 3, "value": 2.9, "lower": -2.4, "upper": 2.4}),
+    ("robcl::JointLimit", "on a line", {
+        "axis": 6, "value": 4.72, "lower": -4.7, "upper": 4.7,
+        "place": {"way": 0.05, "turn": 0.17},
+        "configuration": {"arm": "RIGHTY", "bend": "ABOVE", "hand": "FLIP"}}),
+    ("robcl::PlaceOnLine", "half a turn", {"way": 0.0, "turn": 3.14}),
     ("robcl::Singular", "a line", {"reason": "the line passes the wrist"}),
     ("robcl::OutOfReach", "at its bound", {"reason": "x" * 160}),
     ("robcl::Joints", "ready", {"position": [0.0, -1.5707963267948966, 0.5, 0.0, -0.0, 3.0]}),

@@ -120,11 +120,19 @@ bool JsonStruct<::robcl::OutOfReach>::visit(JsonMembers& each, ::robcl::OutOfRea
 }
 
 template <>
+bool JsonStruct<::robcl::PlaceOnLine>::visit(JsonMembers& each, ::robcl::PlaceOnLine& value) {
+  return each.member("way", value.way) &&
+         each.member("turn", value.turn);
+}
+
+template <>
 bool JsonStruct<::robcl::JointLimit>::visit(JsonMembers& each, ::robcl::JointLimit& value) {
   return each.member("axis", value.axis) &&
          each.member("value", value.value) &&
          each.member("lower", value.lower) &&
-         each.member("upper", value.upper);
+         each.member("upper", value.upper) &&
+         each.member("place", value.place) &&
+         each.member("configuration", value.configuration);
 }
 
 template <>

@@ -75,6 +75,11 @@ template <>
 bool JsonStruct<::robcl::OutOfReach>::visit(JsonMembers& each, ::robcl::OutOfReach& value);
 
 template <>
+struct JsonShape<::robcl::PlaceOnLine> : JsonStruct<::robcl::PlaceOnLine> {};
+template <>
+bool JsonStruct<::robcl::PlaceOnLine>::visit(JsonMembers& each, ::robcl::PlaceOnLine& value);
+
+template <>
 struct JsonShape<::robcl::JointLimit> : JsonStruct<::robcl::JointLimit> {};
 template <>
 bool JsonStruct<::robcl::JointLimit>::visit(JsonMembers& each, ::robcl::JointLimit& value);

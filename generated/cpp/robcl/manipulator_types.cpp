@@ -478,21 +478,59 @@ std::ostream& operator<<(std::ostream& out, const OutOfReach& value) {
       "OutOfReach{reason=", value.reason, "}");
 }
 
-std::size_t JointLimit::encoded_size() const { return 28; }
+std::size_t PlaceOnLine::encoded_size() const { return 16; }
 
-void JointLimit::encode(gecos::wire::Encoder& to) const { to.put(axis, value, lower, upper); }
+void PlaceOnLine::encode(gecos::wire::Encoder& to) const { to.put(way, turn); }
+
+bool PlaceOnLine::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(way, "PlaceOnLine.way") &&
+         from.get(turn, "PlaceOnLine.turn");
+}
+
+std::ostream& operator<<(std::ostream& out, const PlaceOnLine& value) {
+  return gecos::wire::print_all(out,
+      "PlaceOnLine{way=", value.way, " m, turn=", value.turn, " rad}");
+}
+
+std::size_t JointLimit::encoded_size() const {
+  std::size_t size = 30;
+  if (place) size += 16;
+  if (configuration) {
+    size += 4;
+    size += configuration->encoded_size();
+  }
+  return size;
+}
+
+void JointLimit::encode(gecos::wire::Encoder& to) const {
+  to.put(axis, value, lower, upper, place.has_value());
+  if (place) place->encode(to);
+  to.put(configuration.has_value());
+  if (configuration) {
+    to.put_count(configuration->encoded_size());
+    configuration->encode(to);
+  }
+}
 
 bool JointLimit::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   return from.get(axis, "JointLimit.axis") &&
          from.get(value, "JointLimit.value") &&
          from.get(lower, "JointLimit.lower") &&
-         from.get(upper, "JointLimit.upper");
+         from.get(upper, "JointLimit.upper") &&
+         gecos::wire::get_optional(from, place, "JointLimit.place", [&](auto& _value) {
+           return _value.decode(from);
+         }) &&
+         gecos::wire::get_optional(from, configuration, "JointLimit.configuration",
+             [&](auto& _value) {
+               return gecos::wire::get_block(from, _value, "JointLimit.configuration");
+             });
 }
 
 std::ostream& operator<<(std::ostream& out, const JointLimit& value) {
   return gecos::wire::print_all(out,
       "JointLimit{axis=", value.axis, ", value=", value.value, " rad, lower=", value.lower,
-      " rad, upper=", value.upper, " rad}",
+      " rad, upper=", value.upper, " rad, place=", value.place, ", configuration=",
+      value.configuration, "}",
       gecos::wire::mistaken_unit(value.value, value.lower, value.upper, "rad"));
 }
 

@@ -226,7 +226,24 @@ std::ostream& operator<<(std::ostream& out, const OutOfReach& value);
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const OutOfReach& value);
 
-/// [exception]
+/// How far the tool has moved on a straight line, from its start.
+struct PlaceOnLine {
+  /// [m]
+  double way = 0;
+  /// [rad]
+  double turn = 0;
+
+  static constexpr std::string_view type_name() { return "robcl::PlaceOnLine"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x7965598573e3bf03U); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const PlaceOnLine&, const PlaceOnLine&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const PlaceOnLine& value);
+
+/// A joint would have to stand outside its limits, at the goal or on the way to it. [exception]
 struct JointLimit {
   /// from 1, which is next to the base
   std::uint32_t axis = 0;
@@ -236,9 +253,14 @@ struct JointLimit {
   double lower = 0;
   /// [rad]
   double upper = 0;
+  /// Where a straight move needs the position `value`; absent if the goal itself needs it. [optional]
+  std::optional<::robcl::PlaceOnLine> place{};
+  /// Configuration of the arm for which `value` was computed; absent if the goal is joint
+  /// positions, or if the arm has no configurations. [optional]
+  std::optional<::robcl::Configuration> configuration{};
 
   static constexpr std::string_view type_name() { return "robcl::JointLimit"; }
-  static constexpr std::int64_t fingerprint() { return std::int64_t(0x5e97b6d7d7aed1bfU); }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x2559880abcc8c3acU); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);

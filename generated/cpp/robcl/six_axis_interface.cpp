@@ -8,7 +8,7 @@ namespace robcl {
 constinit const gecos::OperationDescription SixAxisInterface::operations[] = {
     gecos::getter(0x0a1215a8, "commanded_joints", 0x3f9120ab68c95c24U),
     gecos::getter(0xbff4d1d1, "joints", 0x23e3fbceb31c903fU),
-    gecos::operation(0xc46bb1a7, "move_joints", 0xde6f2f910e3f67dcU,
+    gecos::operation(0xc46bb1a7, "move_joints", 0x88f7cf67e18589c7U,
         {.cancelable = true, .on_new = gecos::OnNew::Blend}),
 };
 
@@ -28,15 +28,15 @@ constinit const gecos::InterfaceDescription* const SixAxisInterface::inherits[] 
 constinit const gecos::InterfaceDescription SixAxisInterface::description{
     .name = "robcl::SixAxis",
     .version = "1.0",
-    .hash = 0xb3eb08caaf7b7499U,
+    .hash = 0x6d731b9d6f9dca17U,
     .bases = bases,
     .inherits = inherits,
     .operations = operations,
     .streams = streams,
-    .model = R"json({"interface":{"kind":"interface","name":"robcl::SixAxis","doc":"An arm with six revolute joints.","version":"1.0","bases":["robcl::Manipulator"],"all_bases":["robcl::Device","robcl::Manipulator"],"hash":"0xb3eb08caaf7b7499","members":[
+    .model = R"json({"interface":{"kind":"interface","name":"robcl::SixAxis","doc":"An arm with six revolute joints.","version":"1.0","bases":["robcl::Manipulator"],"all_bases":["robcl::Device","robcl::Manipulator"],"hash":"0x6d731b9d6f9dca17","members":[
 {"kind":"attribute","name":"joints","doc":"Joint positions as measured.","type":"robcl::Joints","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":48},"read_access":"sensor","codes":{"get":3220492753,"stream":3220492753},"hash":"0x23e3fbceb31c903f"},
 {"kind":"attribute","name":"commanded_joints","doc":"Joint positions that the control loop has sent to the drives: the set points of the cycle in which `joints` were measured.","type":"robcl::Joints","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":48},"read_access":"sensor","codes":{"get":168957352,"stream":168957352},"hash":"0x3f9120ab68c95c24"},
-{"kind":"operation","name":"move_joints","doc":"Moves all joints to `target`, arriving together.","parameters":[{"name":"target","direction":"in","type":"robcl::Joints"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true}],"raises":["robcl::JointLimit"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"blend","on_loss":"stop","code":3295392167,"hash":"0xde6f2f910e3f67dc"}]},
+{"kind":"operation","name":"move_joints","doc":"Moves all joints to `target`, arriving together.","parameters":[{"name":"target","direction":"in","type":"robcl::Joints"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true}],"raises":["robcl::JointLimit"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"blend","on_loss":"stop","code":3295392167,"hash":"0x88f7cf67e18589c7"}]},
 "types":[
 {"kind":"enum","name":"robcl::PathType","default_literal":"JOINT","enumerators":[{"name":"STRAIGHT","value":0},{"name":"JOINT","value":1}]},
 {"kind":"enum","name":"robcl::Blend","doc":"Whether the arm stands at the goal (BREAK), or goes over into the next motion there (NOBREAK): its deceleration overlaps the acceleration of the next motion, so that the arm rounds the corner. If no next motion comes before the arm brakes, it stands at the goal.","default_literal":"BREAK","enumerators":[{"name":"BREAK","value":0},{"name":"NOBREAK","value":1}]},
@@ -46,7 +46,8 @@ constinit const gecos::InterfaceDescription SixAxisInterface::description{
 {"kind":"struct","name":"robcl::Configuration","doc":"Which of the ways to reach its pose an arm is in, as one sees it: the wrist in front of the shoulder (RIGHTY) or behind it, the elbow ABOVE or BELOW the line from shoulder to wrist, the flange bent up from the forearm (NOFLIP) or down. With the tool down in front of it, an arm is RIGHTY, ABOVE, FLIP. A member is absent at a singularity, and where an arm has no such choice; in a wanted configuration, an absent member allows both.","extensibility":"appendable","members":[{"name":"arm","type":"robcl::Shoulder","optional":true},{"name":"bend","type":"robcl::Elbow","optional":true},{"name":"hand","type":"robcl::Wrist","optional":true}],"wire":{"fingerprint":"0x410bc4d5af6e6201","min_size":3}},
 {"kind":"struct","name":"robcl::Trajectory","doc":"How to get from here to the goal; the slowest of the limits binds.","extensibility":"appendable","members":[{"name":"speed","type":"double","range":{"min":0.01,"max":1.0},"default":1.0,"doc":"fraction of the robot\u0027s own maximum"},{"name":"acceleration","type":"double","range":{"min":0.01,"max":1.0},"default":1.0},{"name":"path","type":"robcl::PathType"},{"name":"at_goal","type":"robcl::Blend"},{"name":"tool_speed","type":"double","unit":"m/s","optional":true},{"name":"turn_speed","type":"double","unit":"rad/s","optional":true},{"name":"configuration","type":"robcl::Configuration","optional":true}],"wire":{"fingerprint":"0x43d3878e45340908","min_size":27}},
 {"kind":"struct","name":"robcl::MotionProgress","extensibility":"appendable","members":[{"name":"fraction","type":"double","range":{"min":0.0,"max":1.0}},{"name":"remaining","type":"double","unit":"s"},{"name":"corner","type":"double","unit":"m","optional":true},{"name":"speed_override","type":"double","unit":"1","optional":true}],"wire":{"fingerprint":"0xfcbd5b842f214558","min_size":18}},
-{"kind":"exception","name":"robcl::JointLimit","extensibility":"final","members":[{"name":"axis","type":"uint32","doc":"from 1, which is next to the base"},{"name":"value","type":"double","unit":"rad"},{"name":"lower","type":"double","unit":"rad"},{"name":"upper","type":"double","unit":"rad"}],"wire":{"fingerprint":"0x5e97b6d7d7aed1bf","min_size":28,"fixed_size":28}},
+{"kind":"struct","name":"robcl::PlaceOnLine","doc":"How far the tool has moved on a straight line, from its start.","extensibility":"final","members":[{"name":"way","type":"double","unit":"m"},{"name":"turn","type":"double","unit":"rad"}],"wire":{"fingerprint":"0x7965598573e3bf03","min_size":16,"fixed_size":16}},
+{"kind":"exception","name":"robcl::JointLimit","doc":"A joint would have to stand outside its limits, at the goal or on the way to it.","extensibility":"final","members":[{"name":"axis","type":"uint32","doc":"from 1, which is next to the base"},{"name":"value","type":"double","unit":"rad"},{"name":"lower","type":"double","unit":"rad"},{"name":"upper","type":"double","unit":"rad"},{"name":"place","type":"robcl::PlaceOnLine","optional":true,"doc":"Where a straight move needs the position `value`; absent if the goal itself needs it."},{"name":"configuration","type":"robcl::Configuration","optional":true,"doc":"Configuration of the arm for which `value` was computed; absent if the goal is joint positions, or if the arm has no configurations."}],"wire":{"fingerprint":"0x2559880abcc8c3ac","min_size":30}},
 {"kind":"typedef","name":"robcl::JointVector","type":"double[6]"},
 {"kind":"struct","name":"robcl::Joints","doc":"Joint positions of a six-axis arm.","extensibility":"final","members":[{"name":"position","type":"robcl::JointVector","unit":"rad"}],"wire":{"fingerprint":"0xdeb28047fc62f5c4","min_size":48,"fixed_size":48}}],
 "references":[]})json",

@@ -43,6 +43,7 @@ from robcl.manipulator_types import (
     MotionProgress,
     OutOfReach,
     PathType,
+    PlaceOnLine,
     Shoulder,
     Singular,
     Trajectory,
@@ -64,6 +65,7 @@ __all__ = [
     "MotionProgress",
     "OutOfReach",
     "PathType",
+    "PlaceOnLine",
     "Shoulder",
     "Singular",
     "Trajectory",
@@ -131,7 +133,7 @@ _MANIPULATOR_MOVE: _Method[None, MotionProgress] = _method(
         _Access.ACTOR,
         cancelable=True,
         on_new=_OnNew.BLEND,
-        hash=0xC58C2180678C1D75,
+        hash=0xFB420D81DA75D59E,
     ),
     takes=_values(
         "goal how pose_epoch",
@@ -218,13 +220,13 @@ _MANIPULATOR_STOOD: _EventTable[Manipulator_stood] = _event(
     largest=60,
     hash=0xCD7E2A4C2A3ACB27,
 )
-_MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"nested":["robcl::Manipulator::stood"],"hash":"0x7188eba42f36c2b3","members":[
+_MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Manipulator","doc":"Any arm, number of joints unknown: a program written to this runs on every robot.","version":"1.0","bases":["robcl::Device"],"all_bases":["robcl::Device"],"nested":["robcl::Manipulator::stood"],"hash":"0xff4f490ad8a74903","members":[
 {"kind":"attribute","name":"tool","doc":"Tool frame in the world, as measured.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":1000000000},"codes":{"get":656093559,"stream":656093559},"hash":"0xe4a63fbb9f4aa676"},
 {"kind":"attribute","name":"flange","doc":"Flange in the world, as measured: where grippers and sensors are mounted.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":1000000000},"codes":{"get":3590499756,"stream":3590499756},"hash":"0x294c864a0a1bb0d9"},
 {"kind":"attribute","name":"posture","doc":"Configuration that the arm is in.","type":"robcl::Configuration","readonly":true,"read_access":"sensor","codes":{"get":2355008027},"hash":"0x3d861e0f224574c5"},
 {"kind":"attribute","name":"tool_offset","doc":"Tool frame seen from the flange. Setting it takes its turn among the commands of the arm: it acts on the motions after it.","type":"robcl::Frame","read_access":"sensor","write_access":"actor","write_needs_presence":true,"codes":{"get":1576561611,"set":3826381890},"hash":"0xd5db88cc5c4a48ee"},
 {"kind":"attribute","name":"pose_epoch","doc":"Stands for the present place of the base: each `mount`, and a restart of the server, changes it.","type":"uint64","readonly":true,"read_access":"sensor","codes":{"get":1580972314},"hash":"0x647f63cefbd156f4"},
-{"kind":"operation","name":"move","doc":"Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal or, after NOBREAK, when it is on the path of the next motion. Refused if `pose_epoch`, read when the goal was computed, is not the present one: the base has another place since then.","parameters":[{"name":"goal","direction":"in","type":"robcl::Frame"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true},{"name":"pose_epoch","direction":"in","type":"uint64","optional":true}],"raises":["robcl::OutOfReach","robcl::JointLimit","robcl::Singular"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"blend","on_loss":"stop","code":889709316,"hash":"0xc58c2180678c1d75"},
+{"kind":"operation","name":"move","doc":"Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal or, after NOBREAK, when it is on the path of the next motion. Refused if `pose_epoch`, read when the goal was computed, is not the present one: the base has another place since then.","parameters":[{"name":"goal","direction":"in","type":"robcl::Frame"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true},{"name":"pose_epoch","direction":"in","type":"uint64","optional":true}],"raises":["robcl::OutOfReach","robcl::JointLimit","robcl::Singular"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"blend","on_loss":"stop","code":889709316,"hash":"0xfb420d81da75d59e"},
 {"kind":"operation","name":"set_configuration","doc":"Configuration in which the next joint move of the same session ends that asks for none itself. Moves nothing. Rejected if the arm has no configurations.","parameters":[{"name":"wanted","direction":"in","type":"robcl::Configuration"}],"access":"actor","needs_presence":true,"cancelable":true,"on_new":"blend","on_loss":"stop","code":2917175470,"hash":"0x214642d141946a53"},
 {"kind":"operation","name":"override_speed","doc":"Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as planned, 0 pauses it on its path. The factor stays until it is set again.","parameters":[{"name":"factor","direction":"in","type":"double","unit":"1","range":{"min":0.0,"max":1.0}}],"access":"actor","needs_presence":true,"on_new":"queue","on_loss":"stop","parallel":true,"code":3837748681,"hash":"0xf909515cb9f6d463"},
 {"kind":"attribute","name":"speed_override","doc":"Factor of `override_speed`.","type":"double","readonly":true,"unit":"1","read_access":"sensor","codes":{"get":34307637},"hash":"0x78256f74e6a4faff"},
@@ -254,14 +256,15 @@ _MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::
 {"kind":"struct","name":"robcl::FollowState","doc":"What became of the corrections of `follow` so far.","extensibility":"appendable","members":[{"name":"applied","type":"uint32","doc":"corrections that the arm has carried out, or is carrying out"},{"name":"dropped","type":"uint32","doc":"corrections beyond FollowLimits.distance or angle, which had no effect"},{"name":"distance_left","type":"double","unit":"m","doc":"from the tool to its target"},{"name":"angle_left","type":"double","unit":"rad"},{"name":"limit_axis","type":"uint32","doc":"the arm holds because this axis, from 1, is at its limit; else 0"},{"name":"out_of_reach","type":"boolean","doc":"the arm holds at the end of its reach, or beside a singularity"}],"wire":{"fingerprint":"0x8790dcf68707d50d","min_size":29,"fixed_size":29}},
 {"kind":"exception","name":"robcl::CorrectionsStopped","doc":"No correction came for as long as the watchdog of `alter`, so that the arm braked and stands.","extensibility":"final","members":[{"name":"state","type":"robcl::FollowState"}],"wire":{"fingerprint":"0x79457561903fc05c","min_size":4}},
 {"kind":"exception","name":"robcl::OutOfReach","extensibility":"final","members":[{"name":"reason","type":"string<160>"}],"wire":{"fingerprint":"0xed00b27a58c49395","min_size":5}},
-{"kind":"exception","name":"robcl::JointLimit","extensibility":"final","members":[{"name":"axis","type":"uint32","doc":"from 1, which is next to the base"},{"name":"value","type":"double","unit":"rad"},{"name":"lower","type":"double","unit":"rad"},{"name":"upper","type":"double","unit":"rad"}],"wire":{"fingerprint":"0x5e97b6d7d7aed1bf","min_size":28,"fixed_size":28}},
+{"kind":"struct","name":"robcl::PlaceOnLine","doc":"How far the tool has moved on a straight line, from its start.","extensibility":"final","members":[{"name":"way","type":"double","unit":"m"},{"name":"turn","type":"double","unit":"rad"}],"wire":{"fingerprint":"0x7965598573e3bf03","min_size":16,"fixed_size":16}},
+{"kind":"exception","name":"robcl::JointLimit","doc":"A joint would have to stand outside its limits, at the goal or on the way to it.","extensibility":"final","members":[{"name":"axis","type":"uint32","doc":"from 1, which is next to the base"},{"name":"value","type":"double","unit":"rad"},{"name":"lower","type":"double","unit":"rad"},{"name":"upper","type":"double","unit":"rad"},{"name":"place","type":"robcl::PlaceOnLine","optional":true,"doc":"Where a straight move needs the position `value`; absent if the goal itself needs it."},{"name":"configuration","type":"robcl::Configuration","optional":true,"doc":"Configuration of the arm for which `value` was computed; absent if the goal is joint positions, or if the arm has no configurations."}],"wire":{"fingerprint":"0x2559880abcc8c3ac","min_size":30}},
 {"kind":"exception","name":"robcl::Singular","doc":"A straight line would pass where a joint has to turn faster than it can.","extensibility":"final","members":[{"name":"reason","type":"string<160>"}],"wire":{"fingerprint":"0xed00b27a58c49395","min_size":5}},
 {"kind":"struct","name":"robcl::Manipulator::stood","doc":"The parameters of the event `stood`.","extensibility":"appendable","members":[{"name":"tool","type":"robcl::Frame"}],"wire":{"fingerprint":"0xf61c72853422178c","min_size":56,"fixed_size":56}}],
 "references":[]}'''
 _MANIPULATOR = _interface(
     "robcl::Manipulator",
     "1.0",
-    0x7188EBA42F36C2B3,
+    0xFF4F490AD8A74903,
     (Device,),
     (
         _MANIPULATOR_TOOL,

@@ -24,6 +24,7 @@ __all__ = [
     "MotionProgress",
     "OutOfReach",
     "PathType",
+    "PlaceOnLine",
     "Shoulder",
     "Singular",
     "Trajectory",
@@ -209,14 +210,29 @@ class OutOfReach(_layout.Struct, _DeclaredError):
     """[at most 160]"""
 
 
+@_layout.struct(0x7965598573E3BF03, "dd")
+@_dataclass(slots=True)
+class PlaceOnLine(_layout.Struct):
+    """How far the tool has moved on a straight line, from its start."""
+
+    way: float = 0.0
+    """[m]"""
+    turn: float = 0.0
+    """[rad]"""
+
+
 @_layout.exception(
     "robcl::JointLimit",
-    0x5E97B6D7D7AED1BF,
+    0x2559880ABCC8C3AC,
     "Iddd",
+    _layout.optional(PlaceOnLine),
+    _layout.optional(Configuration),
     units={"value": "rad", "lower": "rad", "upper": "rad"},
 )
 @_dataclass(slots=True, eq=False)
 class JointLimit(_layout.Struct, _DeclaredError):
+    """A joint would have to stand outside its limits, at the goal or on the way to it."""
+
     axis: int = 0
     """from 1, which is next to the base"""
     value: float = 0.0
@@ -225,6 +241,12 @@ class JointLimit(_layout.Struct, _DeclaredError):
     """[rad]"""
     upper: float = 0.0
     """[rad]"""
+    place: PlaceOnLine | None = None
+    """Where a straight move needs the position `value`; absent if the goal itself needs it."""
+    configuration: Configuration | None = None
+    """Configuration of the arm for which `value` was computed; absent if the goal is joint
+    positions, or if the arm has no configurations.
+    """
 
 
 @_layout.exception("robcl::Singular", 0xED00B27A58C49395, _layout.text(160))

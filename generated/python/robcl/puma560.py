@@ -11,13 +11,13 @@ __all__ = [
     "Puma560Servant",
 ]
 
-_PUMA560_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Puma560","doc":"Unimation Puma 560.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x14a69bb924c67be4","members":[]},
+_PUMA560_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Puma560","doc":"Unimation Puma 560.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x2ea8ad52296a24f9","members":[]},
 "types":[],
 "references":[]}'''
 _PUMA560 = _interface(
     "robcl::Puma560",
     "1.0",
-    0x14A69BB924C67BE4,
+    0x2EA8AD52296A24F9,
     (SixAxis,),
     (),
     model=_PUMA560_SERVED_MODEL,

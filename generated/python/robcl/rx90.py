@@ -11,13 +11,13 @@ __all__ = [
     "Rx90Servant",
 ]
 
-_RX90_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Rx90","doc":"Staeubli RX90.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x64029302b7d03db0","members":[]},
+_RX90_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Rx90","doc":"Staeubli RX90.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x504fb2e87aebcba8","members":[]},
 "types":[],
 "references":[]}'''
 _RX90 = _interface(
     "robcl::Rx90",
     "1.0",
-    0x64029302B7D03DB0,
+    0x504FB2E87AEBCBA8,
     (SixAxis,),
     (),
     model=_RX90_SERVED_MODEL,

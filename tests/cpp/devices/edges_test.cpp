@@ -109,6 +109,30 @@ TEST_F(Edges, ALineThroughTheColumnIsRefusedWithItsCauseAndItsPlace) {
   arrives(start * translate(0, 0, 0.001), straight());
 }
 
+TEST_F(Edges, AJointLimitOnTheWaySaysWhereOnTheLineAndInWhichConfiguration) {
+  stands_at_degrees({0, -20, 110, 0, 90, 260});
+  robcl::arm::Kinematics forward(described_.model);
+  JointValues turned = commanded();
+  turned[5] += 20_deg;  // its limit is 270 degrees
+  const Frame goal =
+      translate(0, 0, -50_mm) * forward.base_from_flange(turned) * arm_.tool_offset();
+  const auto line = [&] { return robot_.move(goal, straight()); };
+  is_refused(line, gecos::Detail::Fault, "place=PlaceOnLine{way=");
+  is_refused(line, gecos::Detail::Fault,
+             "configuration=Configuration{arm=RIGHTY, bend=ABOVE, hand=FLIP}");
+  const auto refused = ended(line());
+  ASSERT_FALSE(refused);
+  const auto why = refused.error().as<robcl::JointLimit>();
+  ASSERT_TRUE(why) << refused.error();
+  EXPECT_EQ(why->axis, 6U);
+  EXPECT_GT(why->value, why->upper);
+  EXPECT_LT(why->value, why->upper + 1_deg);
+  ASSERT_TRUE(why->place);
+  EXPECT_NEAR(why->place->way, 25_mm, 1.1_mm);
+  EXPECT_NEAR(why->place->turn, 10_deg, 0.5_deg);
+  arrives(goal, robcl::Trajectory{});
+}
+
 TEST_F(Edges, JointsThatAreTurnedFurtherThanHalfATurnStaySo) {
   for (const double turned : {200.0, -200.0}) {
     stands_at_degrees({0, -20, 110, turned, 60, turned});

@@ -334,8 +334,9 @@ TEST(Paths, AJointThatGoesTooFarBetweenTwoKnotsIsFound) {
   EXPECT_NEAR(found, highest, 1e-8);
   const auto outside = first_outside(model, path);
   ASSERT_TRUE(outside);
-  EXPECT_EQ(outside->axis, 2U);
-  EXPECT_NEAR(outside->value, highest, 1e-8);
+  EXPECT_EQ(outside->limit.axis, 2U);
+  EXPECT_NEAR(outside->limit.value, highest, 1e-8);
+  EXPECT_EQ(outside->s, 2) << "between the knots 2 and 3";
   EXPECT_FALSE(first_outside(model, Path({{0, 1}, {ready, ready}})));
 }
 

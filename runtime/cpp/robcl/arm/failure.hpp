@@ -3,8 +3,11 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <variant>
+
+#include "robcl/arm/configuration.hpp"
 
 namespace robcl::arm {
 
@@ -13,12 +16,24 @@ struct OutOfReach {
   std::string reason;
 };
 
-/// The goal needs a joint position that is outside the limits of the joint.
+/// How far the tool has moved on a straight line, from its start.
+struct PlaceOnLine {
+  double way = 0;   ///< m
+  double turn = 0;  ///< rad
+};
+
+/// The goal, or a place on the way to it, needs a joint position that is outside the limits of the
+/// joint.
 struct JointLimit {
   std::size_t axis = 0;  ///< number of the joint, from 1
-  double value = 0;      ///< position that the goal needs, rad
+  double value = 0;      ///< position that the goal or the place needs, rad
   double lower = 0;      ///< lower limit, rad
   double upper = 0;      ///< upper limit, rad
+  /// Where the tool is on its straight line; empty if the goal itself needs the position.
+  std::optional<PlaceOnLine> place{};
+  /// The configuration for which the position was computed. All members are empty if the goal is
+  /// joint positions, or if the arm has no configurations.
+  Configuration configuration{};
 };
 
 /// The arm can reach the goal, but not on the requested path.
@@ -29,5 +44,7 @@ struct Singular {
 using Failure = std::variant<OutOfReach, JointLimit, Singular>;
 
 std::string to_string(const Failure& failure);
+/// Returns for example "120.0 mm along the line".
+std::string to_string(const PlaceOnLine& place);
 
 }  // namespace robcl::arm

@@ -270,8 +270,9 @@ tl::expected<JointValues, Failure> SphericalWristInverse::solve(const Frame& bas
       joints[axis] = nearest_turn(joints[axis], reference[axis],
                                   model_.limits()[static_cast<std::size_t>(axis)]);
     }
-    if (const auto outside = first_outside(model_, joints)) {
+    if (auto outside = first_outside(model_, joints)) {
       const double by = std::max(outside->lower - outside->value, outside->value - outside->upper);
+      outside->configuration = found.each[i].configuration;
       if (!nearest_miss || by < miss) nearest_miss = outside, miss = by;
       continue;
     }

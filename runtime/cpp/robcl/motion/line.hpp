@@ -1,7 +1,6 @@
 #pragma once
 
-#include <string>
-
+#include "robcl/arm/failure.hpp"
 #include "robcl/frames/frame.hpp"
 
 namespace robcl::motion {
@@ -21,9 +20,8 @@ class Line {
   double turn() const { return turn_.norm(); }   ///< rad
   /// Returns the frame after the fraction `part` of the line. `part` is from 0 to 1.
   Frame at(double part) const { return interpolate(start_, goal_, part); }
-  /// Returns a text for messages that says how far along the line the fraction `part` is, for
-  /// example "120.0 mm along the line".
-  std::string place(double part) const;
+  /// Returns how far along the line the fraction `part` is.
+  arm::PlaceOnLine place(double part) const { return {length() * part, turn() * part}; }
 
  private:
   Frame start_, goal_;

@@ -71,16 +71,15 @@ Path::Range Path::range(std::size_t i) const {
   return range;
 }
 
-std::optional<arm::JointLimit> first_outside(const arm::ArmModel& model, const Path& path) {
-  Path::Range all = path.range(0);
-  for (std::size_t i = 1; i < path.intervals(); ++i) {
-    const Path::Range range = path.range(i);
-    all.lowest = all.lowest.cwiseMin(range.lowest);
-    all.highest = all.highest.cwiseMax(range.highest);
-  }
+std::optional<OutsideOnPath> first_outside(const arm::ArmModel& model, const Path& path) {
   constexpr double rounding = 1e-9;  // rad
-  if (auto below = arm::first_outside(model, all.lowest.array() + rounding)) return below;
-  return arm::first_outside(model, all.highest.array() - rounding);
+  for (std::size_t i = 0; i < path.intervals(); ++i) {
+    const Path::Range range = path.range(i);
+    auto outside = arm::first_outside(model, range.lowest.array() + rounding);
+    if (!outside) outside = arm::first_outside(model, range.highest.array() - rounding);
+    if (outside) return OutsideOnPath{*outside, path.place(i)};
+  }
+  return std::nullopt;
 }
 
 JointValues Path::position(double s) const {

@@ -76,8 +76,14 @@ class Path {
   std::vector<JointValues> slopes_;
 };
 
-/// Returns the joint that gets furthest outside its limits on `path`; nullopt if all joints stay
+/// A joint that leaves its limits on a path, and the place on the path.
+struct OutsideOnPath {
+  arm::JointLimit limit;
+  double s = 0;
+};
+/// Returns the joint that is furthest outside its limits in the first interval of `path` in which a
+/// joint leaves them, and the knot at which this interval begins; nullopt if all joints stay
 /// inside.
-std::optional<arm::JointLimit> first_outside(const arm::ArmModel& model, const Path& path);
+std::optional<OutsideOnPath> first_outside(const arm::ArmModel& model, const Path& path);
 
 }  // namespace robcl::motion

@@ -127,7 +127,6 @@ tl::expected<Move, Failure> Planner::straight_move(const JointValues& from,
   const double duration = std::max(line.length() / tool.speed, line.turn() / tool.turn_speed);
   auto path = path_of_line(from, line, tool_from_flange, duration);
   if (!path) return tl::unexpected(path.error());
-  if (const auto outside = first_outside(model_, *path)) return tl::unexpected(*outside);
   return Move{*std::move(path), pace, line, flange_from_tool};
 }
 

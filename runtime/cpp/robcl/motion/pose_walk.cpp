@@ -21,7 +21,10 @@ std::optional<arm::Failure> PoseWalk::step_to(const Frame& base_from_flange) {
   for (Eigen::Index axis = 0; axis < solution->size(); ++axis) {
     (*solution)[axis] = arm::nearest_angle((*solution)[axis], at_.joints[axis]);
   }
-  if (const auto outside = arm::first_outside(model_, *solution)) return *outside;
+  if (auto outside = arm::first_outside(model_, *solution)) {
+    outside->configuration = at_.kept;
+    return *outside;
+  }
   at_.joints = *std::move(solution);
   keep_what_is_known(at_.kept, inverse_.configuration(at_.joints));
   return std::nullopt;

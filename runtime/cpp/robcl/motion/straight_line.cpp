@@ -6,6 +6,7 @@
 #include <sstream>
 #include <variant>
 
+#include "robcl/arm/local_inverse.hpp"
 #include "robcl/motion/line.hpp"
 #include "robcl/motion/planner.hpp"
 #include "robcl/motion/pose_walk.hpp"
@@ -22,9 +23,11 @@ constexpr double joint_jump = 0.1;  // rad per joint between the closest knots; 
 constexpr std::size_t closer = 8;   // parts of an interval, at most, where joints turn fast
 constexpr std::size_t fewest = 50, most = 4000;
 
-Failure with_place(Failure failure, const std::string& where) {
+Failure with_place(Failure failure, const arm::PlaceOnLine& where) {
   if (auto* reach = std::get_if<OutOfReach>(&failure)) {
-    reach->reason = where + ": " + reach->reason;
+    reach->reason = to_string(where) + ": " + reach->reason;
+  } else if (auto* limit = std::get_if<JointLimit>(&failure)) {
+    limit->place = where;
   }
   return failure;
 }
@@ -42,7 +45,10 @@ class LineWalk {
  public:
   LineWalk(const arm::ArmModel& model, arm::InverseKinematics& inverse, const Line& line,
            const Frame& tool_from_flange, const JointValues& from)
-      : walk_(model, inverse, from), line_(line), tool_from_flange_(tool_from_flange) {}
+      : model_(model),
+        walk_(model, inverse, from),
+        line_(line),
+        tool_from_flange_(tool_from_flange) {}
 
   /// Walks from the fraction `start` of the line to its fraction `end` and adds the knots that are
   /// needed to `knots`. Where a joint turns fast, the knots are closer together.
@@ -56,10 +62,11 @@ class LineWalk {
       for (; done < parts; ++done) {
         const bool last = done + 1 == parts;
         const double part = last ? end : start + static_cast<double>(done + 1) * each;
+        const JointValues before = walk_.at().joints;
         const auto turn = step_to(part);
         if (!turn) return tl::unexpected(turn.error());
         if (turn->angle > (closest ? joint_jump : joint_step)) {
-          if (closest) return tl::unexpected(Failure(too_fast(*turn, part, each)));
+          if (closest) return tl::unexpected(why_so_far(before, *turn, part, each));
           break;
         }
         knots.add(part * duration, walk_.at().joints);
@@ -92,10 +99,26 @@ class LineWalk {
     return tl::unexpected(with_place(*failure, line_.place(part)));
   }
 
+  /// Returns why the joint positions at the fraction `part` of the line are so far from `before`.
+  /// If the positions next to `before` are outside the limits, the cause is the limit: a solver
+  /// without configurations then finds other positions.
+  Failure why_so_far(const JointValues& before, const Turn& turn, double part, double each) const {
+    const arm::LocalInverse near(model_);
+    const auto next = near.solve(line_.at(part) * tool_from_flange_, near.at(before));
+    if (next && (next->joints - before).cwiseAbs().maxCoeff() <= joint_jump) {
+      if (auto outside = arm::first_outside(model_, next->joints)) {
+        outside->configuration = walk_.at().kept;
+        return with_place(*outside, line_.place(part));
+      }
+    }
+    return too_fast(turn, part, each);
+  }
+
   Singular too_fast(const Turn& turn, double part, double each) const {
     std::ostringstream text;
-    text << line_.place(part) << " joint " << turn.axis + 1 << " would have to turn " << std::fixed
-         << std::setprecision(1) << in_deg(turn.angle) << " deg within " << std::setprecision(2);
+    text << to_string(line_.place(part)) << " joint " << turn.axis + 1 << " would have to turn "
+         << std::fixed << std::setprecision(1) << in_deg(turn.angle) << " deg within "
+         << std::setprecision(2);
     if (line_.length() > 0) {
       text << in_mm(line_.length() * each) << " mm";
     } else {
@@ -105,6 +128,7 @@ class LineWalk {
     return Singular{text.str()};
   }
 
+  const arm::ArmModel& model_;
   PoseWalk walk_;
   const Line& line_;
   const Frame tool_from_flange_;
@@ -125,7 +149,12 @@ tl::expected<Path, Failure> Planner::path_of_line(const JointValues& from, const
       return tl::unexpected(walked.error());
     }
   }
-  return Path(std::move(knots));
+  Path path(std::move(knots));
+  if (auto outside = first_outside(model_, path)) {
+    outside->limit.configuration = inverse_->configuration(path.position(outside->s));
+    return tl::unexpected(with_place(outside->limit, line.place(outside->s / duration)));
+  }
+  return path;
 }
 
 }  // namespace robcl::motion
