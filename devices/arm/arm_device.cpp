@@ -176,13 +176,17 @@ tl::expected<void, MoveFailure> ArmDevice::move(
     }
     return made(planner.straight_move(from, base_from_goal, tool_offset(), pace));
   };
-  if (auto problem = robcl::motion::problem_of(pace)) return tl::unexpected(Refused{*problem});
+  auto problem = path == PathKind::Joint ? robcl::motion::problem_of_joint_move(pace)
+                                         : robcl::motion::problem_of(pace);
+  if (problem) return tl::unexpected(Refused{*std::move(problem)});
   return motion_.move({make, goes_over}, watcher);
 }
 
 tl::expected<void, MoveFailure> ArmDevice::move_joints(const JointValues& target, const Pace& pace,
                                                        MotionWatcher& watcher, bool goes_over) {
-  if (auto problem = robcl::motion::problem_of(pace)) return tl::unexpected(Refused{*problem});
+  if (auto problem = robcl::motion::problem_of_joint_move(pace)) {
+    return tl::unexpected(Refused{*std::move(problem)});
+  }
   const auto make = [&](Planner& planner, const JointValues& from) {
     return made(planner.joint_move(from, target, pace, tool_offset()));
   };

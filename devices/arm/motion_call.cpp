@@ -64,7 +64,12 @@ robcl::Configuration on_wire(const robcl::arm::Configuration& known) {
 }
 
 robcl::motion::Pace pace_of(const robcl::Trajectory& how) {
-  return {how.speed, how.acceleration, how.tool_speed, how.turn_speed};
+  return {.speed = how.speed,
+          .acceleration = how.acceleration,
+          .tool_speed = how.tool_speed,
+          .turn_speed = how.turn_speed,
+          .tool_acceleration = how.tool_acceleration,
+          .turn_acceleration = how.turn_acceleration};
 }
 
 gecos::Result<void> answer(const tl::expected<void, MoveFailure>& moved) {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from math import radians
 
 import gecos
@@ -50,3 +51,15 @@ def test_a_joint_limit_on_the_way_is_told_with_its_place_and_the_configuration(
     assert why.place.way == pytest.approx(0.025, abs=1.1e-3)
     assert why.place.turn == pytest.approx(radians(10), abs=radians(0.5))
     assert why.configuration == Configuration(Shoulder.RIGHTY, Elbow.ABOVE, Wrist.FLIP)
+
+
+def test_a_slow_acceleration_makes_a_straight_move_last_as_long_as_it_takes(robot: SixAxis) -> None:
+    goal = robot.tool().result() * translate(0.0, 0.0, -0.1)
+    how = Trajectory(path=PathType.STRAIGHT, tool_acceleration=0.1)
+    with gecos.actor(robot):
+        began = time.monotonic()
+        robot.move(goal, how).result()
+        assert time.monotonic() - began >= 2 * (0.1 / 0.1) ** 0.5  # s: half the way to speed up
+        how.path = PathType.JOINT
+        with pytest.raises(gecos.CommandFailed, match="limit a straight move"):
+            robot.move(goal, how).result()

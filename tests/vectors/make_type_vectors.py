@@ -116,6 +116,7 @@ CASES: list[tuple[str, str, Any]] = [
     ("robcl::Trajectory", "slow and straight", {
         "speed": 0.01, "acceleration": 0.5, "path": "STRAIGHT", "at_goal": "NOBREAK",
         "tool_speed": 0.25, "turn_speed": 1.5}),
+    ("robcl::Trajectory", "gently", {"tool_acceleration": 0.5, "turn_acceleration": 1.25}),
     ("robcl::MotionProgress", "half", {"fraction": 0.5, "remaining": 1.75}),
     ("robcl::MotionProgress", "paused", {"fraction": 0.5, "speed_override": 0.0}),
     ("robcl::FollowLimits", "as made", {}),

@@ -69,7 +69,9 @@ bool JsonStruct<::robcl::Trajectory>::visit(JsonMembers& each, ::robcl::Trajecto
          each.member("at_goal", value.at_goal) &&
          each.member("tool_speed", value.tool_speed) &&
          each.member("turn_speed", value.turn_speed) &&
-         each.member("configuration", value.configuration);
+         each.member("configuration", value.configuration) &&
+         each.member("tool_acceleration", value.tool_acceleration) &&
+         each.member("turn_acceleration", value.turn_acceleration);
 }
 
 template <>

@@ -167,13 +167,15 @@ std::ostream& operator<<(std::ostream& out, const Configuration& value) {
 }
 
 std::size_t Trajectory::encoded_size() const {
-  std::size_t size = 27;
+  std::size_t size = 29;
   if (tool_speed) size += 8;
   if (turn_speed) size += 8;
   if (configuration) {
     size += 4;
     size += configuration->encoded_size();
   }
+  if (tool_acceleration) size += 8;
+  if (turn_acceleration) size += 8;
   return size;
 }
 
@@ -188,12 +190,18 @@ void Trajectory::encode(gecos::wire::Encoder& to) const {
     to.put_count(configuration->encoded_size());
     configuration->encode(to);
   }
+  to.put(tool_acceleration.has_value());
+  if (tool_acceleration) to.put(*tool_acceleration);
+  to.put(turn_acceleration.has_value());
+  if (turn_acceleration) to.put(*turn_acceleration);
 }
 
 bool Trajectory::decode([[maybe_unused]] gecos::wire::Decoder& from) {
   tool_speed = std::nullopt;
   turn_speed = std::nullopt;
   configuration = std::nullopt;
+  tool_acceleration = std::nullopt;
+  turn_acceleration = std::nullopt;
   return from.get(speed, "Trajectory.speed") &&
          gecos::wire::within(from, speed, {0.01, 1.0}, "Trajectory.speed", "[0.01, 1.0]") &&
          from.get(acceleration, "Trajectory.acceleration") &&
@@ -220,6 +228,16 @@ bool Trajectory::decode([[maybe_unused]] gecos::wire::Decoder& from) {
               [&](auto& value) {
                 return gecos::wire::get_block(from, value, "Trajectory.configuration");
               })) &&
+         (from.at_end() ||
+          gecos::wire::get_optional(from, tool_acceleration, "Trajectory.tool_acceleration",
+              [&](auto& value) {
+                return from.get(value, "Trajectory.tool_acceleration");
+              })) &&
+         (from.at_end() ||
+          gecos::wire::get_optional(from, turn_acceleration, "Trajectory.turn_acceleration",
+              [&](auto& value) {
+                return from.get(value, "Trajectory.turn_acceleration");
+              })) &&
          gecos::wire::skip_rest(from);
 }
 
@@ -237,7 +255,9 @@ std::ostream& operator<<(std::ostream& out, const Trajectory& value) {
   return gecos::wire::print_all(out,
       "Trajectory{speed=", value.speed, ", acceleration=", value.acceleration, ", path=",
       value.path, ", at_goal=", value.at_goal, ", tool_speed=", value.tool_speed,
-      " m/s, turn_speed=", value.turn_speed, " rad/s, configuration=", value.configuration, "}");
+      " m/s, turn_speed=", value.turn_speed, " rad/s, configuration=", value.configuration,
+      ", tool_acceleration=", value.tool_acceleration, " m/s^2, turn_acceleration=",
+      value.turn_acceleration, " rad/s^2}");
 }
 
 std::size_t MotionProgress::encoded_size() const {

@@ -100,9 +100,14 @@ struct Trajectory {
   std::optional<double> turn_speed{};
   /// [optional]
   std::optional<::robcl::Configuration> configuration{};
+  /// Of the tool along the line of a straight move. A joint move with this member is
+  /// refused. [m/s^2, optional]
+  std::optional<double> tool_acceleration{};
+  /// As the tool turns on a straight move. A joint move with this member is refused. [rad/s^2, optional]
+  std::optional<double> turn_acceleration{};
 
   static constexpr std::string_view type_name() { return "robcl::Trajectory"; }
-  static constexpr std::int64_t fingerprint() { return std::int64_t(0x43d3878e45340908U); }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0xb0ab105cf2ab7ffaU); }
   std::size_t encoded_size() const;
   void encode(gecos::wire::Encoder& to) const;
   [[nodiscard]] bool decode(gecos::wire::Decoder& from);

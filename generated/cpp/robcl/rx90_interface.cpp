@@ -15,10 +15,10 @@ constinit const gecos::InterfaceDescription* const Rx90Interface::inherits[] = {
 constinit const gecos::InterfaceDescription Rx90Interface::description{
     .name = "robcl::Rx90",
     .version = "1.0",
-    .hash = 0x504fb2e87aebcba8U,
+    .hash = 0x48e4a50e6324a6b7U,
     .bases = bases,
     .inherits = inherits,
-    .model = R"json({"interface":{"kind":"interface","name":"robcl::Rx90","doc":"Staeubli RX90.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x504fb2e87aebcba8","members":[]},
+    .model = R"json({"interface":{"kind":"interface","name":"robcl::Rx90","doc":"Staeubli RX90.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x48e4a50e6324a6b7","members":[]},
 "types":[],
 "references":[]})json",
 };

@@ -92,7 +92,7 @@ class Configuration(_layout.Struct):
 
 
 @_layout.struct(
-    0x43D3878E45340908,
+    0xB0AB105CF2AB7FFA,
     _layout.ranged("d", 0.01, 1.0),
     _layout.ranged("d", 0.01, 1.0),
     PathType,
@@ -100,7 +100,9 @@ class Configuration(_layout.Struct):
     _layout.optional("d"),
     _layout.optional("d"),
     _layout.optional(Configuration),
-    missing=3,
+    _layout.optional("d"),
+    _layout.optional("d"),
+    missing=5,
     open=True,
 )
 @_dataclass(slots=True)
@@ -118,6 +120,14 @@ class Trajectory(_layout.Struct):
     turn_speed: float | None = None
     """[rad/s]"""
     configuration: Configuration | None = None
+    tool_acceleration: float | None = None
+    """Of the tool along the line of a straight move. A joint move with this member is
+    refused. [m/s^2]
+    """
+    turn_acceleration: float | None = None
+    """As the tool turns on a straight move. A joint move with this member is refused.
+    [rad/s^2]
+    """
 
 
 @_layout.struct(

@@ -11,13 +11,13 @@ __all__ = [
     "Puma560Servant",
 ]
 
-_PUMA560_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Puma560","doc":"Unimation Puma 560.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x2ea8ad52296a24f9","members":[]},
+_PUMA560_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Puma560","doc":"Unimation Puma 560.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x8624840e0a45d906","members":[]},
 "types":[],
 "references":[]}'''
 _PUMA560 = _interface(
     "robcl::Puma560",
     "1.0",
-    0x2EA8AD52296A24F9,
+    0x8624840E0A45D906,
     (SixAxis,),
     (),
     model=_PUMA560_SERVED_MODEL,

@@ -11,13 +11,13 @@ __all__ = [
     "Rx90Servant",
 ]
 
-_RX90_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Rx90","doc":"Staeubli RX90.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x504fb2e87aebcba8","members":[]},
+_RX90_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::Rx90","doc":"Staeubli RX90.","version":"1.0","bases":["robcl::SixAxis"],"all_bases":["robcl::Device","robcl::Manipulator","robcl::SixAxis"],"hash":"0x48e4a50e6324a6b7","members":[]},
 "types":[],
 "references":[]}'''
 _RX90 = _interface(
     "robcl::Rx90",
     "1.0",
-    0x504FB2E87AEBCBA8,
+    0x48E4A50E6324A6B7,
     (SixAxis,),
     (),
     model=_RX90_SERVED_MODEL,

@@ -173,7 +173,27 @@ TEST_F(Edges, WhatIsNoGoalIsRefused) {
                gecos::Detail::Rejected, "but it must be at least 1e-6 m/s");
     is_refused([&] { return robot_.move(tool(), robcl::Trajectory{.turn_speed = slow}); },
                gecos::Detail::Rejected, "but it must be at least 1e-6 rad/s");
+    auto how = straight();
+    how.tool_acceleration = slow;
+    is_refused([&] { return robot_.move(tool(), how); }, gecos::Detail::Rejected,
+               "but it must be at least 1e-6 m/s^2");
+    how = straight();
+    how.turn_acceleration = slow;
+    is_refused([&] { return robot_.move(tool(), how); }, gecos::Detail::Rejected,
+               "but it must be at least 1e-6 rad/s^2");
   }
+}
+
+TEST_F(Edges, AnAccelerationOfTheToolIsForStraightMoves) {
+  const robcl::Trajectory joint{.tool_acceleration = 0.5};
+  const char* const words = "limit a straight move";
+  is_refused([&] { return robot_.move(tool(), joint); }, gecos::Detail::Rejected, words);
+  const robcl::Joints here = robot_.joints().get().value();
+  is_refused([&] { return robot_.move_joints(here, joint); }, gecos::Detail::Rejected, words);
+  auto how = straight();
+  how.tool_acceleration = 0.5;
+  how.turn_acceleration = 2;
+  arrives(tool() * translate(0, 0, -50_mm), how);
 }
 
 }  // namespace

@@ -1,10 +1,17 @@
-// What a straight move says if a joint would leave its travel on the way.
+// What a straight move says if a joint would leave its travel on the way, and how fast it is.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "arms.hpp"
+#include "robcl/motion/move_chain.hpp"
 #include "robcl/motion/planner.hpp"
+#include "robcl/motion/playback.hpp"
 
 namespace robcl::motion {
 namespace {
@@ -94,6 +101,131 @@ TEST(StraightLinesOfSevenJoints, NameNoConfiguration) {
   ASSERT_TRUE(limit->place);
   EXPECT_NEAR(limit->place->turn, 5_deg, 0.5_deg);  // its limit is 175 degrees
   EXPECT_EQ(limit->configuration, Configuration{});
+}
+
+/// Lines of the RX90 whose callers give the accelerations of the tool.
+class AcceleratedLines : public StraightLines {
+ protected:
+  static constexpr double cycle = 0.004;                       // s
+  const JointValues ready_ = joints({0, -20, 110, 0, 90, 0});  // tool down in front
+  const Frame start_ = forward_.base_from_flange(ready_);
+
+  /// Returns the poses of the flange in all cycles of a motion.
+  std::vector<Frame> poses(const Plan& plan) {
+    Playback playback(plan);
+    std::vector<Frame> all(2, forward_.base_from_flange(plan.start()));
+    while (!playback.standing()) {
+      all.push_back(forward_.base_from_flange(playback.advance(cycle)));
+    }
+    all.push_back(all.back());
+    return all;
+  }
+
+  /// The greatest accelerations along the line and in turning, in m/s² and rad/s².
+  struct Fastest {
+    double way = 0, turn = 0;
+  };
+  Fastest fastest(const Plan& plan) {
+    const std::vector<Frame> all = poses(plan);
+    const Frame &from = all.front(), &to = all.back();
+    Fastest most;
+    for (std::size_t k = 1; k + 1 < all.size(); ++k) {
+      const auto second = [&](auto measure) {
+        return std::abs(measure(from, all[k + 1]) - 2 * measure(from, all[k]) +
+                        measure(from, all[k - 1])) /
+               (cycle * cycle);
+      };
+      const double way = second([](const Frame& a, const Frame& b) { return distance(a, b); });
+      most.way = std::max(most.way, way);
+      if (angle(from, to) > 3) continue;  // rad: beyond half a turn, an angle would fall again
+      most.turn =
+          std::max(most.turn, second([](const Frame& a, const Frame& b) { return angle(a, b); }));
+    }
+    return most;
+  }
+};
+
+TEST_F(AcceleratedLines, ATrapezoidHasTheAccelerationAndTheTimeThatWereAskedFor) {
+  const Pace pace{.tool_speed = 0.2, .tool_acceleration = 0.5};
+  const auto plan = planner_.straight(ready_, start_ * translate(0, 0, 0.2), {}, pace);
+  ASSERT_TRUE(plan) << to_string(plan.error());
+  EXPECT_NEAR(plan->duration(), 0.2 / 0.2 + 0.2 / 0.5, 2e-3);
+  const double most = fastest(*plan).way;
+  EXPECT_LE(most, 0.5 * 1.001);
+  EXPECT_GE(most, 0.5 * 0.99);
+}
+
+TEST_F(AcceleratedLines, ATurnInPlaceHasTheAccelerationAndTheTimeThatWereAskedFor) {
+  const Pace pace{.turn_speed = 0.5, .turn_acceleration = 1};
+  const Frame goal = start_ * Frame::from_euler_zyz(0, 0, 0, 0, 0, 0.6);
+  const auto plan = planner_.straight(ready_, goal, {}, pace);
+  ASSERT_TRUE(plan) << to_string(plan.error());
+  EXPECT_NEAR(plan->duration(), 0.6 / 0.5 + 0.5 / 1, 2e-3);
+  const double most = fastest(*plan).turn;
+  EXPECT_LE(most, 1.001);
+  EXPECT_GE(most, 0.99);
+}
+
+TEST_F(AcceleratedLines, AFractionAndAnAccelerationBothBind) {
+  const Frame goal = start_ * translate(0, 0, 0.2);
+  const auto time = [&](const Pace& pace) {
+    return planner_.straight(ready_, goal, {}, pace).value().duration();
+  };
+  const double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_NEAR(time({.tool_acceleration = 3.1, .turn_acceleration = infinity}), time({}), 1e-4)
+      << "the arm has 3 m/s²";
+  EXPECT_NEAR(time({.acceleration = 0.1, .tool_acceleration = 2}), time({.acceleration = 0.1}),
+              1e-4);
+  EXPECT_GT(time({.acceleration = 0.1, .tool_acceleration = 0.2}),
+            1.1 * time({.acceleration = 0.1}));
+}
+
+TEST_F(AcceleratedLines, NoLineExceedsTheAccelerationsThatWereAskedFor) {
+  RandomJoints random(planner_.model(), 31);
+  const Planner smooth(planner_.model(), tool_limits_, Smoothing::over(0.03, cycle));
+  constexpr double slack = 1.02;  // beside a singularity; see docs/known-limits.md
+  int made = 0;
+  for (int i = 0; i < 200 && made < 40; ++i) {
+    const JointValues from = random();
+    const Pace pace{.tool_acceleration = 0.2 + 0.02 * i, .turn_acceleration = 0.3 + 0.05 * i};
+    const auto move = planner_.straight_move(from, forward_.base_from_flange(random()), {}, pace);
+    if (!move) continue;
+    ++made;
+    for (const Planner* const planner : {&std::as_const(planner_), &smooth}) {
+      const Fastest most = fastest(planner->plan(*move));
+      ASSERT_LE(most.way, std::min(*pace.tool_acceleration, 3.0) * slack) << "line " << i;
+      ASSERT_LE(most.turn, std::min(*pace.turn_acceleration, 720_deg) * slack) << "line " << i;
+    }
+  }
+  EXPECT_GE(made, 20);
+}
+
+TEST_F(AcceleratedLines, ACornerIsAsSharpAsTheAccelerationAsksFor) {
+  const Pace pace{.tool_speed = 0.25, .tool_acceleration = 1};
+  const Frame corner = start_ * translate(0.15, 0, 0), goal = corner * translate(0, 0.15, 0);
+  const auto first = planner_.straight_move(ready_, corner, {}, pace);
+  ASSERT_TRUE(first) << to_string(first.error());
+  const auto next = planner_.straight_move(first->goal(), goal, {}, pace);
+  ASSERT_TRUE(next) << to_string(next.error());
+  MoveChain chain(planner_, *first);
+  const auto passed = chain.extend(*next, 0.1);
+  ASSERT_TRUE(passed);
+  const double miss = std::sqrt(2) * 0.25 * 0.25 / 8;  // |w - u| v²/8a, docs/motion.md
+  EXPECT_NEAR(passed->distance, miss, 0.01 * miss);
+}
+
+TEST(Pace, AnAccelerationOfTheToolMustBeANumberThatTheArmCanMoveWith) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double bad : {nan, 0.0, -1.0, 1e-7}) {
+    EXPECT_NE(problem_of({.tool_acceleration = bad}).value_or("").find("tool_acceleration is"),
+              std::string::npos);
+    EXPECT_NE(problem_of({.turn_acceleration = bad}).value_or("").find("at least 1e-6 rad/s^2"),
+              std::string::npos);
+  }
+  EXPECT_FALSE(problem_of({.tool_acceleration = 1e-6, .turn_acceleration = 1e-6}));
+  EXPECT_TRUE(problem_of_joint_move({.turn_acceleration = 1}));
+  EXPECT_TRUE(problem_of_joint_move({.speed = 2}));
+  EXPECT_FALSE(problem_of_joint_move({.speed = 0.5, .tool_speed = 0.1}));
 }
 
 }  // namespace

@@ -23,6 +23,10 @@ std::vector<IntervalLimits> limits_at(const Move& move, const ToolLimits& limits
   }
   std::vector<IntervalLimits> all(move.path.intervals(), each);
   for (std::size_t i = 0; i < move.caps.size(); ++i) all[i].cap = move.caps[i];
+  for (std::size_t i = 0; i < move.bends.size(); ++i) {
+    all[i].way.per_x = move.bends[i].way;
+    all[i].turn.per_x = move.bends[i].turn;
+  }
   return all;
 }
 
@@ -36,11 +40,14 @@ ToolSpeed tool_speed(const Move& move) {
 }
 
 ToolLimits scaled(const ToolLimits& limits, const Pace& pace) {
-  return {
-      .speed = std::min(limits.speed * pace.speed, pace.tool_speed.value_or(infinite)),
-      .acceleration = limits.acceleration * pace.acceleration,
-      .turn_speed = std::min(limits.turn_speed * pace.speed, pace.turn_speed.value_or(infinite)),
-      .turn_acceleration = limits.turn_acceleration * pace.acceleration};
+  const auto least = [](double limit, const std::optional<double>& asked) {
+    return std::min(limit, asked.value_or(infinite));
+  };
+  return {.speed = least(limits.speed * pace.speed, pace.tool_speed),
+          .acceleration = least(limits.acceleration * pace.acceleration, pace.tool_acceleration),
+          .turn_speed = least(limits.turn_speed * pace.speed, pace.turn_speed),
+          .turn_acceleration =
+              least(limits.turn_acceleration * pace.acceleration, pace.turn_acceleration)};
 }
 
 std::vector<IntervalLimits> limits_of(const Move& move, const ToolLimits& limits) {

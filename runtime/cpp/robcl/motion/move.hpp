@@ -12,6 +12,11 @@
 
 namespace robcl::motion {
 
+/// The distance that the tool moves, in m, and the angle that it turns, in rad, per unit of s.
+struct ToolSpeed {
+  double way = 0, turn = 0;
+};
+
 /// The path of one move and its limits. The path parameter s is the nominal time in seconds: where
 /// ds/dt is 1, the slowest joint or the tool moves at the full speed of the move.
 struct Move {
@@ -21,15 +26,14 @@ struct Move {
   Frame flange_from_tool;
   bool stands = false;         ///< the goal is where the arm is
   std::vector<double> caps{};  ///< greatest (ds/dt)² in each interval; may be empty
+  /// The greatest second derivatives by s of the distance and the angle of the tool from its line,
+  /// in each interval; may be empty.
+  std::vector<ToolSpeed> bends{};
 
   double duration() const { return path.end(); }
   const JointValues& goal() const { return path.knot(path.intervals()); }
 };
 
-/// The distance that the tool moves, in m, and the angle that it turns, in rad, per unit of s.
-struct ToolSpeed {
-  double way = 0, turn = 0;
-};
 /// Returns the speed of the tool on the line of `move`; zeros for a joint move.
 ToolSpeed tool_speed(const Move& move);
 

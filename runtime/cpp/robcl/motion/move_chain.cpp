@@ -242,8 +242,10 @@ std::pair<IntervalLimits, IntervalLimits> MoveChain::limits_in(const Overlap& ov
       return tool_in_overlap(std::max(v.norm(), w.norm()), (w - v).norm(), overlap.half,
                              overlap.unhindered, limit);
     };
-    moving.way = tool(one.way, other.way, full.acceleration * acceleration);
-    moving.turn = tool(one.turn, other.turn, full.turn_acceleration * acceleration);
+    const ToolLimits before = scaled(full, last.pace), after = scaled(full, next.pace);
+    moving.way = tool(one.way, other.way, std::max(before.acceleration, after.acceleration));
+    moving.turn =
+        tool(one.turn, other.turn, std::max(before.turn_acceleration, after.turn_acceleration));
     braking.way = tool(one.way, other.way, full.acceleration);
     braking.turn = tool(one.turn, other.turn, full.turn_acceleration);
   }

@@ -5,7 +5,8 @@
 namespace robcl::motion {
 namespace {
 
-constexpr double least_speed = 1e-6;  // m/s or rad/s: below, the times of a plan lose their digits
+// In SI units, of a speed or an acceleration: below, the times of a plan lose their digits.
+constexpr double least = 1e-6;
 
 std::string says(const char* what, double value, const char* wanted) {
   std::ostringstream text;
@@ -21,13 +22,30 @@ std::optional<std::string> problem_of(const Pace& pace) {
   if (!(pace.acceleration > 0 && pace.acceleration <= 1)) {
     return says("acceleration", pace.acceleration, "above 0, at most 1");
   }
-  if (pace.tool_speed && !(*pace.tool_speed >= least_speed)) {
+  const auto too_little = [](const std::optional<double>& value) {
+    return value && !(*value >= least);
+  };
+  if (too_little(pace.tool_speed)) {
     return says("tool_speed", *pace.tool_speed, "at least 1e-6 m/s");
   }
-  if (pace.turn_speed && !(*pace.turn_speed >= least_speed)) {
+  if (too_little(pace.turn_speed)) {
     return says("turn_speed", *pace.turn_speed, "at least 1e-6 rad/s");
   }
+  if (too_little(pace.tool_acceleration)) {
+    return says("tool_acceleration", *pace.tool_acceleration, "at least 1e-6 m/s^2");
+  }
+  if (too_little(pace.turn_acceleration)) {
+    return says("turn_acceleration", *pace.turn_acceleration, "at least 1e-6 rad/s^2");
+  }
   return std::nullopt;
+}
+
+std::optional<std::string> problem_of_joint_move(const Pace& pace) {
+  if (pace.tool_acceleration || pace.turn_acceleration) {
+    return "tool_acceleration and turn_acceleration limit a straight move; use the fraction "
+           "`acceleration`, or a straight move";
+  }
+  return problem_of(pace);
 }
 
 }  // namespace robcl::motion

@@ -21,9 +21,14 @@ struct Pace {
   double acceleration = 1;             ///< fraction of the robot's maximum, above 0, at most 1
   std::optional<double> tool_speed{};  ///< m/s, at least 1e-6
   std::optional<double> turn_speed{};  ///< rad/s, at least 1e-6
+  /// Accelerations along a straight line; a joint move has none of them.
+  std::optional<double> tool_acceleration{};  ///< m/s², at least 1e-6
+  std::optional<double> turn_acceleration{};  ///< rad/s², at least 1e-6
 };
 
 /// Returns an error text if `pace` is invalid; nullopt if it is valid.
 std::optional<std::string> problem_of(const Pace& pace);
+/// Like problem_of, for a joint move.
+std::optional<std::string> problem_of_joint_move(const Pace& pace);
 
 }  // namespace robcl::motion

@@ -127,7 +127,9 @@ tl::expected<Move, Failure> Planner::straight_move(const JointValues& from,
   const double duration = std::max(line.length() / tool.speed, line.turn() / tool.turn_speed);
   auto path = path_of_line(from, line, tool_from_flange, duration);
   if (!path) return tl::unexpected(path.error());
-  return Move{*std::move(path), pace, line, flange_from_tool};
+  Move move{*std::move(path), pace, line, flange_from_tool};
+  if (pace.tool_acceleration || pace.turn_acceleration) move.bends = bends_of_tool(move);
+  return move;
 }
 
 }  // namespace robcl::motion

@@ -77,6 +77,7 @@ class Planner {
                                                 const Frame& tool_from_flange, double duration);
   std::vector<double> caps_of_tool(const Path& path, const Pace& pace,
                                    const Frame& flange_from_tool);
+  std::vector<ToolSpeed> bends_of_tool(const Move& move);
   std::optional<arm::OutOfReach> absurd(const Frame& base_from_goal) const;
 
   arm::ArmModel model_;

@@ -134,6 +134,24 @@ class LineWalk {
   const Frame tool_from_flange_;
 };
 
+/// Returns by how much the motion of the tool bends in each interval of the path of `move`, a
+/// straight move: between two knots the tool leaves its line a little, and comes back.
+std::vector<ToolSpeed> Planner::bends_of_tool(const Move& move) {
+  // The joints are cubics with the right slopes at the knots, so the tool is away from its line in
+  // proportion to t²(1 - t)². The second derivative is greatest at the knots: 32 times the distance
+  // in the middle, for an interval of length 1.
+  constexpr double at_knots = 32;
+  std::vector<ToolSpeed> bends;
+  for (std::size_t i = 0; i < move.path.intervals(); ++i) {
+    const double middle = move.path.place(i) + move.path.step(i) / 2;
+    const Frame tool = base_from_tool(move.path.position(middle), move.flange_from_tool);
+    const Frame there = move.line->at(middle / move.duration());
+    const double per_s = at_knots / squared(move.path.step(i));
+    bends.push_back({distance(there, tool) * per_s, angle(there, tool) * per_s});
+  }
+  return bends;
+}
+
 tl::expected<Path, Failure> Planner::path_of_line(const JointValues& from, const Line& line,
                                                   const Frame& tool_from_flange, double duration) {
   const double steps = std::ceil(std::max(line.length() / line_step, line.turn() / turn_step));
