@@ -52,6 +52,8 @@ class Arm(ManipulatorServant):
         self.mounting = threading.Event()
         self.readable = threading.Event()
         self.readable.set()
+        self.counts = threading.Event()
+        self.counts.set()
         self.hangs = False
         self.moving = threading.Event()
         self.canceled = threading.Event()
@@ -100,6 +102,7 @@ class Arm(ManipulatorServant):
         return True
 
     def missed_cycles(self) -> int:
+        self.counts.wait(30)
         return 0
 
     def follow(
@@ -517,6 +520,32 @@ def test_describe_shows_members_with_units_ranges_and_access(arm: Arm, run: Run)
         "robcl::Device",
         "robcl::Manipulator",
     }
+
+
+def test_describe_shows_the_values_of_single_readings(arm: Arm, run: Run) -> None:
+    _, out, _ = run("describe", "ARM")
+    assert "  braking_time: double [s] = 0.25\n" in out
+    assert "  standing: boolean = true\n" in out
+    assert "  posture: robcl::Configuration\n" in out, "a value with members is not shown"
+    assert "  tool: robcl::Frame  (stream out at 250 Hz)\n" in out, "nor one that streams"
+    assert "  tool_offset: robcl::Frame  (set: actor)\n" in out, "nor one that is set"
+    _, out, _ = run("describe", "ARM", "--json")
+    assert valid(out, "describe")
+    readings = json.loads(out)["readings"]
+    assert (readings["braking_time"], readings["cycle"]) == (0.25, 0.004)
+    assert not {"posture", "tool", "tool_offset", "alter"} & set(readings)
+
+
+def test_describe_does_not_wait_for_a_reading_that_hangs(arm: Arm, run: Run) -> None:
+    arm.counts.clear()
+    try:
+        code, out, _ = run("describe", "ARM")
+    finally:
+        arm.counts.set()
+    assert code == 0
+    assert "  missed_cycles: uint64\n" in out
+    assert "  standing: boolean = true\n" in out, "it was read before"
+    assert "\noperations\n" in out
 
 
 def test_describe_shows_the_members_and_enumerators_of_types(arm: Arm, run: Run) -> None:

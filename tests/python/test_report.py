@@ -53,7 +53,7 @@ def test_the_types_units_and_defaults_of_members(capsys: pytest.CaptureFixture[s
         Operation(name="open", interface="a::B", parameters=(width,)),
     )
     own = Interface(name="a::B", members=members)
-    report.members(Model("a::B", {"a::B": own}, {}, frozenset()))
+    report.members(Model("a::B", {"a::B": own}, {}, frozenset()), {"jaws": HOSTILE})
     text = printed(capsys)
     assert "jaws: sequence" in text
     assert r"\x9b2J" in text

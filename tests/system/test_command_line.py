@@ -31,6 +31,7 @@ def test_a_served_arm_in_cpp_is_described_whole(lab_with_devices: Laboratory) ->
     assert done.finish() == 0, str(done)
     shown = json.loads(done.output())
     assert shown["interface_name"] == "robcl::Rx90"
+    assert shown["readings"]["braking_time"] == pytest.approx(1 / 3 + 2 * 0.032)  # s, by rx90.toml
     names = {model["interface"]["name"] for model in shown["models"]}
     assert names == {"robcl::Rx90", "robcl::SixAxis", "robcl::Manipulator", "robcl::Device"}
 

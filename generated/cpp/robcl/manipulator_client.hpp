@@ -94,8 +94,9 @@ class Manipulator : public virtual ::robcl::Device {
   gecos::Command<double> cycle() const;
 
   /// Time in which a stop brings the arm from full speed to rest: of the slowest joint or,
-  /// if that is longer, of the tool on a straight line. On a line on which the joints have
-  /// to change their speeds much, a stop takes longer. [s]
+  /// if that is longer, of the tool on a straight line. It is no upper bound: on a straight
+  /// line on which the joints have to change their speeds much, a stop takes longer, in
+  /// tests up to 1.8 times as long. [s]
   gecos::Command<double> braking_time() const;
 
   /// Simulated seconds that are to pass in a second: 1 is real time, as of every arm with

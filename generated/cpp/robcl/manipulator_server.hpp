@@ -99,8 +99,9 @@ class ManipulatorServant : public virtual ::robcl::DeviceServant {
   virtual gecos::Result<double> cycle() = 0;
 
   /// Time in which a stop brings the arm from full speed to rest: of the slowest joint or,
-  /// if that is longer, of the tool on a straight line. On a line on which the joints have
-  /// to change their speeds much, a stop takes longer. [s]
+  /// if that is longer, of the tool on a straight line. It is no upper bound: on a straight
+  /// line on which the joints have to change their speeds much, a stop takes longer, in
+  /// tests up to 1.8 times as long. [s]
   virtual gecos::Result<double> braking_time() = 0;
 
   /// Simulated seconds that are to pass in a second: 1 is real time, as of every arm with

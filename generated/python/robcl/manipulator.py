@@ -236,7 +236,7 @@ _MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::
 {"kind":"operation","name":"follow","doc":"Moves the tool by the samples of `alter`, from where it stands, until it is cancelled. What the limits of the arm do not allow in one cycle follows in the next ones.","parameters":[{"name":"axes","direction":"in","type":"robcl::FollowMode"},{"name":"limits","direction":"in","type":"robcl::FollowLimits","optional":true}],"raises":["robcl::CorrectionsStopped"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::FollowState","on_new":"queue","on_loss":"stop","qos":{"quality_class":"HARD_REALTIME","media":["shm","can"]},"code":3270902176,"hash":"0x83451582d3f132ad"},
 {"kind":"attribute","name":"alter","doc":"Corrections for `follow`: each is multiplied to the pose that the tool is moving to, in order and at the beginning of a cycle.","type":"robcl::Frame","stream":{"direction":"in","rate_hz":1000.0,"watchdog_ns":48000000,"largest":56},"write_access":"actor","write_needs_presence":true,"qos":{"quality_class":"HARD_REALTIME","depth":64,"media":["shm","can"]},"codes":{"stream":2258633307},"hash":"0x58d3c93f202ac8d1"},
 {"kind":"attribute","name":"cycle","doc":"Period of the arm\u0027s control loop.","type":"double","readonly":true,"unit":"s","read_access":"sensor","codes":{"get":89107713},"hash":"0x38a6c7959e7f00ad"},
-{"kind":"attribute","name":"braking_time","doc":"Time in which a stop brings the arm from full speed to rest: of the slowest joint or, if that is longer, of the tool on a straight line. On a line on which the joints have to change their speeds much, a stop takes longer.","type":"double","readonly":true,"unit":"s","read_access":"sensor","codes":{"get":1978743981},"hash":"0xf31438fa79812471"},
+{"kind":"attribute","name":"braking_time","doc":"Time in which a stop brings the arm from full speed to rest: of the slowest joint or, if that is longer, of the tool on a straight line. It is no upper bound: on a straight line on which the joints have to change their speeds much, a stop takes longer, in tests up to 1.8 times as long.","type":"double","readonly":true,"unit":"s","read_access":"sensor","codes":{"get":1978743981},"hash":"0xf31438fa79812471"},
 {"kind":"attribute","name":"clock_speed","doc":"Simulated seconds that are to pass in a second: 1 is real time, as of every arm with real joints. All times of the arm are simulated time: durations, speeds, `cycle`, `braking_time` and MotionProgress. The time stamps of samples are real time.","type":"double","readonly":true,"unit":"s/s","read_access":"sensor","codes":{"get":4291018665},"hash":"0xc0df1ec7b95b1cfb"},
 {"kind":"attribute","name":"reached_clock_speed","doc":"Simulated seconds that passed in a second, lately: less than `clock_speed` if the machine is too slow for it.","type":"double","readonly":true,"unit":"s/s","read_access":"sensor","codes":{"get":1193042372},"hash":"0xcbacc0ff09178840"}]},
 "types":[
@@ -407,8 +407,9 @@ class Manipulator(Device):
 
     def braking_time(self) -> _Command[float]:
         """Time in which a stop brings the arm from full speed to rest: of the slowest joint or,
-        if that is longer, of the tool on a straight line. On a line on which the joints have
-        to change their speeds much, a stop takes longer. [s]
+        if that is longer, of the tool on a straight line. It is no upper bound: on a straight
+        line on which the joints have to change their speeds much, a stop takes longer, in
+        tests up to 1.8 times as long. [s]
         """
         return self._gecos_call(_MANIPULATOR_BRAKING_TIME, [])
 
@@ -552,8 +553,9 @@ class ManipulatorServant(DeviceServant):
     @_abstractmethod
     def braking_time(self) -> float:
         """Time in which a stop brings the arm from full speed to rest: of the slowest joint or,
-        if that is longer, of the tool on a straight line. On a line on which the joints have
-        to change their speeds much, a stop takes longer. [s]
+        if that is longer, of the tool on a straight line. It is no upper bound: on a straight
+        line on which the joints have to change their speeds much, a stop takes longer, in
+        tests up to 1.8 times as long. [s]
         """
 
     @_abstractmethod

@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 import json
+import time
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from gecos.cli.options import broker_option, json_option, name_argument, plain, print_json
+
+if TYPE_CHECKING:
+    from gecos.dynamic_client import Attribute, Model
+    from gecos.lab import Lab
+
+_READ_WITHIN = 0.5  # s in which an object must answer; a value that comes later is left out
 
 
 @click.command()
@@ -14,7 +22,11 @@ from gecos.cli.options import broker_option, json_option, name_argument, plain, 
 @broker_option
 @json_option
 def describe(name: str, broker: str | None, as_json: bool) -> None:
-    """Shows the type and state of an object, and its operations, attributes and streams."""
+    """Shows the type and state of an object, and its operations, attributes and streams.
+
+    Shows the values of the attributes that are a number, a boolean or a text, if they are readonly,
+    have no stream, and need no status.
+    """
     import gecos
     from gecos.dynamic_client import read_model
     from gecos.dynamic_client.connect import find, served_models, without_model
@@ -23,9 +35,11 @@ def describe(name: str, broker: str | None, as_json: bool) -> None:
         found = find(lab, name)
         state = gecos.describe(found).result()
         models = served_models(found)
-    model = read_model(models, state.interface_name) if models else None
+        model = read_model(models, state.interface_name) if models else None
+        values = {} if model is None else _readings(lab, name, model, models)
     if as_json:
-        print_json(plain(state) | {"models": [json.loads(text) for text in models]})
+        served = [json.loads(text) for text in models]
+        print_json(plain(state) | {"readings": values, "models": served})
         return
     from gecos.cli import report
 
@@ -33,4 +47,40 @@ def describe(name: str, broker: str | None, as_json: bool) -> None:
     if model is None:
         print(f"\n{without_model(name)}")
     else:
-        report.members(model)
+        report.members(model, values)
+
+
+def _readings(lab: Lab, name: str, model: Model, models: list[str]) -> dict[str, Any]:
+    """Returns the values of the attributes that describe an object. Leaves out those that the
+    object does not tell in time, for example because a handler of it runs."""
+    from gecos.dynamic_client import Attribute, by_name
+    from gecos.dynamic_client.proxy import proxy_class
+    from gecos.errors import CommandFailed, ConnectionFailed, CreateError
+
+    shown = [each.name for each in model.members if isinstance(each, Attribute) and _tells(each)]
+    if not shown:
+        return {}
+    try:
+        robot = lab.create(proxy_class(models, model.interface, shown), name)
+    except CreateError:
+        return {}
+    until = time.monotonic() + _READ_WITHIN
+    values: dict[str, Any] = {}
+    for attribute, command in [(each, by_name.read(robot, each)) for each in shown]:
+        try:
+            values[attribute] = command.result(max(0.0, until - time.monotonic()))
+        except (TimeoutError, CommandFailed, ConnectionFailed):
+            continue
+    return values
+
+
+def _tells(attribute: Attribute) -> bool:
+    """Returns whether an attribute is a single value that any client may read and nobody sets."""
+    return (
+        attribute.can_be_read
+        and attribute.readonly
+        and attribute.stream is None
+        and attribute.access == 0
+        and attribute.result.use.kind in {"primitive", "string"}
+        and not attribute.result.secret
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
 from shutil import get_terminal_size
 from types import TracebackType
@@ -134,9 +134,9 @@ def _changed(of: RosterChange) -> str:
     return f"{status} of {who} ended after {holder.held_for:.1f} s: {of.why}"
 
 
-def members(model: Model) -> None:
-    """Prints the attributes, operations and types of an interface, with units, ranges and
-    access."""
+def members(model: Model, values: Mapping[str, Any]) -> None:
+    """Prints the attributes, operations and types of an interface, with units, ranges and access.
+    `values` has the known values of attributes."""
 
     from gecos.dynamic_client import Attribute
 
@@ -147,7 +147,8 @@ def members(model: Model) -> None:
     if attributes:
         print("\nattributes")
     for attribute in attributes:
-        line = f"{attribute.name}: {_typed(attribute.result)}{_how_read(attribute)}"
+        known = f" = {_text(values[attribute.name])}" if attribute.name in values else ""
+        line = f"{attribute.name}: {_typed(attribute.result)}{known}{_how_read(attribute)}"
         print(f"  {printable(line)}")
         _doc(attribute)
     if events:
