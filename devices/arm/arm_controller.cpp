@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -14,6 +15,9 @@ constexpr double longest_period = 0.1;  // s
 // A motion fails if a joint moved by more than this angle, in rad, between planning and start; for
 // example because a brake slipped.
 constexpr double moved_away = 1e-3;
+// A drive follows its set points with a delay. After missed cycles, a joint may be as far from the
+// last set point as it moves in this time, in s, at full speed.
+constexpr double longest_lag = 0.02;
 
 std::size_t at(Eigen::Index axis) { return static_cast<std::size_t>(axis); }
 
@@ -30,6 +34,13 @@ JointState first_state(SupervisedDriver& driver) {
   auto state = driver.read();
   if (!state) throw std::runtime_error(state.error().text);
   return std::move(*state);
+}
+
+JointValues furthest_lags(const robcl::arm::ArmModel& model) {
+  JointValues lags(model.axes());
+  for (Eigen::Index i = 0; i < lags.size(); ++i)
+    lags[i] = longest_lag * model.limits()[at(i)].speed;
+  return lags;
 }
 
 /// Returns the reason why `state` does not allow a motion; nullopt if a motion is allowed.
@@ -57,6 +68,7 @@ ArmController::ArmController(const robcl::arm::ArmModel& model, const Settings& 
       drives_(properties_of(driver, model)),
       driver_(driver, model.limits()),
       forward_(model),
+      furthest_lags_(furthest_lags(model)),
       loop_{.state = first_state(driver_)},
       reading_(Reading{}) {
   enable();
@@ -111,6 +123,8 @@ void ArmController::step(double seconds) {
     if (undefined) {
       end = Outcome{End::Fault, 0, 0, {"a set point of the motion is not finite; the arm stands"}};
     } else if (auto fault = fault_of(answer, seconds)) {
+      end = Outcome{End::Fault, 0, 0, std::move(*fault)};
+    } else if (missed > most_delayed && (fault = not_held(answer->position, before))) {
       end = Outcome{End::Fault, 0, 0, std::move(*fault)};
     } else if (loop_.phase == Phase::Settling) {
       end = settle(answer->position, seconds);
@@ -211,6 +225,24 @@ std::optional<DriverFault> ArmController::fault_of(
                        std::to_string(drives_.longest_gap) + " s"};
   }
   return not_ready(*answer, loop_.refusal);
+}
+
+/// Returns the joint that the drives did not hold at the set points `held` while the loop stood;
+/// nullopt if they held all joints.
+std::optional<DriverFault> ArmController::not_held(const JointValues& measured,
+                                                   const JointValues& held) const {
+  for (Eigen::Index axis = 0; axis < axes_; ++axis) {
+    const double away = std::abs(measured[axis] - held[axis]);
+    if (away <= furthest_lags_[axis]) continue;
+    std::ostringstream text;
+    text << std::fixed << std::setprecision(1) << "the control loop stood still, and joint "
+         << axis + 1 << " moved meanwhile: it is " << robcl::in_deg(away)
+         << " deg away from its last set point, more than the "
+         << robcl::in_deg(furthest_lags_[axis])
+         << " deg by which it may lag behind; look at the arm before it moves again";
+    return DriverFault{text.str()};
+  }
+  return std::nullopt;
 }
 
 void ArmController::end_motion(Outcome outcome) {

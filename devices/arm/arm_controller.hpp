@@ -76,7 +76,8 @@ class ArmController {
   /// A missed cycle delays the motion by one cycle. The motion does not catch up, because two set
   /// points may differ only by the distance that a joint may move in one cycle. After more than
   /// `most_delayed` missed cycles in a row, the joints have stopped at the last set point, and the
-  /// motion starts again from rest on its path.
+  /// motion starts again from rest on its path. If a joint is then further from the last set point
+  /// than it moves in 20 ms at full speed, the drives did not hold it: the motion ends as a Fault.
   void step(double seconds);
   static constexpr std::uint64_t most_delayed = 5;
 
@@ -121,6 +122,7 @@ class ArmController {
   JointCommand command_for(const JointValues& before) const;
   std::optional<DriverFault> fault_of(const tl::expected<JointState, DriverFault>& answer,
                                       double seconds) const;
+  std::optional<DriverFault> not_held(const JointValues& measured, const JointValues& held) const;
   std::optional<Outcome> turn_on(const tl::expected<JointState, DriverFault>& answer,
                                  double seconds);
   void take(tl::expected<JointState, DriverFault> answer, bool motion_failed);
@@ -133,6 +135,7 @@ class ArmController {
   const JointDriver::Properties drives_;
   SupervisedDriver driver_;
   robcl::arm::Kinematics forward_;
+  const JointValues furthest_lags_;  // rad, by which the joints may lag behind their set points
 
   // From the call of start() or reset_drives() to the outcome, only the control loop uses
   // generator_, motion_ and outcome_. At other times, only the thread that moves the arm uses them.
