@@ -455,6 +455,24 @@ TEST_P(Conformance, AWriterKnowsTheSequenceNumberOfItsNewestSample) {
   }
 }
 
+TEST_P(Conformance, AStreamGoesOnAfterTheNumberThatItIsGiven) {
+  const auto writer = acceptor_->make_stream(100, 4);
+  writer->number_after(41);
+  EXPECT_EQ(writer->newest(), 41U);
+  ASSERT_TRUE(server_.connection->share(7, *writer));
+  const auto reader = client_.wait_for_stream(7);
+  ASSERT_NE(reader, nullptr);
+  StreamSample sample;
+  EXPECT_FALSE(reader->latest(0, sample));
+  ASSERT_TRUE(writer->publish(bytes_of("42"), 1));
+  ASSERT_TRUE(client_.wait([&] { return reader->next(41, sample); }));
+  EXPECT_EQ(sample.sequence, 42U);
+  EXPECT_FALSE(reader->next(42, sample));
+  ASSERT_TRUE(writer->publish(bytes_of("43"), 2));
+  ASSERT_TRUE(client_.wait([&] { return reader->next(42, sample); }));
+  EXPECT_EQ(sample.sequence, 43U);
+}
+
 TEST_P(Conformance, AReaderOfALateStreamMayBeginWithAnOlderSample) {
   const auto writer = acceptor_->make_stream(100, 4);
   ASSERT_TRUE(server_.connection->share(7, *writer));

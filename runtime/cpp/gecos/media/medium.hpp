@@ -116,6 +116,9 @@ class StreamWriter {
   virtual void publish_lent(std::int64_t stamp_ns) = 0;
   /// Returns the sequence number of the newest sample; 0 before the first one.
   virtual std::uint64_t newest() const = 0;
+  /// Makes the numbers of the samples go on after `newest`, so that a stream has the same numbers
+  /// over all media. @pre the stream has no sample yet and is not shared
+  virtual void number_after(std::uint64_t newest) = 0;
   /// Makes all later samples unreadable for peers with whom the stream is no longer shared. The
   /// other peers continue to read, with the same sequence numbers; they may lose samples until the
   /// next heartbeat. Throws a std::exception when no memory or no descriptor is left. Does nothing

@@ -64,6 +64,7 @@ class StreamRingWriter : public StreamWriter {
   tl::expected<std::span<std::byte>, SendProblem> lend(std::size_t size) override;
   void publish_lent(std::int64_t stamp_ns) override;
   std::uint64_t newest() const override { return newest_; }
+  void number_after(std::uint64_t newest) override { newest_ = newest; }
 
   const StreamMemory& memory() const { return memory_; }
   const std::shared_ptr<void>& owner() const { return owner_; }

@@ -63,6 +63,7 @@ class InwardWriter final : public CopyingWriter {
     return stream_->publish(sample, stamp_ns);
   }
   std::uint64_t newest() const override { return stream_->newest(); }
+  void number_after(std::uint64_t /*newest*/) override {}  // an inward stream has one medium
   const std::shared_ptr<InwardStream>& stream() const { return stream_; }
 
  private:

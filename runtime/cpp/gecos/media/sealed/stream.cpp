@@ -61,6 +61,12 @@ std::uint64_t SealedStream::newest() const {
   return sealer_.count();
 }
 
+void SealedStream::number_after(std::uint64_t newest) {
+  const MutexLock lock(mutex_);
+  sealer_ = crypto::StreamSealer(newest);
+  where_.key = sealer_.key();
+}
+
 SampleQueue::SampleQueue(std::shared_ptr<DatagramPort> port, const SharedStream& where,
                          std::weak_ptr<Sleeper> sleeper)
     : port_(std::move(port)),

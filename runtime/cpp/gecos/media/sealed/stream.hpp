@@ -32,6 +32,8 @@ class SealedStream {
   /// readers ignore the repetition. Any thread may call this function.
   void repeat_last();
   std::uint64_t newest() const;
+  /// See StreamWriter::number_after.
+  void number_after(std::uint64_t newest);
 
  private:
   const std::shared_ptr<DatagramPort> port_;
@@ -52,6 +54,7 @@ class SealedStreamWriter final : public CopyingWriter {
     return stream_->publish(sample, stamp_ns);
   }
   std::uint64_t newest() const override { return stream_->newest(); }
+  void number_after(std::uint64_t newest) override { stream_->number_after(newest); }
   void move_on() override { stream_->move_on(); }
   const std::shared_ptr<SealedStream>& stream() const { return stream_; }
 

@@ -1,5 +1,6 @@
 #include "gecos/session/server/stream_port.hpp"
 
+#include <algorithm>
 #include <exception>
 
 #include "gecos/base/log.hpp"
@@ -38,12 +39,23 @@ tl::expected<media::StreamWriter*, std::string> StreamPort::writer_for(media::Ac
   const std::size_t depth = stream_.quality.depth != 0 ? stream_.quality.depth : usual_depth;
   try {
     auto made = acceptor.make_stream(largest + measured_bytes, depth);
+    // The number of the newest sample is the same over all media. A session that moves to another
+    // medium goes on reading after the number that it has read last.
+    if (const std::uint64_t newest = newest_number(); newest != 0) {
+      made->number_after(kept_ ? newest - 1 : newest);
+    }
     if (kept_) static_cast<void>(made->publish(latest_, latest_stamp_ns_));
     return writers_.emplace(medium, std::move(made)).first->second.get();
   } catch (const std::exception& failed) {  // no memory or no descriptor is left
     return tl::unexpected(named() + " cannot be opened over " + std::string(medium) + ": " +
                           failed.what());
   }
+}
+
+std::uint64_t StreamPort::newest_number() const {
+  std::uint64_t newest = 0;
+  for (const auto& [medium, writer] : writers_) newest = std::max(newest, writer->newest());
+  return newest;
 }
 
 void StreamPort::publish(ByteView sample, const SampleTime& time) {

@@ -47,6 +47,8 @@ class StreamPort {
  private:
   tl::expected<media::StreamWriter*, std::string> writer_for(media::Acceptor& acceptor)
       GECOS_REQUIRES(mutex_);
+  /// Returns the number of the newest sample; 0 when no medium has one.
+  std::uint64_t newest_number() const GECOS_REQUIRES(mutex_);
   void send_in_clear(ByteView sample) GECOS_REQUIRES(mutex_);
   void drop(std::size_t size, std::string_view medium) GECOS_REQUIRES(mutex_);
   std::string named() const;
