@@ -74,6 +74,20 @@ def test_a_bound_that_no_connection_meets_gives_one_change(lab: gecos.Lab) -> No
 
 
 @pytest.mark.usefixtures("server")
+def test_with_failover_a_proxy_without_a_better_medium_stays_and_says_why(lab: gecos.Lab) -> None:
+    lamp = lab.create(demanding(MICROSECOND, OnDegraded.FAILOVER), "LAMP")
+    watch = gecos.LineWatch(lamp)
+    stays = watch.next(30.0)
+    while stays.changes < 2:
+        stays = watch.next(30.0)
+    assert (stays.degraded, stays.changes, stays.moved_from) == (True, 2, "")
+    assert re.match(rf"^LAMP stays on {stays.medium}: LAMP no medium meets", stays.why), stays.why
+    assert re.search(r"latency=1us: \w+ was measured at", stays.why), stays.why
+    assert f"{stays.medium}: the connection over it became too slow" in stays.why
+    assert lamp.label().result() == "a lamp", "the session goes on"
+
+
+@pytest.mark.usefixtures("server")
 def test_with_fail_the_session_is_lost_and_says_why(lab: gecos.Lab) -> None:
     lamp = lab.create(demanding(MICROSECOND, OnDegraded.FAIL), "LAMP", medium="shm")
     changes = list(gecos.LineWatch(lamp))

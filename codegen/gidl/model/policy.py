@@ -60,6 +60,7 @@ class OnDegraded(Enum):
 
     EVENT = "event"
     FAIL = "fail"
+    FAILOVER = "failover"
 
 
 class StreamDirection(Enum):

@@ -372,12 +372,8 @@ class InterfaceResolver(TypeResolver):
         text = applied.text("on_degraded")
         if text in [each.value for each in OnDegraded]:
             return OnDegraded(text)
-        advice = 'write on_degraded="event" or on_degraded="fail"'
-        if text == "failover":
-            message = "a session does not move to another medium when its connection degrades"
-            advice = 'write on_degraded="fail", and create a new proxy when the session is lost'
-        else:
-            message = f"'on_degraded' is event or fail, not \"{text}\""
+        message = f"'on_degraded' is event, fail or failover, not \"{text}\""
+        advice = 'write on_degraded="event", on_degraded="fail" or on_degraded="failover"'
         self._findings.error("G0506", applied.span, message, advice)
         return None
 

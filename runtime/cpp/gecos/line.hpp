@@ -15,8 +15,9 @@ LineState line_state(const Object& proxy);
 /// Reports when the connection of a proxy becomes degraded, and when it recovers. A connection is
 /// degraded while its round trip exceeds the smallest `latency` that the `@qos` of the interface or
 /// of a member demands, with the class SOFT_REALTIME or HARD_REALTIME. A single slow answer is not
-/// reported: all answers within one second must be slow, or all fast. A LineWatch keeps the session
-/// open. Not thread-safe.
+/// reported: all answers within one second must be slow, or all fast. With
+/// `on_degraded="failover"`, also reports that the proxy has moved to another medium, or why it
+/// stays. A LineWatch keeps the session open. Not thread-safe.
 class LineWatch {
  public:
   /// Reports the changes from now on.

@@ -33,7 +33,11 @@ struct LineState {
                      ///< is measured
   std::optional<Duration> round_trip{};  ///< as measured last
   bool degraded = false;                 ///< the round trip has exceeded the bound for a second
-  std::uint64_t changes = 0;             ///< how often `degraded` has changed
+  /// How often the state has changed: `degraded` has, or a failover has succeeded or failed.
+  std::uint64_t changes = 0;
+  /// The medium that the proxy has left, if the last change was a failover to `medium`.
+  std::string moved_from{};
+  std::string why{};  ///< what the last change was, and why, for people; empty before the first
 };
 
 namespace session {

@@ -298,12 +298,13 @@ double seconds(Duration duration) { return std::chrono::duration<double>(duratio
 nb::tuple as_tuple(const LineState& line) {
   nb::object took = nb::none();
   if (line.round_trip) took = nb::float_(seconds(*line.round_trip));
-  return nb::make_tuple(line.medium, seconds(line.bound), took, line.degraded, line.changes);
+  return nb::make_tuple(line.medium, seconds(line.bound), took, line.degraded, line.changes,
+                        line.moved_from, line.why);
 }
 
-/// Waits until the connection of the session becomes degraded or recovers, and returns the new
-/// state of the connection. `changes` is the number of such changes that the caller knows. Returns
-/// True if there was no change within `timeout`, and False if the session is lost or closed.
+/// Waits until the state of the connection of the session changes, and returns the new state.
+/// `changes` is the number of such changes that the caller knows. Returns True if there was no
+/// change within `timeout`, and False if the session is lost or closed.
 nb::object next_line_change(SessionHandle& self, std::uint64_t changes,
                             std::optional<double> timeout) {
   LineState line;

@@ -62,7 +62,7 @@ qos::Quality quality_of(nb::handle table) {
   quality.liveliness = field<bool>(table, "manual_liveliness") ? qos::Liveliness::Manual
                                                                : qos::Liveliness::Automatic;
   quality.depth = field<std::uint32_t>(table, "depth");
-  quality.on_degraded = enumerator(table, "on_degraded", qos::OnDegraded::Fail);
+  quality.on_degraded = enumerator(table, "on_degraded", qos::OnDegraded::Failover);
   quality.media = static_cast<qos::Media>(field<std::uint8_t>(table, "media"));
   return quality;
 }

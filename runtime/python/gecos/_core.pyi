@@ -59,12 +59,12 @@ class Session:
         """Returns a reference to the object, as the members of an ObjectRef."""
     def call(self, code: int, arguments: bytes, deadline: float | None) -> Command:
         """Calls an operation of the object's interface or a built-in operation."""
-    def line(self) -> tuple[str, float, float | None, bool, int]:
+    def line(self) -> tuple[str, float, float | None, bool, int, str, str]:
         """The members of LineState."""
     def next_line_change(
         self, changes: int, timeout: float | None
-    ) -> tuple[str, float, float | None, bool, int] | bool:
-        """Waits until the connection becomes degraded or recovers. Returns the members of
+    ) -> tuple[str, float, float | None, bool, int, str, str] | bool:
+        """Waits until the state of the connection changes. Returns the members of
         LineState, True if there was no change within `timeout`, or False if the session is lost or
         closed. `changes` is the number of changes that the caller knows."""
     def subscribe(self, code: int) -> Stream | tuple[int, str]: ...

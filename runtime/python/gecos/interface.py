@@ -54,6 +54,7 @@ class OnLoss(IntEnum):
 class OnDegraded(IntEnum):
     EVENT = 0
     FAIL = 1
+    FAILOVER = 2
 
 
 class QualityClass(IntEnum):

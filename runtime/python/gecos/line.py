@@ -18,7 +18,11 @@ class LineState:
     bound: float  # s, longest round trip that the interface allows; 0: none, nothing is measured
     round_trip: float | None  # s, as measured last
     degraded: bool  # the round trip has exceeded the bound for a second
-    changes: int  # how often `degraded` has changed
+    # How often the state has changed: `degraded` has, or a failover has succeeded or failed.
+    changes: int
+    # The medium that the proxy has left, if the last change was a failover to `medium`; else empty.
+    moved_from: str = ""
+    why: str = ""  # what the last change was, and why, for people; empty before the first change
 
 
 def line_state(robot: Object) -> LineState:
@@ -30,7 +34,9 @@ class LineWatch:
     """Reports from now on when the connection of `robot` becomes degraded, and when it recovers. A
     connection is degraded while its round trip exceeds the smallest `latency` that the `@qos` of
     the interface or of a member demands, with the class SOFT_REALTIME or HARD_REALTIME. A single
-    slow answer is not reported: all answers within one second must be slow, or all fast.
+    slow answer is not reported: all answers within one second must be slow, or all fast. With
+    `on_degraded="failover"`, also reports that the proxy has moved to another medium, or why it
+    stays.
 
     Iterating waits for each change, and ends when the session is lost or closed. Only one thread
     reads at a time.

@@ -51,6 +51,8 @@ const std::vector<Row>& rows() {
       {"depth=4", {.depth = 4}},
       {"class=SOFT_REALTIME, latency=1h, on_degraded=fail",
        {.line = Class::SoftRealtime, .latency = 1h, .on_degraded = OnDegraded::Fail}},
+      {"class=SOFT_REALTIME, latency=1h, on_degraded=failover",
+       {.line = Class::SoftRealtime, .latency = 1h, .on_degraded = OnDegraded::Failover}},
   };
   return all;
 }

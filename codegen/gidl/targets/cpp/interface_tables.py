@@ -146,8 +146,8 @@ def quality(qos: Qos) -> list[str]:
     if qos.media is not None:
         named = " | ".join(f"gecos::qos::Media::{medium.capitalize()}" for medium in qos.media)
         terms.append(f".media = {named}")
-    if qos.on_degraded is OnDegraded.FAIL:
-        terms.append(".on_degraded = gecos::qos::OnDegraded::Fail")
+    if qos.on_degraded not in (None, OnDegraded.EVENT):
+        terms.append(f".on_degraded = gecos::qos::OnDegraded::{qos.on_degraded.value.capitalize()}")
     return terms
 
 

@@ -158,6 +158,6 @@ def quality(qos: Qos) -> str:
         terms.append("manual_liveliness=True")
     if qos.media is not None:
         terms.append("media=" + " | ".join(f"_Media.{medium.upper()}" for medium in qos.media))
-    if qos.on_degraded is OnDegraded.FAIL:
-        terms.append("on_degraded=_OnDegraded.FAIL")
+    if qos.on_degraded not in (None, OnDegraded.EVENT):
+        terms.append(f"on_degraded=_OnDegraded.{qos.on_degraded.name}")
     return f"_Quality{group(terms)}"

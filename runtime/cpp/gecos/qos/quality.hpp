@@ -14,8 +14,9 @@ enum class Class : std::uint8_t { TimeIndependent, SoftRealtime, HardRealtime };
 enum class Reliability : std::uint8_t { Reliable, BestEffort };
 /// What happens to a session whose connection exceeds the latency that its interface demands.
 enum class OnDegraded : std::uint8_t {
-  Event,  ///< the session goes on; LineWatch reports the change
-  Fail,   ///< the session is lost
+  Event,     ///< the session goes on; LineWatch reports the change
+  Fail,      ///< the session is lost
+  Failover,  ///< the proxy goes on over another medium that meets the quality, if there is one
 };
 /// The evidence that the writer of a stream is alive: heartbeats of its process, or samples of the
 /// writer itself.

@@ -5,6 +5,7 @@
 #include "gecos/base/log.hpp"
 #include "gecos/base/recycling_allocator.hpp"
 #include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
+#include "gecos/session/client/client_stream.hpp"
 #include "gecos/session/client/client_writer.hpp"
 #include "gecos/session/protocol/builtin.hpp"
 #include "gecos/session/protocol/start_words.hpp"

@@ -49,13 +49,19 @@ constexpr int most_looks = 1024;
 
 ClientStream::ClientStream(std::shared_ptr<ClientConnection> session,
                            const StreamDescription& stream,
-                           std::unique_ptr<media::StreamReader> reader,
-                           std::optional<std::uint64_t> after)
+                           std::unique_ptr<media::StreamReader> reader, std::uint64_t newest,
+                           const ClientStream* earlier)
     : session_(std::move(session)),
       code_(stream.code),
       reader_(std::move(reader)),
-      after_(after),
-      reception_(stream.quality, session_->runtime().clock().since_boot(), after) {}
+      opened_at_(newest),
+      after_(earlier != nullptr ? earlier->after_
+             : stream.event     ? std::optional(newest)
+                                : std::nullopt),
+      reception_(earlier != nullptr
+                     ? earlier->reception_
+                     : std::make_shared<qos::Reception>(
+                           stream.quality, session_->runtime().clock().since_boot(), after_)) {}
 
 ClientStream::~ClientStream() { session_->subscriptions().unsubscribe(code_); }
 
@@ -70,7 +76,7 @@ bool ClientStream::admit(qos::Reception::Way way, RawSample& sample, TimePoint n
   if (!measured) sample.bytes.clear();
   sample.measured = session_->calls().by_our_clock(measured.value_or(TimePoint(-longest_age)));
   sample.age = std::max(now - sample.measured, Duration::zero());
-  return reception_.take(way, sample.sequence, sample.measured, now);
+  return reception_->take(way, sample.sequence, sample.measured, now);
 }
 
 bool ClientStream::latest(RawSample& into) {
@@ -78,9 +84,9 @@ bool ClientStream::latest(RawSample& into) {
   const bool unread = reader_->latest(into.sequence, into);
   const TimePoint now = session_->runtime().clock().since_boot();
   if (unread) return admit(qos::Reception::Way::Newest, into, now);
-  reception_.find_nothing(now);
+  reception_->find_nothing(now);
   into.age = std::max(now - into.measured, Duration::zero());
-  return into.sequence != after_.value_or(0) && reception_.still_valid(now);
+  return into.sequence != after_.value_or(0) && reception_->still_valid(now);
 }
 
 tl::expected<void, StreamEnd> ClientStream::next(RawSample& into, TimePoint deadline) {
@@ -92,9 +98,10 @@ tl::expected<void, StreamEnd> ClientStream::next(RawSample& into, TimePoint dead
       if (admit(qos::Reception::Way::InOrder, into, now)) return {};
       if (looks > 0) continue;
     } else {
+      if (!waits_.load(std::memory_order_relaxed)) return tl::unexpected(StreamEnd::Nothing);
       if (lost()) return tl::unexpected(StreamEnd::Lost);
-      reception_.find_nothing(now);
-      if (reception_.report_late()) return tl::unexpected(StreamEnd::Late);
+      reception_->find_nothing(now);
+      if (reception_->report_late()) return tl::unexpected(StreamEnd::Late);
     }
     if (std::chrono::steady_clock::now() >= deadline) return tl::unexpected(StreamEnd::Nothing);
   }
@@ -103,7 +110,7 @@ tl::expected<void, StreamEnd> ClientStream::next(RawSample& into, TimePoint dead
 /// Waits for an unread sample until `deadline`, but not after the time at which the reader must be
 /// told that the stream missed its own deadline.
 bool ClientStream::await_sample(RawSample& into, TimePoint deadline) {
-  if (const TimePoint late_at = reception_.late_at(); late_at != TimePoint::max()) {
+  if (const TimePoint late_at = reception_->late_at(); late_at != TimePoint::max()) {
     const Duration left = late_at - session_->runtime().clock().since_boot();
     deadline = std::min(deadline, TimePoint(std::chrono::steady_clock::now()) + left);
   }
@@ -113,10 +120,15 @@ bool ClientStream::await_sample(RawSample& into, TimePoint deadline) {
       [&] {
         if (session_->closed()) return true;
         got = got || reader_->next(into.sequence, into);
-        return got || session_->lost();
+        return got || session_->lost() || !waits_.load(std::memory_order_relaxed);
       },
       deadline);
   return got;
+}
+
+void ClientStream::stop_waiting() {
+  waits_.store(false, std::memory_order_relaxed);
+  session_->reader().wake_all();
 }
 
 bool ClientStream::lost() const { return session_->lost() || session_->closed(); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -14,17 +15,26 @@ class ClientConnection;
 /// The client side of a subscription to a stream.
 class ClientStream final : public StreamCore {
  public:
-  /// `after`: see StreamCore::after().
+  /// `newest`: the number of the newest sample when the server took the subscription. `earlier`:
+  /// the stream of another session that this stream continues; null for a new subscription.
   ClientStream(std::shared_ptr<ClientConnection> session, const StreamDescription& stream,
-               std::unique_ptr<media::StreamReader> reader, std::optional<std::uint64_t> after);
+               std::unique_ptr<media::StreamReader> reader, std::uint64_t newest,
+               const ClientStream* earlier);
   ~ClientStream() override;
 
   bool latest(RawSample& into) override;
   tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) override;
   bool lost() const override;
   std::optional<std::uint64_t> after() const override { return after_; }
-  qos::StreamCounts counts() const override { return reception_.counts(); }
-  bool alive() const override { return !lost() && reception_.writer_alive(); }
+  qos::StreamCounts counts() const override { return reception_->counts(); }
+  bool alive() const override { return !lost() && reception_->writer_alive(); }
+
+  /// Returns the number of the newest sample when the server took the subscription. The reader gets
+  /// all later samples.
+  std::uint64_t opened_at() const { return opened_at_; }
+  /// Ends the waits of the reader: from now on next() returns only the samples that have arrived,
+  /// and then Nothing. Any thread may call this function.
+  void stop_waiting();
 
  private:
   bool await_sample(RawSample& into, TimePoint deadline);
@@ -33,8 +43,10 @@ class ClientStream final : public StreamCore {
   const std::shared_ptr<ClientConnection> session_;
   const FunctionCode code_;
   const std::unique_ptr<media::StreamReader> reader_;
+  const std::uint64_t opened_at_;
   const std::optional<std::uint64_t> after_;
-  qos::Reception reception_;
+  const std::shared_ptr<qos::Reception> reception_;  ///< of all streams that continue each other
+  std::atomic<bool> waits_{true};                    // orders no other memory
 };
 
 }  // namespace gecos::session

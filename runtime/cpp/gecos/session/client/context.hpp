@@ -76,4 +76,10 @@ tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_objec
     Context& lab, const InterfaceDescription& wanted, const std::string& name,
     const CreateOptions& options);
 
+/// Opens another session with the object of `slow`, with the same server process, over the best
+/// medium other than the medium of `slow`. The measured latency of that medium must meet the bound
+/// of `slow`. Returns why it failed.
+tl::expected<std::shared_ptr<ClientConnection>, CreateError::Attempt> open_elsewhere(
+    Context& lab, ClientConnection& slow);
+
 }  // namespace gecos::session

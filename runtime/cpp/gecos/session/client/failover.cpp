@@ -89,6 +89,17 @@ void Failover::look_for_another(const std::shared_ptr<ClientConnection>& from) {
   if (!ended_ && started()) search_of(from);
 }
 
+bool Failover::run_soon(Job job) {
+  if (getpid() != owner_) return false;
+  {
+    const MutexLock lock(mutex_);
+    if (ended_ || !started()) return false;
+    jobs_.push_back(std::move(job));
+  }
+  changed_.notify_one();
+  return true;
+}
+
 bool Failover::started() {
   if (thread_.joinable()) return true;
   try {
@@ -150,15 +161,28 @@ void Failover::run() {
       done.clear();
       continue;
     }
+    if (!jobs_.empty()) {
+      run_job();
+      continue;
+    }
     const auto next = std::ranges::min_element(searches_, {}, &Search::next);
     if (next == searches_.end()) {
-      while (!ended_ && searches_.empty()) changed_.wait(lock);
+      while (!ended_ && searches_.empty() && jobs_.empty()) changed_.wait(lock);
     } else if (const TimePoint when = next->next; when > std::chrono::steady_clock::now()) {
       changed_.wait_until(lock, when);
     } else {
       look(next->from);
     }
   }
+}
+
+/// Releases the mutex while the job runs and is destroyed.
+void Failover::run_job() {
+  Job job = std::move(jobs_.front());
+  jobs_.pop_front();
+  const MutexUnlock unlocked(mutex_);
+  job(lab_);
+  job = {};
 }
 
 void Failover::look(std::shared_ptr<ClientConnection> from) {

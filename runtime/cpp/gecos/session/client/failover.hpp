@@ -3,6 +3,8 @@
 #include <sys/types.h>
 
 #include <cstdint>
+#include <deque>
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
@@ -48,6 +50,9 @@ class Failover final : public TickTarget, public std::enable_shared_from_this<Fa
   /// Maximum number of commands of one session that wait for a server.
   static constexpr std::size_t most_pending = 256;
 
+  /// A search for another session. May block for about a second.
+  using Job = std::function<void(Context&)>;
+
   explicit Failover(Context& lab);
   ~Failover() override;
 
@@ -57,6 +62,9 @@ class Failover final : public TickTarget, public std::enable_shared_from_this<Fa
   /// Must be called when the server of the session `from` is UNREACHABLE. If another server now
   /// serves the object of `from`, the idempotent calls of `from` are sent to that server.
   void look_for_another(const std::shared_ptr<ClientConnection>& from);
+  /// Runs `job` soon, on the thread of this object. Returns false when there is no such thread: the
+  /// lab is closed, no thread can be created, or this process is a forked child.
+  bool run_soon(Job job);
   /// Ends the commands whose `grace` or deadline has passed.
   TimePoint on_tick(TimePoint now) override;
   /// Called when the lab is closed: ends the commands that wait for failover.
@@ -74,6 +82,7 @@ class Failover final : public TickTarget, public std::enable_shared_from_this<Fa
   bool started() GECOS_REQUIRES(mutex_);
   Search& search_of(const std::shared_ptr<ClientConnection>& from) GECOS_REQUIRES(mutex_);
   void run();
+  void run_job() GECOS_REQUIRES(mutex_);
   /// Looks for a server for the commands of `from`. Releases the mutex during the search. `from` is
   /// a copy of the pointer in `searches_`, because that entry may be removed during the search.
   void look(std::shared_ptr<ClientConnection> from) GECOS_REQUIRES(mutex_);
@@ -91,6 +100,7 @@ class Failover final : public TickTarget, public std::enable_shared_from_this<Fa
   Mutex mutex_;
   ConditionVariable changed_;
   std::vector<Search> searches_ GECOS_GUARDED_BY(mutex_);
+  std::deque<Job> jobs_ GECOS_GUARDED_BY(mutex_);
   bool ended_ GECOS_GUARDED_BY(mutex_) = false;
   std::thread thread_ GECOS_GUARDED_BY(mutex_);
 };

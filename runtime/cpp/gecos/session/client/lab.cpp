@@ -8,6 +8,7 @@
 #include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/connect.hpp"
 #include "gecos/session/client/context.hpp"
+#include "gecos/session/client/movable_session.hpp"
 #include "gecos/session/client/select.hpp"
 #include "gecos/session/protocol/packets.hpp"
 
@@ -114,7 +115,9 @@ tl::expected<Created, CreateError> try_create(const LabOrWhyNot& lab,
   for (const auto& name : names) {
     auto session = lab ? open_object(**lab, wanted, name, options)
                        : tl::unexpected(Attempt{name, Detail::NoServer, lab.error().text});
-    if (session) return Created{std::move(*session), std::move(passed_over)};
+    if (session) {
+      return Created{with_failover(**lab, std::move(*session), wanted), std::move(passed_over)};
+    }
     passed_over.attempts.push_back(std::move(session.error()));
   }
   if (names.empty()) {

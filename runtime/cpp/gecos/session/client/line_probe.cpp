@@ -109,13 +109,16 @@ void LineProbe::note(qos::LatencyWatch::Change change) {
            (state_.degraded ? "; for one second it has exceeded latency="
                             : ", again within latency=") +
            in_milliseconds(state_.bound);
+    state_.why = text;
   }
   changed_.notify_all();
-  log(simulated_ ? LogLevel::Info : LogLevel::Warning, "client", text);
+  log(log_level(), "client", text);
   if (change == qos::LatencyWatch::Change::Degraded && on_degraded_ == qos::OnDegraded::Fail) {
     session_.fail_degraded(text);
   }
 }
+
+LogLevel LineProbe::log_level() const { return simulated_ ? LogLevel::Info : LogLevel::Warning; }
 
 LineState LineProbe::state() const {
   const MutexLock lock(mutex_);

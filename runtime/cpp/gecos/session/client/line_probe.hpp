@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "gecos/base/log.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/object.hpp"
 #include "gecos/qos/latency_sample.hpp"
@@ -39,6 +40,8 @@ class LineProbe {
   /// Waits until `LineState::degraded` has changed more than `changes` times, the session is lost
   /// or closed, or `deadline` has passed.
   LineState await_change(std::uint64_t changes, TimePoint deadline) const;
+  /// Returns the level at which changes of the connection are logged.
+  LogLevel log_level() const;
   /// Returns how many pings this object has sent. These calls do not come from the program.
   std::uint64_t pings() const { return pings_.load(std::memory_order_relaxed); }
 

@@ -12,6 +12,9 @@ using Opened = tl::expected<std::shared_ptr<ClientConnection>, Attempt>;
 
 /// Maximum time for measuring the latency of one medium.
 constexpr Duration longest_measurement = std::chrono::seconds(2);
+/// Maximum time in which another medium must open a session and answer. It is short because the
+/// calls that wait for another server wait for the search.
+constexpr Duration longest_search = std::chrono::seconds(1);
 
 /// Returns the name of a channel for messages, such as "RX90 (in=lcm)"; only "RX90" when the
 /// program did not choose a medium for the channel.
@@ -29,11 +32,15 @@ class ObjectConnector {
                   const std::string& name, const CreateOptions& options)
       : lab_(lab), wanted_(wanted), entry_(entry), name_(name), options_(options) {}
 
+  /// Makes a later failover use `options` instead of the options of this session.
+  void set_options_of_successors(const CreateOptions& options) { later_options_ = &options; }
+
   /// Opens a session over the channel `only`. `channel` names the object and the channel in the
   /// reasons of a failure: "RX90 (in=lcm)".
-  Opened over(std::optional<media::Kind> only, const std::string& channel,
-              TimePoint deadline) const {
-    Selection selection(*lab_.runtime(), entry_, demanded(), only);
+  /// `without`: a medium that must not be used.
+  Opened over(std::optional<media::Kind> only, const std::string& channel, TimePoint deadline,
+              std::optional<media::Kind> without = {}) const {
+    Selection selection(*lab_.runtime(), entry_, demanded(), only, without);
     const std::vector<Route> routes = selection.best_first();
     Attempt failed{name_, Detail::NoServer, {}};
     bool unsuitable = routes.empty();
@@ -57,7 +64,9 @@ class ObjectConnector {
       return tl::unexpected(
           Attempt{name_, Detail::QosUnavailable, channel + " " + selection.why_none()});
     }
-    failed.reason = channel + " is offline (" + failed.reason + ")";
+    failed.reason = channel +
+                    (without ? " cannot be reached over another medium (" : " is offline (") +
+                    failed.reason + ")";
     return tl::unexpected(std::move(failed));
   }
 
@@ -85,7 +94,7 @@ class ObjectConnector {
     return by_interface || options_.latency > Duration{};
   }
   void prepare(ClientConnection& session) const {
-    session.failover().set(lab_.failover(), {name_, wanted_, options_});
+    session.failover().set(lab_.failover(), {name_, wanted_, *later_options_});
     session.line_probe().bound_by(bound(), wanted_, entry_.simulated);
   }
   /// Measures the latency of `session` if the interface or the program demands a latency. If the
@@ -108,6 +117,7 @@ class ObjectConnector {
   const Entry& entry_;
   const std::string& name_;
   const CreateOptions& options_;
+  const CreateOptions* later_options_ = &options_;
 };
 
 }  // namespace
@@ -126,6 +136,20 @@ Opened open_object(Context& lab, const InterfaceDescription& wanted, const std::
   if (!inbound) return inbound;
   (*session)->receive_over(*std::move(inbound));
   return session;
+}
+
+Opened open_elsewhere(Context& lab, ClientConnection& slow) {
+  const ConnectTarget& target = slow.failover().connect_target();
+  CreateOptions options = target.options;
+  options.patience = std::min(options.patience, longest_search);
+  options.latency = slow.line().bound;
+  options.incarnation = slow.welcome().incarnation;
+  const TimePoint deadline = deadline_after(options.patience);
+  const auto entry = find_entry(lab, target.wanted, target.name, options);
+  if (!entry) return tl::unexpected(entry.error());
+  ObjectConnector connector(lab, target.wanted, *entry, target.name, options);
+  connector.set_options_of_successors(target.options);
+  return connector.over({}, target.name, deadline, media::kind_of(slow.place()));
 }
 
 }  // namespace gecos::session

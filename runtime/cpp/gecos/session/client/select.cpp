@@ -115,14 +115,16 @@ Duration smallest_latency(const InterfaceDescription& wanted) {
 }
 
 Selection::Selection(Runtime& runtime, const Entry& entry, const qos::Quality& demanded,
-                     std::optional<media::Kind> only)
+                     std::optional<media::Kind> only, std::optional<media::Kind> without)
     : demanded_(demanded),
       asked_for_(only ? " over " + std::string(media::to_string(*only)) : ""),
       offered_(offered(entry)) {
   for (const auto& address : entry.addresses) {
     const auto kind = media::kind_of(address);
     if (only && kind && *kind != *only) continue;
-    if (auto line = line_to(runtime, entry, address)) {
+    if (without && kind == without) {
+      pass_over(address, "the connection over it became too slow");
+    } else if (auto line = line_to(runtime, entry, address)) {
       routes_.push_back({address, *std::move(line)});
     } else {
       pass_over(address, line.error());

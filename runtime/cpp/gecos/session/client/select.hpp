@@ -46,9 +46,10 @@ struct Route {
 /// clock and sends nothing.
 class Selection {
  public:
-  /// `demanded`: what the medium must meet. `only`: the only medium to consider.
+  /// `demanded`: what the medium must meet. `only`: the only medium to consider. `without`: a
+  /// medium not to consider, because a session over it became too slow.
   Selection(Runtime& runtime, const Entry& entry, const qos::Quality& demanded,
-            std::optional<media::Kind> only);
+            std::optional<media::Kind> only, std::optional<media::Kind> without = {});
 
   /// Returns the routes that meet the demanded quality, best first.
   std::vector<Route> best_first() const;

@@ -8,8 +8,8 @@
 #include "gecos/session/process/runtime.hpp"
 
 namespace gecos::session {
-tl::expected<std::shared_ptr<StreamCore>, Failure> Subscriptions::subscribe(
-    const StreamDescription& stream) {
+tl::expected<std::shared_ptr<ClientStream>, Failure> Subscriptions::subscribe(
+    const StreamDescription& stream, const ClientStream* earlier) {
   std::shared_ptr<CommandCore> command;
   {
     const MutexLock lock(mutex_);
@@ -17,13 +17,13 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> Subscriptions::subscribe(
     command = own_call(session_, GecosObjectInterface::subscribe,
                        GecosObject_subscribe_arguments{number(stream.code)});
   }
-  auto opened = open(stream, *command);
+  auto opened = open(stream, *command, earlier);
   if (!opened) unsubscribe(stream.code);
   return opened;
 }
 
-tl::expected<std::shared_ptr<StreamCore>, Failure> Subscriptions::open(
-    const StreamDescription& stream, CommandCore& subscribed) {
+tl::expected<std::shared_ptr<ClientStream>, Failure> Subscriptions::open(
+    const StreamDescription& stream, CommandCore& subscribed, const ClientStream* earlier) {
   subscribed.wait_until(TimePoint::max());
   const std::string what = "stream '" + std::string(stream.name) + "' of " + session_.object_name();
   if (subscribed.progress().detail != Detail::Done) {
@@ -63,10 +63,8 @@ tl::expected<std::shared_ptr<StreamCore>, Failure> Subscriptions::open(
         {},
         {}});
   }
-  std::optional<std::uint64_t> after;
-  if (stream.event) after = answer.newest;
   return std::make_shared<ClientStream>(session_.shared_from_this(), stream, std::move(reader),
-                                        after);
+                                        answer.newest, earlier);
 }
 
 void Subscriptions::unsubscribe(FunctionCode stream) {

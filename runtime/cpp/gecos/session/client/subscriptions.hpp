@@ -10,6 +10,7 @@
 namespace gecos::session {
 
 class ClientConnection;
+class ClientStream;
 
 /// The subscriptions of one session to streams of its object. The server sends a stream until the
 /// last subscription to it ends. Thread-safe.
@@ -17,14 +18,17 @@ class Subscriptions {
  public:
   explicit Subscriptions(ClientConnection& session) : session_(session) {}
 
-  /// Subscribes to `stream` and waits until the samples of the stream can be read.
-  tl::expected<std::shared_ptr<StreamCore>, Failure> subscribe(const StreamDescription& stream);
+  /// Subscribes to `stream` and waits until the samples of the stream can be read. `earlier`: see
+  /// ClientStream.
+  tl::expected<std::shared_ptr<ClientStream>, Failure> subscribe(
+      const StreamDescription& stream, const ClientStream* earlier = nullptr);
   /// Ends one subscription to `stream`. Never blocks.
   void unsubscribe(FunctionCode stream);
 
  private:
-  tl::expected<std::shared_ptr<StreamCore>, Failure> open(const StreamDescription& stream,
-                                                          CommandCore& subscribed);
+  tl::expected<std::shared_ptr<ClientStream>, Failure> open(const StreamDescription& stream,
+                                                            CommandCore& subscribed,
+                                                            const ClientStream* earlier);
 
   ClientConnection& session_;
   /// Held while a subscription is requested or ended, so that the end of one subscription does not

@@ -1,0 +1,45 @@
+#include "gecos/session/client/movable_stream.hpp"
+
+#include <utility>
+
+namespace gecos::session {
+
+std::shared_ptr<ClientStream> MovableStream::core() const {
+  const MutexLock lock(mutex_);
+  return core_;
+}
+
+void MovableStream::go_on_in(std::shared_ptr<ClientStream> core) {
+  {
+    const MutexLock lock(mutex_);
+    core_.swap(core);
+  }
+  core->stop_waiting();
+}
+
+/// Makes `core` the stream from which the reader reads. The earlier one may be the last user of its
+/// session, whose end takes a while, so it is destroyed on the maintenance thread.
+void MovableStream::read_from(std::shared_ptr<ClientStream> core) {
+  if (core == read_) return;
+  read_.swap(core);
+  runtime_.maintenance().post([left = std::move(core)] {});
+}
+
+bool MovableStream::latest(RawSample& into) {
+  read_from(core());
+  return read_->latest(into);
+}
+
+tl::expected<void, StreamEnd> MovableStream::next(RawSample& into, TimePoint deadline) {
+  for (;;) {
+    const auto newest = core();
+    // Before the change, the reader takes the samples that have arrived over the old medium and
+    // that the new medium may not have.
+    if (read_ != newest && into.sequence >= newest->opened_at()) read_from(newest);
+    const auto got = read_->next(into, deadline);
+    if (got || read_ == core()) return got;
+    read_from(core());
+  }
+}
+
+}  // namespace gecos::session

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "gecos/base/mutex.hpp"
+#include "gecos/session/client/client_stream.hpp"
+#include "gecos/session/process/runtime.hpp"
+
+namespace gecos::session {
+
+/// A subscription through a session that may move to another medium. Its samples have the same
+/// numbers over all media, so the reader goes on after the sample that it has read last, gets no
+/// sample twice, and is told how many it has missed. Thread-safe as every StreamCore.
+class MovableStream final : public StreamCore {
+ public:
+  /// `session`: the session that moves this stream. The stream keeps it open.
+  MovableStream(std::shared_ptr<ClientSession> session, Runtime& runtime,
+                const StreamDescription& stream, std::shared_ptr<ClientStream> opened)
+      : session_(std::move(session)),
+        runtime_(runtime),
+        stream_(stream),
+        read_(opened),
+        core_(std::move(opened)) {}
+
+  const StreamDescription& description() const { return stream_; }
+  std::shared_ptr<ClientStream> core() const;
+  /// Makes the reader go on in `core`, which continues the present core(). Any thread may call
+  /// this function.
+  void go_on_in(std::shared_ptr<ClientStream> core);
+
+  bool latest(RawSample& into) override;
+  tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) override;
+  bool lost() const override { return core()->lost(); }
+  std::optional<std::uint64_t> after() const override { return core()->after(); }
+  qos::StreamCounts counts() const override { return core()->counts(); }
+  bool alive() const override { return core()->alive(); }
+
+ private:
+  void read_from(std::shared_ptr<ClientStream> core);
+
+  const std::shared_ptr<ClientSession> session_;
+  Runtime& runtime_;
+  const StreamDescription& stream_;
+  std::shared_ptr<ClientStream> read_;  ///< from which the reader reads; used by the reader only
+  mutable FutexMutex mutex_;
+  std::shared_ptr<ClientStream> core_ GECOS_GUARDED_BY(mutex_);
+};
+
+}  // namespace gecos::session
