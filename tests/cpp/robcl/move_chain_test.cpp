@@ -270,6 +270,26 @@ TEST_P(MoveChains, JointMovesKeepTheSpeedOfTheToolAlsoWhereTheyOverlap) {
   EXPECT_LE(fastest / cycle, 1.01 * 0.05);
 }
 
+TEST_P(MoveChains, AMoveKeepsItsAccelerationAlsoInItsCorners) {
+  Pace gentle;
+  gentle.acceleration = 0.2;
+  const Frame above = start_ * translate(0, 0, -0.1);
+  Chained chained(planner_, straight(ready, above));
+  JointValues turned = chained.chain().goal();
+  turned[0] += deg(60);  // joint 1 moves in this move alone
+  ASSERT_TRUE(chained.extend(joint(chained.chain().goal(), turned, gentle)));
+  ASSERT_TRUE(chained.straight_to(planner_.base_from_tool(turned, {}) * translate(0, 0, 0.1)));
+  chained.run();
+  const auto& at = chained.set_points();
+  double fastest = 0;  // rad/s²
+  for (std::size_t k = 2; k < at.size(); ++k) {
+    const double change = at[k][0] - 2 * at[k - 1][0] + at[k - 2][0];
+    fastest = std::max(fastest, std::abs(change) / (cycle * cycle));
+  }
+  EXPECT_LE(fastest, 1.01 * 0.2 * model_.limits()[0].acceleration);
+  EXPECT_GE(fastest, 0.15 * model_.limits()[0].acceleration);
+}
+
 TEST_P(MoveChains, SlowMovesThatAreAddedTogetherFollow) {
   for (const double acceleration : {0.02, 0.15, 1.0}) {
     Pace pace;

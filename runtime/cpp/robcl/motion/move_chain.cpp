@@ -231,7 +231,7 @@ std::pair<IntervalLimits, IntervalLimits> MoveChain::limits_in(const Overlap& ov
   const ToolLimits& full = planner_.tool_limits();
   IntervalLimits moving, braking;
   moving.speed = std::max(last.pace.speed, next.pace.speed);
-  const double acceleration = std::max(last.pace.acceleration, next.pace.acceleration);
+  const double acceleration = std::min(last.pace.acceleration, next.pace.acceleration);
   moving.acceleration = share_in_overlap * acceleration;
   moving.cap = std::min({1.0, least_cap(last, last.duration() - overlap.half, last.duration()),
                          least_cap(next, 0, overlap.half)});
@@ -243,9 +243,9 @@ std::pair<IntervalLimits, IntervalLimits> MoveChain::limits_in(const Overlap& ov
                              overlap.unhindered, limit);
     };
     const ToolLimits before = scaled(full, last.pace), after = scaled(full, next.pace);
-    moving.way = tool(one.way, other.way, std::max(before.acceleration, after.acceleration));
+    moving.way = tool(one.way, other.way, std::min(before.acceleration, after.acceleration));
     moving.turn =
-        tool(one.turn, other.turn, std::max(before.turn_acceleration, after.turn_acceleration));
+        tool(one.turn, other.turn, std::min(before.turn_acceleration, after.turn_acceleration));
     braking.way = tool(one.way, other.way, full.acceleration);
     braking.turn = tool(one.turn, other.turn, full.turn_acceleration);
   }
