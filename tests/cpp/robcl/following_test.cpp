@@ -238,22 +238,41 @@ TEST_P(Follow, HoldsBeforeALimitOrTheEndOfItsReachAndComesBack) {
   }
 }
 
-TEST(FollowInASingularity, MovesInTheDirectionsThatAreLeftAndHoldsForTheOthers) {
-  const JointValues in_ready = joints({0, -90, 90, 0, 0, 0});
-  const auto left_of = [&](const Frame& step) {
-    const auto corrections = std::make_shared<Corrections>();
-    Following following(rx90(), in_ready, translate(0, 0, 0.15), CorrectionAxes::Tool, {},
-                        corrections);
-    corrections->waiting.assign(100, step);
-    for (int i = 0; i < 1000; ++i) following.advance(0.004);
-    return corrections->last;
-  };
+/// Returns the state of an RX90 that starts at `from`, 4 s after 100 corrections by `step`.
+FollowState after_corrections(const JointValues& from, const Frame& step) {
+  const auto corrections = std::make_shared<Corrections>();
+  Following following(rx90(), from, translate(0, 0, 0.15), CorrectionAxes::Tool, {}, corrections);
+  corrections->waiting.assign(100, step);
+  for (int i = 0; i < 1000; ++i) following.advance(0.004);
+  return corrections->last;
+}
+
+TEST(FollowInASingularity, OfTheWristMovesInTheDirectionsThatAreLeftAndHoldsForTheOthers) {
+  const JointValues wrist = joints({0, -90, 90, 0, 0, 0});
   for (const Frame& step : {translate(0.0005, 0, 0), translate(0, 0, -0.0005), rotate_y(0.002)}) {
-    const FollowState state = left_of(step);
+    const FollowState state = after_corrections(wrist, step);
     EXPECT_LT(state.distance_left + state.angle_left, 1e-9) << step;
   }
   for (const Frame& step : {translate(0, 0.0005, 0), rotate_x(0.002)}) {
-    EXPECT_TRUE(left_of(step).hold.out_of_reach) << step;
+    EXPECT_TRUE(after_corrections(wrist, step).hold.out_of_reach) << step;
+  }
+}
+
+TEST(FollowInASingularity, InReadyTurnsAboutTheToolsAxisAndHoldsForAllElse) {
+  const JointValues in_ready = joints({0, 0, 0, 0, 0, 0});  // stretched straight up
+  for (const Frame& step : {rotate_z(0.002), rotate_z(-0.002)}) {
+    const FollowState state = after_corrections(in_ready, step);
+    EXPECT_LT(state.distance_left + state.angle_left, 1e-9) << step;
+    EXPECT_FALSE(state.hold.out_of_reach) << step;
+  }
+  for (const Frame& step :
+       {translate(0.0005, 0, 0), translate(-0.0005, 0, 0), translate(0, 0.0005, 0),
+        translate(0, 0, 0.0005), translate(0, 0, -0.0005), rotate_x(0.002), rotate_y(0.002)}) {
+    const FollowState state = after_corrections(in_ready, step);
+    EXPECT_TRUE(state.hold.out_of_reach) << step;
+    EXPECT_NEAR(state.distance_left + state.angle_left,
+                100 * (step.position().norm() + angle(step, {})), 1e-9)
+        << step << " moves nothing";
   }
 }
 

@@ -32,6 +32,7 @@ struct Arm {
   const char* base;
   std::array<const char*, 3> links;  // whose origins are shoulder, elbow and wrist centre
   JointValues tool_down;             // in front of the arm, the elbow up
+  JointValues stretched;             // straight up, the maker's READY; joint 5 does not bend
 };
 void PrintTo(const Arm& arm, std::ostream* out) { *out << arm.name; }
 
@@ -40,6 +41,17 @@ class ClosedForm : public ::testing::TestWithParam<Arm> {
   const ArmModel model_ = GetParam().model();
   Kinematics forward_{model_};
   const std::unique_ptr<SphericalWristInverse> inverse_ = SphericalWristInverse::for_arm(model_);
+
+  /// Returns how many solutions there are at `q`, which must all be exact.
+  std::size_t exact_solutions_at(const JointValues& q, const JointValues& reference) {
+    const Frame pose = forward_.base_from_flange(q);
+    const auto found = inverse_->all(pose, reference);
+    for (std::size_t k = 0; k < found.count; ++k) {
+      EXPECT_TRUE(near(forward_.base_from_flange(found.each[k].joints), pose, 1e-9, 1e-9))
+          << "joint 5 at " << q[4];
+    }
+    return found.count;
+  }
 };
 
 TEST_P(ClosedForm, ReachesEveryPoseThatTheArmReaches) {
@@ -94,16 +106,19 @@ Configuration seen(const Arm& arm, const JointValues& q) {
 TEST_P(ClosedForm, ItsWordsMeanOnePostureOnEveryArm) {
   const Arm& arm = GetParam();
   RandomJoints random(model_, 9);
-  int labels = 0;
+  int poses_with_all_labels = 0;
   for (int i = 0; i < 50; ++i) {
     const JointValues q = random();
     const auto found = inverse_->all(forward_.base_from_flange(q), q);
-    for (std::size_t k = 0; k < found.count; ++k, ++labels) {
+    std::set<std::string> labels;
+    for (std::size_t k = 0; k < found.count; ++k) {
       ASSERT_EQ(found.each[k].configuration, seen(arm, found.each[k].joints))
           << words(found.each[k].configuration);
+      labels.insert(words(found.each[k].configuration));
     }
+    poses_with_all_labels += labels.size() == 8 ? 1 : 0;
   }
-  EXPECT_GT(labels, 200);
+  EXPECT_GE(poses_with_all_labels, 12);
   EXPECT_EQ(words(inverse_->configuration(*model_.front())), "righty, above, noflip");
   EXPECT_EQ(words(inverse_->configuration(arm.tool_down)), "righty, above, flip");
 }
@@ -130,24 +145,30 @@ TEST_P(ClosedForm, AFrontThatIsSingularOrOutsideTheTravelIsRefused) {
   EXPECT_FALSE(model_.with_front(outside.head(5)));
 }
 
-TEST_P(ClosedForm, IsExactAtTheWristSingularityAndBesideIt) {
+TEST_P(ClosedForm, HasAllSolutionsExactlyAtTheWristSingularityAndBesideIt) {
   RandomJoints random(model_, 6);
+  int eight = 0;
   for (int i = 0; i < 200; ++i) {
+    JointValues q = random();
+    q[4] = 0.5;
+    // The wrist centre, and so the number of solutions, does not depend on joint 5.
+    const std::size_t solutions = exact_solutions_at(q, q);
+    eight += solutions == 8 ? 1 : 0;
     for (const double bend : {0.0, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6}) {
       for (const double side : {1.0, -1.0}) {
-        JointValues q = random();
         q[4] = side * bend;
-        const Frame pose = forward_.base_from_flange(q);
         for (const JointValues& reference : {q, random()}) {
-          const auto found = inverse_->all(pose, reference);
-          for (std::size_t k = 0; k < found.count; ++k) {
-            ASSERT_TRUE(near(forward_.base_from_flange(found.each[k].joints), pose, 1e-9, 1e-9))
-                << "joint 5 at " << q[4];
-          }
+          ASSERT_EQ(exact_solutions_at(q, reference), solutions) << "joint 5 at " << q[4];
+          ASSERT_FALSE(HasFailure());
         }
       }
     }
   }
+  EXPECT_GT(eight, 100);
+}
+
+TEST_P(ClosedForm, HasEightExactSolutionsInReady) {
+  EXPECT_EQ(exact_solutions_at(GetParam().stretched, GetParam().stretched), 8U);
 }
 
 TEST_P(ClosedForm, StaysInTheConfigurationAskedFor) {
@@ -177,13 +198,15 @@ INSTANTIATE_TEST_SUITE_P(OnArms, ClosedForm,
                                                ROBCL_SOURCE_DIR "/devices/arms/rx90.urdf",
                                                "foot",
                                                {"upper_arm", "elbow", "wrist"},
-                                               joints({0, -20, 110, 0, 90, 0})},
+                                               joints({0, -20, 110, 0, 90, 0}),
+                                               joints({0, 0, 0, 0, 0, 0})},
                                            Arm{"Puma560",
                                                puma560,
                                                ROBCL_SOURCE_DIR "/tests/cpp/robcl/puma560.urdf",
                                                "link0",
                                                {"link2", "link3", "link5"},
-                                               joints({0, 45, -180, 0, -45, 0})}),
+                                               joints({0, 45, -180, 0, -45, 0}),
+                                               joints({0, 90, -90, 0, 0, 0})}),  // qr
                          [](const auto& made) { return made.param.name; });
 
 class Rx90Inverse : public ::testing::Test {

@@ -128,8 +128,8 @@ class MoveChains : public ::testing::TestWithParam<double> {
   Move joint(const JointValues& from, const JointValues& to, const Pace& pace = {}) {
     return *planner_.joint_move(from, to, pace);
   }
-  void expect_within_limits(const Chained& chained) {
-    motion::expect_within_limits(model_, chained.set_points(), {}, cycle);
+  void expect_within_limits(const Chained& chained, double period = cycle) {
+    motion::expect_within_limits(model_, chained.set_points(), {}, period);
   }
 
   const arm::ArmModel model_ = rx90();
@@ -142,21 +142,22 @@ INSTANTIATE_TEST_SUITE_P(OfJerk, MoveChains, ::testing::Values(0, 0.03),
 
 TEST_P(MoveChains, FiftyShortLinesTakeTheTimeOfOneLongLine) {
   const auto along = [&](double part) { return start_ * translate(0, 0, -0.2 * part); };
-  Chained chained(planner_, straight(ready, along(0.02)));
-  for (int i = 2; i <= 50; ++i) {
-    const auto corner = chained.straight_to(along(i / 50.0));
-    ASSERT_TRUE(corner) << "line " << i;
-    EXPECT_LT(corner->distance, 1e-6);
-    chained.step();
-  }
-  chained.run();
-  expect_within_limits(chained);
-  const auto one = planner_.straight(ready, along(1), {}, {});
-  EXPECT_LE(chained.duration(), 1.05 * one->duration());
-  for (const JointValues& at : chained.set_points()) {
-    const Eigen::Vector3d way =
-        start_.inverse().transform(planner_.base_from_tool(at, {}).position());
-    ASSERT_LT(way.head<2>().norm(), 1e-5);
+  for (const double period : {0.001, 0.004}) {
+    SCOPED_TRACE("period " + std::to_string(period));
+    Planner planner(model_, {}, Smoothing::over(GetParam(), period));
+    Chained chained(planner, straight(ready, along(0.02)), period);
+    for (int i = 2; i <= 50; ++i) {
+      const auto corner = chained.straight_to(along(i / 50.0));
+      ASSERT_TRUE(corner) << "line " << i;
+      EXPECT_LT(corner->distance, 1e-6);
+      chained.step();
+    }
+    chained.run();
+    expect_within_limits(chained, period);
+    const auto one = planner.straight(ready, along(1), {}, {});
+    EXPECT_LE(chained.duration(), 1.05 * one->duration());
+    expect_on_line(flanges_at(model_, chained.set_points()), start_.position(),
+                   along(1).position());
   }
 }
 
@@ -208,19 +209,22 @@ TEST_P(MoveChains, OneMoveThatCannotFollowLeavesTheChainAsItIs) {
 
 TEST_P(MoveChains, ACornerIsMissedByTheDistanceThatIsToldBefore) {
   const ToolLimits limits{.speed = 0.25, .acceleration = 1};
-  Planner planner(model_, limits, Smoothing::over(GetParam(), 0.001));
   const Frame corner = start_ * translate(0.15, 0, 0), goal = corner * translate(0, 0.15, 0);
-  Chained chained(planner, *planner.straight_move(ready, corner, {}, {}), 0.001);
-  const auto told = chained.straight_to(goal);
-  ASSERT_TRUE(told);
-  EXPECT_NEAR(told->distance, 0.01105, 0.00001);  // |w - u|·v²/8a
-  chained.run();
-  motion::expect_within_limits(model_, chained.set_points(), {}, 0.001);
-  EXPECT_NEAR(chained.nearest_to(corner), told->distance, 1e-4);
-  EXPECT_GT(chained.slowest_between(0.2, 0.8), 0.05);
-  EXPECT_LT(chained.nearest_to(goal), 1e-6);
-  // Both lines at full speed: the way of 0.3 m, and once the time to accelerate.
-  EXPECT_NEAR(chained.duration(), 0.3 / 0.25 + 0.25 + GetParam(), 0.02);
+  for (const double period : {0.001, 0.004}) {
+    SCOPED_TRACE("period " + std::to_string(period));
+    Planner planner(model_, limits, Smoothing::over(GetParam(), period));
+    Chained chained(planner, *planner.straight_move(ready, corner, {}, {}), period);
+    const auto told = chained.straight_to(goal);
+    ASSERT_TRUE(told);
+    EXPECT_NEAR(told->distance, 0.01105, 0.00001);  // |w - u|·v²/8a
+    chained.run();
+    expect_within_limits(chained, period);
+    EXPECT_NEAR(chained.nearest_to(corner), told->distance, 1e-4);
+    EXPECT_GT(chained.slowest_between(0.2, 0.8), 0.05);
+    EXPECT_LT(chained.nearest_to(goal), 1e-6);
+    // Both lines at full speed: the way of 0.3 m, and once the time to accelerate.
+    EXPECT_NEAR(chained.duration(), 0.3 / 0.25 + 0.25 + GetParam(), 0.02);
+  }
 }
 
 /// Moves the arm along lines and by a joint move that go over into each other, with a limit of jerk

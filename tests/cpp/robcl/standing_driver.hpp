@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "devices/drivers/joint_driver.hpp"
 #include "robcl/motion/playback.hpp"
@@ -51,6 +52,25 @@ class StandingDriver : public JointDriver {
   Brakes brakes = Brakes::Released;
   bool broken = false;
   bool tells_time = true;
+};
+
+/// Joints that are where they were told to be. Remembers all set points.
+class RecordingDriver : public StandingDriver {
+ public:
+  /// `period`: of the control loop, in s.
+  explicit RecordingDriver(JointValues where, double period = 0.004)
+      : StandingDriver(std::move(where)), period_(period) {}
+
+  Properties properties() const override { return {.period = period_}; }
+  tl::expected<void, DriverFault> write(const JointCommand& command, double) override {
+    stands = command.position;
+    all.push_back(stands);
+    return {};
+  }
+  std::vector<JointValues> all;
+
+ private:
+  const double period_;
 };
 
 /// Drives that need time to turn on.
