@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+import json
 import statistics
-import sys
 import time
+from collections.abc import Callable
+from pathlib import Path
 
 import gecos
 import numpy as np
 import pytest
+from arm_chain import ArmChain
 from processes import Laboratory, until
-from robcl.frames import Frame, distance, translate
-from robcl.manipulator import CorrectionsStopped, FollowMode, Manipulator
+from robcl.articulated_arm import ArticulatedArm
+from robcl.frames import Frame, distance, mm, near, translate
+from robcl.manipulator import (
+    CorrectionsStopped,
+    FollowLimits,
+    FollowMode,
+    FollowState,
+    Manipulator,
+)
 from robcl.six_axis import Joints, SixAxis
 from test_arm_file import ARMS, robcl_arm
 from test_examples import LANGUAGES, carried_out, example
@@ -22,47 +32,91 @@ pytestmark = pytest.mark.usefixtures("here")
 # a test tries again.
 TRIES = 3
 
-# A program that guides the arm down by .1 m/s until it is killed.
-GUIDE = """
-import gecos
-from robcl.frames import translate
-from robcl.manipulator import FollowMode, Manipulator
-
-robot = gecos.Lab().create(Manipulator, "RX90")
-with gecos.actor(robot):
-    alter = robot.alter.writer()
-    follow = robot.follow(FollowMode.IN_TOOL)
-    alter.feeds(follow)
-    while follow.feedback() is None:
-        follow.wait(0.001)
-    print("guiding", flush=True)
-    while follow.wait(0.004) is gecos.State.RUNNING:
-        alter.send(translate(0.0, 0.0, 0.0004))
-"""
+Following = gecos.Command[None, FollowState]
 
 
-def followed(robot: Manipulator) -> gecos.Command[None]:
+@pytest.fixture
+def audit(lab: Laboratory, tmp_path: Path) -> Path:
+    """The audit of servers that start after this."""
+    lab.env["GECOS_AUDIT_DIR"] = str(tmp_path / "audit")
+    return tmp_path / "audit" / "audit.jsonl"
+
+
+def followed(robot: Manipulator, limits: FollowLimits | None = None) -> Following:
     """A `follow` that takes corrections."""
-    follow = robot.follow(FollowMode.IN_TOOL)
+    follow = robot.follow(FollowMode.IN_TOOL, limits)
     while follow.feedback() is None and follow.wait(0.001) is gecos.State.RUNNING:
         pass
     return follow
 
 
+def fed_until(
+    alter: gecos.Writer[Frame], follow: Following, happened: Callable[[FollowState], bool]
+) -> bool:
+    """Sends corrections that move nothing, so that the watchdog does not end the command. Returns
+    False if it has ended all the same."""
+    while follow.wait(0.004) is gecos.State.RUNNING:
+        alter.send(Frame())
+        state = follow.feedback()
+        if state is not None and happened(state):
+            return True
+    return False
+
+
+ON_ALL_ARMS = pytest.mark.parametrize("arm", ["rx90", "puma560", "iiwa14"])
+
+
+def serve_arm(lab: Laboratory, arm: str) -> Path:
+    """Serves an arm as RX90, the name that the example knows; its file."""
+    file = ARMS / f"{arm}.toml"
+    lab.start(robcl_arm(lab), file, "--name", "RX90", ready="RX90 is ready")
+    return file
+
+
 @LANGUAGES
-@pytest.mark.parametrize("arm", ["rx90", "puma560", "iiwa14"])
+@ON_ALL_ARMS
 def test_corrections_at_one_kilohertz_add_up(
     arm: str, language: str, lab_with_broker: Laboratory
 ) -> None:
     lab = lab_with_broker
-    file = ARMS / f"{arm}.toml"
-    lab.start(robcl_arm(lab), file, "--name", "RX90", ready="RX90 is ready")
+    serve_arm(lab, arm)
     guide = example(lab, "17_follow_a_sensor", "follow_a_sensor", language)
     for _ in range(TRIES):
         printed = carried_out(lab.run(*guide))
         if printed[0].startswith("500"):
             break
     assert printed == ["500 corrections, 0 dropped", "moved by 50.0 mm"]
+
+
+@ON_ALL_ARMS
+def test_the_set_points_are_exactly_at_the_sum_of_the_corrections(
+    arm: str, lab_with_broker: Laboratory
+) -> None:
+    chain = ArmChain(serve_arm(lab_with_broker, arm))
+    robot = gecos.Lab().create(ArticulatedArm if arm == "iiwa14" else SixAxis, "RX90")
+    offset = robot.tool_offset().result()
+
+    def commanded_tool() -> Frame:  # the set points have no noise of the encoders
+        return chain.base_from_flange(robot.commanded_joints().result().position) * offset
+
+    with gecos.actor(robot):
+        alter = robot.alter.writer()
+        for _ in range(TRIES):
+            before = commanded_tool()
+            follow = followed(robot)
+            alter.feeds(follow)
+            for _ in range(50):
+                for _ in range(10):
+                    alter.send(translate(0.0, 0.0, mm(0.1)))
+                follow.wait(0.010)  # 1 kHz on the average
+            if fed_until(alter, follow, lambda state: state.distance_left < 1e-9):
+                break
+        state = follow.feedback()
+        assert state is not None and state.dropped == 0 and state.applied >= 500
+        assert near(commanded_tool(), before * translate(0.0, 0.0, mm(50)), 1e-6, 1e-6)
+        follow.cancel()
+        follow.wait()
+        assert alter.report().result().lost == 0
 
 
 def test_a_correction_reaches_the_drives_in_the_next_cycle(lab_with_arm: Laboratory) -> None:
@@ -104,13 +158,21 @@ def test_a_sample_of_the_arm_is_read_directly_after_its_measurement(
     assert statistics.median(ages) < 5 * 500e-6
 
 
-def test_an_arm_stands_when_the_program_that_guides_it_is_killed(lab_with_arm: Laboratory) -> None:
-    guide = lab_with_arm.start(sys.executable, "-c", GUIDE, ready="guiding")
+@LANGUAGES
+def test_an_arm_stands_when_the_program_that_guides_it_is_killed(
+    language: str, audit: Path, lab_with_arm: Laboratory
+) -> None:
+    lab = lab_with_arm
     robot = gecos.Lab().create(Manipulator, "RX90")
     start = robot.tool().result()
-    until(lambda: distance(start, robot.tool().result()) > 0.02, "the arm moves")
-    guide.kill()
-    at_kill = robot.tool().result()
+    for _ in range(TRIES):
+        guide = lab.start(*example(lab, "17_follow_a_sensor", "follow_a_sensor", language))
+        until(lambda: not robot.standing().result(), "the arm moves")
+        guide.kill()
+        at_kill = robot.tool().result()
+        if not guide.lines:  # it prints at its end
+            break
+    assert not guide.lines
     until(lambda: robot.standing().result(), "the arm stands")
     stood = robot.tool().result()
     # .1 m/s: the watchdog is 48 ms, braking takes 33 ms, and the calls take some time, too.
@@ -122,6 +184,67 @@ def test_an_arm_stands_when_the_program_that_guides_it_is_killed(lab_with_arm: L
     assert np.linalg.norm(places - stood.position, axis=1).max() < 1e-4
     with gecos.actor(robot):  # the status is free again
         robot.move(start).result()
+    assert outcome_of_follow(audit).state is gecos.State.COMMAND_FAILED
+
+
+def outcome_of_follow(audit: Path) -> gecos.Detail:
+    """How the last `follow` ended, of which the program that asked for it was not told."""
+    until(lambda: "outcome" in lines_of_follow(audit)[-1], "the command ends")
+    return gecos.Detail[str(lines_of_follow(audit)[-1]["outcome"])]
+
+
+def lines_of_follow(audit: Path) -> list[dict[str, object]]:
+    lines = [json.loads(line) for line in audit.read_text().splitlines()]
+    return [line for line in lines if line.get("operation") == "follow"]
+
+
+def test_corrections_beyond_the_limit_of_the_caller_are_dropped_and_counted(
+    lab_with_arm: Laboratory,
+) -> None:
+    robot = gecos.Lab().create(Manipulator, "RX90")
+    with gecos.actor(robot):
+        alter = robot.alter.writer()
+        for _ in range(TRIES):
+            follow = followed(robot, FollowLimits(distance=mm(5)))
+            alter.feeds(follow)
+            for _ in range(8):
+                alter.send(translate(0.0, mm(1), 0.0))
+            with pytest.raises(CorrectionsStopped) as stopped:
+                follow.result()
+            state = stopped.value.state
+            if state.applied + state.dropped == 8:
+                break
+        assert (state.applied, state.dropped) == (5, 3)
+
+
+def test_at_a_limit_the_arm_holds_and_comes_back(lab_with_arm: Laboratory) -> None:
+    robot = gecos.Lab().create(SixAxis, "RX90")
+    home = robot.joints().result()
+    start = robot.tool().result()
+    held = back = False
+    with gecos.actor(robot):
+        alter = robot.alter.writer()
+        for _ in range(TRIES):
+            robot.move_joints(home).result()
+            follow = followed(robot, FollowLimits(distance=3.0))
+            alter.feeds(follow)
+            alter.send(translate(0.0, 0.0, -2.0))  # m, up
+            held = fed_until(alter, follow, lambda state: holds(state))
+            alter.send(translate(0.0, 0.0, 2.0))
+            back = fed_until(
+                alter, follow, lambda state: not holds(state) and state.distance_left < 1e-9
+            )
+            if held and back:
+                break
+        assert held and back
+        follow.cancel()
+        assert follow.wait() is gecos.State.COMMAND_FAILED
+        assert follow.progress().detail is gecos.Detail.CANCELED
+        assert distance(start, robot.tool().result()) < 2e-4
+
+
+def holds(state: FollowState) -> bool:
+    return state.out_of_reach or state.limit_axis != 0
 
 
 def test_without_corrections_follow_fails_after_the_watchdog(lab_with_arm: Laboratory) -> None:
@@ -160,6 +283,7 @@ def test_a_sample_that_is_no_frame_ends_the_command(lab_with_arm: Laboratory) ->
             if not isinstance(failed.value, CorrectionsStopped):
                 break
         assert "a sample of 'alter' is no correction" in str(failed.value)
+        assert failed.value.detail is gecos.Detail.FAULT
         assert distance(before, robot.tool().result()) < 1e-4
 
 

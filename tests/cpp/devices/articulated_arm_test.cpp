@@ -105,6 +105,23 @@ TEST_P(ArticulatedArmTest, APositionThatIsNotFiniteIsRefused) {
   EXPECT_EQ(arm_.sample().commanded, stood_);
 }
 
+TEST_P(ArticulatedArmTest, HasNoConfigurationAndRefusesOneThatIsAskedFor) {
+  const auto lease = gecos::actor(robot_);
+  EXPECT_EQ(robot_.posture().get().value(), robcl::Configuration{}) << "any";
+  const robcl::Configuration wanted{.hand = robcl::Wrist::FLIP};
+  const auto refused = robot_.set_configuration(wanted).get();
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().detail, gecos::Detail::Rejected) << refused.error();
+  const Frame here = robot_.tool().get().value();
+  const auto moved = get(robot_.move(here, robcl::Trajectory{.configuration = wanted}), cycle());
+  ASSERT_FALSE(moved);
+  EXPECT_TRUE(moved.error().as<robcl::OutOfReach>().has_value()) << moved.error();
+  EXPECT_NE(moved.error().text.find("no configurations to choose from"), std::string::npos)
+      << moved.error();
+  EXPECT_TRUE(robot_.set_configuration({}).get()) << "any";
+  EXPECT_EQ(arm_.sample().commanded, stood_);
+}
+
 TEST_P(ArticulatedArmTest, StreamsSetPointsAndMeasurementsOfACycleWithOneStamp) {
   auto measured = robot_.joints(gecos::stream).value();
   auto commanded = robot_.commanded_joints(gecos::stream).value();

@@ -30,10 +30,7 @@ class Edges : public Rx90Laboratory {
 
   /// The set points, which have no noise of the encoders.
   JointValues commanded() { return arm_.sample().commanded; }
-  Frame tool() {
-    robcl::arm::Kinematics forward(described_.model);
-    return forward.base_from_flange(commanded()) * arm_.tool_offset();
-  }
+  Frame tool() { return commanded_tool(); }
   template <class Command>
   auto ended(const Command& command) {
     return get(command, cycle());

@@ -1,6 +1,8 @@
 // Sensor-guided motion from a client to the set points.
 #include <deque>
+#include <limits>
 
+#include "../robcl/allocations.hpp"
 #include "rx90_fixture.hpp"
 
 namespace devices {
@@ -40,7 +42,7 @@ TEST_F(FollowTest, FiveHundredCorrectionsAtOneKilohertzAddUp) {
   ASSERT_TRUE(lease) << lease.error();
   auto alter = writer();
   const auto following = follow(alter);
-  const Frame before = robot_.tool().get().value();
+  const Frame before = commanded_tool();
   for (int i = 0; i < 500; ++i) {
     ASSERT_TRUE(alter.send(translate(0, 0, -0.1_mm)));
     if (i % 4 == 3) cycle()();
@@ -55,8 +57,9 @@ TEST_F(FollowTest, FiveHundredCorrectionsAtOneKilohertzAddUp) {
   const auto report = alter.report().get().value();
   EXPECT_EQ(report.admitted, 500U);
   EXPECT_EQ(report.lost, 0U);
+  EXPECT_TRUE(near(commanded_tool(), before * translate(0, 0, -50_mm), 1e-6, 1e-6));
   // The encoders of the simulated drives have a resolution of .024 mrad.
-  EXPECT_LT(distance(robot_.tool().get().value(), before * translate(0, 0, -50_mm)), 1e-4);
+  EXPECT_LT(distance(robot_.tool().get().value(), commanded_tool()), 1e-4);
 }
 
 TEST_F(FollowTest, GoesOnUntilItIsCancelledAndThenStands) {
@@ -122,6 +125,50 @@ TEST_F(FollowTest, SamplesThatFeedNoFollowAreRefusedAndCounted) {
   ASSERT_FALSE(ended);
   EXPECT_EQ(ended.error().as<robcl::CorrectionsStopped>().value().state.applied, 0U);
   EXPECT_EQ(alter.report().get()->command_not_running, 2U);
+}
+
+TEST_F(FollowTest, ASampleThatIsNoFrameEndsTheCommandAsFault) {
+  const auto lease = gecos::actor(robot_);
+  ASSERT_TRUE(lease) << lease.error();
+  auto alter = writer();
+  const auto following = follow(alter);
+  const JointValues before = arm_.sample().commanded;
+  Frame no_frame;  // no constructor makes one
+  const_cast<Eigen::Vector3d&>(no_frame.position()).x() = std::numeric_limits<double>::quiet_NaN();
+  ASSERT_TRUE(alter.send(no_frame));
+  const auto ended = get(following, cycle());
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(ended.error().detail, gecos::Detail::Fault) << ended.error();
+  EXPECT_NE(ended.error().text.find("a sample of 'alter' is no correction"), std::string::npos)
+      << ended.error();
+  EXPECT_EQ(arm_.sample().commanded, before);
+}
+
+TEST_F(FollowTest, TheControlLoopAllocatesNothingWhileItTakesCorrections) {
+  const auto lease = gecos::actor(robot_);
+  ASSERT_TRUE(lease) << lease.error();
+  const auto commanded = robot_.commanded_joints(gecos::stream);
+  const auto tool = robot_.tool(gecos::stream);
+  ASSERT_TRUE(commanded && tool);
+  auto alter = writer();
+  for (int i = 0; i < 100; ++i) cycle()();  // fills the streams
+  auto following = follow(alter);
+  ASSERT_TRUE(alter.send({}));
+  cycle()();  // the first sample gives the reader of the servant its buffer
+  int allocations = 0;
+  for (int i = 0; i < 400; ++i) {
+    if (following.state() != gecos::State::Running) {
+      following = follow(alter);  // this test got no processor for as long as the watchdog waits
+    }
+    ASSERT_TRUE(alter.send(translate(0, 0, i % 2 == 0 ? 0.1_mm : -0.1_mm)));
+    const robcl::CountAllocations count;
+    cycle()();
+    allocations += count.so_far();
+  }
+  EXPECT_EQ(allocations, 0);
+  EXPECT_GE(alter.report().get()->admitted, 300U);
+  following.cancel();
+  EXPECT_FALSE(get(following, cycle()));
 }
 
 TEST_F(FollowTest, AnotherFollowOrMoveWaitsItsTurnOrIsRefused) {

@@ -32,6 +32,12 @@ class Rx90Laboratory : public Laboratory {
     };
   }
 
+  /// Where the set points put the tool: they have no noise of the encoders.
+  Frame commanded_tool() {
+    robcl::arm::Kinematics forward(described_.model);
+    return forward.base_from_flange(arm_.sample().commanded) * arm_.tool_offset();
+  }
+
   const ArmDescription described_ = parse_arm(rx90_files).value();
   SimulatedDriver driver_{described_.start, {}};
   ArmDevice arm_{described_.model,

@@ -127,21 +127,30 @@ TEST_F(Rx90Test, AGoalOutOfReachIsRefusedAndTheArmDoesNotMove) {
   EXPECT_FALSE(arm_.moving());
 }
 
-TEST_F(Rx90Test, StoppedByAnotherProgramItStandsOnItsWay) {
+TEST_F(Rx90Test, StoppedByAnotherProgramItStandsOnItsWayAndTellsWhenItStands) {
   const auto lease = gecos::actor(robot_);
+  auto stood = robot_.stood(gecos::stream);
+  ASSERT_TRUE(stood) << stood.error();
   const Frame start = arm_.sample().tool;
   const Frame goal = start * translate(0, 300_mm, 0);
-  const Periodic control(4ms,
-                         [this](double seconds) { arm_.step(seconds); });   // as on the real arm
+  const Periodic control(4ms, [this](double seconds) {  // as on the real arm
+    arm_.step(seconds);
+    servant_.publish();
+  });
   const auto moving = robot_.move(goal, robcl::Trajectory{.speed = 0.05});  // for seconds
   while (distance(arm_.sample().tool, start) < 1e-3) std::this_thread::yield();
+  EXPECT_FALSE(robot_.standing().get().value());
+  EXPECT_FALSE(stood->next(0ms));
 
   gecos::Lab other;
   ASSERT_TRUE(gecos::stop(other.create<robcl::Manipulator>("RX90").value()).get());
   const auto stopped = get(moving, [] {});
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().detail, gecos::Detail::Stopped);
-  while (arm_.moving()) std::this_thread::yield();
+  const auto rest = stood->next(10s);
+  ASSERT_TRUE(rest) << "no event tells that it stands";
+  EXPECT_TRUE(robot_.standing().get().value());
+  EXPECT_LT(distance(arm_.sample().tool, rest->value.tool), 1e-4);
   EXPECT_GT(distance(arm_.sample().tool, goal), 100_mm);
 }
 
@@ -299,6 +308,22 @@ TEST_F(Rx90Test, TheConfigurationThatIsSetIsThatOfTheNextJointMoveOfTheSameSessi
   ASSERT_TRUE(get(robot_.move(here, robcl::Trajectory{.configuration = flip}), cycle()));
   ASSERT_TRUE(get(robot_.move(here * translate(0, 0, -10_mm)), cycle()));
   EXPECT_EQ(hand(), robcl::Wrist::FLIP);
+}
+
+TEST_F(Rx90Test, TheConfigurationThatIsSetIsNotThatOfAnotherSessionWithTheSameStatus) {
+  const auto lease = gecos::actor(robot_, "two hands");
+  ASSERT_TRUE(lease) << lease.error();
+  gecos::Lab elsewhere;
+  const auto other = elsewhere.create<robcl::Rx90>("RX90").value();
+  const auto shared = gecos::actor(other, "two hands");
+  ASSERT_TRUE(shared) << shared.error();
+  const Frame here = robot_.tool().get().value();
+  const auto hand = [&] { return robot_.posture().get().value().hand; };
+  ASSERT_TRUE(get(robot_.set_configuration({.hand = robcl::Wrist::NOFLIP}), cycle()));
+  ASSERT_TRUE(get(other.move(here * translate(0, 0, -10_mm)), cycle()));
+  EXPECT_EQ(hand(), robcl::Wrist::FLIP);
+  ASSERT_TRUE(get(robot_.move(here), cycle()));
+  EXPECT_EQ(hand(), robcl::Wrist::NOFLIP);
 }
 
 TEST_F(Rx90Test, AJointMoveThatIsRefusedDoesNotUseUpTheConfigurationThatIsSet) {
