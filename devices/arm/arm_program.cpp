@@ -1,5 +1,6 @@
 #include "devices/arm/arm_program.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <string_view>
@@ -34,7 +35,9 @@ std::vector<Option> options(const ArmProgram& program, const std::string& name,
   std::vector<Option> all{
       {"name", name, "name under which clients find the arm"},
       {"tool-length", tool_length, "distance from flange to tool frame along z, mm"}};
-  if (!program.connect) all.push_back({"seed", "1", "seed of the simulated encoder noise"});
+  if (program.connect) return all;
+  all.push_back({"seed", "1", "seed of the simulated encoder noise"});
+  all.push_back({"noise", "0.4", "standard deviation of the simulated encoder noise, counts"});
   return all;
 }
 
@@ -97,6 +100,7 @@ class Serving {
     if (!simulated()) return program_.connect(arm_);
     SimulatedDriver::Imperfection imperfection;
     imperfection.seed = static_cast<unsigned>(static_cast<long>(line_.number("seed")));
+    imperfection.noise = std::max(line_.number("noise"), 0.0);
     return std::make_unique<SimulatedDriver>(arm_.start, imperfection);
   }
 
