@@ -23,7 +23,7 @@ inline const std::vector<Moving> all_moving{
     {"seven_axes_without_limit_of_jerk", &seven_axes, 0},
 };
 
-/// MOTION_MOVES says how many moves; there are a fifth as many without a limit of jerk.
+/// MOTION_MOVES says how many; there are a fifth as many without a limit of jerk.
 inline int moves_to_try(const Moving& moving) {
   const char* const asked = std::getenv("MOTION_MOVES");
   const int moves = asked != nullptr ? std::atoi(asked) : 500;
