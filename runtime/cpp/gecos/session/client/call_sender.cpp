@@ -131,7 +131,10 @@ bool CallSender::cancel(PendingCommand& command, std::uint64_t counter) {
   const auto* const found = calls_.find(counter);
   if (command.terminal() || found == nullptr || found->get() != &command) return false;
   if (!std::exchange(command.retry.cancel, true)) command.retry.cancel_up_to = calls_.issued();
-  if (!send_cancel(command, counter)) {
+  wire::PacketHeader header;
+  header.kind = wire::PacketKind::Cancel;
+  header.counter = counter;
+  if (!send_packet(header, cancel_body(command.retry.cancel_up_to))) {
     command.retry.next = {};  // the maintenance thread tries again
     cancels_waiting_ = true;
     runtime_.maintenance().wake();
@@ -139,23 +142,12 @@ bool CallSender::cancel(PendingCommand& command, std::uint64_t counter) {
   return true;
 }
 
-tl::expected<std::uint64_t, media::SendProblem> CallSender::send_cancel(
-    const PendingCommand& command, std::uint64_t counter) {
-  wire::PacketHeader header;
-  header.kind = wire::PacketKind::Cancel;
-  header.session = id_;
-  header.counter = counter;
-  header.acknowledged = repeats_ ? calls_.finished_up_to() : 0;
-  write_packet(packet_, header, cancel_size,
-               [&](wire::Encoder& to) { to.put(command.retry.cancel_up_to); });
-  return connection_.send(packet_, {});
-}
-
-/// Sends a packet without a body.
-tl::expected<std::uint64_t, media::SendProblem> CallSender::send_packet(wire::PacketHeader header) {
+/// Sends a packet that is not a call.
+tl::expected<std::uint64_t, media::SendProblem> CallSender::send_packet(wire::PacketHeader header,
+                                                                        ByteView body) {
   header.session = id_;
   header.acknowledged = repeats_ ? calls_.finished_up_to() : 0;
-  write_packet(packet_, header, {});
+  write_packet(packet_, header, body);
   return connection_.send(packet_, {});
 }
 
@@ -243,7 +235,8 @@ TimePoint CallSender::repeat(TimePoint now, TimePoint next_beat) {
     wire::PacketHeader header;
     header.counter = counter;
     if (retry.cancel) {
-      if (!send_cancel(*command, counter)) cancels_waiting_ = true;
+      header.kind = wire::PacketKind::Cancel;
+      if (!send_packet(header, cancel_body(retry.cancel_up_to))) cancels_waiting_ = true;
     }
     if (repeats_ && retry.arrived) {
       header.kind = wire::PacketKind::Query;

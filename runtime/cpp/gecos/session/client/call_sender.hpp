@@ -113,10 +113,8 @@ class CallSender {
  private:
   tl::expected<std::uint64_t, media::SendProblem> send_first(ByteView packet)
       GECOS_REQUIRES(mutex_);
-  tl::expected<std::uint64_t, media::SendProblem> send_packet(wire::PacketHeader header)
-      GECOS_REQUIRES(mutex_);
-  tl::expected<std::uint64_t, media::SendProblem> send_cancel(const PendingCommand& command,
-                                                              std::uint64_t counter)
+  tl::expected<std::uint64_t, media::SendProblem> send_packet(wire::PacketHeader header,
+                                                              ByteView body = {})
       GECOS_REQUIRES(mutex_);
   void withdraw_by_packet() GECOS_REQUIRES(mutex_);
   std::vector<PendingFailover> detach(Ending how, const std::string& text) GECOS_REQUIRES(mutex_);

@@ -1,5 +1,7 @@
 #include "gecos/session/protocol/packets.hpp"
 
+#include <limits>
+
 #include "gecos/session/protocol/handshake.hpp"
 
 namespace gecos::session {
@@ -38,6 +40,18 @@ void write_packet(Bytes& into, const wire::PacketHeader& header, std::size_t siz
   frame(into, header, size);
   wire::Encoder to(std::span<std::byte>(into).subspan(wire::packet_head_size, size));
   encode(to);
+}
+
+Bytes cancel_body(std::uint64_t last) {
+  Bytes body(sizeof last);
+  wire::Encoder(body).put(last);
+  return body;
+}
+
+std::uint64_t last_canceled(ByteView cancel) {
+  std::uint64_t last = 0;
+  wire::Decoder from(cancel);
+  return from.get(last, "last call") ? last : std::numeric_limits<std::uint64_t>::max();
 }
 
 void write_failure(Bytes& into, wire::PacketHeader header, const Failure& failure) {

@@ -30,9 +30,11 @@ inline constexpr std::int8_t reports = 2;
 /// Flags of a Call packet with an actor command that its program issued after it had stopped the
 /// object or taken over, so that no earlier command counts (server/blend_chain.hpp).
 inline constexpr std::int8_t stands_alone = 3;
-/// Size in bytes of the body of a Cancel packet: the counter of the call that its client had issued
-/// last when it canceled. Later calls are not canceled.
-inline constexpr std::size_t cancel_size = 8;
+/// Returns the body of a Cancel packet: the counter of the call that its client had issued `last`
+/// when it canceled. Later calls are not canceled.
+Bytes cancel_body(std::uint64_t last);
+/// Returns the counter in the body of a Cancel packet; the largest number when the body is empty.
+std::uint64_t last_canceled(ByteView cancel);
 /// Flags of a Goodbye packet after which no call of the session may start. A client sends this
 /// packet when it has lost the session, or when a Goodbye without this flag was not acknowledged.
 inline constexpr std::int8_t withdraws = 1;

@@ -1,7 +1,6 @@
 #include "gecos/session/server/session_packets.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -24,11 +23,12 @@ constexpr const char* not_started = "the call was not started: its caller had gi
 
 std::uint8_t number_of(Detail detail) { return static_cast<std::uint8_t>(detail); }
 
-/// Returns the counter of the last call that a Cancel packet with the body `body` may cancel.
-std::uint64_t last_canceled(ByteView body) {
-  std::uint64_t last = 0;
-  wire::Decoder from(body);
-  return from.get(last, "last call") ? last : std::numeric_limits<std::uint64_t>::max();
+/// Notes that `call` ends with `failure` and does not get into the queue.
+void note_failed(const ObjectSetup& setup, ServerSession& session, const wire::PacketHeader& call,
+                 const Failure& failure) {
+  const auto* const operation = setup.interface.find(call.code);
+  if (operation == nullptr || operation->on_new != OnNew::Blend) return;
+  session.chain.failed({call.counter, std::string(operation->name), failure.detail, failure.text});
 }
 
 /// Ends the commands that run or wait, because `by` replaces them.
@@ -248,7 +248,7 @@ void SessionPackets::refuse_late(ServerSession& session, const wire::PacketHeade
   calls_.outcomes().ended(session.id(), call.counter, Detail::NotStarted, why);
   if (!is_builtin(call.code)) {
     calls_.statistics().refused(session, setup_.interface.find(call.code), Detail::NotStarted);
-    note_failed(session, call, {Detail::NotStarted, why, {}, {}});
+    note_failed(setup_, session, call, {Detail::NotStarted, why, {}, {}});
   }
   session.reply(call.counter, Failure{Detail::NotStarted, why, {}, {}});
 }
@@ -286,7 +286,7 @@ void SessionPackets::take_call(const Session& session, const wire::PacketView& p
     calls_.statistics().refused(*session, operation, Detail::QueueFull);
     const Failure failure{
         Detail::QueueFull, "the client has more unanswered calls than the server granted", {}, {}};
-    note_failed(*session, packet.header, failure);
+    note_failed(setup_, *session, packet.header, failure);
     return session->reply(counter, failure);
   }
   if (!too_early(*session, packet, *operation, age)) take_in_turn(session, packet, *operation, age);
@@ -310,7 +310,7 @@ void SessionPackets::take_in_turn(const Session& session, const wire::PacketView
         {header.counter, under_it ? session->held_from : 0, header.flags == stands_alone}, known);
   }
   if (!malformed) return admit(session, call, operation, age);
-  note_failed(*session, header, *malformed);
+  note_failed(setup_, *session, header, *malformed);
   session->reply(header.counter, *malformed);
 }
 
@@ -320,7 +320,7 @@ void SessionPackets::admit(const Session& session, const wire::PacketView& packe
     if (operation.status != access::Status::Sensor) {
       calls_.outcomes().ended(session->id(), packet.header.counter, failure.detail, failure.text);
     }
-    if (because_of == 0) note_failed(*session, packet.header, failure);
+    if (because_of == 0) note_failed(setup_, *session, packet.header, failure);
     session->reply(packet.header.counter, failure, because_of);
     calls_.statistics().refused(*session, &operation, failure.detail);
     setup_.audit->refused(*session, packet.header.counter, operation.code, operation.name, failure);
@@ -382,14 +382,6 @@ std::optional<Failure> SessionPackets::refusal(ServerSession& session,
   return std::nullopt;
 }
 
-/// Notes that `call` ends with `failure` and does not get into the queue.
-void SessionPackets::note_failed(ServerSession& session, const wire::PacketHeader& call,
-                                 const Failure& failure) {
-  const auto* const operation = setup_.interface.find(call.code);
-  if (operation == nullptr || operation->on_new != OnNew::Blend) return;
-  session.chain.failed({call.counter, std::string(operation->name), failure.detail, failure.text});
-}
-
 // Calls that arrive before calls that were issued earlier
 
 /// A medium that loses packets may reorder commands. Defers a command that arrives before an
@@ -406,7 +398,7 @@ bool SessionPackets::too_early(ServerSession& session, const wire::PacketView& p
     const auto why = "the command was not queued: " +
                      text_of(ObjectQueue::Full::BytesOfClient, packet.body.size());
     calls_.statistics().refused(session, &operation, Detail::QueueFull);
-    note_failed(session, packet.header, {Detail::QueueFull, why, {}, {}});
+    note_failed(setup_, session, packet.header, {Detail::QueueFull, why, {}, {}});
     end_early(session, packet.header.counter, Detail::QueueFull, why);
   }
   return true;

@@ -56,7 +56,6 @@ class SessionPackets {
   // From the arrival of a call to the queue.
   void arrive(const Session& session, const wire::PacketView& packet);
   void refuse_late(ServerSession& session, const wire::PacketHeader& call);
-  void note_failed(ServerSession& session, const wire::PacketHeader& call, const Failure& failure);
   void take_call(const Session& session, const wire::PacketView& packet, Age age = {});
   void take_in_turn(const Session& session, const wire::PacketView& packet,
                     const OperationDescription& operation, Age age);
