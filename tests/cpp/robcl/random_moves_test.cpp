@@ -30,6 +30,10 @@ double nearest(const Plan& plan, const JointValues& joints) {
   for (double at = s; at <= plan.path.end(); at += coarse) {
     if (away(at) < away(s)) s = at;
   }
+  for (double step = coarse; step > 1e-13; step /= 2) {
+    while (s + step <= plan.path.end() && away(s + step) < away(s)) s += step;
+    while (s - step >= 0 && away(s - step) < away(s)) s -= step;
+  }
   return s;
 }
 
