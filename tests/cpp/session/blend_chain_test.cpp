@@ -187,6 +187,16 @@ TEST_F(BlendChainTest, IsBrokenByCommandsThatWereCanceledBeforeThoseBeforeThemAr
   EXPECT_TRUE(left_out(8)) << "issued before the cancel of 6";
 }
 
+TEST_F(BlendChainTest, IgnoresADetachedCommandThatWasCanceledBeforeAndThenFailed) {
+  arrived(1);
+  chain_.failed(failed(1, Detail::Canceled));
+  arrived(2, {{1, Known::Canceled}});
+  arrived(3, {{1, Known::Detached}});
+  chain_.failed(failed(1));
+  EXPECT_TRUE(left_out(2));
+  EXPECT_FALSE(left_out(3));
+}
+
 TEST_F(BlendChainTest, StaysSmallWhateverAClientSends) {
   arrived(1);
   chain_.failed(failed(1));
@@ -194,6 +204,10 @@ TEST_F(BlendChainTest, StaysSmallWhateverAClientSends) {
     arrived(counter, {{counter + 1'000'000, Known::Detached}});
     chain_.failed(failed(counter));
     ASSERT_EQ(chain_.left_out(counter + 1, called)->because_of, 1u);
+  }
+  for (std::uint64_t counter = 200'000; counter > 100'000; --counter) {
+    chain_.failed(failed(counter));
+    ASSERT_EQ(chain_.left_out(300'000, called)->because_of, 1u);
   }
 }
 

@@ -40,7 +40,7 @@ tl::expected<void, media::SendProblem> CallSender::send(
   }
   header.session = id_;
   header.counter = calls_.next_counter();
-  if (chain.flags != 0) header.flags = chain.flags;
+  if (command->keeps_place()) header.flags = chain.flags;
   if (repeats_) header.acknowledged = calls_.finished_up_to();
   if (chain.flags == reports) {
     write_packet(packet_, header, with_report, [&](wire::Encoder& to) {

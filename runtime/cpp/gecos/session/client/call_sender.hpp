@@ -56,7 +56,7 @@ class CallSender {
   /// Cancels `command`. Returns false when `command` is not open in this session under `counter`.
   bool cancel(PendingCommand& command, std::uint64_t counter);
 
-  /// Returns the failures of this session's commands that the program has seen.
+  /// Returns what the program knows of the ends of this session's commands.
   const std::shared_ptr<SeenFailures>& failures() const { return failures_; }
   /// Returns the number of calls sent so far.
   std::uint64_t issued();

@@ -76,7 +76,6 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
          {},
          {}});
   }
-  if (operation.code == GecosObjectInterface::stop.code) calls_.failures()->begins_alone();
   const bool chained = operation.on_new == OnNew::Blend;
   if (chained) {
     if (const auto why = calls_.failures()->why_not_sent()) {
@@ -99,7 +98,10 @@ std::shared_ptr<CommandCore> ClientConnection::call(const OperationDescription& 
     reader_.poll_once();  // to read the replies that wait may make room
     sent = calls_.send(header, most, size, encode, command, nullptr);
   }
-  if (sent) return command;
+  if (sent) {
+    if (operation.code == GecosObjectInterface::stop.code) calls_.failures()->begins_alone();
+    return command;
+  }
   Failure failure = calls_.not_sent(operation.name, size, sent.error());
   if (chained && sent.error() != media::SendProblem::Lost) note_unsent(*command, failure);
   command->fail(std::move(failure));

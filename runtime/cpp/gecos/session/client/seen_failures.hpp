@@ -15,9 +15,9 @@
 namespace gecos::session {
 
 /// What the program knows of the ends of the commands with @on_new("blend") of one session. When
-/// such a command does not succeed, those that the program issues before it knows that are left
-/// out: the server leaves out the ones that are issued after a sent one, and this class those after
-/// one that was not sent. Thread-safe, except where a function says more.
+/// such a command does not succeed, the commands that the program issues before it knows of the
+/// failure are left out: the server leaves out those after a command that was sent, and this class
+/// those after a command that was not sent. Thread-safe, except where a function says more.
 class SeenFailures {
  public:
   using Known = ChainReport::Known;
@@ -29,13 +29,18 @@ class SeenFailures {
 
   /// Notes what the program knows of the command at `place`.
   void knows(const Place& place, Known known) {
-    if (!place.sent) return raise(seen_unsent_, place.number);
     const MutexLock lock(mutex_);
+    if (!place.sent) {
+      // A command that was left out is detached: the one that was not sent before it still counts.
+      if (known == Known::Detached && place.number != unsent_.number) return;
+      return raise(seen_unsent_, place.number);
+    }
+    if (unreported_.size() == most_unreported) unreported_.erase(unreported_.begin());
     const ChainReport::Entry entry{place.number, known};
     if (std::ranges::find(unreported_, entry) == unreported_.end()) unreported_.push_back(entry);
     any_unreported_.store(true, std::memory_order_relaxed);
   }
-  /// Notes that the program stops the object or has taken over, so that no earlier command counts.
+  /// Notes that the program has stopped the object, so that no earlier command counts.
   void begins_alone() {
     alone_.store(true, std::memory_order_relaxed);
     raise(seen_unsent_, unsent_so_far_.load(std::memory_order_relaxed));
@@ -87,6 +92,7 @@ class SeenFailures {
   }
 
  private:
+  static constexpr std::size_t most_unreported = 1024;
   struct Unsent {
     std::uint64_t number = 0;
     std::string why;

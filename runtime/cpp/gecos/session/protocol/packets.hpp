@@ -28,7 +28,7 @@ struct SentBefore {
 /// (chain_report.hpp).
 inline constexpr std::int8_t reports = 2;
 /// Flags of a Call packet with an actor command that its program issued after it had stopped the
-/// object or taken over, so that no earlier command counts (server/blend_chain.hpp).
+/// object, so that no earlier command counts (server/blend_chain.hpp).
 inline constexpr std::int8_t stands_alone = 3;
 /// Returns the body of a Cancel packet: the counter of the call that its client had issued `last`
 /// when it canceled. Later calls are not canceled.

@@ -24,14 +24,25 @@ Failure failure_after(const BlendChain::Failed& failed, const std::string& what)
           {}};
 }
 
-/// Returns whether a program that knows `known` of a command knows its end `detail`. A command that
-/// is canceled may pass its deadline while it brakes.
-bool knows(ChainReport::Known known, Detail detail) {
-  return known != ChainReport::Known::Canceled || detail == Detail::Canceled ||
-         detail == Detail::TimedOut;
+/// Returns whether a command that is canceled may end so: it may pass its deadline while it brakes.
+bool ends_a_cancel(Detail detail) {
+  return detail == Detail::Canceled || detail == Detail::TimedOut;
 }
 
 }  // namespace
+
+std::uint64_t BlendChain::Unseen::known_from() const {
+  return std::min(went_on_from(), detached_from);
+}
+
+std::uint64_t BlendChain::Unseen::went_on_from() const {
+  return ends_a_cancel(failed.detail) ? std::min(seen_from, canceled_from) : seen_from;
+}
+
+std::uint64_t BlendChain::Unseen::covers_up_to() const {
+  const std::uint64_t from = went_on_from();
+  return from == never && detached_from != never ? 0 : from;
+}
 
 void BlendChain::arrived(const Arrival& command, const ChainReport& known) {
   const bool newly_held =
@@ -52,9 +63,10 @@ void BlendChain::note(const ChainReport::Entry& entry, std::uint64_t from) {
 
 /// Notes that the program knew `known` when it issued the command `from`.
 void BlendChain::learn(Unseen& failure, ChainReport::Known known, std::uint64_t from) {
-  if (!knows(known, failure.failed.detail) || from >= failure.known_from) return;
-  failure.known_from = from;
-  failure.known = known;
+  std::uint64_t& since = known == ChainReport::Known::Failure    ? failure.seen_from
+                         : known == ChainReport::Known::Canceled ? failure.canceled_from
+                                                                 : failure.detached_from;
+  since = std::min(since, from);
 }
 
 BlendChain::Unseen* BlendChain::find(std::uint64_t counter) {
@@ -67,9 +79,7 @@ BlendChain::Unseen* BlendChain::find(std::uint64_t counter) {
 void BlendChain::begin_at(std::uint64_t counter) {
   begin_ = counter;
   for (Unseen& failure : failures_) {
-    if (failure.failed.counter < counter) {
-      failure.known_from = std::min(failure.known_from, counter);
-    }
+    if (failure.failed.counter < counter) learn(failure, ChainReport::Known::Failure, counter);
   }
 }
 
@@ -77,13 +87,12 @@ void BlendChain::failed(Failed failed) {
   const std::uint64_t counter = failed.counter;
   if (Unseen* const before = find(counter)) {  // one that was canceled while it ran, and now ends
     before->failed = std::move(failed);
-    if (!knows(before->known, before->failed.detail)) before->known_from = never;
     return;
   }
   if (failures_.size() >= most_known) drop_known();
-  if (failures_.size() >= most_known && left_out(counter, {})) return;
+  if (failures_.size() >= most_known) failures_.pop_back();  // an earlier failure covers it
   Unseen failure{std::move(failed)};
-  if (counter < begin_) failure.known_from = begin_;
+  if (counter < begin_) failure.seen_from = begin_;
   for (const Expected& expected : expected_) {
     if (expected.counter == counter) learn(failure, expected.known, expected.known_from);
   }
@@ -97,26 +106,29 @@ void BlendChain::forget(std::uint64_t counter) {
   std::erase_if(expected_, [&](const Expected& one) { return one.counter == counter; });
 }
 
-/// Keeps the number of failures small. One that the program knows matters only for the commands
-/// before it knew it, which the queue had left out when the failure was noted.
+/// Drops a failure that the program knows, and those that it covers. It matters only for commands
+/// that were issued before, and these were left out when the failure was noted.
 void BlendChain::drop_known() {
   const auto known = std::ranges::find_if(
-      failures_, [](const Unseen& failure) { return failure.known_from != never; });
-  if (known != failures_.end()) failures_.erase(known);
+      failures_, [](const Unseen& failure) { return failure.known_from() != never; });
+  if (known == failures_.end()) return;
+  const std::uint64_t from = known->failed.counter;
+  const std::uint64_t up_to = std::max(known->covers_up_to(), from + 1);
+  std::erase_if(failures_, [&](const Unseen& failure) {
+    return failure.failed.counter >= from && failure.failed.counter < up_to;
+  });
 }
 
 std::optional<BlendChain::LeftOut> BlendChain::left_out(std::uint64_t counter,
                                                         const std::string& what) const {
-  std::uint64_t bound =
-      0;  // the commands before this one are left out because of an earlier failure
+  std::uint64_t covered = 0;  // failures of commands before this one bind no other
   for (const Unseen& failure : failures_) {
-    // A command that fails where it would have been left out binds no other: who knows the earlier
-    // failure goes on.
-    if (failure.failed.counter < bound) continue;
-    if (failure.failed.counter < counter && counter < failure.known_from) {
+    // A program that knows the earlier failure may go on.
+    if (failure.failed.counter < covered) continue;
+    if (failure.failed.counter < counter && counter < failure.known_from()) {
       return LeftOut{failure.failed.counter, failure_after(failure.failed, what)};
     }
-    if (failure.known != ChainReport::Known::Detached) bound = std::max(bound, failure.known_from);
+    covered = std::max(covered, failure.covers_up_to());
   }
   return std::nullopt;
 }

@@ -42,7 +42,7 @@ class BlendChain {
     /// The epoch at which the session acquired the status of the command; 0 if the command has an
     /// earlier status, or none.
     std::uint64_t held_from = 0;
-    /// The client has stopped the object or taken over before: no earlier command counts.
+    /// The client has stopped the object before: no earlier command counts.
     bool stands_alone = false;
   };
   /// Notes an arrival, with what the client reports. Must be called for the actor commands of the
@@ -62,15 +62,24 @@ class BlendChain {
 
  private:
   static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
-  static constexpr std::size_t most_known = 256;
+  static constexpr std::size_t most_known = 256;  ///< failures, and ends that are expected
 
   struct Unseen {
     Failed failed;
-    /// The first command that was issued when the program knew the failure, and what it knew.
-    std::uint64_t known_from = never;
-    ChainReport::Known known = ChainReport::Known::Failure;
+    // The first command that was issued when the program had seen the failure, had canceled the
+    // command, or had detached it.
+    std::uint64_t seen_from = never, canceled_from = never, detached_from = never;
+
+    /// Returns the first command that was issued when the program knew the failure.
+    std::uint64_t known_from() const;
+    /// Returns the first command that was issued when the program went on in view of the failure.
+    std::uint64_t went_on_from() const;
+    /// Returns the first command before which other failures do not count, because those commands
+    /// would have been left out because of this one.
+    std::uint64_t covers_up_to() const;
   };
-  /// The program knows the end that this command will have.
+  /// The program knows the end that this command will have. One of a command that had an end before
+  /// is never needed.
   struct Expected {
     std::uint64_t counter = 0;
     ChainReport::Known known{};

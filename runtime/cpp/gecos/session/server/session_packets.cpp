@@ -31,6 +31,31 @@ void note_failed(const ObjectSetup& setup, ServerSession& session, const wire::P
   session.chain.failed({call.counter, std::string(operation->name), failure.detail, failure.text});
 }
 
+/// Notes in the chain of `session` that the call of `operation` in `packet` has arrived, and what
+/// its client reports with it. Returns the arguments of the call; fails if the report is malformed.
+tl::expected<ByteView, Failure> note_arrival(ServerSession& session, const wire::PacketView& packet,
+                                             const OperationDescription* operation) {
+  const wire::PacketHeader& header = packet.header;
+  ChainReport known;
+  ByteView arguments = packet.body;
+  std::optional<Failure> malformed;
+  if (header.flags == reports) {
+    wire::Decoder from(packet.body);
+    if (!known.decode(from)) {
+      malformed = Failure{Detail::BadParameter, from.error().message(), {}, {}};
+      known = {};
+    }
+    arguments = packet.body.last(from.remaining());
+  }
+  if (operation != nullptr && commands_the_object(*operation)) {
+    const bool under_it = number(header.epoch) >= session.held_from;
+    session.chain.arrived(
+        {header.counter, under_it ? session.held_from : 0, header.flags == stands_alone}, known);
+  }
+  if (malformed) return tl::unexpected(*std::move(malformed));
+  return arguments;
+}
+
 /// Ends the commands that run or wait, because `by` replaces them.
 void preempt(ObjectCalls& calls, const ServerCall& by) {
   const Failure failure{Detail::Preempted,
@@ -168,7 +193,12 @@ void SessionPackets::cancel_later(ServerSession& session, std::uint64_t counter,
                other.counter <= last;
       },
       Failure{Detail::Canceled, why, {}, {}});
-  while (const auto later = session.intake.first_aside(counter)) {
+  for (auto later = session.intake.first_aside(counter); later && *later <= last;
+       later = session.intake.first_aside(*later)) {
+    const auto* const operation = setup_.interface.find(session.intake.code_aside(*later));
+    if (operation != nullptr && operation->on_new == OnNew::Blend) {
+      session.chain.failed({*later, std::string(operation->name), Detail::Canceled, why});
+    }
     end_early(session, *later, Detail::Canceled, why);
   }
 }
@@ -228,7 +258,7 @@ void SessionPackets::arrive(const Session& session, const wire::PacketView& pack
     case Intake::Verdict::Ignore:
       return;
     case Intake::Verdict::TooLate:
-      return refuse_late(*session, packet.header);
+      return refuse_late(*session, packet);
   }
   wire::PacketView aged = packet;
   if (Duration& left = aged.header.deadline; left > Duration{}) {
@@ -240,14 +270,17 @@ void SessionPackets::arrive(const Session& session, const wire::PacketView& pack
 
 /// Refuses a call that was unread for too long, for example while this process was suspended. By
 /// then its client has reported OUTCOME_UNKNOWN, or it still queries the outcome.
-void SessionPackets::refuse_late(ServerSession& session, const wire::PacketHeader& call) {
+void SessionPackets::refuse_late(ServerSession& session, const wire::PacketView& packet) {
+  const wire::PacketHeader& call = packet.header;
   const std::string why =
       "the call was not started: it was unread for more than " +
       std::to_string(session.intake.accepts_within() / std::chrono::milliseconds(1)) +
       " ms, because the server process or its machine did not run";
   calls_.outcomes().ended(session.id(), call.counter, Detail::NotStarted, why);
   if (!is_builtin(call.code)) {
-    calls_.statistics().refused(session, setup_.interface.find(call.code), Detail::NotStarted);
+    const auto* const operation = setup_.interface.find(call.code);
+    calls_.statistics().refused(session, operation, Detail::NotStarted);
+    static_cast<void>(note_arrival(session, packet, operation));
     note_failed(setup_, session, call, {Detail::NotStarted, why, {}, {}});
   }
   session.reply(call.counter, Failure{Detail::NotStarted, why, {}, {}});
@@ -286,32 +319,24 @@ void SessionPackets::take_call(const Session& session, const wire::PacketView& p
     calls_.statistics().refused(*session, operation, Detail::QueueFull);
     const Failure failure{
         Detail::QueueFull, "the client has more unanswered calls than the server granted", {}, {}};
+    static_cast<void>(note_arrival(*session, packet, operation));
     note_failed(setup_, *session, packet.header, failure);
     return session->reply(counter, failure);
   }
   if (!too_early(*session, packet, *operation, age)) take_in_turn(session, packet, *operation, age);
 }
 
-/// Notes what the client reports of earlier commands, and admits the call.
+/// Notes that an actor command has arrived in its turn, and admits the call.
 void SessionPackets::take_in_turn(const Session& session, const wire::PacketView& packet,
                                   const OperationDescription& operation, Age age) {
-  const wire::PacketHeader& header = packet.header;
   wire::PacketView call = packet;
-  ChainReport known;
-  std::optional<Failure> malformed;
-  if (header.flags == reports) {
-    wire::Decoder from(packet.body);
-    if (!known.decode(from)) malformed = {Detail::BadParameter, from.error().message(), {}, {}};
-    call.body = packet.body.subspan(packet.body.size() - from.remaining());
+  const auto arguments = note_arrival(*session, packet, &operation);
+  if (arguments) {
+    call.body = *arguments;
+    return admit(session, call, operation, age);
   }
-  if (commands_the_object(operation)) {
-    const bool under_it = number(header.epoch) >= session->held_from;
-    session->chain.arrived(
-        {header.counter, under_it ? session->held_from : 0, header.flags == stands_alone}, known);
-  }
-  if (!malformed) return admit(session, call, operation, age);
-  note_failed(setup_, *session, header, *malformed);
-  session->reply(header.counter, *malformed);
+  note_failed(setup_, *session, packet.header, arguments.error());
+  session->reply(packet.header.counter, arguments.error());
 }
 
 void SessionPackets::admit(const Session& session, const wire::PacketView& packet,

@@ -55,7 +55,7 @@ class SessionPackets {
 
   // From the arrival of a call to the queue.
   void arrive(const Session& session, const wire::PacketView& packet);
-  void refuse_late(ServerSession& session, const wire::PacketHeader& call);
+  void refuse_late(ServerSession& session, const wire::PacketView& packet);
   void take_call(const Session& session, const wire::PacketView& packet, Age age = {});
   void take_in_turn(const Session& session, const wire::PacketView& packet,
                     const OperationDescription& operation, Age age);
