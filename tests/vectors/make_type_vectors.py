@@ -129,7 +129,7 @@ CASES: list[tuple[str, str, Any]] = [
     ("robcl::Manipulator::stood", "there", {"tool": FRAME}),
     ("robcl::JointLimit", "axis 3", {"axis": 3, "value": 2.9, "lower": -2.4, "upper": 2.4}),
     ("robcl::JointLimit", "on a line", {
-        "axis": 6, "value": 4.72, "lower": -4.7, "upper": 4.7,
+        "axis": 5, "value": 1.79, "lower": -1.75, "upper": 1.75,
         "place": {"way": 0.05, "turn": 0.17},
         "configuration": {"arm": "RIGHTY", "bend": "ABOVE", "hand": "FLIP"}}),
     ("robcl::PlaceOnLine", "half a turn", {"way": 0.0, "turn": 3.14}),
