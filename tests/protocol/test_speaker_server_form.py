@@ -87,7 +87,10 @@ def test_every_packet_has_its_form(partner: Partner, client: Client) -> None:
         assert packet.session == (0 if packet.kind == Kind.HELLO else session)
         assert (packet.code != 0) == (packet.kind == Kind.CALL)
         assert (packet.counter != 0) == (packet.kind in (Kind.CALL, Kind.CANCEL, Kind.QUERY))
-        assert bool(packet.body) <= (packet.kind in (Kind.HELLO, Kind.CALL))
+        assert bool(packet.body) <= (packet.kind in (Kind.HELLO, Kind.CALL, Kind.CANCEL))
+        if packet.kind == Kind.CANCEL:
+            (last,) = struct.unpack(">Q", packet.body)  # the call that was issued last
+            assert packet.counter <= last <= len(partner.packets(Kind.CALL))
         assert packet.acknowledged < max(packet.counter, len(partner.packets(Kind.CALL)) + 1)
         if packet.kind != Kind.CALL:
             assert (packet.epoch, packet.deadline_ns) == (0, 0)
