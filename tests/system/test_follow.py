@@ -296,3 +296,15 @@ def no_frame() -> Frame:
 
 def test_the_arm_tells_its_cycle(lab_with_arm: Laboratory) -> None:
     assert gecos.Lab().create(Manipulator, "RX90").cycle().result() == 0.004
+
+
+@LANGUAGES
+def test_over_lcm_a_program_is_told_why_it_cannot_follow(
+    language: str, lab_with_arm: Laboratory, tmp_path: Path
+) -> None:
+    """A client with another runtime directory counts as one of another host."""
+    lab_with_arm.env |= {"GECOS_RUNTIME_DIR": str(tmp_path), "GECOS_BROKER": "lcm"}
+    guide = example(lab_with_arm, "17_follow_a_sensor", "follow_a_sensor", language)
+    client = lab_with_arm.run(*guide)
+    assert client.finish() == 1, str(client)
+    assert "QOS_UNAVAILABLE" in client.output() and "media=shm|can: lcm is not" in client.output()
