@@ -57,7 +57,7 @@ class MovableSession final : public ClientSession,
     std::shared_ptr<MovableStream> stream;
     std::shared_ptr<ClientStream> core;
   };
-  /// What was reported beside the changes of the present connection.
+  /// The reports that are not changes of the present connection.
   struct Report {
     std::uint64_t earlier = 0;  ///< all changes, without those of the present connection
     std::uint64_t at = 0;       ///< changes of the present connection before the last report

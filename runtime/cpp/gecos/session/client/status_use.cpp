@@ -27,7 +27,7 @@ void StatusUse::issued(FunctionCode operation, std::shared_ptr<CommandCore> comm
   --begun_;
   const bool asks = operation == GecosObjectInterface::acquire.code;
   (asks ? requests_ : releases_).push_back(std::move(command));
-  in_use();  // forgets what has ended
+  in_use();  // forgets the uses that have ended
 }
 
 bool StatusUse::in_use() {
