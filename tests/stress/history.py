@@ -153,6 +153,15 @@ class History:
         """Seconds between `begin` and `end` in which the machine did not run its watcher."""
         return sum(max(0, min(end, woken) - max(begin, due)) for due, woken in self.late) * 1e-9
 
+    def awake_s(self, pid: int, begin: int, end: int) -> float:
+        """Seconds between two times in which the process ran, as far as the machine let it."""
+        frozen = sum(
+            max(0, min(end, freeze.end) - max(begin, freeze.begin))
+            for freeze in self.freezes
+            if freeze.pid == pid
+        )
+        return (end - begin - frozen) * 1e-9 - self.late_s(begin, end)
+
     def summary(self) -> str:
         calls = [call for client in self.clients for call in client.calls.values()]
         outcomes = Counter(call.detail() or "client killed" for call in calls)

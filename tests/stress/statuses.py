@@ -215,7 +215,8 @@ def had_a_live_status(history: History, one: OneServer) -> Iterator[str]:
 
 def none_of_a_silent_client(history: History, one: OneServer) -> Iterator[str]:
     """A client that stood still for longer than a status lives without it has lost the status: none
-    of the commands and samples that it issued before starts any more."""
+    of the commands and samples that it issued before starts any more. A server that stood still
+    too watched nothing meanwhile."""
     pids = {client.name: client.pid for client in history.clients}
     for freeze in history.freezes:
         if (freeze.end - freeze.begin) * 1e-9 <= SILENCE_S or freeze.pid == one.server.pid:
@@ -223,9 +224,9 @@ def none_of_a_silent_client(history: History, one: OneServer) -> Iterator[str]:
         for begun in one.begun:
             if begun.call.operation not in COMMANDS or pids[begun.who[0]] != freeze.pid:
                 continue
-            silent = (begun.marked - freeze.begin) * 1e-9
-            late = history.late_s(freeze.begin, begun.marked)
-            if begun.call.issued < freeze.begin and silent - late > SILENCE_S:
+            watched = history.awake_s(one.server.pid, freeze.begin, begun.marked)
+            if begun.call.issued < freeze.begin and watched > SILENCE_S:
+                silent = (begun.marked - freeze.begin) * 1e-9
                 yield (
                     f"{one.server.name}: {begun.named()} started {silent:.3f} s after"
                     f" {begun.who[0]} had fallen silent"

@@ -168,6 +168,8 @@ def test_rejected_is_a_command_of_a_client_that_fell_silent_before(tmp_path: Pat
         assert judged(tmp_path, takes, works, server, kills) == [], "nobody was silent for so long"
     after = works.replace("4 issue", f"{2 * SECOND + 1} issue")
     assert judged(tmp_path, takes, after, server, frozen) == []
+    too = f"{frozen}{SECOND} freeze 4711 {3 * SECOND - 1}\n"
+    assert judged(tmp_path, takes, works, server, too) == [], "the server stood still too"
     (tmp_path / "machine.log").write_text(f"10 late {5 * SECOND // 2}\n")
     assert judged(tmp_path, takes, works, server, frozen) == [], "the server could not notice it"
 

@@ -101,14 +101,14 @@ def check(history: History) -> Iterator[str]:
                 until = min(at, absence.end)
                 silent = _is_silent(history, server.pid, absence.begin, absence.end)
                 heard_s = REPORT_LIVES_S if silent else absence.heard_s
-                knew = _awake_s(history, server.pid, absence.begin, at) > heard_s + BOUND_S
+                knew = history.awake_s(server.pid, absence.begin, at) > heard_s + BOUND_S
                 if at < absence.end and knew:
                     yield (
                         f"{server.name}: {what} began"
                         f" {(until - absence.begin) * 1e-9:.3f} s after {absence.why}"
                     )
                 sent = call.sent if call is not None else None
-                heard = knew and _awake_s(history, server.pid, absence.end, at) > BOUND_S
+                heard = knew and history.awake_s(server.pid, absence.end, at) > BOUND_S
                 if at > absence.end and heard and sent is not None and sent < absence.begin:
                     yield f"{server.name}: {what} began, and was sent before {absence.why}"
 
@@ -122,13 +122,3 @@ def _is_silent(history: History, pid: int, begin: int, end: int) -> bool:
     )
     ended = (history.kills.get(zone.pid, zone.done) for zone in history.zones)
     return still or any(at is not None and before < at < end for at in ended)
-
-
-def _awake_s(history: History, pid: int, begin: int, end: int) -> float:
-    """Seconds between two times in which the process ran, as far as the machine let it."""
-    frozen = sum(
-        max(0, min(end, freeze.end) - max(begin, freeze.begin))
-        for freeze in history.freezes
-        if freeze.pid == pid
-    )
-    return (end - begin - frozen) * 1e-9 - history.late_s(begin, end)

@@ -71,7 +71,10 @@ class Client:
             return None
         self._session += 1
         self._record.note(f"open {self._session} {pid}")
-        self._push = bench.push.writer()
+        try:
+            self._push = bench.push.writer()
+        except (gecos.CommandFailed, gecos.ConnectionFailed):
+            return None
         return bench if self._acquire(bench) else None
 
     def _acquire(self, bench: Workbench) -> bool:
