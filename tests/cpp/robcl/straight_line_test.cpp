@@ -12,6 +12,7 @@
 #include "robcl/motion/move_chain.hpp"
 #include "robcl/motion/planner.hpp"
 #include "robcl/motion/playback.hpp"
+#include "set_points.hpp"
 
 namespace robcl::motion {
 namespace {
@@ -101,6 +102,28 @@ TEST(StraightLinesOfSevenJoints, NameNoConfiguration) {
   ASSERT_TRUE(limit->place);
   EXPECT_NEAR(limit->place->turn, 5_deg, 0.5_deg);  // its limit is 175 degrees
   EXPECT_EQ(limit->configuration, Configuration{});
+}
+
+/// On this line the joints turn so fast that the knots at the usual distance would let the tool
+/// leave the line by .07 mm between two of them.
+TEST(StraightLinesOfSevenJoints, KeepToTheLineWhereTheJointsTurnFast) {
+  const arm::ArmModel model = seven_axes();
+  Planner planner(model, {});
+  JointValues from(7), to(7);
+  from << 2.6250, 0.0668, -2.7770, 0.0047, 1.3621, -1.7994, -2.1295;
+  to << 1.4898, -0.7742, -1.7475, 0.6337, 2.5123, -0.4109, -2.8639;
+  const Frame start = planner.base_from_tool(from, {}), goal = planner.base_from_tool(to, {});
+  const auto move = planner.straight_move(from, goal, {}, {});
+  ASSERT_TRUE(move) << to_string(move.error());
+  std::vector<Frame> tools;
+  const double step = move->duration() / 50'000;
+  for (double s = 0; s < move->duration(); s += step) {
+    tools.push_back(planner.base_from_tool(move->path.position(s), {}));
+  }
+  expect_on_line(tools, start.position(), goal.position());
+
+  // A chain leaves out knots that are close together, but none that the line needs.
+  EXPECT_LT(move->joint_step, planner.joint_move(from, to, {})->joint_step);
 }
 
 /// Lines of the RX90 whose callers give the accelerations of the tool.

@@ -9,6 +9,9 @@ namespace robcl::motion {
 /// path. The knots are so dense that the tool stays on the line although the joints move on curves
 /// between the knots.
 inline constexpr double line_step = mm(1), turn_step = deg(0.2);
+/// A joint turns by at most this angle, in rad, between two knots of a path. The knots are placed
+/// accordingly.
+inline constexpr double joint_step = 0.03;
 
 /// The straight line between two frames. While the position moves along the line, the orientation
 /// turns evenly about one axis, by at most 180 degrees.

@@ -29,6 +29,9 @@ struct Move {
   /// The greatest second derivatives by s of the distance and the angle of the tool from its line,
   /// in each interval; may be empty.
   std::vector<ToolSpeed> bends{};
+  /// By how much a joint turns between two knots, at most, in rad. A straight move whose tool would
+  /// leave its line has a smaller value.
+  double joint_step = motion::joint_step;
 
   double duration() const { return path.end(); }
   const JointValues& goal() const { return path.knot(path.intervals()); }

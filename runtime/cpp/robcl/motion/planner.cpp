@@ -125,9 +125,10 @@ tl::expected<Move, Failure> Planner::straight_move(const JointValues& from,
   const Line line(start, base_from_goal);
   const ToolLimits tool = scaled(limits_, pace);
   const double duration = std::max(line.length() / tool.speed, line.turn() / tool.turn_speed);
-  auto path = path_of_line(from, line, tool_from_flange, duration);
-  if (!path) return tl::unexpected(path.error());
-  Move move{*std::move(path), pace, line, flange_from_tool};
+  auto made = path_of_line(from, line, flange_from_tool, duration);
+  if (!made) return tl::unexpected(made.error());
+  Move move{std::move(made->path), pace, line, flange_from_tool};
+  move.joint_step = made->joint_step;
   if (pace.tool_acceleration || pace.turn_acceleration) move.bends = bends_of_tool(move);
   return move;
 }

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "gecos/base/result.hpp"
@@ -14,6 +15,8 @@
 #include "robcl/motion/plan.hpp"
 
 namespace robcl::motion {
+
+class LineWalk;
 
 /// Plans the moves of one arm. The planner allocates memory, so the control loop must not use the
 /// planner. Only one thread at a time may use it.
@@ -73,8 +76,19 @@ class Planner {
 
  private:
   tl::expected<Plan, arm::Failure> plan_of(const tl::expected<Move, arm::Failure>& move) const;
-  tl::expected<Path, arm::Failure> path_of_line(const JointValues& from, const Line& line,
-                                                const Frame& tool_from_flange, double duration);
+  /// A path along a line, and by how much a joint turns on it between two knots, at most, in rad.
+  struct LinePath {
+    Path path;
+    double joint_step;
+  };
+  tl::expected<LinePath, arm::Failure> path_of_line(const JointValues& from, const Line& line,
+                                                    const Frame& flange_from_tool, double duration);
+  tl::expected<Path, arm::Failure> path_of(LineWalk& walk, const JointValues& from,
+                                           const Line& line, double duration);
+  std::pair<Frame, Frame> middle_of(const Path& path, std::size_t interval, const Line& line,
+                                    const Frame& flange_from_tool);
+  std::pair<std::size_t, double> furthest_from_line(const Path& path, const Line& line,
+                                                    const Frame& flange_from_tool);
   std::vector<double> caps_of_tool(const Path& path, const Pace& pace,
                                    const Frame& flange_from_tool);
   std::vector<ToolSpeed> bends_of_tool(const Move& move);

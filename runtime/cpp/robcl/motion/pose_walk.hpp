@@ -9,10 +9,6 @@ namespace robcl::motion {
 
 using arm::JointValues;
 
-/// A joint turns by at most this angle, in rad, between two knots of a path. The knots are placed
-/// accordingly.
-inline constexpr double joint_step = 0.03;
-
 /// Follows a path of poses in small steps, by the inverse kinematics. The arm keeps the
 /// configuration in which it starts, and the turns of its joints.
 class PoseWalk {

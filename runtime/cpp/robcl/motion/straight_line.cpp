@@ -20,7 +20,11 @@ using arm::OutOfReach;
 using arm::Singular;
 
 constexpr double joint_jump = 0.1;  // rad per joint between the closest knots; else the line fails
-constexpr std::size_t closer = 8;   // parts of an interval, at most, where joints turn fast
+constexpr std::size_t most_parts = 8;  // of an interval, where joints turn fast
+/// The tool may be this far from its line between two knots, in m. `off_line` is promised; a path
+/// that leaves its line by more than `near_line` is made again with more knots, twice at most.
+constexpr double off_line = 5e-5, near_line = 4e-5;
+constexpr int finest = 2;
 constexpr std::size_t fewest = 50, most = 4000;
 
 Failure with_place(Failure failure, const arm::PlaceOnLine& where) {
@@ -30,6 +34,14 @@ Failure with_place(Failure failure, const arm::PlaceOnLine& where) {
     limit->place = where;
   }
   return failure;
+}
+
+Singular leaves_line(const arm::PlaceOnLine& where, double away) {
+  std::ostringstream text;
+  text << to_string(where) << " the joints would have to turn so fast that the tool leaves its line"
+       << " by " << std::fixed << std::setprecision(3) << in_mm(away)
+       << " mm; avoid the singularity or use a joint move";
+  return Singular{text.str()};
 }
 
 /// By how much a joint turns, in rad.
@@ -43,12 +55,18 @@ struct Turn {
 /// Walks along a line from one joint position to the next.
 class LineWalk {
  public:
+  /// `finer`: how often the distances between knots are halved, compared with the usual ones.
   LineWalk(const arm::ArmModel& model, arm::InverseKinematics& inverse, const Line& line,
-           const Frame& tool_from_flange, const JointValues& from)
+           const Frame& tool_from_flange, const JointValues& from, int finer)
       : model_(model),
         walk_(model, inverse, from),
         line_(line),
-        tool_from_flange_(tool_from_flange) {}
+        tool_from_flange_(tool_from_flange),
+        furthest_(std::ldexp(joint_step, -finer)),
+        most_parts_(most_parts << finer) {}
+
+  /// Returns by how much a joint may turn between two knots, in rad.
+  double furthest() const { return furthest_; }
 
   /// Walks from the fraction `start` of the line to its fraction `end` and adds the knots that are
   /// needed to `knots`. Where a joint turns fast, the knots are closer together.
@@ -56,7 +74,7 @@ class LineWalk {
     const PoseWalk::Place begin = walk_.at();
     for (std::size_t parts = 1;; parts *= 2) {
       const double each = (end - start) / static_cast<double>(parts);
-      const bool closest = parts == closer;
+      const bool closest = parts == most_parts_;
       const std::size_t known = knots.places.size();
       std::size_t done = 0;
       for (; done < parts; ++done) {
@@ -65,7 +83,7 @@ class LineWalk {
         const JointValues before = walk_.at().joints;
         const auto turn = step_to(part);
         if (!turn) return tl::unexpected(turn.error());
-        if (turn->angle > (closest ? joint_jump : joint_step)) {
+        if (turn->angle > (closest ? joint_jump : furthest_)) {
           if (closest) return tl::unexpected(why_so_far(before, *turn, part, each));
           break;
         }
@@ -132,6 +150,8 @@ class LineWalk {
   PoseWalk walk_;
   const Line& line_;
   const Frame tool_from_flange_;
+  const double furthest_;
+  const std::size_t most_parts_;
 };
 
 /// Returns by how much the motion of the tool bends in each interval of the path of `move`, a
@@ -143,22 +163,59 @@ std::vector<ToolSpeed> Planner::bends_of_tool(const Move& move) {
   constexpr double at_knots = 32;
   std::vector<ToolSpeed> bends;
   for (std::size_t i = 0; i < move.path.intervals(); ++i) {
-    const double middle = move.path.place(i) + move.path.step(i) / 2;
-    const Frame tool = base_from_tool(move.path.position(middle), move.flange_from_tool);
-    const Frame there = move.line->at(middle / move.duration());
+    const auto [there, tool] = middle_of(move.path, i, *move.line, move.flange_from_tool);
     const double per_s = at_knots / squared(move.path.step(i));
     bends.push_back({distance(there, tool) * per_s, angle(there, tool) * per_s});
   }
   return bends;
 }
 
-tl::expected<Path, Failure> Planner::path_of_line(const JointValues& from, const Line& line,
-                                                  const Frame& tool_from_flange, double duration) {
+/// Returns where the tool should be, and where it is, in the middle of an interval of `path`. The
+/// tool is on the line at both ends of the interval, and furthest from it in the middle.
+std::pair<Frame, Frame> Planner::middle_of(const Path& path, std::size_t interval, const Line& line,
+                                           const Frame& flange_from_tool) {
+  const double middle = path.place(interval) + path.step(interval) / 2;
+  return {line.at(middle / path.end()), base_from_tool(path.position(middle), flange_from_tool)};
+}
+
+/// Returns the knot behind which the tool is furthest from its line, and how far it is there, in m.
+std::pair<std::size_t, double> Planner::furthest_from_line(const Path& path, const Line& line,
+                                                           const Frame& flange_from_tool) {
+  std::pair<std::size_t, double> furthest{0, 0};
+  for (std::size_t i = 0; i < path.intervals(); ++i) {
+    const auto [there, tool] = middle_of(path, i, line, flange_from_tool);
+    const double away = distance(there, tool);
+    if (away > furthest.second) furthest = {i, away};
+  }
+  return furthest;
+}
+
+/// Makes the path of the joints for a line. The tool keeps to the line between the knots, too.
+tl::expected<Planner::LinePath, Failure> Planner::path_of_line(const JointValues& from,
+                                                               const Line& line,
+                                                               const Frame& flange_from_tool,
+                                                               double duration) {
+  const Frame tool_from_flange = flange_from_tool.inverse();
+  for (int finer = 0;; ++finer) {
+    LineWalk walk(model_, *inverse_, line, tool_from_flange, from, finer);
+    auto path = path_of(walk, from, line, duration);
+    if (!path) return tl::unexpected(path.error());
+    const auto [knot, away] = furthest_from_line(*path, line, flange_from_tool);
+    if (away <= (finer < finest ? near_line : off_line)) {
+      return LinePath{*std::move(path), walk.furthest()};
+    }
+    if (finer == finest) {
+      return tl::unexpected(leaves_line(line.place(path->place(knot) / duration), away));
+    }
+  }
+}
+
+tl::expected<Path, Failure> Planner::path_of(LineWalk& walk, const JointValues& from,
+                                             const Line& line, double duration) {
   const double steps = std::ceil(std::max(line.length() / line_step, line.turn() / turn_step));
   const auto intervals = std::clamp(static_cast<std::size_t>(std::max(steps, 1.0)), fewest, most);
   Path::Knots knots;
   knots.add(0, from);
-  LineWalk walk(model_, *inverse_, line, tool_from_flange, from);
   const auto part = [&](std::size_t i) {
     return static_cast<double>(i) / static_cast<double>(intervals);
   };
