@@ -377,6 +377,18 @@ TEST_F(LeftOutAtTheServer, AreRefusedIfTheirReportDoesNotDecode) {
   EXPECT_EQ(reply_to(3), Detail::Rejected);
 }
 
+TEST_F(LeftOutAtTheServer, AreRefusedIfTheirFlagsAreUnknown) {
+  std::uint64_t counter = 2;
+  for (const std::int8_t flags : {std::int8_t{4}, std::int8_t{127}, std::int8_t{-1}}) {
+    step(counter, flags);
+    EXPECT_EQ(reply_to(counter), Detail::BadParameter);
+    EXPECT_EQ(failure(),
+              "the call has the flags " + std::to_string(flags) + "; this server knows 0 to 3");
+    ++counter;
+  }
+  EXPECT_EQ(servant_.calls, 0);
+}
+
 TEST_F(LeftOutAtTheServer, AreNoCallsOfAnOperationThatDoesNotBlend) {
   step(2);
   ASSERT_TRUE(settles([&] { return servant_.calls == 1; }));

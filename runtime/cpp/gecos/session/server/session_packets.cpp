@@ -32,13 +32,21 @@ void note_failed(const ObjectSetup& setup, ServerSession& session, const wire::P
 }
 
 /// Notes in the chain of `session` that the call of `operation` in `packet` has arrived, and what
-/// its client reports with it. Returns the arguments of the call; fails if the report is malformed.
+/// its client reports with it. Returns the arguments of the call; fails if the report is malformed,
+/// or if flags of a later version may stand for another form of the body.
 tl::expected<ByteView, Failure> note_arrival(ServerSession& session, const wire::PacketView& packet,
                                              const OperationDescription* operation) {
   const wire::PacketHeader& header = packet.header;
   ChainReport known;
   ByteView arguments = packet.body;
   std::optional<Failure> malformed;
+  if (header.flags < 0 || header.flags > stands_alone) {
+    malformed = Failure{Detail::BadParameter,
+                        "the call has the flags " + std::to_string(header.flags) +
+                            "; this server knows 0 to " + std::to_string(stands_alone),
+                        {},
+                        {}};
+  }
   if (header.flags == reports) {
     wire::Decoder from(packet.body);
     if (!known.decode(from)) {
