@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "gecos/base/result.hpp"
@@ -76,22 +75,20 @@ class Planner {
 
  private:
   tl::expected<Plan, arm::Failure> plan_of(const tl::expected<Move, arm::Failure>& move) const;
-  /// A path along a line, and by how much a joint turns on it between two knots, at most, in rad.
+  /// What a straight move has of its line.
   struct LinePath {
     Path path;
     double joint_step;
+    std::vector<ToolSpeed> bends;
   };
   tl::expected<LinePath, arm::Failure> path_of_line(const JointValues& from, const Line& line,
                                                     const Frame& flange_from_tool, double duration);
   tl::expected<Path, arm::Failure> path_of(LineWalk& walk, const JointValues& from,
                                            const Line& line, double duration);
-  std::pair<Frame, Frame> middle_of(const Path& path, std::size_t interval, const Line& line,
-                                    const Frame& flange_from_tool);
-  std::pair<std::size_t, double> furthest_from_line(const Path& path, const Line& line,
-                                                    const Frame& flange_from_tool);
+  std::vector<ToolSpeed> away_from_line(const Path& path, const Line& line,
+                                        const Frame& flange_from_tool);
   std::vector<double> caps_of_tool(const Path& path, const Pace& pace,
                                    const Frame& flange_from_tool);
-  std::vector<ToolSpeed> bends_of_tool(const Move& move);
   std::optional<arm::OutOfReach> absurd(const Frame& base_from_goal) const;
 
   arm::ArmModel model_;

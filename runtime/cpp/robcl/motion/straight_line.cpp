@@ -44,6 +44,17 @@ Singular leaves_line(const arm::PlaceOnLine& where, double away) {
   return Singular{text.str()};
 }
 
+/// Returns the greatest second derivatives by s of the distance and the angle of the tool from its
+/// line, in each interval of `path`. `away`: distance and angle in the middle.
+std::vector<ToolSpeed> bends(const Path& path, std::vector<ToolSpeed> away) {
+  constexpr double at_knots = 32;  // of 16 t²(1 - t)², which is 1 in the middle
+  for (std::size_t i = 0; i < away.size(); ++i) {
+    const double per_s = at_knots / squared(path.step(i));
+    away[i] = {away[i].way * per_s, away[i].turn * per_s};
+  }
+  return away;
+}
+
 /// By how much a joint turns, in rad.
 struct Turn {
   Eigen::Index axis = 0;
@@ -154,40 +165,20 @@ class LineWalk {
   const std::size_t most_parts_;
 };
 
-/// Returns by how much the motion of the tool bends in each interval of the path of `move`, a
-/// straight move: between two knots the tool leaves its line a little, and comes back.
-std::vector<ToolSpeed> Planner::bends_of_tool(const Move& move) {
-  // The joints are cubics with the right slopes at the knots, so the tool is away from its line in
-  // proportion to t²(1 - t)². The second derivative is greatest at the knots: 32 times the distance
-  // in the middle, for an interval of length 1.
-  constexpr double at_knots = 32;
-  std::vector<ToolSpeed> bends;
-  for (std::size_t i = 0; i < move.path.intervals(); ++i) {
-    const auto [there, tool] = middle_of(move.path, i, *move.line, move.flange_from_tool);
-    const double per_s = at_knots / squared(move.path.step(i));
-    bends.push_back({distance(there, tool) * per_s, angle(there, tool) * per_s});
-  }
-  return bends;
-}
-
-/// Returns where the tool should be, and where it is, in the middle of an interval of `path`. The
-/// tool is on the line at both ends of the interval, and furthest from it in the middle.
-std::pair<Frame, Frame> Planner::middle_of(const Path& path, std::size_t interval, const Line& line,
-                                           const Frame& flange_from_tool) {
-  const double middle = path.place(interval) + path.step(interval) / 2;
-  return {line.at(middle / path.end()), base_from_tool(path.position(middle), flange_from_tool)};
-}
-
-/// Returns the knot behind which the tool is furthest from its line, and how far it is there, in m.
-std::pair<std::size_t, double> Planner::furthest_from_line(const Path& path, const Line& line,
-                                                           const Frame& flange_from_tool) {
-  std::pair<std::size_t, double> furthest{0, 0};
+/// Returns how far the tool is from its line in the middle of each interval of `path`. The joints
+/// are cubics with the right slopes at the knots, so the tool is on the line at the knots, and
+/// between them away from it in proportion to t²(1 - t)².
+std::vector<ToolSpeed> Planner::away_from_line(const Path& path, const Line& line,
+                                               const Frame& flange_from_tool) {
+  std::vector<ToolSpeed> away;
+  away.reserve(path.intervals());
   for (std::size_t i = 0; i < path.intervals(); ++i) {
-    const auto [there, tool] = middle_of(path, i, line, flange_from_tool);
-    const double away = distance(there, tool);
-    if (away > furthest.second) furthest = {i, away};
+    const double middle = path.place(i) + path.step(i) / 2;
+    const Frame there = line.at(middle / path.end());
+    const Frame tool = base_from_tool(path.position(middle), flange_from_tool);
+    away.push_back({distance(there, tool), angle(there, tool)});
   }
-  return furthest;
+  return away;
 }
 
 /// Makes the path of the joints for a line. The tool keeps to the line between the knots, too.
@@ -200,12 +191,15 @@ tl::expected<Planner::LinePath, Failure> Planner::path_of_line(const JointValues
     LineWalk walk(model_, *inverse_, line, tool_from_flange, from, finer);
     auto path = path_of(walk, from, line, duration);
     if (!path) return tl::unexpected(path.error());
-    const auto [knot, away] = furthest_from_line(*path, line, flange_from_tool);
-    if (away <= (finer < finest ? near_line : off_line)) {
-      return LinePath{*std::move(path), walk.furthest()};
+    std::vector<ToolSpeed> away = away_from_line(*path, line, flange_from_tool);
+    const auto furthest = std::ranges::max_element(away, {}, &ToolSpeed::way);
+    if (furthest->way <= (finer < finest ? near_line : off_line)) {
+      auto bent = bends(*path, std::move(away));
+      return LinePath{*std::move(path), walk.furthest(), std::move(bent)};
     }
     if (finer == finest) {
-      return tl::unexpected(leaves_line(line.place(path->place(knot) / duration), away));
+      const double part = path->place(furthest - away.begin()) / duration;
+      return tl::unexpected(leaves_line(line.place(part), furthest->way));
     }
   }
 }
