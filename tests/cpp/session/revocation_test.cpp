@@ -25,6 +25,8 @@ struct Seen {
     return !why.empty();
   }
   std::atomic<int> beats = 0;            // orders no other memory
+  std::atomic<int> judged = 0;           // orders no other memory
+  std::atomic<int> read = 0;             // the last reading of its key; orders no other memory
   std::atomic<bool> stream_left{false};  // it is not shared any more; orders no other memory
   std::atomic<bool> key_removed{false};  // orders no other memory
   std::mutex mutex;
@@ -60,7 +62,11 @@ class UserConnection final : public media::Connection {
   media::Loss loss() override { return media::Loss::None; }
   std::string loss_text() const override { return {}; }
   std::function<std::string()> later_refusal() override {
-    return [seen = seen_]() -> std::string { return seen->key_removed ? "its key is gone" : ""; };
+    return [seen = seen_, number = ++seen_->judged]() -> std::string {
+      const std::string why = seen->key_removed ? "its key is gone" : "";
+      seen->read = number;
+      return why;
+    };
   }
   std::unique_ptr<media::StreamWriter> make_stream(std::size_t, std::size_t) override {
     return nullptr;
@@ -138,6 +144,10 @@ class Revocations : public ::testing::Test {
       pass(100ms);
       return annas_->beats > 0 && bens_->beats > 0;
     })) << "the I/O loop has accepted both";
+    // What is revoked now waits longest: the server has just judged its clients.
+    const int before = bens_->judged;
+    for (int look = 0; look < 1000 && bens_->judged == before; ++look) pass(Maintenance::tick);
+    EXPECT_TRUE(settles([this] { return bens_->read == bens_->judged; }));
   }
   ~Revocations() override {
     object_->close();

@@ -17,7 +17,9 @@ tl::expected<std::shared_ptr<ClientSession>, std::string> session_at(const LabOr
                                                                      TimePoint deadline) {
   Context& context = **lab;
   auto opened = connect(*context.runtime(), address, GecosObjectInterface::description, deadline);
-  if (opened && !context.keep(*opened)) return tl::unexpected("this Lab is closed; make a new one");
+  if (opened && !context.keep(*opened)) {
+    return tl::unexpected(std::string("this Lab is closed; make a new one"));
+  }
   return opened;
 }
 
