@@ -3,7 +3,9 @@
 A block ```sh is typed at a terminal and has to succeed. Words after `sh` are for this reader:
 `terminal=2` for another terminal than the one before (each is a shell of its own), `host=desk` for
 the terminals of another machine, `stays` when the last command goes on, `status=3` when one command
-ends with that status, `repeat` when a person would type it again until it prints what is expected.
+ends with that status, `repeat` when a person would type it again until it prints what is expected,
+`answer=y` when a person answers a question so. A link to join, which is another one in each run, is
+typed as a terminal has printed it.
 A block ```text after it has lines that are printed, in this order; … stands for anything. A block
 `text terminal=2` is printed there, by the command that stayed, which ends if `status=` is given
 too; at a line ^C, Ctrl-C is pressed there, and the command ends after the lines behind it. A block
@@ -27,6 +29,7 @@ from terminals import PATIENCE_S, Terminal, pattern_of
 
 TREE = Path(__file__).resolve().parents[2]
 FENCED = re.compile(r"([^\n]*)\n*```(\w+)([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+LINK = re.compile(r"gecos-join:\S+")
 FILE = re.compile(r"`([\w./@-]+)`[^`]*:$")
 
 
@@ -139,6 +142,10 @@ class Reader:
     def _do(self, block: Block, expected: list[str]) -> None:
         terminal = self._terminal(block)
         commands = block.text.replace("$ROBCL/build", self.build)
+        if LINK.search(commands):
+            commands = LINK.sub(self._printed_link(), commands)
+        if "answer" in block.words:
+            commands = f"{commands.rstrip()} <<< {block.words['answer']}\n"
         if terminal.running is not None:
             if terminal.running == commands:
                 return  # it runs already, since the page before
@@ -150,6 +157,11 @@ class Reader:
         terminal.see(expected)
         if "stays" not in block.words:
             terminal.finish(block.status)
+
+    def _printed_link(self) -> str:
+        links = [link for terminal in self.terminals.values() for link in terminal.found(LINK)]
+        assert links, "no terminal has printed a link to join"
+        return links[-1]
 
     def _repeat(self, terminal: Terminal, commands: str, expected: list[str]) -> None:
         end = time.monotonic() + PATIENCE_S

@@ -60,6 +60,10 @@ class Terminal:
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
+    def found(self, pattern: re.Pattern[str]) -> list[str]:
+        """What the blocks have printed that matches, in its order."""
+        return [found[0] for line in self._lines for found in pattern.finditer(line)]
+
     def type(self, block: str) -> None:
         assert self.running is None, f"still runs here: {self.running}\n{self}"
         assert self._shell.stdin is not None

@@ -152,6 +152,21 @@ def test_an_invitation_works_once(cell: Laboratory, desk: User, tmp_path: Path) 
     assert late.owners() == []
 
 
+def test_who_reads_the_link_first_joins_and_is_known_by_the_fingerprint_alone(
+    cell: Laboratory, desk: User, tmp_path: Path
+) -> None:
+    link = cell.invite()
+    stranger = User(tmp_path / "stranger")
+    code, out = stranger.gecos("join", link, "--as", "ben@desk", "--yes")
+    assert code == 0, out
+    of_stranger = out.splitlines()[-1]
+    code, out = desk.gecos("join", link, "--as", "ben@desk")
+    assert code == 2 and "the link was used" in out, "ben learns that somebody was faster"
+    assert json.loads(cell.heard()[1])["owner"] == "ben@desk"
+    assert of_stranger not in desk.gecos("keys")[1]
+    assert f"admitted  {of_stranger}  ben@desk" in cell.gecos("approve", "ben@desk")[1]
+
+
 def other_secret(url: JoinUrl) -> JoinUrl:
     return JoinUrl(url.host, url.port, url.key, bytes(16))
 

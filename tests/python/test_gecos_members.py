@@ -622,6 +622,26 @@ def test_stop_without_a_broker_names_the_objects(place: object, run: Run) -> Non
     assert err.startswith("gecos: ARM was not stopped: BROKER: NO_SERVER: no broker answers")
 
 
+def test_stop_reaches_the_objects_of_this_host_without_a_broker(place: object, run: Run) -> None:
+    arm, stopped = Arm(), threading.Event()
+    arm.stops = stopped.set
+    with gecos.Lab() as lab, gecos.Server(lab) as server:
+        with gecos.Broker(lab):
+            server.add("ARM", arm, simulated=True)
+        code, out, err = run("stop", "ARM", "ROBOT", "--json")
+        assert stopped.wait(10)
+        shown = json.loads(out)
+        assert valid(out, "stop")
+        assert (code, shown["stopped"]) == (4, ["ARM"])
+        assert [failure["name"] for failure in shown["failed"]] == ["ROBOT"]
+        assert run("stop", "ARM") == (0, "ARM: stopped\n", "")
+        code, out, err = run("stop", "--all")
+        assert (code, out) == (4, "ARM: stopped\n"), "there may be objects that only a broker knows"
+        assert err.startswith("gecos: the broker did not say which other objects are silent: ")
+    code, out, err = run("stop", "--all")
+    assert (code, out) == (4, "") and "no broker answers" in err
+
+
 def test_stop_lists_the_objects_once(arm: Arm, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
     listed = connect.entries

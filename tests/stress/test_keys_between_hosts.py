@@ -40,6 +40,16 @@ with gecos.actor(rail) as lease:
         print("ended:", error, flush=True)
 """
 
+MOVES_WITHOUT_STATUS = """
+import gecos
+from gecos.dynamic_client.connect import connect
+
+try:
+    connect(gecos.Lab(), "RAIL").travel(0.2).result()
+except gecos.CommandFailed as error:
+    print(error)
+"""
+
 
 @dataclass
 class TwoHosts:
@@ -180,6 +190,44 @@ def refused_at(two: TwoHosts, host: int) -> str:
     return rail.output()
 
 
+def explained(two: TwoHosts, refusal: str) -> str:
+    """What `gecos why` says on CELL about the request whose number is in `refusal`."""
+    number = re.search(r"\(request ([0-9a-f-]+)\)", refusal)
+    assert number, refusal
+    told: list[str] = []
+
+    def is_in_the_audit() -> bool:
+        why = two.gecos(CELL, "why", number[1])
+        told.append(why.output())
+        return why.finish() == 0
+
+    until(is_in_the_audit, f"the audit has a line about: {refusal}")
+    return told[-1]
+
+
+def test_why_explains_what_a_user_of_another_host_was_refused(two: TwoHosts) -> None:
+    broker = '[objects.BROKER.allow]\nusers = ["*"]\nhosts = ["*"]\n'
+    two.edit(broker + '[allow]\nusers = ["anna"]\nhosts = ["desk"]\n')
+    two.admits(DESK, CELL)
+    two.admits(CELL, DESK, "ben@desk")
+    two.broker(CELL)
+    two.rail(CELL).wait_for("serving RAIL")
+
+    refused = two.gecos(DESK, "call", "RAIL", "measure")
+    assert refused.finish() == 5, str(refused)
+    rule = f'[allow] in {two.lab_file}:4 does not name user ben; add "ben" to its users'
+    assert "REFUSED" in refused.output() and rule in refused.output()
+    told = explained(two, refused.output())
+    assert " RAIL: ben on desk: " in told and rule in told
+
+    two.edit('[allow]\nusers = ["ben"]\nhosts = ["desk"]\n')
+    denied = two.start(DESK, sys.executable, "-c", MOVES_WITHOUT_STATUS)
+    assert denied.finish() == 0, str(denied)
+    told = explained(two, denied.output())
+    assert " RAIL: ben on desk (" in told
+    assert "travel ended DENIED: 'travel' of RAIL needs actor status" in told
+
+
 def test_a_name_that_the_lab_file_binds_goes_to_its_owner_alone(two: TwoHosts) -> None:
     everyone = '[objects.BROKER.allow]\nusers = ["*"]\nhosts = ["*"]\n[names]\n'
     two.edit(everyone + 'RAIL = "ann@cell"\n')
@@ -193,16 +241,8 @@ def test_a_name_that_the_lab_file_binds_goes_to_its_owner_alone(two: TwoHosts) -
     rule = f"[names] in {two.lab_file}:5 binds this name to user ann of host cell"
     assert f"a server of user ben of host desk may not register RAIL: {rule}" in told
     assert 'serve the object as this user, or write RAIL = "ben@desk" there' in told
-    number = re.search(r"\(request ([0-9a-f-]+)\)", told)
-    assert number, told
-    explained: list[str] = []
-
-    def is_explained() -> bool:
-        explained.append(two.gecos(CELL, "why", number[1]).output())
-        return "RAIL: ben on desk: may not register the object" in explained[-1]
-
-    until(is_explained, "the audit of the broker has the refusal")
-    assert rule in explained[-1]
+    why = explained(two, told)
+    assert "RAIL: ben on desk: may not register the object" in why and rule in why
     tested = two.gecos(CELL, "policy", "test", "ben", "desk", "RAIL", "--serve")
     assert tested.finish() == 5 and rule in tested.output()
 

@@ -16,6 +16,7 @@ from processes import Laboratory, until
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "command-line.md").read_text()
 COMMANDS = re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)[0].splitlines()
 GECOS = [sys.executable, "-m", "gecos.cli"]
+HOLD = Path(__file__).parent / "programs" / "hold.py"
 
 
 def test_every_command_of_the_page_does_its_work(lab_with_devices: Laboratory) -> None:
@@ -87,6 +88,21 @@ def test_a_refusal_is_explained_from_the_audit_which_has_no_password(
     files = list(Path(os.environ["GECOS_AUDIT_DIR"]).iterdir())
     assert "RX90" in "".join(file.read_text() for file in files)
     assert not [file for file in files if "s3cret" in file.read_text()]
+
+
+@pytest.mark.parametrize("words", [["RX90"], ["--all"]])
+def test_an_arm_is_stopped_after_the_death_of_the_broker(
+    words: list[str], lab_with_arm: Laboratory
+) -> None:
+    broker = lab_with_arm.programs[0]
+    mover = lab_with_arm.start(sys.executable, HOLD, ready="moving")
+    broker.kill()
+    stopped = lab_with_arm.run(*GECOS, "stop", *words)
+    assert "RX90: stopped" in stopped.lines
+    assert "ended COMMAND_FAILED/STOPPED: " in mover.wait_for("ended")
+    knows_all = words == ["RX90"]
+    assert stopped.finish() == (0 if knows_all else 4), str(stopped)
+    assert ("the broker did not say which other objects" in stopped.output()) is not knows_all
 
 
 def test_the_laboratory_of_the_page_is_read(tmp_path: Path) -> None:

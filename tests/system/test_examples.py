@@ -304,11 +304,13 @@ def test_a_guard_takes_over_retreats_and_gives_back(
     held_off = mover.wait_for("DENIED")
     assert f"pid {guard.pid}" in held_off and "is held off" in held_off, held_off
     assert f"pid {guard.pid}" in roster.wait_for("has taken over")
-    stranger = lab.run(*mover_command, "third hand")
-    assert stranger.finish() != 0
-    assert "it is shared by password, and the given password is wrong" in stranger.output()
-    assert f"pid {guard.pid}" in stranger.output() and "took over" in stranger.output()
-    assert "Traceback" not in stranger.output()
+    refusals = {(): "no password was given", ("third hand",): "the given password is wrong"}
+    for given, why in refusals.items():
+        stranger = lab.run(*mover_command, *given)
+        assert stranger.finish() != 0
+        assert f"it is shared by password, and {why}" in stranger.output()
+        assert f"pid {guard.pid}" in stranger.output() and "took over" in stranger.output()
+        assert "Traceback" not in stranger.output()
 
     guard.tell("")
     assert guard.finish() == 0, str(guard)

@@ -27,7 +27,7 @@ def test_one_is_admitted_and_one_is_told_why_not(build: Path) -> None:
     )
     assert ran.returncode == 0, ran.stdout + ran.stderr
     assert "NOT TRIED" not in ran.stdout
-    assert "[  PASSED  ] 8 tests." in ran.stdout
+    assert "[  PASSED  ] 9 tests." in ran.stdout
 
 
 def test_a_server_in_python_names_who_is_admitted() -> None:
@@ -55,6 +55,34 @@ def test_a_server_in_python_names_who_is_admitted() -> None:
         'the server does not name user bin; add "bin" to its users (request '
     )
     assert rule in refused
+
+
+def test_a_broker_and_a_server_of_the_user_gecos_serve_all_users_of_the_host() -> None:
+    with tempfile.TemporaryDirectory(prefix="gecos-") as folder:
+        lab_file, users = Path(folder) / "lab.toml", Path(folder) / "passwd"
+        lab_file.write_text('[objects.BROKER.allow]\nusers = ["*"]\n[allow]\nusers = ["daemon"]\n')
+        users.write_text(Path("/etc/passwd").read_text() + "gecos:x:990:990::/:/usr/sbin/nologin\n")
+        for file in (lab_file, users):
+            file.chmod(0o644)
+        subprocess.run([*WITH_OTHER_USERS, "chmod", "1777", folder], check=True)
+        environment = {
+            **os.environ,
+            "GECOS_RUNTIME_DIR": folder,
+            "GECOS_LAB_FILE": str(lab_file),
+            "GECOS_AUDIT_DIR": f"{folder}/audit",
+            "GECOS_KEY_DIR": f"{folder}/keys",
+        }
+        program = TREE / "tests" / "system" / "programs" / "user_gecos.py"
+        # A mount of its own: the user is known to this program and its children alone.
+        with_user_gecos = 'mount --bind "$1" /etc/passwd; shift; exec "$@"'
+        alone = ("unshare", "-m", "sh", "-euc", with_user_gecos, "sh", users)
+        ran = _run(environment, *alone, sys.executable, program, TREE / "tests" / "python")
+    place, admitted, refused = ran.splitlines()
+    assert place == "gecos serves in a folder of mode 711, at a socket of mode 666"
+    assert admitted == "daemon: a lamp"
+    assert refused.startswith("bin: LAMP: REFUSED: shm:")
+    rule = f"[allow] in {lab_file}:3 does not name user bin"
+    assert f"LAMP refuses user bin of host {socket.gethostname()}: {rule}" in refused
 
 
 @pytest.fixture(params=["robcl-zone", "a zone of one's own"])

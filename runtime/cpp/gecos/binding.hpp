@@ -39,6 +39,13 @@ struct LabAccess {
 tl::expected<std::shared_ptr<ClientSession>, std::string> broker_session(const LabOrWhyNot& lab,
                                                                          TimePoint deadline);
 
+/// Opens a session with the object at `address`, such as "shm:…", without a broker. Only the
+/// built-in operations can be called in it. On failure returns the reason.
+/// @pre `lab` holds a value
+tl::expected<std::shared_ptr<ClientSession>, std::string> session_at(const LabOrWhyNot& lab,
+                                                                     const std::string& address,
+                                                                     TimePoint deadline);
+
 class BrokerNews;
 
 /// Waits between two attempts to create a proxy for an object that is not online. A wait ends when

@@ -123,6 +123,18 @@ nb::object broker(LabHandle& self, nb::handle interface, double patience) {
   return nb::cast(self.keep(std::make_shared<SessionHandle>(std::move(*opened), wanted)));
 }
 
+/// Returns a session with the object at `address`, or a text that says why there is none.
+nb::object session_at(LabHandle& self, nb::handle interface, const std::string& address,
+                      double patience) {
+  const InterfaceDescription& wanted = description_of(interface);
+  auto opened =
+      run_interruptibly([lab = self.get(), address, until = deadline_after(patience_of(patience))] {
+        return session::session_at(session::LabAccess::context(*lab), address, until);
+      });
+  if (!opened) return nb::str(opened.error().c_str());
+  return nb::cast(self.keep(std::make_shared<SessionHandle>(std::move(*opened), wanted)));
+}
+
 // Session ----------------------------------------------------------------------------------------
 
 std::optional<Duration> deadline_of(std::optional<double> seconds) {
@@ -379,6 +391,7 @@ void bind_client(nb::module_& module) {
       .def("create", &create, nb::arg("interface"), nb::arg("names"), nb::arg("channels"),
            nb::arg("latency"), nb::arg("patience"), nb::arg("incarnation"), nb::arg("wait"))
       .def("broker", &broker, nb::arg("interface"), nb::arg("patience"))
+      .def("session_at", &session_at, nb::arg("interface"), nb::arg("address"), nb::arg("patience"))
       .def("objects", &objects, nb::arg("interface_name"), nb::arg("patience"))
       .def("watch", &watch, nb::arg("interface_name"))
       .def("close", &LabHandle::close);

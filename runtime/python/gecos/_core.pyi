@@ -37,6 +37,8 @@ class Lab:
         its members. On failure, returns the failed attempts as `create` does."""
     def broker(self, interface: Interface, patience: float) -> Session | str:
         """Returns the session of this Lab with its broker, or the reason why there is none."""
+    def session_at(self, interface: Interface, address: str, patience: float) -> Session | str:
+        """Returns a session with the object at an address, or the reason why there is none."""
     def objects(self, interface_name: str, patience: float) -> list[bytes] | str:
         """Returns the encoded entries, or the reason why the broker gave no answer."""
     def watch(self, interface_name: str) -> ObjectWatch: ...

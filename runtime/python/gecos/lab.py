@@ -145,6 +145,12 @@ class Lab:
             raise CreateError([Attempt("BROKER", Detail.NO_SERVER, opened)])
         return interface(opened)
 
+    def _at(self, interface: type[P], address: str, patience: float) -> P | str:
+        """Connects to the object at an address, without a broker. Only the built-in operations can
+        be called. Returns the reason if this fails."""
+        opened = self._core.session_at(_table_of(interface), address, patience)
+        return opened if isinstance(opened, str) else interface(opened)
+
     def objects(
         self, interface: type[Object] | str | None = None, *, patience: float = 2.0
     ) -> list[Entry]:

@@ -182,6 +182,48 @@ INSTANTIATE_TEST_SUITE_P(Media, References,
                                            gecos::media::Kind::Lcm),
                          gecos::media::name_of);
 
+/// Who may set an attribute: the setters of CHANGER are called as a program calls them.
+class Setters : public References {
+ protected:
+  static void expect_denied(const gecos::Command<void>& set, const std::string& why) {
+    const auto refused = set.get();
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().detail, Detail::Denied) << refused.error();
+    EXPECT_NE(refused.error().text.find(why), std::string::npos) << refused.error();
+  }
+  const ObjectRef one{.name = "A"}, another{.name = "B"};
+  gecos::Lab other_lab_;
+};
+
+TEST_P(Setters, NeedTheStatusThatTheInterfaceNames) {
+  expect_denied(changer_proxy_.set_last(one), "'last=' of CHANGER needs actor status");
+  EXPECT_EQ(changer_proxy_.last().get().value(), ObjectRef{});
+  EXPECT_TRUE(changer_proxy_.set_angle(-20).get()) << "it is @sensor";
+  const auto lease = gecos::actor(changer_proxy_);
+  ASSERT_TRUE(lease) << lease.error();
+  EXPECT_TRUE(changer_proxy_.set_last(one).get());
+}
+
+TEST_P(Setters, AreRefusedWhileAnotherHolderOfTheStatusHasTakenOver) {
+  const auto other = other_lab_.create<workshop::Changer>("CHANGER");
+  ASSERT_TRUE(other) << other.error();
+  const auto ours = gecos::actor(changer_proxy_, "two hands");
+  const auto theirs = gecos::actor(*other, "two hands");
+  ASSERT_TRUE(ours && theirs);
+  ASSERT_TRUE(gecos::take_over(*other).get());
+  ASSERT_TRUE(changer_proxy_.current().get()) << "a reading tells of the take-over";
+  expect_denied(changer_proxy_.set_last(one), "'last=' of CHANGER is held off: ");
+  EXPECT_TRUE(other->set_last(another).get());
+  ASSERT_TRUE(gecos::give_back(*other).get());
+  EXPECT_EQ(changer_proxy_.last().get().value(), another);
+  EXPECT_TRUE(changer_proxy_.set_last(one).get());
+}
+
+INSTANTIATE_TEST_SUITE_P(Media, Setters,
+                         ::testing::Values(gecos::media::Kind::Inproc, gecos::media::Kind::Shm,
+                                           gecos::media::Kind::Lcm),
+                         gecos::media::name_of);
+
 TEST(Reference, IsPrintedAndIsJson) {
   const workshop::Place place{
       .held = {.name = "A", .interface_hash = 1, .boot = 2, .where = "shm"}};

@@ -201,6 +201,19 @@ TEST_F(LcmUsers, AKeyThatIsRemovedIsRevoked) {
   EXPECT_EQ(refusal(), "");
 }
 
+TEST_F(LcmUsers, AClientGoesOnWithAServerWhoseKeyWasRemovedAndMeetsItNoMore) {
+  admit("ada", "bob");
+  admit("bob", "ada");
+  const auto acceptor = ada_->listen("RX90", false).value();
+  End client(std::move(*bob_->connect(acceptor->address())));
+  End server(wait_for_client(*acceptor, *client.connection), acceptor.get());
+  ASSERT_NE(server.connection, nullptr);
+  remove("ada", "bob");
+  ASSERT_TRUE(client.send("hello"));
+  EXPECT_EQ(server.receive(), "hello");
+  EXPECT_FALSE(bob_->connect(acceptor->address()));
+}
+
 TEST_F(LcmUsers, AKeyThatIsRemovedDuringTheHandshakeMakesNoConnection) {
   admit("ada", "bob");
   admit("bob", "ada");

@@ -37,6 +37,13 @@ TEST_F(OpenChannelTest, AMessageArrivesAsItWasGiven) {
   EXPECT_TRUE(heard() == message) << "no header, no seal, one datagram";
 }
 
+TEST_F(OpenChannelTest, AMessageOfAStrangerCannotBeToldFromOneOfTheServer) {
+  const Bytes message(100, std::byte{7});
+  Recorder stranger(options_.open_port, "BARO.readings");
+  stranger.say("BARO.readings", message);
+  EXPECT_TRUE(heard() == message) << "so an open stream is nothing to control by";
+}
+
 TEST_F(OpenChannelTest, AMessageThatDoesNotFitInADatagramIsRefused) {
   const auto channel = acceptor_->open_channel("BARO.readings").value();
   const auto sent = channel->publish(Bytes(64 * 1024));

@@ -195,6 +195,21 @@ TEST_F(ShmHostile, SilentPeersDoNotKeepHonestOnesOut) {
   expect_served();
 }
 
+TEST_F(ShmHostile, OfMoreThanSixtyFourPeersWithoutAHelloTheOldestIsDropped) {
+  std::vector<Descriptor> silent;
+  const auto dropped = [&] {
+    std::array<char, 512> message;
+    const auto got = ::recv(silent.front().get(), message.data(), message.size(), MSG_DONTWAIT);
+    return got >= 0 || errno != EAGAIN;  // a goodbye, or the end of the connection
+  };
+  for (int i = 0; i < 64; ++i) silent.push_back(connect_raw(acceptor_->address()));
+  EXPECT_EQ(acceptor_->accept(), nullptr);
+  EXPECT_FALSE(dropped());
+  silent.push_back(connect_raw(acceptor_->address()));
+  EXPECT_EQ(acceptor_->accept(), nullptr);
+  EXPECT_TRUE(dropped());
+}
+
 TEST_F(ShmHostile, AConnectionThatSendsGarbageLaterIsBroken) {
   for (const ControlType type : {ControlType::Hello, ControlType::Welcome, ControlType::Share,
                                  ControlType::Area, static_cast<ControlType>(99)}) {

@@ -281,6 +281,22 @@ void command_probe(Child::Line& line, Kind kind) {
   line.hear();
 }
 
+/// Takes the robot and starts a command that goes on when its caller is lost; queues another one.
+void command_probe_to_the_end(Child::Line& line, Kind kind) {
+  line.hear();
+  gecos::Lab lab;
+  gecos::CreateOptions options;
+  options.medium = kind;
+  auto robot = lab.create<probe::Probe>("PROBE", options);
+  const auto lease = gecos::actor(*robot);
+  line.say(lease ? "actor" : lease.error().failure.text);
+  const auto ends = robot->finish(1);
+  const auto never = robot->set(2);
+  await_detail(never, Detail::Queued);
+  line.say("queued");
+  line.hear();
+}
+
 /// Joins the status that is shared by a password; then takes over and moves the robot.
 void guard_probe(Child::Line& line, Kind kind) {
   line.hear();
@@ -368,9 +384,12 @@ TEST(ServerDiesAmongImages, AndEveryCallEndsAndNoMemoryIsLeft) {
 
 class ClientEnds : public ::testing::TestWithParam<Kind> {
  protected:
-  void begin() {
+  explicit ClientEnds(void (*program)(Child::Line&, Kind) = command_probe)
+      : child_([program](Child::Line& line) { program(line, GetParam()); }) {}
+
+  void begin(const gecos::LabOptions& options = {}) {
     broker_.emplace();
-    lab_.emplace();
+    lab_.emplace(options);
     server_.emplace(*lab_);
     const auto added = server_->add("PROBE", servant_, simulated(GetParam()));
     ASSERT_TRUE(added) << added.error().text;
@@ -400,7 +419,7 @@ class ClientEnds : public ::testing::TestWithParam<Kind> {
   }
 
   Place place_;
-  Child child_{[](Child::Line& line) { command_probe(line, GetParam()); }};
+  Child child_;
   probe::ProbeServant servant_;
   std::optional<BrokerHere> broker_;
   std::optional<gecos::Lab> lab_;
@@ -417,6 +436,47 @@ TEST_P(ClientEnds, ByKillAndItsStatusIsFreeAndTheArmStands) {
   EXPECT_TRUE(lease) << lease.error();
   EXPECT_EQ(servant_.events(), (std::vector<std::string>{"start 1", "interrupted 1"}))
       << "what it had queued never starts";
+}
+
+class ClientOverShmEnds : public ClientEnds {};
+INSTANTIATE_TEST_SUITE_P(Over, ClientOverShmEnds, ::testing::Values(Kind::Shm),
+                         gecos::media::name_of);
+
+TEST_P(ClientOverShmEnds, ByKillAndItsStatusIsFreeAtOnceHoweverLongASilentOneWouldKeepIt) {
+  gecos::LabOptions patient;
+  patient.lease_ttl = 60s;
+  begin(patient);
+  const auto killed = Clock::now();
+  child_.kill_at_once();
+  const auto lease = take_over();
+  EXPECT_TRUE(lease) << lease.error();
+  EXPECT_LT(Clock::now() - killed, patient.lease_ttl / 6) << "the kernel reports the death";
+  EXPECT_EQ(servant_.events(), (std::vector<std::string>{"start 1", "interrupted 1"}));
+}
+
+class ClientEndsDuringWhatFinishesOnLoss : public ClientEnds {
+ protected:
+  ClientEndsDuringWhatFinishesOnLoss() : ClientEnds(command_probe_to_the_end) {}
+};
+INSTANTIATE_TEST_SUITE_P(Over, ClientEndsDuringWhatFinishesOnLoss,
+                         ::testing::Values(Kind::Shm, Kind::Lcm), gecos::media::name_of);
+
+TEST_P(ClientEndsDuringWhatFinishesOnLoss, ByKillAndTheCommandFinishesAndWhatWaitedNeverStarts) {
+  begin();
+  ASSERT_EQ(child_.line().hear(), "queued");
+  child_.kill_at_once();
+  auto lease = take_over();
+  ASSERT_TRUE(lease) << "the loss has been noticed: " << lease.error();
+  EXPECT_EQ(servant_.events(), std::vector<std::string>{"start 1"}) << "it still runs";
+  servant_.open_gate();
+  servant_.await_event("end 1");
+  const auto robot = lab_->create<probe::Probe>("PROBE");
+  ASSERT_TRUE(robot) << robot.error();
+  lease->release();
+  const auto own = gecos::actor(*robot);
+  ASSERT_TRUE(own) << own.error();
+  EXPECT_EQ(robot->set(3).get().value(), 3) << "the next command was behind it";
+  EXPECT_EQ(servant_.events(), (std::vector<std::string>{"start 1", "end 1", "set 3"}));
 }
 
 TEST_P(ClientEnds, InOrderWithoutWaitingAndItsCommandsStillRun) {

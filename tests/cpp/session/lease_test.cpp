@@ -318,6 +318,37 @@ TEST_P(Leases, OfAMasterRefuseEverybodyElse) {
   EXPECT_TRUE(gecos::describe(second).get());
 }
 
+TEST_P(Leases, OfAMasterLeaveTheStreamsThatOthersReadAsTheyAreAndAllowNoNewOnes) {
+  const auto first = connect(lab_);
+  const auto second = connect(second_lab_);
+  auto level = second.level(gecos::stream);
+  ASSERT_TRUE(level) << level.error();
+  const auto next = [&level] {
+    const auto sample = level->next(std::chrono::seconds(10));
+    return sample ? sample->value : -1;
+  };
+  servant_.publish(1);
+  ASSERT_EQ(next(), 1);
+  auto lease = gecos::master(first);
+  ASSERT_TRUE(lease) << lease.error();
+  servant_.publish(2);
+  EXPECT_EQ(next(), 2);
+
+  gecos::Lab third_lab(probe::patient());
+  const auto third = connect(third_lab);
+  const auto refused = third.level(gecos::stream);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().detail, Detail::Denied) << refused.error();
+  EXPECT_NE(refused.error().text.find("is refused while another client is master"),
+            std::string::npos)
+      << refused.error();
+  lease->release();
+  auto later = third.level(gecos::stream);
+  ASSERT_TRUE(later) << later.error();
+  servant_.publish(3);
+  EXPECT_EQ(next(), 3) << "the end of the master status changes nothing either";
+}
+
 TEST_P(Leases, EndWhenAnybodyStopsTheDevice) {
   const auto mover = connect(lab_);
   const auto other = connect(second_lab_);

@@ -260,6 +260,24 @@ TEST_F(ServedObjects, WhatNobodyLooksAtStartsWithTheNextTick) {
   EXPECT_TRUE(settles([this] { return servant_.calls == 1; }));
 }
 
+TEST_F(ServedObjects, LetWhatFinishesOnLossGoOnWhenItsCallerHasBeenSilentForTheTimeToLive) {
+  acquire(1);
+  const Epoch epoch = granted();
+  servant_.keep = true;
+  call(2, probe::finish_code, {}, epoch);
+  ASSERT_TRUE(settles([this] { return servant_.calls == 1; }));
+  call(3, probe::finish_code, {}, epoch);
+  TimePoint now = clock_.now();
+  for (int look = 0; look < 3; ++look) object_->on_tick(now += std::chrono::milliseconds(100));
+  EXPECT_EQ(reply_to(3), std::nullopt) << "300 ms are no loss yet";
+  for (int look = 0; look < 3; ++look) object_->on_tick(now += std::chrono::milliseconds(100));
+  EXPECT_EQ(reply_to(3), Detail::LeaseLost) << "it had not begun";
+  EXPECT_EQ(reply_to(2), std::nullopt);
+  EXPECT_FALSE(servant_.kept.at(0).interrupted());
+  servant_.kept.at(0).finish({});
+  EXPECT_EQ(reply_to(2), Detail::Done);
+}
+
 TEST_F(ServedObjects, ADeadlinePassesWhileTheMachineIsSuspended) {
   auto header = header_of(wire::PacketKind::Call, 1, probe::read_code);
   header.deadline = std::chrono::hours(1);

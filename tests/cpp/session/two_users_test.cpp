@@ -62,6 +62,15 @@ std::string held_until_the_end(Child::Line& line) {
          (lost ? "; stream LOST; " : "; stream goes on; ") + (read ? "read" : read.error().text);
 }
 
+/// Commands PROBE without having acquired a status.
+std::string commanded(const gecos::Checked<probe::Probe, gecos::CreateError>& created) {
+  if (!created) return created.error().to_string();
+  const auto set = created->set(9).get();
+  const std::string outcome =
+      set ? "set" : std::string(to_string(set.error().detail)) + ": " + set.error().text;
+  return created->read().get() ? outcome : "cannot read";
+}
+
 std::string in_one_line(std::string text) {
   std::ranges::replace(text, '\n', ' ');
   return text;
@@ -77,13 +86,14 @@ void program_of(const std::string& user, Child::Line& line) {
   }
   line.say("ready");
   for (;;) {
-    if (line.hear() == "hold") {
+    const std::string told = line.hear();
+    if (told == "hold") {
       line.say(in_one_line(held_until_the_end(line)));
       continue;
     }
     gecos::Lab lab;
-    line.say(in_one_line(
-        used(lab.create<probe::Probe>("PROBE", {.patience = std::chrono::seconds(10)}))));
+    const auto created = lab.create<probe::Probe>("PROBE", {.patience = std::chrono::seconds(10)});
+    line.say(in_one_line(told == "command" ? commanded(created) : used(created)));
   }
 }
 
@@ -155,6 +165,17 @@ TEST_F(TwoUsersOfOneHost, OneIsAdmittedByTheProgramAndTheOtherIsToldWhyNot) {
                          "add \"bin\" to its users"),
             std::string::npos)
       << refused;
+}
+
+TEST_F(TwoUsersOfOneHost, NoListGivesAStatusThatTheInterfaceDemands) {
+  place.write("[allow]\nusers = [\"*\"]\nhosts = [\"*\"]\n[admin]\nusers = [\"daemon\"]\n");
+  Laboratory laboratory;
+  laboratory.server.allow({"*"}, {"*"});
+  daemon.line().say("command");
+  const std::string denied = daemon.line().hear();
+  EXPECT_EQ(denied.find("DENIED: 'set' of PROBE needs actor status"), 0u) << denied;
+  EXPECT_EQ(laboratory.servant.events(), std::vector<std::string>{});
+  EXPECT_EQ(use(daemon), "read 8") << "with the status it is carried out";
 }
 
 TEST_F(TwoUsersOfOneHost, TheAuditTellsByWhichRuleOneIsAdmittedAndTheOtherRefused) {

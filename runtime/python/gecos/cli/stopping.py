@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -12,6 +12,7 @@ from gecos.dynamic_client.connect import (
     connect_to,
     entries,
     not_online,
+    objects_here,
     silence_of,
     silent_objects,
 )
@@ -33,14 +34,13 @@ class Stopping:
 
 
 def stop_objects(lab: gecos.Lab, names: Sequence[str] | None) -> Stopping:
-    """Stops the objects called `names`, or all that are online. Without `names`, raises CreateError
-    if no broker answers."""
+    """Stops the objects called `names`, or all that are online. If no broker answers, stops those
+    of this host that can be reached without a broker. Without `names`, raises CreateError if no
+    broker answers and there are none."""
     try:
         online = {entry.name: entry for entry in entries(lab)}
     except (ConnectionError, RuntimeError) as error:
-        if names is None:
-            raise
-        return Stopping(dict.fromkeys(names, error))
+        return _stop_without_broker(lab, names, error)
     wanted = list(online if names is None else dict.fromkeys(names))
     # All objects are stopped at the same time, because an object that does not answer must not keep
     # the others moving.
@@ -54,11 +54,38 @@ def stop_objects(lab: gecos.Lab, names: Sequence[str] | None) -> Stopping:
     return stopping
 
 
+def _stop_without_broker(
+    lab: gecos.Lab, names: Sequence[str] | None, no_broker: Exception
+) -> Stopping:
+    """Stops the objects whose servers run as this user on this host. Only the broker knows others,
+    so with `names` None it is not known whether all were stopped."""
+    found, silent = objects_here(lab)
+    if names is None and not found and not silent:
+        raise no_broker
+    reached = [name for name in found if names is None or name in names]
+    with ThreadPoolExecutor(max(1, len(reached))) as threads:
+        ends = threads.map(lambda name: _failure_of(lambda: found[name]), reached)
+        outcomes = dict(zip(reached, ends, strict=True))
+    for name in silent if names is None else names:
+        outcomes.setdefault(name, _not_reached(name, silent) if name in silent else no_broker)
+    return Stopping(outcomes, no_broker if names is None else None)
+
+
+def _not_reached(name: str, silent: dict[str, str]) -> Exception:
+    reason = f"{silent[name]}; the object may still move"
+    return gecos.CreateError([gecos.Attempt(name, gecos.Detail.NO_SERVER, reason)])
+
+
 def _failure(lab: gecos.Lab, name: str, online: dict[str, Entry]) -> Exception | None:
     if name not in online:
         return not_online(name, list(online))
+    return _failure_of(lambda: connect_to(lab, online[name]))
+
+
+def _failure_of(connected: Callable[[], gecos.Object]) -> Exception | None:
+    """Stops an object. Returns the reason if it could not be reached or has not confirmed."""
     try:
-        gecos.stop(connect_to(lab, online[name])).result(_STOP_WITHIN)
+        gecos.stop(connected()).result(_STOP_WITHIN)
     except TimeoutError:
         return TimeoutError(
             f"its server has not confirmed the stop within {_STOP_WITHIN:g} s; "

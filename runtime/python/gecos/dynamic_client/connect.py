@@ -8,6 +8,7 @@ import time
 from functools import cache
 from typing import TYPE_CHECKING
 
+from gecos import _core
 from gecos.builtin_operations import model
 from gecos.dynamic_client.model import ModelError
 from gecos.dynamic_client.proxy import DynamicObject, proxy_class
@@ -122,6 +123,33 @@ def connect_to(
     operations. Raises CreateError."""
     anything = _without_members(entry.interface_name, entry.interface_hash)
     return lab.create(anything, entry.name, medium=medium, patience=patience)
+
+
+def objects_here(lab: Lab, *, patience: float = 2.0) -> tuple[dict[str, Object], dict[str, str]]:
+    """Connects to all objects whose sockets are in the runtime directory of this user, without a
+    broker. The proxies have only the built-in operations. Returns the proxies, and the reason for
+    each object that does not answer although its server seems to live, both by name. A socket has
+    only the first 32 characters of a name."""
+    from concurrent.futures import ThreadPoolExecutor
+    from pathlib import Path
+
+    anything = _without_members("gecos::GecosObject", 0)
+    sockets = [
+        socket
+        for socket in sorted(Path(_core.runtime_directory()).glob("*.sock"))
+        if socket.name != "BROKER.sock"
+    ]
+    # All at the same time: a server that does not answer must not delay the others.
+    with ThreadPoolExecutor(max(1, len(sockets))) as threads:
+        opened = threads.map(lambda at: lab._at(anything, f"shm:{at}", patience), sockets)
+        found: dict[str, Object] = {}
+        silent: dict[str, str] = {}
+        for socket, answer in zip(sockets, opened, strict=True):
+            if not isinstance(answer, str):
+                found[answer._gecos_session.object_name] = answer
+            elif "no server listens" not in answer:  # a killed server left its socket
+                silent[socket.name.split(".")[0]] = answer
+    return found, silent
 
 
 def _silence(lab: Lab, name: str) -> CreateError | None:

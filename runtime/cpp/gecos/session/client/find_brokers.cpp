@@ -1,5 +1,6 @@
 #include "gecos/binding.hpp"
 #include "gecos/broker_interface.hpp"  // generated from idl/gecos/broker.gidl
+#include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/connect.hpp"
 #include "gecos/session/client/context.hpp"
@@ -9,6 +10,17 @@ namespace gecos::session {
 tl::expected<std::shared_ptr<ClientSession>, std::string> broker_session(const LabOrWhyNot& lab,
                                                                          TimePoint deadline) {
   return (*lab)->broker(deadline);
+}
+
+tl::expected<std::shared_ptr<ClientSession>, std::string> session_at(const LabOrWhyNot& lab,
+                                                                     const std::string& address,
+                                                                     TimePoint deadline) {
+  Context& context = **lab;
+  auto opened = connect(*context.runtime(), address, GecosObjectInterface::description, deadline);
+  if (opened && !context.keep(*opened)) {
+    return tl::unexpected(std::string("this Lab is closed; make a new one"));
+  }
+  return opened;
 }
 
 std::vector<BrokerPlace> find_brokers(const LabOrWhyNot& lab, Duration patience) {

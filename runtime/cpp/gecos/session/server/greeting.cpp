@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "gecos/base/user_and_host.hpp"
+#include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
 #include "gecos/session/protocol/handshake.hpp"
 #include "gecos/session/server/call_log.hpp"
 #include "gecos/session/server/handler_waits.hpp"
@@ -89,7 +90,8 @@ void greet(const std::shared_ptr<ServerSession>& session, const wire::PacketView
     return refuse(*session, "the greeting does not decode: " + hello.error().message());
   }
   if (at.closing) return refuse(*session, "the server is about to end");
-  if (!setup.interface.is_a(hello->interface_name)) {
+  const bool any_object = hello->interface_name == GecosObjectInterface::description.name;
+  if (!any_object && !setup.interface.is_a(hello->interface_name)) {
     return refuse(*session, setup.name + " is a " + std::string(setup.interface.name) + ", not a " +
                                 hello->interface_name);
   }
