@@ -90,6 +90,7 @@ class Serving {
     Served how{program_.program, line_.text("name")};
     how.simulated = simulated();
     how.clock = line_.clock();
+    how.admission = line_.admission();
     return serve_device(lab, *servant, how);
   }
 

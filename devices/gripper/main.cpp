@@ -43,6 +43,7 @@ int run(int count, char** words) {
                                {.program = "robcl-gripper",
                                 .name = line.text("name"),
                                 .clock = clock.speed(),
+                                .admission = line.admission(),
                                 .blocking = true,  // handlers wait for the world
                                 .beats = {{20ms, [&servant] { servant.publish(); }}}});
 }

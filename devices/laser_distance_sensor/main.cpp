@@ -51,6 +51,7 @@ int run(int count, char** words) {
                                {.program = "robcl-lds",
                                 .name = line.text("name"),
                                 .clock = line.clock(),
+                                .admission = line.admission(),
                                 .blocking = true,  // handlers wait for answers of the world server
                                 .beats = {{20ms, [&servant] { servant.publish(); }}}});
 }

@@ -66,6 +66,10 @@ void CommandLine::read(int count, char** words) {
       exit_status_ = 0;
       return;
     }
+    if (word == "--insecure") {
+      admission_ = gecos::Admission::Insecure;
+      continue;
+    }
     const auto option = std::find_if(options_.begin(), options_.end(), [&](const Option& known) {
       return word == "--" + known.word;
     });
@@ -85,13 +89,14 @@ void CommandLine::refuse(const std::string& what) {
 
 std::string CommandLine::usage() const {
   std::string text = "usage: " + program_ + (operand_.empty() ? "" : " " + operand_) +
-                     " [--WORD VALUE]...\n" + purpose_ + "\n";
+                     " [--WORD VALUE]... [--insecure]\n" + purpose_ + "\n";
   for (const Option& option : options_) {
     std::string left = "  --" + option.word;
     left.resize(std::max<std::size_t>(left.size() + 1, 22), ' ');
     text +=
         left + option.says + " (" + (option.standard.empty() ? "none" : option.standard) + ")\n";
   }
+  text += "  --insecure          admit every user of every host; for simulated devices only\n";
   return text + "Prints one line when it is ready and ends on SIGINT or SIGTERM.\n";
 }
 

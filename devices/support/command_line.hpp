@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "gecos/base/result.hpp"
+#include "gecos/server.hpp"
 
 namespace devices {
 
@@ -17,10 +17,10 @@ struct Option {
   std::string says;      ///< text for --help, with the unit
 };
 
-/// Reads the arguments of a device program. If `exit_status` has a value, `main` must return this
-/// value. Every device program has the option --clock, for the speed of its LabClock. The default
-/// of --clock is the environment variable ROBCL_CLOCK, which all programs of a laboratory share, or
-/// 1.
+/// Reads the arguments of a device program. Every device program has the flag --insecure. If
+/// `exit_status` has a value, `main` must return this value. Every device program has the option
+/// --clock, for the speed of its LabClock. The default of --clock is the environment variable
+/// ROBCL_CLOCK, which all programs of a laboratory share, or 1.
 class CommandLine {
  public:
   /// Reads the arguments. Prints the usage if one of them is --help. Prints an error and the usage
@@ -41,6 +41,9 @@ class CommandLine {
   /// Returns the value of --clock: simulated seconds that are to pass in a second.
   double clock() const { return number("clock"); }
 
+  /// Returns whether --insecure was given: every user of every host may connect.
+  gecos::Admission admission() const { return admission_; }
+
   /// Refuses a clock other than 1. `why` names the hardware that is not simulated.
   void need_real_time(const std::string& why);
 
@@ -56,6 +59,7 @@ class CommandLine {
   std::string program_, purpose_, operand_;
   std::vector<Option> options_;
   std::map<std::string, std::string, std::less<>> values_;
+  gecos::Admission admission_ = gecos::Admission::Listed;
   std::optional<int> exit_status_;
 };
 

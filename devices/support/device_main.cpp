@@ -38,6 +38,7 @@ int serve_device(gecos::Lab& lab, gecos::Servant& servant, const Served& how) {
   gecos::ServeOptions options;
   options.program = how.program;
   options.ready = ready_line(how);
+  options.admission = how.admission;
   options.started = [&how] {
     auto beating = std::make_shared<std::vector<std::unique_ptr<Periodic>>>();
     for (const Beat& beat : how.beats) {

@@ -26,6 +26,7 @@ struct Served {
   std::string name;     ///< name under which clients find the object
   bool simulated = true;
   double clock = 1;  ///< speed of the device's LabClock
+  gecos::Admission admission = gecos::Admission::Listed;
   /// True if handlers wait for other objects. The handlers then run on the executor of the object
   /// and not on the I/O loop.
   bool blocking = false;

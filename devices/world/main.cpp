@@ -42,7 +42,10 @@ int run(int count, char** words) {
     for (const auto& gripper : grippers) gripper->carry();
   };
   devices::WorldServant servant(world, carry, line.clock());
-  devices::Served how{.program = "robcl-world", .name = line.text("name"), .clock = line.clock()};
+  devices::Served how{.program = "robcl-world",
+                      .name = line.text("name"),
+                      .clock = line.clock(),
+                      .admission = line.admission()};
   for (const auto& gripper : grippers) {
     how.beats.push_back({4ms, [watch = gripper.get()] { watch->tick(); }});
   }

@@ -59,6 +59,7 @@ int run(int count, char** words) {
                                {.program = "robcl-zone",
                                 .name = name,
                                 .simulated = !simulated.empty(),
+                                .admission = line.admission(),
                                 .beats = {{100ms, [&] {
                                              servant.simulate(simulated);
                                              servant.publish();

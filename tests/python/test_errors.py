@@ -30,6 +30,7 @@ def test_create_without_a_name_says_so() -> None:
         (gecos.CreateError, ConnectionError),
         (gecos.ConnectionFailed, ConnectionError),
         (gecos.StreamLost, ConnectionError),
+        (gecos.StreamRevoked, gecos.StreamLost),
         (gecos.DeadlineMissed, TimeoutError),
         (gecos.CommandFailed, RuntimeError),
         (gecos.DeclaredError, gecos.CommandFailed),

@@ -10,6 +10,7 @@ from pathlib import Path
 import gecos
 import pytest
 from command_output import Run, valid
+from gecos_idl.broker import Broker
 from shelf import Shelf
 
 KEY = "9f3c21aa" * 8
@@ -93,6 +94,45 @@ def test_revoke_names_the_list_that_still_admits_the_user_and_ends_with_3(
     assert (code, out) == (3, "")
     assert f"BROKER admits user anna of host {HOST}: named by [allow]" in err
     assert "remove the name there, too" in err
+
+
+def test_the_broker_of_the_user_tells_the_revocations_and_a_new_admission_ends_them(
+    folder: Path, tmp_path: Path, run: Run
+) -> None:
+    anna, other = received(tmp_path, KEY), received(tmp_path, OTHER)
+    run("keys", "add", anna, "anna@desk")
+    run("keys", "add", other, "anna@bench")
+    with gecos.Lab() as lab, gecos.Broker(lab):
+        broker = lab.broker(Broker)
+        assert broker.revocations(0).result().number == 0
+        run("revoke", "anna@desk")
+        run("revoke", OTHER[:8])
+        told = broker.revocations(0).result()
+        assert told.changed
+        assert [(one.key, one.owner) for one in told.revoked] == [
+            (KEY, "anna@desk"),
+            ("", "anna@desk"),
+            (OTHER, "anna@bench"),
+        ]
+        again = broker.revocations(told.number).result()
+        assert (again.number, again.changed, again.revoked) == (told.number, False, [])
+        run("keys", "add", anna, "anna@desk")
+        run("keys", "add", other, "anna@bench")
+        assert broker.revocations(told.number).result().revoked == []
+
+
+def test_a_damaged_list_of_revocations_is_an_error_with_its_line(
+    folder: Path, tmp_path: Path, run: Run
+) -> None:
+    run("keys", "add", received(tmp_path, KEY), "anna@desk")
+    (folder / "revoked").write_text("anna@desk\n")
+    with gecos.Lab() as lab, gecos.Broker(lab):
+        with pytest.raises(gecos.CommandFailed, match="line 1 is not a key"):
+            lab.broker(Broker).revocations(0).result()
+        code, _, err = run("revoke", "anna@desk")
+    assert code == 2
+    assert "revoked:1: this is not a key and its owner; correct it" in err
+    assert (folder / f"{KEY}.public").exists(), "the list comes first"
 
 
 def test_revoke_of_nobody_says_what_it_takes(folder: Path, run: Run) -> None:

@@ -43,6 +43,20 @@ def test_a_servant_whose_handler_closed_its_server_can_be_served_by_another(
         second.add("LAMP2", lamp)
 
 
+def test_an_insecure_server_serves_simulated_objects_alone_and_says_so(
+    lab: gecos.Lab, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with gecos.Server(lab, insecure=True) as server:
+        lamp = PlainLamp()
+        with pytest.raises(gecos.ServeError, match="LAMP does not declare itself simulated"):
+            server.add("LAMP", lamp)
+        assert "--insecure" not in capfd.readouterr().err
+        server.add("LAMP", lamp, simulated=True)
+        told = gecos.describe(lab.create(Lamp, "LAMP")).result()
+        assert told.authentication.endswith("--insecure: every user of every host may connect")
+    assert "* --insecure: LAMP admits every user of every host." in capfd.readouterr().err
+
+
 def test_an_add_that_ctrl_c_breaks_off_can_be_repeated(
     server: gecos.Server, lab: gecos.Lab, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -133,7 +133,7 @@ def test_who_only_asks_for_the_newest_is_told_that_the_server_is_gone(
         while time.monotonic() < end:
             stream.latest()
 
-    with pytest.raises(gecos.StreamLost, match=r"stream LAMP\.level: its server is gone"):
+    with pytest.raises(gecos.StreamLost, match=r"stream LAMP\.level: the server closed"):
         ends()
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import signal
 import sys
 import tempfile
 import time
@@ -20,7 +21,7 @@ from processes import Laboratory, Program, until
 
 GECOS = [sys.executable, "-m", "gecos.cli"]
 REVOKED_WITHIN = 5.0  # s, as promised
-CELL, DESK = 0, 1
+CELL, DESK, CARL = 0, 1, 2
 
 HOLDS = """
 import gecos
@@ -64,8 +65,16 @@ class TwoHosts:
         self.lab_file.write_text(text)
         os.utime(self.lab_file, (0, 0))
 
-    def start(self, host: int, *command: str | Path, ready: str | None = None) -> Program:
-        return self.labs[host].start(*self.hosts.on(host), *command, ready=ready)
+    def start(
+        self,
+        host: int,
+        *command: str | Path,
+        ready: str | None = None,
+        listens: bool = False,
+    ) -> Program:
+        """Starts a program of a host, or of CARL, who works on CELL."""
+        place = self.hosts.on(CELL if host == CARL else host)
+        return self.labs[host].start(*place, *command, ready=ready, listens=listens)
 
     def broker(self, host: int) -> Program:
         command = self.labs[host].build / "runtime/cpp/gecos/broker/gecos-broker"
@@ -172,15 +181,126 @@ def test_a_user_of_another_host_enrols_is_admitted_by_a_list_moves_and_is_revoke
     assert "no server answers, or the server does not admit our key" in stranger.output()
 
 
-def test_a_server_of_another_host_that_was_not_reached_is_listed(two: TwoHosts) -> None:
-    two.edit('[allow]\nusers = ["ben"]\nhosts = ["desk"]\n')
-    two.admits(DESK, CELL)
-    two.admits(CELL, DESK, "ben@desk")
+READS = """
+import sys
+import gecos
+from gecos.dynamic_client.connect import connect, connect_to
+
+with gecos.Lab() as lab:
+    (entry,) = [one for one in lab.objects() if one.name == "RAIL"]
+    rail = connect(lab, "RAIL")
+    stream = rail.beam.stream()
+    rail.measure().result()
+    print("reads", flush=True)
+    for line in sys.stdin:
+        if line == "end\\n":
+            break
+        try:
+            with gecos.Lab() as other:
+                connect_to(other, entry, patience=5.0)
+            print("answer: admitted", flush=True)
+        except gecos.CreateError as error:
+            print("answer: refused:", error, flush=True)
+        rail.measure().result()
+        print("reads on", flush=True)
+    try:
+        while True:
+            stream.next(30.0)
+    except gecos.StreamLost as error:
+        print(type(error).__name__, error, flush=True)
+"""
+
+
+@pytest.fixture
+def carl(two: TwoHosts) -> Iterator[Laboratory]:
+    """A third user, on the host CELL. The broker is on CELL; RAIL is on DESK, whose folder of keys
+    is another one. Both admit carl@moor."""
+    folder = two.lab_file.parent / "carl"
+    folder.mkdir(mode=0o700)
+    lab = Laboratory(folder, two.labs[CELL].build)
+    lab.env |= two.labs[CELL].env | {"GECOS_KEY_DIR": str(folder / "keys")}
+    two.labs.append(lab)
+    two.edit('[allow]\nusers = ["carl"]\nhosts = ["moor"]\n')
+    for host, other in ((CELL, DESK), (DESK, CELL), (CARL, CELL), (CARL, DESK)):
+        two.admits(host, other)
+    for host in (CELL, DESK):
+        two.admits(host, CARL, "carl@moor")
+    yield lab
+
+
+def test_a_server_of_another_host_that_was_not_reached_is_listed(
+    two: TwoHosts, carl: Laboratory
+) -> None:
     two.broker(CELL)
-    two.rail(DESK).wait_for("serving RAIL")
-    told = two.gecos(CELL, "revoke", "ben@desk")
+    rail = two.rail(DESK)
+    rail.wait_for("serving RAIL")
+    rail.signal(signal.SIGSTOP)
+    told = two.gecos(CELL, "revoke", "carl@moor")
     assert told.finish() == 3, str(told)
     assert "RAIL was not reached: its server runs as" in told.output()
+    assert "it applies the revocation when it is in contact with the broker again" in told.output()
+
+
+def test_a_server_of_another_host_applies_a_revocation_that_it_hears_from_the_broker(
+    two: TwoHosts, carl: Laboratory
+) -> None:
+    two.broker(CELL)
+    two.rail(DESK).wait_for("serving RAIL")
+    reader = two.start(CARL, sys.executable, "-c", READS, ready="reads", listens=True)
+    revoked = time.monotonic()
+    told = two.gecos(CELL, "revoke", "carl@moor")
+    assert told.finish() == 0, str(told)
+    assert "reached   RAIL: its sessions end within 5 s" in told.output()
+    reader.tell("end")
+    lost = reader.wait_for("StreamRevoked")
+    assert time.monotonic() - revoked < 5 * REVOKED_WITHIN
+    assert (
+        "RAIL refuses user carl of host moor: the user of the broker has revoked this user" in lost
+    )
+    assert "carl@moor" in two.gecos(DESK, "keys").output(), "the folder of DESK is its user's own"
+
+    two.admits(CELL, CARL, "carl@moor")
+    until(
+        lambda: two.gecos(CARL, "call", "RAIL", "measure").finish() == 0,
+        "who is admitted again is not revoked any more",
+    )
+
+
+def test_a_server_that_the_broker_does_not_tell_the_revocations_admits_nobody_new(
+    two: TwoHosts, carl: Laboratory
+) -> None:
+    two.broker(CELL)
+    two.rail(DESK).wait_for("serving RAIL")
+    reader = two.start(CARL, sys.executable, "-c", READS, ready="reads", listens=True)
+
+    def answer() -> str:
+        reader.tell("")
+        said = reader.wait_for("answer:")
+        reader.wait_for("reads on")  # the session of before goes on
+        return said
+
+    assert answer() == "answer: admitted"
+    revoked = Path(two.labs[CELL].env["GECOS_KEY_DIR"]) / "revoked"
+    revoked.write_text("damaged\n")
+    refusal = "RAIL refuses user carl of host moor: its server has had no contact with the broker"
+    until(lambda: refusal in answer(), "no new user of another host is admitted")
+    revoked.unlink()
+    until(lambda: answer() == "answer: admitted", "the server is in contact again")
+
+
+def test_a_server_without_a_broker_applies_a_revocation_at_its_first_contact(
+    two: TwoHosts, carl: Laboratory
+) -> None:
+    broker = two.broker(CELL)
+    two.rail(DESK).wait_for("serving RAIL")
+    reader = two.start(CARL, sys.executable, "-c", READS, ready="reads", listens=True)
+    broker.kill()
+    told = two.gecos(CELL, "revoke", "carl@moor")
+    assert told.finish() == 3, str(told)
+    reader.tell("end")
+    two.broker(CELL)
+    lost = reader.wait_for("StreamRevoked")
+    assert "the user of the broker has revoked this user" in lost
 
 
 def refused_at(two: TwoHosts, host: int) -> str:

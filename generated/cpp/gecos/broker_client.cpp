@@ -111,4 +111,33 @@ gecos::Command<void> Broker::free(const std::string& name) const {
       [&](auto& to) { to.put_string(name); });
 }
 
+gecos::Command<::gecos::RevocationList> Broker::revocations(std::uint64_t applied) const {
+  return gecos_call<::gecos::RevocationList>(
+      BrokerInterface::revocations, 8,
+      [&](auto& to) { to.put(applied); },
+      [](auto& from, auto& value) {
+        return gecos::wire::get_block(from, value, "revocations");
+      });
+}
+
+gecos::Command<::gecos::RevocationState> Broker::behind(
+    const std::vector<::gecos::Revocation>& revoked) const {
+  for (const auto& item : revoked) {
+    if (auto why = ::gecos::gecos_violation(item); !why.empty()) return gecos::session::Refused(
+        why);
+  }
+  std::size_t size = 4 + 4 * revoked.size();
+  for (const auto& item : revoked) size += item.encoded_size();
+  return gecos_call<::gecos::RevocationState>(
+      BrokerInterface::behind, size,
+      [&](auto& to) {
+        to.put_count(revoked.size());
+        for (const auto& item : revoked) {
+          to.put_count(item.encoded_size());
+          item.encode(to);
+        }
+      },
+      [](auto& from, auto& value) { return gecos::wire::get_block(from, value, "behind"); });
+}
+
 }  // namespace gecos

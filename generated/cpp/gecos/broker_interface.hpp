@@ -9,16 +9,18 @@ namespace gecos {
 struct BrokerInterface {
   static const gecos::InterfaceDescription description;
 
-  static const gecos::OperationDescription operations[9];
+  static const gecos::OperationDescription operations[11];
   static constexpr const gecos::OperationDescription& revision = operations[0];
   static constexpr const gecos::OperationDescription& enlist = operations[1];
   static constexpr const gecos::OperationDescription& query = operations[2];
   static constexpr const gecos::OperationDescription& lookup = operations[3];
-  static constexpr const gecos::OperationDescription& list = operations[4];
-  static constexpr const gecos::OperationDescription& withdraw = operations[5];
-  static constexpr const gecos::OperationDescription& silent = operations[6];
-  static constexpr const gecos::OperationDescription& free = operations[7];
-  static constexpr const gecos::OperationDescription& changes = operations[8];
+  static constexpr const gecos::OperationDescription& behind = operations[4];
+  static constexpr const gecos::OperationDescription& revocations = operations[5];
+  static constexpr const gecos::OperationDescription& list = operations[6];
+  static constexpr const gecos::OperationDescription& withdraw = operations[7];
+  static constexpr const gecos::OperationDescription& silent = operations[8];
+  static constexpr const gecos::OperationDescription& free = operations[9];
+  static constexpr const gecos::OperationDescription& changes = operations[10];
 
   static const gecos::StreamDescription streams[1];
   static constexpr const gecos::StreamDescription& revision_stream = streams[0];

@@ -76,6 +76,27 @@ bool JsonStruct<::gecos::KeptList>::visit(JsonMembers& each, ::gecos::KeptList& 
 }
 
 template <>
+bool JsonStruct<::gecos::Revocation>::visit(JsonMembers& each, ::gecos::Revocation& value) {
+  return each.member("key", value.key) &&
+         each.member("owner", value.owner);
+}
+
+template <>
+bool JsonStruct<::gecos::RevocationList>::visit(JsonMembers& each, ::gecos::RevocationList& value) {
+  return each.member("number", value.number) &&
+         each.member("changed", value.changed) &&
+         each.member("revoked", value.revoked);
+}
+
+template <>
+bool JsonStruct<::gecos::RevocationState>::visit(
+    JsonMembers& each,
+    ::gecos::RevocationState& value) {
+  return each.member("listed", value.listed) &&
+         each.member("behind", value.behind);
+}
+
+template <>
 bool JsonStruct<::gecos::UnknownName>::visit(JsonMembers& each, ::gecos::UnknownName& value) {
   return each.member("name", value.name) &&
          each.member("known", value.known);

@@ -47,6 +47,23 @@ template <>
 bool JsonStruct<::gecos::KeptList>::visit(JsonMembers& each, ::gecos::KeptList& value);
 
 template <>
+struct JsonShape<::gecos::Revocation> : JsonStruct<::gecos::Revocation> {};
+template <>
+bool JsonStruct<::gecos::Revocation>::visit(JsonMembers& each, ::gecos::Revocation& value);
+
+template <>
+struct JsonShape<::gecos::RevocationList> : JsonStruct<::gecos::RevocationList> {};
+template <>
+bool JsonStruct<::gecos::RevocationList>::visit(JsonMembers& each, ::gecos::RevocationList& value);
+
+template <>
+struct JsonShape<::gecos::RevocationState> : JsonStruct<::gecos::RevocationState> {};
+template <>
+bool JsonStruct<::gecos::RevocationState>::visit(
+    JsonMembers& each,
+    ::gecos::RevocationState& value);
+
+template <>
 struct JsonShape<::gecos::UnknownName> : JsonStruct<::gecos::UnknownName> {};
 template <>
 bool JsonStruct<::gecos::UnknownName>::visit(JsonMembers& each, ::gecos::UnknownName& value);

@@ -122,6 +122,23 @@ bool BrokerServant::gecos_answer([[maybe_unused]] gecos::IncomingCall& call) {
       if (!read) return call.refuse(from.error());
       return call.answer(this->free(name), {"gecos::UnknownName", "gecos::NameInUse"});
     }
+    case 0x8cacbf66: {  // revocations
+      gecos::wire::Decoder from(call.arguments());
+      std::uint64_t applied{};
+      const bool read = from.get(applied, "revocations.applied");
+      if (!read) return call.refuse(from.error());
+      return call.answer_block("gecos::Broker::revocations", this->revocations(applied), {});
+    }
+    case 0x56383751: {  // behind
+      gecos::wire::Decoder from(call.arguments());
+      std::vector<::gecos::Revocation> revoked{};
+      const bool read = gecos::wire::get_sequence(from, revoked, 4, gecos::wire::npos, "behind.revoked",
+              [&](auto& item) {
+                return gecos::wire::get_block(from, item, "behind.revoked");
+              });
+      if (!read) return call.refuse(from.error());
+      return call.answer_block("gecos::Broker::behind", this->behind(revoked), {});
+    }
   }
   return false;
 }

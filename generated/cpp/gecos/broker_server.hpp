@@ -79,6 +79,17 @@ class BrokerServant : public virtual gecos::Servant {
   /// May fail with gecos::UnknownName, gecos::NameInUse.
   virtual gecos::Result<void> free(const std::string& name) = 0;
 
+  /// Whom the user of the broker has revoked. Each server asks once a second; `applied` is
+  /// the number of the list that it
+  /// has applied, 0 for none. A server that gets no answer does not know whom to refuse.
+  /// Since 1.2.
+  virtual gecos::Result<::gecos::RevocationList> revocations(std::uint64_t applied) = 0;
+
+  /// Which servers have applied the newest list, if that list has all of `revoked`.
+  /// Since 1.2.
+  virtual gecos::Result<::gecos::RevocationState> behind(
+      const std::vector<::gecos::Revocation>& revoked) = 0;
+
   bool gecos_answer(gecos::IncomingCall& call) override;
 };
 

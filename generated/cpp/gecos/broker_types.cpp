@@ -286,6 +286,105 @@ std::ostream& operator<<(std::ostream& out, const KeptList& value) {
       "KeptList{objects=", value.objects, "}");
 }
 
+std::size_t Revocation::encoded_size() const { return 10 + key.size() + owner.size(); }
+
+void Revocation::encode(gecos::wire::Encoder& to) const {
+  to.put_string(key);
+  to.put_string(owner);
+}
+
+bool Revocation::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get_string(key, gecos::wire::npos, "Revocation.key") &&
+         from.get_string(owner, gecos::wire::npos, "Revocation.owner") &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const Revocation& value) {
+  if (!gecos::wire::valid_text(value.key)) return gecos::wire::bad_text("Revocation.key");
+  if (!gecos::wire::valid_text(value.owner)) {
+    return gecos::wire::bad_text("Revocation.owner");
+  }
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const Revocation& value) {
+  return gecos::wire::print_all(out,
+      "Revocation{key=", value.key, ", owner=", value.owner, "}");
+}
+
+std::size_t RevocationList::encoded_size() const {
+  std::size_t size = 13 + 4 * revoked.size();
+  for (const auto& item : revoked) size += item.encoded_size();
+  return size;
+}
+
+void RevocationList::encode(gecos::wire::Encoder& to) const {
+  to.put(number, changed);
+  to.put_count(revoked.size());
+  for (const auto& item : revoked) {
+    to.put_count(item.encoded_size());
+    item.encode(to);
+  }
+}
+
+bool RevocationList::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(number, "RevocationList.number") &&
+         from.get(changed, "RevocationList.changed") &&
+         gecos::wire::get_sequence(from, revoked, 4, gecos::wire::npos, "RevocationList.revoked",
+             [&](auto& item) {
+               return gecos::wire::get_block(from, item, "RevocationList.revoked");
+             }) &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const RevocationList& value) {
+  for (const auto& item : value.revoked) {
+    if (auto why = ::gecos::gecos_violation(item); !why.empty()) return why;
+  }
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const RevocationList& value) {
+  return gecos::wire::print_all(out,
+      "RevocationList{number=", value.number, ", changed=", value.changed, ", revoked=",
+      value.revoked, "}");
+}
+
+std::size_t RevocationState::encoded_size() const {
+  std::size_t size = 5 + 5 * behind.size();
+  for (const auto& item : behind) size += item.size();
+  return size;
+}
+
+void RevocationState::encode(gecos::wire::Encoder& to) const {
+  to.put(listed);
+  to.put_count(behind.size());
+  for (const auto& item : behind) to.put_string(item);
+}
+
+bool RevocationState::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(listed, "RevocationState.listed") &&
+         gecos::wire::get_sequence(from, behind, 5, gecos::wire::npos, "RevocationState.behind",
+             [&](auto& item) {
+               return from.get_string(item, gecos::wire::npos, "RevocationState.behind");
+             }) &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const RevocationState& value) {
+  for (const auto& item : value.behind) {
+    if (!gecos::wire::valid_text(item)) {
+      return gecos::wire::bad_text("RevocationState.behind");
+    }
+  }
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const RevocationState& value) {
+  return gecos::wire::print_all(out,
+      "RevocationState{listed=", value.listed, ", behind=", value.behind, "}");
+}
+
 std::size_t UnknownName::encoded_size() const {
   std::size_t size = 9 + name.size() + 5 * known.size();
   for (const auto& item : known) size += item.size();

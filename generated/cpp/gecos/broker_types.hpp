@@ -178,6 +178,64 @@ std::ostream& operator<<(std::ostream& out, const KeptList& value);
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const KeptList& value);
 
+/// A user, or one key of a user, who may not connect any more.
+struct Revocation {
+  /// 64 hexadecimal digits; empty: every key of the owner
+  std::string key{};
+  /// as "anna@desk", or "anna" for all hosts; empty: whoever has the key
+  std::string owner{};
+
+  static constexpr std::string_view type_name() { return "gecos::Revocation"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x2eae804802561bf1U); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const Revocation&, const Revocation&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const Revocation& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const Revocation& value);
+
+/// Whom the user of the broker has revoked.
+struct RevocationList {
+  /// of this list; 0 if it is empty
+  std::uint64_t number = 0;
+  /// the caller has another list; FALSE: `revoked` is left out
+  bool changed = false;
+  std::vector<::gecos::Revocation> revoked{};
+
+  static constexpr std::string_view type_name() { return "gecos::RevocationList"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x989317587b3dd79eU); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const RevocationList&, const RevocationList&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const RevocationList& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const RevocationList& value);
+
+/// Which servers know of some revocations.
+struct RevocationState {
+  /// the broker's list has all of them; FALSE: they are of another user than the broker's
+  bool listed = false;
+  /// objects online whose servers have not applied that list, in the order of names
+  std::vector<std::string> behind{};
+
+  static constexpr std::string_view type_name() { return "gecos::RevocationState"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x732fe7c6650af657U); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const RevocationState&, const RevocationState&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const RevocationState& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const RevocationState& value);
+
 /// [exception]
 struct UnknownName {
   std::string name{};

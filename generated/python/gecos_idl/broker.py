@@ -29,6 +29,9 @@ from gecos_idl.broker_types import (
     NameTaken,
     Presence,
     Registration,
+    Revocation,
+    RevocationList,
+    RevocationState,
     SilentObject,
     UnknownName,
 )
@@ -45,6 +48,9 @@ __all__ = [
     "NameTaken",
     "Presence",
     "Registration",
+    "Revocation",
+    "RevocationList",
+    "RevocationState",
     "SilentObject",
     "UnknownName",
 ]
@@ -130,8 +136,25 @@ _BROKER_FREE: _Method[None, None] = _method(
     takes=_values("name", _layout.text()),
     raises=(UnknownName, NameInUse),
 )
+_BROKER_REVOCATIONS: _Method[RevocationList, None] = _method(
+    _Operation(0x8CACBF66, "revocations", _Access.SENSOR, presence=False, hash=0xE8143D873F5C5306),
+    takes=_values("applied", "Q"),
+    gives=RevocationList,
+)
+_BROKER_BEHIND: _Method[RevocationState, None] = _method(
+    _Operation(
+        0x56383751,
+        "behind",
+        _Access.SENSOR,
+        presence=False,
+        idempotent=True,
+        hash=0x7589964271691E81,
+    ),
+    takes=_values("revoked", _layout.items(Revocation)),
+    gives=RevocationState,
+)
 _list_ = list
-_BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broker","doc":"Knows where objects are. Stands at a well-known place; everything else is found through it.","version":"1.1","hash":"0xa2512cb1bc8f7497","members":[
+_BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broker","doc":"Knows where objects are. Stands at a well-known place; everything else is found through it.","version":"1.2","hash":"0xa21bf37a03f5faf1","members":[
 {"kind":"operation","name":"enlist","doc":"Makes an object findable until the calling session ends. Named enlist because `register` is a word of C++.\n`served_for` says how long its server has served it: an age, because hosts have clocks of their own.\nA broker that has just started may hear of an object that was served before it: within `settles_in` the\nname may go to an object that has been served for longer, so ask again. Absent: the name is the server\u0027s.","parameters":[{"name":"what","direction":"in","type":"gecos::Entry"},{"name":"served_for","direction":"in","type":"double","unit":"s","default":0.0},{"name":"settles_in","direction":"out","type":"double","unit":"s","optional":true}],"raises":["gecos::NameTaken"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":399774670,"hash":"0xff7a6020c83edd81"},
 {"kind":"operation","name":"withdraw","doc":"Takes an object of the calling session off the list.","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":3320558639,"hash":"0x8875f2f1fe455040"},
 {"kind":"operation","name":"lookup","doc":"Where an object is that was enlisted.","result":"gecos::Entry","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":1239667683,"hash":"0x5ed8113ab6d833d8"},
@@ -140,7 +163,9 @@ _BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broke
 {"kind":"operation","name":"query","doc":"The objects online that have this interface, or one that is derived from it, in the order of names.","since":"1.1","result":"sequence<gecos::Entry>","parameters":[{"name":"interface_name","direction":"in","type":"string"}],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":1122589723,"hash":"0x7f0d3aabff80efc7"},
 {"kind":"operation","name":"changes","doc":"What has changed since revision `since`. The broker keeps the last 1024 changes; a caller that is further behind, or\nwhose revision is of another life, gets the whole list.","since":"1.1","result":"gecos::ListChanges","parameters":[{"name":"since","direction":"in","type":"gecos::ListRevision"}],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":4199633906,"hash":"0x0662b84c321bc2e1"},
 {"kind":"attribute","name":"revision","doc":"Published with each change. A reader that misses some of them asks for `changes`.","since":"1.1","type":"gecos::ListRevision","readonly":true,"stream":{"direction":"out","rate_hz":10.0,"largest":16},"read_access":"sensor","codes":{"get":1522960,"stream":1522960},"hash":"0x078292c02a4087e3"},
-{"kind":"operation","name":"free","doc":"Gives the name of a silent object free before `name_hold` has passed. Another server may then take the name, so the\ncaller must know that the silent server moves nothing.","since":"1.1","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName","gecos::NameInUse"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":4167330163,"hash":"0xf7120030af43b4dd"}]},
+{"kind":"operation","name":"free","doc":"Gives the name of a silent object free before `name_hold` has passed. Another server may then take the name, so the\ncaller must know that the silent server moves nothing.","since":"1.1","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName","gecos::NameInUse"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":4167330163,"hash":"0xf7120030af43b4dd"},
+{"kind":"operation","name":"revocations","doc":"Whom the user of the broker has revoked. Each server asks once a second; `applied` is the number of the list that it\nhas applied, 0 for none. A server that gets no answer does not know whom to refuse.","since":"1.2","result":"gecos::RevocationList","parameters":[{"name":"applied","direction":"in","type":"uint64"}],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":2360131430,"hash":"0xe8143d873f5c5306"},
+{"kind":"operation","name":"behind","doc":"Which servers have applied the newest list, if that list has all of `revoked`.","since":"1.2","result":"gecos::RevocationState","parameters":[{"name":"revoked","direction":"in","type":"sequence<gecos::Revocation>"}],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":1446524753,"hash":"0x7589964271691e81"}]},
 "types":[
 {"kind":"struct","name":"gecos::Entry","doc":"Where an object is and what it is: what a server tells the broker and a client asks for.","extensibility":"appendable","members":[{"name":"name","type":"string","doc":"\"RX90\""},{"name":"interface_name","type":"string","doc":"\"robcl::Rx90\""},{"name":"bases","type":"sequence<string>","doc":"every interface it also is, \"robcl::Manipulator\""},{"name":"interface_hash","type":"uint64"},{"name":"boot","type":"uint64","doc":"this life of the server process; a restart has another"},{"name":"pid","type":"int32"},{"name":"user","type":"string"},{"name":"host","type":"string","doc":"\"BOOT/DIRECTORY\": the boot id of the machine, and its runtime directory if shm is there"},{"name":"hostname","type":"string","doc":"for people"},{"name":"addresses","type":"sequence<string>","doc":"\"shm:/run/\u2026\", \"lcm:239.255.76.67:20017/\u2026\", best first"},{"name":"simulated","type":"boolean"},{"name":"pid_namespace","type":"uint64","default":0,"doc":"in which `pid` is a number, by its inode on the machine; 0: unknown"}],"wire":{"fingerprint":"0xedbd5c5fd96445b3","min_size":62}},
 {"kind":"struct","name":"gecos::SilentObject","doc":"An object whose server the broker no longer hears, although the server has not withdrawn the object.","extensibility":"appendable","members":[{"name":"entry","type":"gecos::Entry","doc":"as it was enlisted"},{"name":"silent_for","type":"double","unit":"s","doc":"since the broker last heard the server"},{"name":"free_in","type":"double","unit":"s","optional":true,"doc":"from when on the name may go to another server; absent: when the process ends"}],"wire":{"fingerprint":"0x917c2a0f7129468e","min_size":13}},
@@ -148,14 +173,17 @@ _BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broke
 {"kind":"struct","name":"gecos::Registration","doc":"What the broker knows about one name.","extensibility":"appendable","members":[{"name":"entry","type":"gecos::Entry"},{"name":"presence","type":"gecos::Presence"},{"name":"epoch","type":"uint64","doc":"the change that gave the name to this life of the server; rises with each new holder"},{"name":"silent_for","type":"double","unit":"s","doc":"since the broker last heard the server; 0 unless SILENT"}],"wire":{"fingerprint":"0xba8ff783354e6879","min_size":24}},
 {"kind":"struct","name":"gecos::ListRevision","doc":"A state of the broker\u0027s list. Numbers of two lives have nothing in common.","extensibility":"final","members":[{"name":"life","type":"uint64","doc":"drawn by the broker at its start"},{"name":"number","type":"uint64","doc":"of changes since then"}],"wire":{"fingerprint":"0x9f8aa766a4495717","min_size":16,"fixed_size":16}},
 {"kind":"struct","name":"gecos::ListChanges","doc":"How the list became what it is at `revision`.","extensibility":"appendable","members":[{"name":"revision","type":"gecos::ListRevision"},{"name":"whole","type":"boolean","doc":"`changed` is everything online or silent, by name; else each change in its order"},{"name":"running_for","type":"double","unit":"s","doc":"how long the broker has run; at first it does not know all servers yet"},{"name":"changed","type":"sequence<gecos::Registration>"}],"wire":{"fingerprint":"0x9725ee956cf8d421","min_size":29}},
+{"kind":"struct","name":"gecos::Revocation","doc":"A user, or one key of a user, who may not connect any more.","extensibility":"appendable","members":[{"name":"key","type":"string","doc":"64 hexadecimal digits; empty: every key of the owner"},{"name":"owner","type":"string","doc":"as \"anna@desk\", or \"anna\" for all hosts; empty: whoever has the key"}],"wire":{"fingerprint":"0x2eae804802561bf1","min_size":10}},
+{"kind":"struct","name":"gecos::RevocationList","doc":"Whom the user of the broker has revoked.","extensibility":"appendable","members":[{"name":"number","type":"uint64","doc":"of this list; 0 if it is empty"},{"name":"changed","type":"boolean","doc":"the caller has another list; FALSE: `revoked` is left out"},{"name":"revoked","type":"sequence<gecos::Revocation>"}],"wire":{"fingerprint":"0x989317587b3dd79e","min_size":13}},
+{"kind":"struct","name":"gecos::RevocationState","doc":"Which servers know of some revocations.","extensibility":"appendable","members":[{"name":"listed","type":"boolean","doc":"the broker\u0027s list has all of them; FALSE: they are of another user than the broker\u0027s"},{"name":"behind","type":"sequence<string>","doc":"objects online whose servers have not applied that list, in the order of names"}],"wire":{"fingerprint":"0x732fe7c6650af657","min_size":5}},
 {"kind":"exception","name":"gecos::UnknownName","extensibility":"final","members":[{"name":"name","type":"string"},{"name":"known","type":"sequence<string>"}],"wire":{"fingerprint":"0x7cd6bc0789c32ab9","min_size":9}},
 {"kind":"exception","name":"gecos::NameTaken","extensibility":"final","members":[{"name":"name","type":"string"},{"name":"by","type":"string"}],"wire":{"fingerprint":"0xf9ffaded7a4ca4f9","min_size":10}},
 {"kind":"exception","name":"gecos::NameInUse","extensibility":"final","members":[{"name":"name","type":"string"},{"name":"why","type":"string"}],"wire":{"fingerprint":"0x25abf1683e4409bf","min_size":10}}],
 "references":[]}'''
 _BROKER = _interface(
     "gecos::Broker",
-    "1.1",
-    0xA2512CB1BC8F7497,
+    "1.2",
+    0xA21BF37A03F5FAF1,
     (),
     (
         _BROKER_ENLIST,
@@ -167,6 +195,8 @@ _BROKER = _interface(
         _BROKER_CHANGES,
         _BROKER_REVISION,
         _BROKER_FREE,
+        _BROKER_REVOCATIONS,
+        _BROKER_BEHIND,
     ),
     model=_BROKER_SERVED_MODEL,
 )
@@ -257,6 +287,20 @@ class Broker(_Object):
         """
         return self._gecos_call(_BROKER_FREE, _BROKER_FREE.request(name))
 
+    def revocations(self, applied: int) -> _Command[RevocationList]:
+        """Whom the user of the broker has revoked. Each server asks once a second; `applied` is
+        the number of the list that it
+        has applied, 0 for none. A server that gets no answer does not know whom to refuse.
+        Since 1.2.
+        """
+        return self._gecos_call(_BROKER_REVOCATIONS, _BROKER_REVOCATIONS.request(applied))
+
+    def behind(self, revoked: _list_[Revocation]) -> _Command[RevocationState]:
+        """Which servers have applied the newest list, if that list has all of `revoked`.
+        Since 1.2.
+        """
+        return self._gecos_call(_BROKER_BEHIND, _BROKER_BEHIND.request(revoked))
+
 
 class BrokerServant(_Servant):
     """Knows where objects are. Stands at a well-known place; everything else is found
@@ -339,6 +383,20 @@ class BrokerServant(_Servant):
         Since 1.1.
 
         May raise UnknownName, NameInUse.
+        """
+
+    @_abstractmethod
+    def revocations(self, applied: int) -> RevocationList:
+        """Whom the user of the broker has revoked. Each server asks once a second; `applied` is
+        the number of the list that it
+        has applied, 0 for none. A server that gets no answer does not know whom to refuse.
+        Since 1.2.
+        """
+
+    @_abstractmethod
+    def behind(self, revoked: _list_[Revocation]) -> RevocationState:
+        """Which servers have applied the newest list, if that list has all of `revoked`.
+        Since 1.2.
         """
 
     def publish_revision(self, value: ListRevision, stamp: float | None = None) -> None:

@@ -20,6 +20,9 @@ __all__ = [
     "NameTaken",
     "Presence",
     "Registration",
+    "Revocation",
+    "RevocationList",
+    "RevocationState",
     "SilentObject",
     "UnknownName",
 ]
@@ -147,6 +150,40 @@ class KeptObject(_layout.Struct):
 @_dataclass(slots=True)
 class KeptList(_layout.Struct):
     objects: list[KeptObject] = _field(default_factory=list)
+
+
+@_layout.struct(0x2EAE804802561BF1, _layout.text(), _layout.text(), open=True)
+@_dataclass(slots=True)
+class Revocation(_layout.Struct):
+    """A user, or one key of a user, who may not connect any more."""
+
+    key: str = ""
+    """64 hexadecimal digits; empty: every key of the owner"""
+    owner: str = ""
+    """as "anna@desk", or "anna" for all hosts; empty: whoever has the key"""
+
+
+@_layout.struct(0x989317587B3DD79E, "Q?", _layout.items(Revocation), open=True)
+@_dataclass(slots=True)
+class RevocationList(_layout.Struct):
+    """Whom the user of the broker has revoked."""
+
+    number: int = 0
+    """of this list; 0 if it is empty"""
+    changed: bool = False
+    """the caller has another list; FALSE: `revoked` is left out"""
+    revoked: list[Revocation] = _field(default_factory=list)
+
+
+@_layout.struct(0x732FE7C6650AF657, "?", _layout.items(_layout.text()), open=True)
+@_dataclass(slots=True)
+class RevocationState(_layout.Struct):
+    """Which servers know of some revocations."""
+
+    listed: bool = False
+    """the broker's list has all of them; FALSE: they are of another user than the broker's"""
+    behind: list[str] = _field(default_factory=list)
+    """objects online whose servers have not applied that list, in the order of names"""
 
 
 @_layout.exception(

@@ -27,6 +27,9 @@ struct ServeOptions {
   /// given to Server::allow. If both lists are empty, the lab file alone decides.
   std::vector<std::string> users{};
   std::vector<std::string> hosts{};
+  /// Admission::Insecure admits every user and host to simulated objects. Set it only for a flag
+  /// that a person gives to the program, never for an environment variable.
+  Admission admission = Admission::Listed;
   /// Called once all objects are served, before the `ready` line is printed. May return an object
   /// to keep alive, for example one that owns the publishing threads. `serve` destroys that object
   /// after the signal, before it withdraws the served objects.

@@ -30,6 +30,18 @@ struct ServeError {
 };
 std::ostream& operator<<(std::ostream& out, const ServeError& error);
 
+/// The users and hosts that a server admits.
+enum class Admission : std::uint8_t {
+  /// The user of the server on its host, and those whom `Server::allow` and the lab file name.
+  Listed,
+  /// Every user and host that the kernel or an admitted key proves: neither `Server::allow` nor an
+  /// `[allow]` of the lab file counts. A server that does so serves simulated objects only, and
+  /// says
+  /// so on stderr, in its audit and in the descriptions of its objects. Keys, encryption, statuses,
+  /// passwords, administrators and presence stay in force.
+  Insecure,
+};
+
 /// Runs objects in this process: registers them with the lab's broker (and again when a new broker
 /// starts), accepts clients, queues commands and keeps leases. One I/O thread polls the connections
 /// and runs short handlers. Cancelable operations run on a worker thread of their object.
@@ -38,7 +50,7 @@ std::ostream& operator<<(std::ostream& out, const ServeError& error);
 /// `await_broker` fail with that reason.
 class Server {
  public:
-  explicit Server(Lab& lab);
+  explicit Server(Lab& lab, Admission admission = Admission::Listed);
   ~Server();  ///< withdraws all objects; running commands are interrupted
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
@@ -48,7 +60,8 @@ class Server {
   tl::expected<void, ServeError> await_broker(Duration patience);
   /// Serves `servant` under `name` from now on. The servant must outlive the server. Fails when no
   /// other process could reach the object, unless `options.media` limits the object to this
-  /// process. Logs a warning for each medium that is not available.
+  /// process, and when the server is Admission::Insecure and the object is not simulated. Logs a
+  /// warning for each medium that is not available.
   [[nodiscard("check the result: its error says why the object is not served")]] tl::expected<
       void, ServeError>
   add(std::string name, Servant& servant, ObjectOptions options = {});

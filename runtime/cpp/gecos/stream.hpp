@@ -39,6 +39,7 @@ enum class StreamEnd : std::uint8_t {
   Lost,     ///< the stream is lost(), and all samples that had arrived were read
   Late,  ///< no sample came within `@qos(deadline=…)`. Returned once for each such silence; the
          ///< stream continues
+  Revoked,  ///< as Lost: the server ended the session, because it no longer admits this user
 };
 std::string_view to_string(StreamEnd end);
 std::ostream& operator<<(std::ostream& out, StreamEnd end);
@@ -63,6 +64,11 @@ class StreamCore {
   /// the samples that had arrived before the loss. After the Lab was closed, gives no sample.
   virtual tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) = 0;
   virtual bool lost() const = 0;
+  /// Returns why the stream was lost; an empty text if the program closed its Lab, and while the
+  /// stream is not lost.
+  virtual std::string loss_text() const = 0;
+  /// Returns true if the stream is lost because the server no longer admits this user.
+  virtual bool revoked() const = 0;
   /// For an event, returns the sequence number of the last sample before the subscription; reading
   /// begins with the sample after that one. For a stream, returns nullopt, because reading begins
   /// with the newest sample.
@@ -112,6 +118,9 @@ class Stream {
   /// closed. Then latest() returns nullopt, and next() returns only the samples that had arrived
   /// before, or none if the Lab was closed.
   bool lost() const { return core_->lost(); }
+  /// Returns why the stream is lost(), for people; an empty text if it is not lost, or if the Lab
+  /// was closed.
+  std::string loss_text() const { return core_->loss_text(); }
   /// Returns whether the writer was alive when the stream was last read. Returns false once the
   /// stream is lost(). With `@qos(liveliness=MANUAL)`, also returns false from a missed deadline
   /// until the next sample.

@@ -270,11 +270,17 @@ nb::tuple as_tuple(const session::RawSample& sample) {
                         sample.measured.time_since_epoch().count());
 }
 
+/// Returns why a stream is lost; an empty text if its Lab is closed.
+nb::str loss_text(const StreamHandle& self) {
+  const auto core = self.get();
+  return nb::str(core == nullptr ? "" : core->loss_text().c_str());
+}
+
 nb::object latest(StreamHandle& self) {
   const auto core = self.get();
   if (core == nullptr) return nb::none();
   if (core->latest(self.sample())) return as_tuple(self.sample());
-  if (core->lost()) return nb::str("lost");
+  if (core->lost()) return nb::str(core->revoked() ? "revoked" : "lost");
   return nb::none();
 }
 
@@ -299,6 +305,8 @@ nb::object next(StreamHandle& self, std::optional<double> timeout) {
       return nb::str("nothing");
     case StreamEnd::Lost:
       return nb::str("lost");
+    case StreamEnd::Revoked:
+      return nb::str("revoked");
     case StreamEnd::Late:
       return nb::str("late");
   }
@@ -461,6 +469,7 @@ void bind_client(nb::module_& module) {
              const auto core = self.get();
              return core != nullptr && core->alive();
            })
+      .def("loss_text", &loss_text)
       .def("close", &StreamHandle::close);
 
   nb::class_<WriterHandle>(module, "Writer")

@@ -132,8 +132,10 @@ class ServantHandle {
 
 class ServerHandle {
  public:
-  explicit ServerHandle(const LabHandle& lab)
-      : lab_(lab.get()), server_(std::make_shared<Server>(*lab_)) {}
+  ServerHandle(const LabHandle& lab, bool insecure)
+      : lab_(lab.get()),
+        server_(
+            std::make_shared<Server>(*lab_, insecure ? Admission::Insecure : Admission::Listed)) {}
   ServerHandle(const ServerHandle&) = delete;
   ServerHandle& operator=(const ServerHandle&) = delete;
   ~ServerHandle() { close(); }
@@ -335,7 +337,7 @@ void bind_server(nb::module_& module) {
            nb::arg("evidence"));
 
   nb::class_<ServerHandle>(module, "Server")
-      .def(nb::init<const LabHandle&>(), nb::arg("lab"))
+      .def(nb::init<const LabHandle&, bool>(), nb::arg("lab"), nb::arg("insecure"))
       .def("allow", &ServerHandle::allow, nb::arg("users"), nb::arg("hosts"))
       .def("await_broker", &ServerHandle::await_broker, nb::arg("patience"))
       .def("prepare", &ServerHandle::prepare, nb::arg("interface"))

@@ -61,6 +61,7 @@ if TYPE_CHECKING:
     from gecos.errors import ServeError as ServeError
     from gecos.errors import State as State
     from gecos.errors import StreamLost as StreamLost
+    from gecos.errors import StreamRevoked as StreamRevoked
     from gecos.errors import UnobservedCommandWarning as UnobservedCommandWarning
     from gecos.execution import Caller as Caller
     from gecos.execution import Execution as Execution
@@ -95,7 +96,7 @@ _NAMES = {
     "dynamic_client.connect": "dynamic",
     "errors": "Attempt CommandFailed ConnectionFailed CreateError DeadlineMissed DeclaredError "
     "Detail DroppedLeaseWarning Interrupted LeaseRefused Rejected ServeError State StreamLost "
-    "UnobservedCommandWarning",
+    "StreamRevoked UnobservedCommandWarning",
     "execution": "Caller Execution",
     "inward": "Inward InwardSample",
     "lab": "Lab",

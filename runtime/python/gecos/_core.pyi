@@ -119,6 +119,8 @@ class Stream:
     def counts(self) -> tuple[int, int, int, int, int]:
         """The members of StreamCounts; after close(), their values at the time of close()."""
     def alive(self) -> bool: ...
+    def loss_text(self) -> str:
+        """Returns why the stream is lost; an empty text if its Lab was closed."""
     def close(self) -> None: ...
 
 class Lease:
@@ -172,7 +174,7 @@ class IncomingCall:
     def fail(self, detail: int, text: str, exception: str, evidence: bytes) -> None: ...
 
 class Server:
-    def __init__(self, lab: Lab) -> None: ...
+    def __init__(self, lab: Lab, insecure: bool) -> None: ...
     def allow(self, users: Sequence[str], hosts: Sequence[str]) -> None:
         """Names the users and hosts that may connect, in addition to the user of this process."""
     def await_broker(self, patience: float) -> str | None:

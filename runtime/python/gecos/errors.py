@@ -227,6 +227,10 @@ class StreamLost(ConnectionError):
     """The server of a stream is gone or silent, or the Lab of its reader was closed."""
 
 
+class StreamRevoked(StreamLost):
+    """The server of a stream ended its session, because it no longer admits this user."""
+
+
 class DeadlineMissed(TimeoutError):
     """No sample of a stream came within the deadline that its interface declares. The stream
     continues."""

@@ -20,6 +20,7 @@ from gecos import _core
 _KEY = re.compile(r"[0-9a-f]{64}")
 _SUFFIX = ".public"
 _OWNER_SUFFIX = ".owner"
+_REVOKED = "revoked"
 _LONGEST_FILE = 4096  # bytes; a longer file is not a key
 _LEAST_DIGITS = 8  # of a fingerprint that selects a key
 _FINGERPRINT_DIGITS = 32
@@ -39,6 +40,19 @@ class Admitted:
     file: Path
     problem: str | None
     owner: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Revoked:
+    """A line of the file `revoked` of the key folder: a key, every key of an owner if `key` is
+    empty, or a key without an owner if `owner` is empty. The broker of this user tells this list to
+    all servers (gecos/access/revocations.hpp)."""
+
+    key: str
+    owner: str
+
+    def line(self) -> str:
+        return f"{self.key or '-'} {self.owner or '-'}\n"
 
 
 def folder() -> Path:
@@ -92,7 +106,8 @@ def _owner_of(key: str) -> str | None:
 def add(file: Path, owner: str | None = None) -> str:
     """Admits the key in a .public file of another user, and returns the key. `owner` is the owner
     of the key, such as "anna@desk"; the lists of a lab file then decide what this user may do.
-    Without `owner`, a key keeps the owner that it has. Raises KeyFolderError if the file cannot be
+    Without `owner`, a key keeps the owner that it has. If the key or its owner was revoked, ends
+    this revocation. Raises KeyFolderError if the file cannot be
     read or is not a public key, OSError if it cannot be copied, and RuntimeError like own_key."""
     if owner is not None and not _core.is_key_owner(owner):
         raise KeyFolderError(f"{owner}: say whose key it is as USER@HOST, for example anna@desk")
@@ -126,6 +141,7 @@ def add(file: Path, owner: str | None = None) -> str:
             )
         _put(_owner_file(key), f"{owner}\n".encode())  # first: a list may limit this key
     _put(file_of(key), text)
+    _pardon(key, owner or _owner_of(key) or "")
     return key
 
 
@@ -203,19 +219,71 @@ def _unlink(one: Admitted) -> None:
 
 def owned_by(name: str) -> list[Admitted]:
     """Returns the keys of an owner, "anna@desk", or of a user on all hosts, "anna"."""
-    return [
-        one
-        for one in admitted()
-        if one.owner is not None and name in (one.owner, one.owner.partition("@")[0])
+    return [one for one in admitted() if _is_of(one, name)]
+
+
+def revoked() -> list[Revoked]:
+    """Returns the revocations, from old to new. Raises KeyFolderError if the file is damaged."""
+    file = folder() / _REVOKED
+    try:
+        lines = file.read_text(encoding="ascii").splitlines()
+    except FileNotFoundError:
+        return []
+    except (OSError, ValueError) as error:
+        raise KeyFolderError(f"{file}: the file cannot be read: {error}") from None
+    found = []
+    for number, line in enumerate(lines, 1):
+        key, _, owner = line.partition(" ")
+        if not owner or not (key == "-" or _KEY.fullmatch(key)):
+            raise KeyFolderError(f"{file}:{number}: this is not a key and its owner; correct it")
+        found.append(Revoked(key.replace("-", ""), "" if owner == "-" else owner))
+    return found
+
+
+def _write_revoked(revocations: list[Revoked]) -> None:
+    text = "".join(one.line() for one in revocations)
+    _put(folder() / _REVOKED, text.encode("ascii"))
+
+
+def _pardon(key: str, owner: str) -> None:
+    """Ends the revocation of a key, and the one of all keys of its owner."""
+    owners = {owner, owner.partition("@")[0]} if owner else set()
+    before = revoked()
+    after = [
+        one for one in before if one.key != key and not (one.key == "" and one.owner in owners)
     ]
+    if after != before:
+        _write_revoked(after)
+
+
+def _note_revoked(news: list[Revoked]) -> None:
+    before = revoked()
+    _write_revoked([*(one for one in before if one not in news), *news])
+
+
+def revocations_of(name: str, gone: list[Admitted]) -> list[Revoked]:
+    """Returns the revocations of `revoke(name)`, which has returned `gone`."""
+    whole = [Revoked("", name)] if any(_is_of(one, name) for one in gone) else []
+    return [*(Revoked(one.key, one.owner or "") for one in gone if one.key), *whole]
+
+
+def _is_of(one: Admitted, name: str) -> bool:
+    return one.owner is not None and name in (one.owner, one.owner.partition("@")[0])
 
 
 def revoke(name: str) -> list[Admitted]:
     """Removes the keys of an owner, or the key with this file name or beginning of its fingerprint,
-    and returns them. Raises KeyFolderError if there is none, and RuntimeError like own_key."""
+    and returns them. Writes them into the list that the broker tells to all servers. Raises
+    KeyFolderError if there is none, and RuntimeError like own_key."""
     found = owned_by(name)
     if not found and not re.fullmatch(r"[0-9a-fA-F:]+", name.removesuffix(_SUFFIX)):
         raise KeyFolderError(f"{name}: no admitted key has this owner; `gecos keys` lists them")
+    # First the list: if this program is ended in between, it can be run again.
+    if found:
+        _note_revoked(revocations_of(name, found))
     for one in found:
         _unlink(one)
-    return found or [remove(name)]
+    if not found:
+        found = [remove(name)]
+        _note_revoked(revocations_of(name, found))
+    return found

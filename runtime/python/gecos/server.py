@@ -31,10 +31,15 @@ class Server:
     Each object has three threads: one for the stop and the safety operations of the object, one for
     sensor operations that are neither cancelable nor ordered, and one for all other operations in
     order of arrival.
+
+    `insecure=True` admits every user and host that the kernel or an admitted key proves: neither
+    `allow` nor an [allow] of the lab file counts. Such a server serves simulated objects only, and
+    says so on stderr, in its audit and in the descriptions of its objects. Set it only for a flag
+    that a person gives to the program, never for an environment variable.
     """
 
-    def __init__(self, lab: Lab) -> None:
-        self._core = _core.Server(lab._core)
+    def __init__(self, lab: Lab, *, insecure: bool = False) -> None:
+        self._core = _core.Server(lab._core, insecure)
         self._lanes: list[Lane] = []
         self._adding = threading.Lock()
         shutdown.at_exit(self, shutdown.Turn.SERVERS)
@@ -63,7 +68,8 @@ class Server:
         """Serves `servant` under `name` from now on. `media` lists the media that clients may use;
         an empty list means all media.
 
-        Raises ServeError if no broker answers, the name is taken or no medium can be opened. Raises
+        Raises ServeError if no broker answers, the name is taken, no medium can be opened, or an
+        insecure server is to serve an object that is not simulated. Raises
         TypeError if a handler does not take the parameters of its operation.
         """
         if not isinstance(servant, Servant):
@@ -171,13 +177,14 @@ def serve(
     media: Iterable[str] = (),
     users: Iterable[str] = (),
     hosts: Iterable[str] = (),
+    insecure: bool = False,
     publish: Publish | None = None,
 ) -> None:
     """Serves objects under their names until SIGINT or SIGTERM arrives. Call it from the main
     thread.
 
     `users` and `hosts` may connect, in addition to the user of this process on this host; see
-    `Server.allow`.
+    `Server.allow`. `insecure=True` admits every user and host to simulated objects; see `Server`.
 
     `publish(ended)` runs on a thread of its own while the objects are served: it measures and
     publishes until the event `ended` is set. If `publish` raises an exception, `serve` ends and
@@ -191,7 +198,7 @@ def serve(
     # TerminationSignals must be the inner context. Then a signal that arrives while the server
     # closes ends the program, even if a handler or `publish` hangs.
     with (
-        Server(lab or Lab()) as server,
+        Server(lab or Lab(), insecure=insecure) as server,
         Publisher() as publisher,
         TerminationSignals() as signals,
     ):

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import TYPE_CHECKING, Generic, Self, TypeVar
 
-from gecos.errors import DeadlineMissed, StreamLost
+from gecos.errors import DeadlineMissed, StreamLost, StreamRevoked
 from gecos.wire import DecodeError, Decoder
 
 if TYPE_CHECKING:
@@ -60,7 +60,8 @@ class Stream(Generic[T]):
     read.
 
     Iterating waits for each sample, and ends after `close()`. It raises StreamLost if the server is
-    gone or silent or has closed the session, or if the Lab is closed. Only one thread or task reads
+    gone or silent or has closed the session, or if the Lab is closed; if the server no longer
+    admits this user, it raises the subclass StreamRevoked. Only one thread or task reads
     at a time: other threads wait in `next`, within their timeout, and their calls of `latest` raise
     RuntimeError.
 
@@ -106,7 +107,7 @@ class Stream(Generic[T]):
             self._look_back()
             raw = self._core.latest()
             if isinstance(raw, str):
-                raise self._lost()
+                raise self._lost(raw)
             return None if raw is None else self._sample(*raw)
         finally:
             self._reading.release()
@@ -192,8 +193,8 @@ class Stream(Generic[T]):
                 raw = self._core.next(left)
                 if raw == "closed":
                     return None
-                if raw == "lost":
-                    raise self._lost()
+                if raw in ("lost", "revoked"):
+                    raise self._lost(raw)
                 if raw == "late":
                     raise DeadlineMissed(
                         f"stream {self._name}: no sample came within its deadline; "
@@ -247,11 +248,13 @@ class Stream(Generic[T]):
         read = "none" if self._read == self._after else self._read
         return f"<Stream {self._name}: {state}, last sample read: {read}>"
 
-    def _lost(self) -> StreamLost:
+    def _lost(self, how: str) -> StreamLost:
         self._is_lost = True
+        why = self._core.loss_text() or "its Lab is closed"
+        if how == "revoked":
+            return StreamRevoked(f"stream {self._name}: {why}")
         return StreamLost(
-            f"stream {self._name}: its server is gone, silent or has closed the session, or its "
-            "Lab is closed; create a new proxy and open the stream again"
+            f"stream {self._name}: {why}; create a new proxy and open the stream again"
         )
 
     def _sample(

@@ -49,6 +49,23 @@ TEST(AccessPolicy, RefusesWithWordsThatSayWhatToChangeWhere) {
             "RX90 admits user anna of host cell: named by [allow] in lab.toml:3");
 }
 
+TEST(AccessPolicy, AnInsecureServerAdmitsEveryUserOfEveryHostAndNoFurtherAdministrator) {
+  const AccessPolicy policy{
+      .program = list_for({"carl"}),
+      .lab = {.file = "lab.toml", .general = list_for({"carl"}), .admin = list_for({"carl"})},
+      .insecure = true};
+  for (const UserAtHost& who : {bob_here, UserAtHost{"dora", "bench1"}, UserAtHost{"root", "x"}}) {
+    const AccessDecision decision = policy.decide(lab_user, who, "RX90");
+    EXPECT_EQ(decision.rule, AccessRule::Insecure);
+    EXPECT_TRUE(decision.allowed());
+    EXPECT_FALSE(policy.administers(lab_user, who));
+  }
+  EXPECT_EQ(policy.decide(lab_user, bob_here, "RX90").text,
+            "RX90 admits user bob of host cell: its server was started with --insecure, so no list "
+            "counts");
+  EXPECT_EQ(policy.decide(lab_user, lab_user, "RX90").rule, AccessRule::OwnUser);
+}
+
 TEST(MayReport, TheOwnerOfASourceAloneAndOtherwiseTheUserOfTheZone) {
   LabAccess lab;
   lab.sources["CELL"]["DOOR"] = {{"door", "gate"}, "[objects.CELL.sources] in lab.toml:2"};

@@ -26,17 +26,28 @@ TEST(CommandLine, WhatIsNotGivenHasItsStandardValue) {
   EXPECT_EQ(line.number("speed"), 1.25);
 }
 
+TEST(CommandLine, InsecureIsAFlagWithoutAValueAndNoVariableSetsIt) {
+  ::setenv("GECOS_INSECURE", "1", 1);
+  EXPECT_EQ(started_with({}).admission(), gecos::Admission::Listed);
+  ::unsetenv("GECOS_INSECURE");
+  const CommandLine line = started_with({"--insecure", "--speed", "1.25"});
+  EXPECT_FALSE(line.exit_status().has_value());
+  EXPECT_EQ(line.admission(), gecos::Admission::Insecure);
+  EXPECT_EQ(line.number("speed"), 1.25);
+}
+
 TEST(CommandLine, HelpNamesEveryOptionWithItsStandardValueAndEndsWell) {
   ::testing::internal::CaptureStdout();
   EXPECT_EQ(started_with({"--help"}).exit_status(), 0);
   EXPECT_EQ(
       ::testing::internal::GetCapturedStdout(),
-      "usage: robcl-belt [--WORD VALUE]...\n"
+      "usage: robcl-belt [--WORD VALUE]... [--insecure]\n"
       "Serves a belt.\n"
       "  --name              name to register (BELT)\n"
       "  --speed             m/s (0.5)\n"
       "  --clock             simulated seconds per second of real time; default: ROBCL_CLOCK, "
       "if set (1)\n"
+      "  --insecure          admit every user of every host; for simulated devices only\n"
       "Prints one line when it is ready and ends on SIGINT or SIGTERM.\n");
 }
 
@@ -49,10 +60,11 @@ TEST(CommandLine, TheUsageHasTheArgumentThatTheProgramReadsItself) {
   EXPECT_EQ(
       ::testing::internal::GetCapturedStderr(),
       "robcl-belt: the file is missing\n"
-      "usage: robcl-belt BELT.toml [--WORD VALUE]...\n"
+      "usage: robcl-belt BELT.toml [--WORD VALUE]... [--insecure]\n"
       "Serves a belt.\n"
       "  --clock             simulated seconds per second of real time; default: ROBCL_CLOCK, "
       "if set (1)\n"
+      "  --insecure          admit every user of every host; for simulated devices only\n"
       "Prints one line when it is ready and ends on SIGINT or SIGTERM.\n");
 }
 

@@ -14,21 +14,24 @@ namespace {
 /// Two users: each has a key directory.
 class LcmUsers : public testing::Test {
  protected:
+  crypto::PublicKey key_of(const std::string& whom) {
+    return SealedKeys::open(options(whom).key_directory).value()->own.public_key();
+  }
   void admit(const std::string& whom, const std::string& by) {
-    const auto key = SealedKeys::open(options(whom).key_directory).value()->own.public_key();
+    const auto key = key_of(whom);
     ASSERT_NE(SealedKeys::open(options(by).key_directory).value(), nullptr);
     const std::string file = "/" + key.to_string() + ".public";
     std::filesystem::copy(options(whom).key_directory + file, options(by).key_directory + file);
   }
   /// Writes in the directory of `by` whose key that of `whom` is.
   void name(const std::string& whom, const std::string& owner, const std::string& by) {
-    const auto key = SealedKeys::open(options(whom).key_directory).value()->own.public_key();
+    const auto key = key_of(whom);
     const std::string file = options(by).key_directory + "/" + key.to_string() + ".owner";
     std::ofstream(file) << owner << "\n";
     ASSERT_EQ(::chmod(file.c_str(), 0600), 0);
   }
   void remove(const std::string& whom, const std::string& by) {
-    const auto key = SealedKeys::open(options(whom).key_directory).value()->own.public_key();
+    const auto key = key_of(whom);
     for (const char* const kind : {".public", ".owner"}) {
       std::filesystem::remove(options(by).key_directory + "/" + key.to_string() + kind);
     }
@@ -129,8 +132,8 @@ TEST_F(LcmUsers, EachOfTwoUsersWhoAdmitEachOtherProvesItsKey) {
   End client(std::move(*bob_->connect(acceptor->address())));
   End server(wait_for_client(*acceptor, *client.connection), acceptor.get());
   ASSERT_NE(server.connection, nullptr);
-  const auto bob = SealedKeys::open(options("bob").key_directory).value()->own.public_key();
-  EXPECT_TRUE(server.connection->peer().description.starts_with("key " + bob.short_name()));
+  EXPECT_TRUE(
+      server.connection->peer().description.starts_with("key " + key_of("bob").short_name()));
   ASSERT_TRUE(client.send("hello"));
   EXPECT_EQ(server.receive(), "hello");
 }
@@ -144,6 +147,7 @@ TEST_F(LcmUsers, TheServerDecidesByTheOwnerOfTheKeyThatAClientHasProved) {
   acceptor->admit_by([&](const Peer& peer) -> std::string {
     EXPECT_FALSE(peer.uid);
     asked += peer.user + " of " + peer.host + ". ";
+    EXPECT_EQ(peer.key, key_of("bob").to_string());
     return peer.host == "desk" ? "" : "only desk is admitted";
   });
   End client(std::move(*bob_->connect(acceptor->address())));
@@ -172,7 +176,11 @@ TEST_F(LcmUsers, TheServersOwnKeyAndAKeyWithoutAnOwnerAreTheServersUser) {
   admit("ada", "bob");
   admit("bob", "ada");
   const auto acceptor = ada_->listen("RX90", false).value();
-  acceptor->admit_by([](const Peer&) { return "nobody else is admitted"; });
+  std::string asked;
+  acceptor->admit_by([&](const Peer& peer) -> std::string {
+    asked += peer.key;
+    return peer.user.empty() ? "" : "nobody else is admitted";
+  });
   for (Medium* const medium : {ada_.get(), bob_.get()}) {
     const auto client = std::move(*medium->connect(acceptor->address()));
     const auto server = wait_for_client(*acceptor, *client);
@@ -184,6 +192,7 @@ TEST_F(LcmUsers, TheServersOwnKeyAndAKeyWithoutAnOwnerAreTheServersUser) {
       EXPECT_EQ(refusal(), "");
     }
   }
+  EXPECT_EQ(asked, key_of("bob").to_string()) << "a key without an owner may be revoked";
 }
 
 TEST_F(LcmUsers, AKeyThatIsRemovedIsRevoked) {

@@ -308,6 +308,10 @@ class SlowBroker : public gecos::BrokerServant {
   }
   gecos::Result<std::vector<gecos::Entry>> query(const std::string&) override { return {}; }
   gecos::Result<gecos::ListChanges> changes(const gecos::ListRevision&) override { return {}; }
+  gecos::Result<gecos::RevocationList> revocations(std::uint64_t) override { return {}; }
+  gecos::Result<gecos::RevocationState> behind(const std::vector<gecos::Revocation>&) override {
+    return {};
+  }
   gecos::Result<gecos::ListRevision> revision() override { return {}; }
   gecos::Result<void> free(const std::string&) override { return {}; }
 

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 
 #include "../media/scratch_directory.hpp"
 #include "bench.hpp"
@@ -18,6 +19,11 @@
 #include "reporting_zone.hpp"
 
 namespace {
+
+std::shared_ptr<const gecos::session::BrokerContact> without_broker() {
+  static const gecos::SystemClock clock;
+  return std::make_shared<const gecos::session::BrokerContact>(clock);
+}
 
 using namespace std::chrono_literals;
 using gecos::Detail;
@@ -59,7 +65,7 @@ TEST_F(ALabFileThatDoesNotAnswer, DelaysNeitherDeadlinesNorHeartbeats) {
 
 TEST_F(TheLabFile, ThatDoesNotAnswerLeavesDecisionsToTheListsThatWereReadLast) {
   write("[allow]\nusers = [\"anna\"]\nhosts = [\"desk\"]\n");
-  gecos::session::AccessControl access(lab_file);
+  gecos::session::AccessControl access(lab_file, gecos::Admission::Listed, without_broker());
   ASSERT_TRUE(access.read());
   gecos::media::Peer anna, ben;
   anna.user = "anna", ben.user = "ben";
@@ -109,7 +115,7 @@ TEST_F(TheLabFile, ThatIsBeingWrittenIsReadWhenItIsComplete) {
         std::ofstream(lab_file, std::ios::app) << "[objects.SECOND]\nzones = \"CELL\"\n";
       });
     });
-    gecos::session::AccessControl access(lab_file);
+    gecos::session::AccessControl access(lab_file, gecos::Admission::Listed, without_broker());
     const auto read = access.read();
     ASSERT_FALSE(read) << "begun: " << begun;
     EXPECT_NE(read.error().find("did you mean zone?"), std::string::npos) << read.error();
@@ -123,7 +129,7 @@ TEST_F(TheLabFile, ThatIsWrittenWhileItIsReadIsNotTakenHalf) {
     probe::at_next_open(lab_file,
                         [&] { std::ofstream(lab_file, std::ios::app) << "zone = \"CELL\"\n"; });
   });
-  gecos::session::AccessControl access(lab_file);
+  gecos::session::AccessControl access(lab_file, gecos::Admission::Listed, without_broker());
   ASSERT_TRUE(access.read());
   EXPECT_EQ(access.zone_of("SECOND"), "CELL");
 }

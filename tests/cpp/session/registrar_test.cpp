@@ -39,6 +39,10 @@ class TellingBroker : public gecos::BrokerServant {
   gecos::Result<gecos::ListChanges> changes(const gecos::ListRevision&) override { return {}; }
   gecos::Result<gecos::ListRevision> revision() override { return {}; }
   gecos::Result<void> free(const std::string&) override { return {}; }
+  gecos::Result<gecos::RevocationList> revocations(std::uint64_t) override { return {}; }
+  gecos::Result<gecos::RevocationState> behind(const std::vector<gecos::Revocation>&) override {
+    return {};
+  }
   gecos::Result<gecos::Entry> lookup(const std::string&) override {
     const std::lock_guard lock(mutex_);
     return entry_;

@@ -78,6 +78,50 @@ TEST(Serve, WithoutABrokerSaysWhatIsMissing) {
   EXPECT_EQ(said.rfind("robcl-probe: PROBE is not served: ", 0), 0U) << said;
 }
 
+TEST(Serve, InsecureIsRefusedForAnObjectThatMayMoveHardware) {
+  const probe::Place place;
+  const probe::BrokerHere broker;
+  Lab lab;
+  probe::ProbeServant servant;
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(serve(lab, {{"PROBE", servant}}, {.admission = Admission::Insecure}), 1);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(),
+            "PROBE is not served: --insecure admits every user of every host, and PROBE does not "
+            "declare itself simulated; leave --insecure out and name the users in a lab file, or "
+            "declare the object simulated if it moves no hardware\n");
+}
+
+TEST(Serve, InsecureSaysSoOnStderrAndToClients) {
+  const probe::Place place;
+  const probe::BrokerHere broker;
+  Lab lab;
+  probe::ProbeServant servant;
+  std::string authentication;
+  std::thread client;
+  ServeOptions options{.admission = Admission::Insecure};
+  options.started = [&] {
+    client = std::thread([&] {
+      Lab other;
+      if (auto probe = other.create<probe::Probe>("PROBE")) {
+        const auto about = describe(*probe).get();
+        if (about) authentication = about->authentication;
+      }
+      kill(getpid(), SIGTERM);
+    });
+    return nullptr;
+  };
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(serve(lab, {{"PROBE", servant, {.simulated = true}}}, options), 0);
+  client.join();
+  const std::string said = ::testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("\n* --insecure: PROBE admits every user of every host.\n"),
+            std::string::npos)
+      << said;
+  EXPECT_NE(authentication.find("--insecure: every user of every host may connect"),
+            std::string::npos)
+      << authentication;
+}
+
 TEST(Serve, WhateverIsThrownIsOneLineAndTheStatusOfTheProgram) {
   const probe::Place place;
   Lab lab;

@@ -55,11 +55,12 @@ std::string held_until_the_end(Child::Line& line) {
   line.say("holds");
   const auto moved = move.get();
   const auto sample = level->next(std::chrono::seconds(10));
-  const bool lost = !sample && sample.error() == gecos::StreamEnd::Lost;
+  const bool revoked = !sample && sample.error() == gecos::StreamEnd::Revoked;
   const auto read = created->read().get();
   return (moved ? "moved"
                 : std::string(to_string(moved.error().detail)) + ": " + moved.error().text) +
-         (lost ? "; stream LOST; " : "; stream goes on; ") + (read ? "read" : read.error().text);
+         (revoked ? "; stream REVOKED: " + level->loss_text() + "; " : "; stream goes on; ") +
+         (read ? "read" : read.error().text);
 }
 
 /// Commands PROBE without having acquired a status.
@@ -178,6 +179,29 @@ TEST_F(TwoUsersOfOneHost, NoListGivesAStatusThatTheInterfaceDemands) {
   EXPECT_EQ(use(daemon), "read 8") << "with the status it is carried out";
 }
 
+TEST_F(TwoUsersOfOneHost, AnInsecureServerAdmitsBothWhomNoListNamesAndItsAuditSaysSo) {
+  place.write("[objects.BROKER.allow]\nusers = [\"*\"]\n[objects.PROBE.allow]\nusers = []\n");
+  {
+    const probe::BrokerHere broker;
+    gecos::Lab lab;
+    probe::ProbeServant servant;
+    gecos::Server server(lab, gecos::Admission::Insecure);
+    const auto added =
+        server.add("PROBE", servant, {.simulated = true, .media = {gecos::media::Kind::Shm}});
+    ASSERT_TRUE(added) << added.error();
+    servant.publish(8);
+    EXPECT_EQ(use(daemon), "read 8");
+    EXPECT_EQ(use(bin), "read 8");
+  }
+  std::ifstream file(place.audit() + "/audit.jsonl");
+  const std::string told(std::istreambuf_iterator<char>(file), {});
+  EXPECT_NE(told.find("\"event\":\"insecure\",\"object\":\"PROBE\""), std::string::npos) << told;
+  EXPECT_NE(told.find("PROBE admits user bin of host " + gecos::host_name() +
+                      ": its server was started with --insecure"),
+            std::string::npos)
+      << told;
+}
+
 TEST_F(TwoUsersOfOneHost, TheAuditTellsByWhichRuleOneIsAdmittedAndTheOtherRefused) {
   place.write("[objects.BROKER.allow]\nusers = [\"*\"]\n");
   std::string refused;
@@ -241,7 +265,9 @@ TEST_F(TwoUsersOfOneHost, AnEditThatNoLongerNamesAUserEndsTheSessionOfThatUserAl
   EXPECT_LT(std::chrono::steady_clock::now() - edited, 5 * std::chrono::seconds(5));
   EXPECT_EQ(ended.find("LEASE_LOST: "), 0u) << ended;
   EXPECT_NE(ended.find(" was revoked: PROBE refuses user daemon"), std::string::npos) << ended;
-  EXPECT_NE(ended.find("; stream LOST; "), std::string::npos) << ended;
+  EXPECT_NE(ended.find("; stream REVOKED: the server closed the session with PROBE: revoked: "),
+            std::string::npos)
+      << ended;
   EXPECT_NE(
       ended.find("the server closed the session with PROBE: revoked: PROBE refuses user daemon"),
       std::string::npos)

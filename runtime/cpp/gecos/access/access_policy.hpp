@@ -58,6 +58,7 @@ enum class AccessRule {
   OwnUser,      ///< admitted: the user of the server, on its host
   Root,         ///< admitted: root of the server's host, who could read the memory of the server
   Named,        ///< admitted: every list that holds for the object admits the user and the host
+  Insecure,     ///< admitted: the server admits every user and host (AccessPolicy::insecure)
   NobodyNamed,  ///< refused: no list holds for the object
   UserNotNamed,
   HostNotNamed,
@@ -72,7 +73,7 @@ struct AccessDecision {
   AccessRule rule;
   std::string text;  ///< a sentence that names the object, user, host and rule; a refusal also says
                      ///< what to change where
-  bool allowed() const { return rule <= AccessRule::Named; }
+  bool allowed() const { return rule <= AccessRule::Insecure; }
 };
 
 /// Decides whether a server of `who` may register an object under `name`. If the lab file binds the
@@ -106,6 +107,9 @@ NameDecision may_report(const LabAccess& lab, const std::string& zone, const std
 struct AccessPolicy {
   std::optional<AllowList> program{};  ///< given to `Server::allow`
   LabAccess lab{};
+  /// Every user on every host may connect, whatever the two lists say. Everything else of the lab
+  /// file holds: the administrators, the names, the zones and their sources.
+  bool insecure = false;
 
   AccessDecision decide(const UserAtHost& server, const UserAtHost& who,
                         std::string_view object) const;

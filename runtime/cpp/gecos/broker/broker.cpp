@@ -264,10 +264,43 @@ Result<std::vector<SilentObject>> Broker::silent() {
   return objects;
 }
 
+Result<RevocationList> Broker::revocations(std::uint64_t applied) {
+  const auto list = revoked_.read();
+  if (!list) return tl::unexpected(Fault::rejected(list.error()));
+  {
+    const MutexLock lock(mutex_);
+    applied_[calling_.session] = applied;
+  }
+  RevocationList told{(*list)->number, (*list)->number != applied, {}};
+  if (told.changed) {
+    for (const auto& one : (*list)->revoked) told.revoked.push_back({one.key, one.owner});
+  }
+  return told;
+}
+
+Result<RevocationState> Broker::behind(const std::vector<Revocation>& revoked) {
+  const auto list = revoked_.read();
+  if (!list) return tl::unexpected(Fault::rejected(list.error()));
+  RevocationState state;
+  state.listed = std::ranges::all_of(revoked, [&](const Revocation& one) {
+    const access::RevokedUser wanted{one.key, one.owner};
+    return std::ranges::find((*list)->revoked, wanted) != (*list)->revoked.end();
+  });
+  const MutexLock lock(mutex_);
+  remove_ended();
+  state.behind = directory_.names_of([&](std::uint64_t session) {
+    mutex_.assert_held();
+    const auto found = applied_.find(session);
+    return found == applied_.end() || found->second != (*list)->number;
+  });
+  return state;
+}
+
 void Broker::gecos_session_ended(std::uint64_t session) {
   const TimePoint now = SystemClock().since_boot();
   const TimePoint heard = now - silence_that_ends_a_session();
   const MutexLock lock(mutex_);
+  applied_.erase(session);
   remove_ended();
   if (directory_.is_of_this_host(session)) {
     ended_sessions_.push_back({session, heard, now + death_is_reported_within});

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include "gecos/broker/directory.hpp"
 #include "gecos/broker/kept_names.hpp"
 #include "gecos/broker/processes.hpp"
+#include "gecos/broker/revoked_list.hpp"
 #include "gecos/broker_server.hpp"
 #include "gecos/serve.hpp"
 #include "gecos/server.hpp"
@@ -55,6 +57,8 @@ class Broker final : public BrokerServant {
   Result<ListChanges> changes(const ListRevision& since) override;
   Result<ListRevision> revision() override;
   Result<void> free(const std::string& name) override;
+  Result<RevocationList> revocations(std::uint64_t applied) override;
+  Result<RevocationState> behind(const std::vector<Revocation>& revoked) override;
 
  private:
   Directory new_directory(Duration young) const;
@@ -93,6 +97,10 @@ class Broker final : public BrokerServant {
     TimePoint due;
   };
   std::vector<EndedSession> ended_sessions_ GECOS_GUARDED_BY(mutex_);
+  RevokedList revoked_;
+  /// The number of the list of revocations that the server of each session has applied. Used by the
+  /// calls and at the end of a session.
+  std::map<std::uint64_t, std::uint64_t> applied_ GECOS_GUARDED_BY(mutex_);
   bool ended_ GECOS_GUARDED_BY(mutex_) = false;
   std::optional<EventFd> wake_watcher_;  ///< set while this is served
   std::thread watcher_;

@@ -130,6 +130,15 @@ bool Directory::has(std::uint64_t session, const std::string& name) const {
   return found != places_.end() && found->second.session == session;
 }
 
+std::vector<std::string> Directory::names_of(
+    const std::function<bool(std::uint64_t session)>& applies) const {
+  std::vector<std::string> names;
+  for (const auto& [name, place] : places_) {
+    if (applies(place.session)) names.push_back(name);
+  }
+  return names;
+}
+
 bool Directory::is_of_this_host(std::uint64_t session) const {
   return std::ranges::any_of(places_, [&](const auto& named) {
     return named.second.session == session && named.second.host == Host::Same;

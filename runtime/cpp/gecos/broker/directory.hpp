@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -93,6 +94,9 @@ class Directory {
   std::vector<std::string> end_session(std::uint64_t session, TimePoint heard);
   /// Returns true when the session enlisted the object and still has the name.
   bool has(std::uint64_t session, const std::string& name) const;
+  /// Returns the names of the objects whose sessions `applies` to, in the order of names.
+  std::vector<std::string> names_of(
+      const std::function<bool(std::uint64_t session)>& applies) const;
   /// Returns true when the session enlisted an object whose process is on the broker's host.
   bool is_of_this_host(std::uint64_t session) const;
   /// Removes the objects of a process of the broker's host that has ended, and returns their names.

@@ -71,6 +71,9 @@ struct Peer {
   /// program's user.
   std::string user{};
   std::string host{};
+  /// The key that the peer has proved, as 64 hexadecimal digits. Empty when it has proved none, and
+  /// for the key of this program's user.
+  std::string key{};
 };
 
 enum class SendProblem : std::uint8_t {

@@ -11,7 +11,12 @@ import click
 from gecos.cli.exit_codes import ExitCode, UsageFailure
 from gecos.cli.options import broker_option, json_option, print_json
 
+_APPLIED_WITHIN = 3.0
+"""Longest wait for the servers that hear the broker, in s. They ask it once a second."""
+_BETWEEN_LOOKS = 0.1  # s
+
 if TYPE_CHECKING:
+    from gecos import Lab
     from gecos.cli.presence import Presence
     from gecos.key_folder import Admitted
 
@@ -24,11 +29,13 @@ def revoke(name: str, broker: str | None, as_json: bool) -> int:
     """Removes the keys of a user, and ends that user's sessions.
 
     NAME is an owner of keys, as anna@desk, or as anna for all hosts, or at least 8 digits of a
-    fingerprint. Your servers on this host end the sessions and streams within 5 s. Servers that
-    were not reached, and lists that still name the user, are printed; the exit code is then 3.
+    fingerprint. Your servers on this host end the sessions and streams within 5 s, and so do all
+    servers that hear the broker, if the broker runs as you. Servers that were not reached, and
+    lists that still name the user, are printed; the exit code is then 3. A server that the broker
+    does not reach applies the revocation at its next contact.
     """
     gone = _remove(name)
-    reached, missed = _servers(broker, name)
+    reached, missed = _servers(broker, name, gone)
     missed += _still_named(name, gone)
     if as_json:
         keys = [{"key": one.key, "owner": one.owner} for one in gone]
@@ -54,7 +61,7 @@ def _remove(name: str) -> list[Admitted]:
         raise UsageFailure(str(error)) from None
 
 
-def _servers(broker: str | None, name: str) -> tuple[list[str], list[str]]:
+def _servers(broker: str | None, name: str, gone: list[Admitted]) -> tuple[list[str], list[str]]:
     """Returns the objects whose servers apply the revocation, and the reasons why other servers do
     not."""
     import gecos
@@ -63,6 +70,7 @@ def _servers(broker: str | None, name: str) -> tuple[list[str], list[str]]:
     try:
         with gecos.Lab(broker) as lab:
             found = presences(lab)
+            behind = _behind(lab, name, gone)
     except ConnectionError as error:
         return [], [
             f"the broker lists no servers, so servers of other users were not reached: {error}"
@@ -70,11 +78,51 @@ def _servers(broker: str | None, name: str) -> tuple[list[str], list[str]]:
     reached, missed = [], []
     for one in found:
         why = _why_missed(one, name)
+        if why is not None and behind is not None:
+            why = _why_behind(one, behind)
         if why is None:
             reached.append(one.entry.name)
         else:
             missed.append(f"{one.entry.name} was not reached: {why}")
     return reached, missed
+
+
+def _behind(lab: Lab, name: str, gone: list[Admitted]) -> list[str] | None:
+    """Waits until all servers that the broker hears have applied the revocation, at most a while.
+    Returns the objects whose servers have not. Returns None if the broker does not spread it: it
+    runs as another user, or is of an older version."""
+    import time
+
+    from gecos_idl.broker import Broker
+    from gecos_idl.broker_types import Revocation
+
+    from gecos.errors import CommandFailed, ConnectionFailed
+    from gecos.key_folder import revocations_of
+
+    wanted = [Revocation(key=one.key, owner=one.owner) for one in revocations_of(name, gone)]
+    if not wanted:
+        return None
+    end = time.monotonic() + _APPLIED_WITHIN
+    try:
+        while True:
+            state = lab.broker(Broker, patience=_APPLIED_WITHIN).behind(wanted).result()
+            if not state.listed:
+                return None
+            if not state.behind or time.monotonic() >= end:
+                return list(state.behind)
+            time.sleep(_BETWEEN_LOOKS)
+    except (CommandFailed, ConnectionFailed):
+        return None
+
+
+def _why_behind(one: Presence, behind: list[str]) -> str | None:
+    """Returns why a server does not know of the revocation yet, or None if it does."""
+    if one.silent_since is None and one.entry.name not in behind:
+        return None
+    return (
+        f"its server runs as {one.entry.user}@{one.entry.hostname}, and the broker does not hear "
+        "it; it applies the revocation when it is in contact with the broker again"
+    )
 
 
 def _why_missed(one: Presence, name: str) -> str | None:

@@ -24,9 +24,13 @@ std::string peer_text(const std::optional<crypto::PublicKey>& key, const Datagra
 }  // namespace
 
 Peer peer_of(const HandshakeResponder::PendingPeer& pending, const HandshakeResponder& responder) {
-  return {std::nullopt, std::nullopt,
+  const bool own = pending.key == responder.keys()->own.public_key();
+  return {std::nullopt,
+          std::nullopt,
           peer_text(pending.key, *responder.options().network, pending.reply_port),
-          pending.owner.user, pending.owner.host};
+          pending.owner.user,
+          pending.owner.host,
+          own ? std::string() : pending.key.to_string()};
 }
 
 SealedConnection::SealedConnection(std::shared_ptr<ReceiveQueue> queue,

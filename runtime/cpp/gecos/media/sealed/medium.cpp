@@ -109,10 +109,10 @@ class SealedAcceptor final : public Acceptor {
 
  private:
   /// Returns why the client `pending` is not admitted; an empty text if it is. The decision depends
-  /// on the owner of the key that the client has proved. A key without an owner belongs to the user
-  /// of this program, who is always admitted.
+  /// on the key that the client has proved, and on its owner. The key of this program's user is
+  /// always admitted.
   std::string why_not(const HandshakeResponder::PendingPeer& pending) const {
-    if (!admit_ || pending.owner == crypto::KeyOwner{}) return "";
+    if (!admit_ || pending.key == responder_->keys()->own.public_key()) return "";
     return admit_(peer_of(pending, *responder_));
   }
 

@@ -120,7 +120,7 @@ Failure CallSender::not_sent(std::string_view name, std::size_t size, media::Sen
   }
   const MutexLock lock(mutex_);
   return {Detail::NoServer,
-          what + " was not sent: " + (loss_text_.empty() ? "the connection is lost" : loss_text_) +
+          what + " was not sent: " + (loss_.text.empty() ? "the connection is lost" : loss_.text) +
               "; create a new proxy",
           {},
           {}};
@@ -263,17 +263,22 @@ bool CallSender::say_goodbye() {
   return send_packet(header).has_value();
 }
 
+SessionLoss CallSender::loss() {
+  const MutexLock lock(mutex_);
+  return loss_;
+}
+
 std::optional<CallSender::Remains> CallSender::end(Ending how, const std::string& text,
                                                    Queued queued) {
   const MutexLock lock(mutex_);
   if (lost_.load(std::memory_order_relaxed)) return std::nullopt;
-  loss_text_ = text;
+  loss_ = {how, text};
   lost_.store(true, std::memory_order_release);
   if (queued == Queued::Withdrawn && !withdrawal_.write(calls_.issued())) withdraw_by_packet();
   Remains remains;
   // When the medium or the server reported the loss, failover now has the time `grace` to find
   // another server. When the server fell silent, `grace` has already passed.
-  if (how == Ending::Died || how == Ending::Closed) remains.repeatable = detach(how, text);
+  if (how == Ending::Died || closed_by_server(how)) remains.repeatable = detach(how, text);
   remains.others = calls_.take_all();
   return remains;
 }

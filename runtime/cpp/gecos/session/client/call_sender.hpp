@@ -28,7 +28,8 @@ namespace gecos::session {
 /// that loses packets, sends a call again until its reply arrives.
 ///
 /// Thread-safe. `mutex_` is held during every send on the connection. Once the session is `lost`,
-/// no call is sent any more.
+/// no call is sent any more. It has more methods than other classes, because sending, repeating and
+/// ending a call share this mutex and the list of open calls.
 class CallSender {
  public:
   /// `welcome`: the packet with which the server opened the session `id`.
@@ -90,6 +91,8 @@ class CallSender {
 
   // Functions for the end of a session.
   bool lost() const { return lost_.load(std::memory_order_acquire); }
+  /// Returns how and why the session was lost. @pre the session is lost
+  SessionLoss loss();
   /// Tells the server that this program closes the session. Returns false when the connection has
   /// no room for the packet.
   bool say_goodbye();
@@ -126,12 +129,12 @@ class CallSender {
   const ServerWatch& server_;
   const bool repeats_;  ///< the medium may lose packets
   const std::shared_ptr<SeenFailures> failures_ = std::make_shared<SeenFailures>();
-  std::atomic<bool> lost_{false};  // publishes loss_text_
+  std::atomic<bool> lost_{false};  // publishes loss_
 
   FutexMutex mutex_;
   OpenCalls calls_ GECOS_GUARDED_BY(mutex_);
   Bytes packet_ GECOS_GUARDED_BY(mutex_);  ///< encoding buffer, reused
-  std::string loss_text_ GECOS_GUARDED_BY(mutex_);
+  SessionLoss loss_ GECOS_GUARDED_BY(mutex_);
   Withdrawal withdrawal_ GECOS_GUARDED_BY(mutex_);
   bool cancels_waiting_ GECOS_GUARDED_BY(mutex_) = false;  ///< a Cancel packet found no room
   /// The shortest time so far between a call and its reply. Measured only over a medium that loses

@@ -17,6 +17,8 @@ std::string_view to_string(StreamEnd end) {
       return "LOST";
     case StreamEnd::Late:
       return "LATE";
+    case StreamEnd::Revoked:
+      return "REVOKED";
   }
   return "?";
 }
@@ -31,6 +33,8 @@ std::ostream& operator<<(std::ostream& out, StreamEnd end) {
                     "subscribe again";
     case StreamEnd::Late:
       return out << ": no sample came within the deadline of the stream; call next() again";
+    case StreamEnd::Revoked:
+      return out << ": the server no longer admits this user; Stream::loss_text() says why";
   }
   return out;
 }
@@ -99,7 +103,7 @@ tl::expected<void, StreamEnd> ClientStream::next(RawSample& into, TimePoint dead
       if (looks > 0) continue;
     } else {
       if (!waits_.load(std::memory_order_relaxed)) return tl::unexpected(StreamEnd::Nothing);
-      if (lost()) return tl::unexpected(StreamEnd::Lost);
+      if (lost()) return tl::unexpected(revoked() ? StreamEnd::Revoked : StreamEnd::Lost);
       reception_->find_nothing(now);
       if (reception_->report_late()) return tl::unexpected(StreamEnd::Late);
     }
@@ -132,5 +136,15 @@ void ClientStream::stop_waiting() {
 }
 
 bool ClientStream::lost() const { return session_->lost() || session_->closed(); }
+
+bool ClientStream::revoked() const {
+  return session_->lost() && session_->calls().loss().how == Ending::Revoked;
+}
+
+std::string ClientStream::loss_text() const {
+  if (!session_->lost()) return {};
+  SessionLoss loss = session_->calls().loss();
+  return loss.how == Ending::ByUs ? std::string() : std::move(loss.text);
+}
 
 }  // namespace gecos::session

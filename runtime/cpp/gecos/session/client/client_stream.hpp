@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "gecos/object.hpp"
 #include "gecos/stream.hpp"
@@ -25,6 +26,8 @@ class ClientStream final : public StreamCore {
   bool latest(RawSample& into) override;
   tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) override;
   bool lost() const override;
+  std::string loss_text() const override;
+  bool revoked() const override;
   std::optional<std::uint64_t> after() const override { return after_; }
   qos::StreamCounts counts() const override { return reception_->counts(); }
   bool alive() const override { return !lost() && reception_->writer_alive(); }

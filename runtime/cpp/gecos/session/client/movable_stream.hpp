@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "gecos/base/mutex.hpp"
 #include "gecos/session/client/client_stream.hpp"
@@ -33,6 +34,8 @@ class MovableStream final : public StreamCore {
   bool latest(RawSample& into) override;
   tl::expected<void, StreamEnd> next(RawSample& into, TimePoint deadline) override;
   bool lost() const override { return core()->lost(); }
+  std::string loss_text() const override { return core()->loss_text(); }
+  bool revoked() const override { return core()->revoked(); }
   std::optional<std::uint64_t> after() const override { return core()->after(); }
   qos::StreamCounts counts() const override { return core()->counts(); }
   bool alive() const override { return core()->alive(); }

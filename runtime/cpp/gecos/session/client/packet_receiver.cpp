@@ -19,7 +19,7 @@ std::shared_ptr<PendingCommand> PacketReceiver::take(ByteView bytes) {
       return nullptr;
     case wire::PacketKind::Goodbye:
       goodbye_heard_.store(true, std::memory_order_release);
-      end_.on_goodbye(packet->body);
+      end_.on_goodbye(packet->header.flags, packet->body);
       return nullptr;
     default:
       return nullptr;  // ignores packet kinds of a newer server, and late replies to a Hello

@@ -65,9 +65,10 @@ void SessionEnd::lose(Ending how, const std::string& text) {
   failover_.take_over(std::move(remains->repeatable));
 }
 
-void SessionEnd::on_goodbye(ByteView body) {
+void SessionEnd::on_goodbye(std::int8_t flags, ByteView body) {
   if (closed()) return lose(Ending::ByUs, closed_by_us);  // the answer to our Goodbye
-  lose(Ending::Closed, "the server closed the session with " + welcome_.object + text_of(body));
+  lose(flags == revokes ? Ending::Revoked : Ending::Closed,
+       "the server closed the session with " + welcome_.object + text_of(body));
 }
 
 void SessionEnd::on_loss(media::Loss loss) {

@@ -30,7 +30,7 @@ class SessionEnd final : public EndListener {
   /// in another session. Does nothing when the session is lost already.
   void lose(Ending how, const std::string& text);
 
-  void on_goodbye(ByteView body) override;
+  void on_goodbye(std::int8_t flags, ByteView body) override;
   void on_loss(media::Loss loss) override;
 
  private:

@@ -42,7 +42,7 @@ bool Withdrawal::may_have_started(const PendingCommand& command, Ending how) con
     return false;
   }
   // A server that is gone reads no more packets. A server that is only silent may still read them.
-  if (how != Ending::Died && how != Ending::Closed) return true;
+  if (how != Ending::Died && !closed_by_server(how)) return true;
   const auto taken = connection_.taken_by_peer();
   return !taken || command.sent_as <= *taken;
 }

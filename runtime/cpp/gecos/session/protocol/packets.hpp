@@ -38,6 +38,8 @@ std::uint64_t last_canceled(ByteView cancel);
 /// Flags of a Goodbye packet after which no call of the session may start. A client sends this
 /// packet when it has lost the session, or when a Goodbye without this flag was not acknowledged.
 inline constexpr std::int8_t withdraws = 1;
+/// Flags of a Goodbye packet of a server that no longer admits the client. Its body says why.
+inline constexpr std::int8_t revokes = 2;
 
 void write_packet(Bytes& into, const wire::PacketHeader& header, ByteView body);
 /// Writes a packet. `encode` writes its body of `size` bytes.

@@ -26,9 +26,18 @@ bool is_of_server(const media::Peer& peer) {
   return peer.uid ? peer.uid == ::geteuid() || peer.uid == 0u : peer.user.empty();
 }
 
+std::string refusal_of(const std::string& object, const access::UserAtHost& who) {
+  if (who.user.empty()) return object + " refuses a client whose key has no owner: ";
+  return object + " refuses user " + who.user + " of host " + who.host + ": ";
+}
+
 }  // namespace
 
-AccessControl::AccessControl(const std::string& lab_file) : file_(lab_file) {}
+AccessControl::AccessControl(const std::string& lab_file, Admission admission,
+                             std::shared_ptr<const BrokerContact> contact)
+    : file_(lab_file), contact_(std::move(contact)) {
+  policy_.insecure = admission == Admission::Insecure;
+}
 
 const access::AccessPolicy& AccessControl::policy() {
   if (auto found = file_.lists(); found != lists_) {
@@ -142,16 +151,30 @@ AccessControl::Judgement AccessControl::judge_report(const std::string& zone,
 AccessControl::Judgement AccessControl::judge(const std::string& object,
                                               const media::Peer& peer) noexcept {
   if (!is_of_server(peer)) file_.read(answer_within);
-  return judge_by_lists(object, peer);
+  Judgement judgement = judge_by_lists(object, peer);
+  if (!judgement.admitted || peer.user.empty()) return judgement;
+  const std::string since = contact_->out_of_contact();
+  if (since.empty()) return judgement;
+  judgement.admitted = false;
+  judgement.text = refusal_of(object, judgement.who) +
+                   "its server has had no contact with the broker " + since +
+                   ", so it does not know whom the laboratory has revoked; when the broker "
+                   "answers, it admits users of other hosts again";
+  return judgement;
 }
 
 AccessControl::Judgement AccessControl::judge_by_lists(const std::string& object,
                                                        const media::Peer& peer) noexcept {
-  if (is_of_server(peer)) return {};
+  if (is_of_server(peer) && peer.key.empty()) return {};
   try {
     const std::string host = host_name();
     const access::UserAtHost server{name_of(::geteuid()), host};
     const access::UserAtHost who = user_of(peer, host);
+    if (contact_->revokes(peer.key, who)) {
+      return {false, false, who,
+              refusal_of(object, who) + "the user of the broker has revoked this user"};
+    }
+    if (is_of_server(peer)) return {};
     const MutexLock lock(mutex_);
     const access::AccessDecision decision = policy().decide(server, who, object);
     return {decision.allowed(), false, who, decision.text};

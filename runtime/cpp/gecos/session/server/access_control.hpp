@@ -10,6 +10,8 @@
 #include "gecos/base/mutex.hpp"
 #include "gecos/base/result.hpp"
 #include "gecos/media/medium.hpp"
+#include "gecos/server.hpp"
+#include "gecos/session/server/broker_contact.hpp"
 #include "gecos/session/server/lab_file_reader.hpp"
 
 namespace gecos::session {
@@ -22,7 +24,9 @@ namespace gecos::session {
 class AccessControl {
  public:
   /// @param lab_file as LabOptions::lab_file
-  explicit AccessControl(const std::string& lab_file);
+  /// @param contact whom the laboratory has revoked
+  AccessControl(const std::string& lab_file, Admission admission,
+                std::shared_ptr<const BrokerContact> contact);
 
   /// Reads the lab file. Waits while the file is being written. Fails when the file is still being
   /// written after 3 s, when its file system does not answer for 3 s, or when the file has an error
@@ -49,6 +53,8 @@ class AccessControl {
     access::UserAtHost who{};
     std::string text{};  ///< as AccessDecision::text
   };
+  /// Decides about a client that connects. While the server is out of contact with the broker, no
+  /// client whose key has an owner is admitted.
   Judgement judge(const std::string& object, const media::Peer& peer) noexcept;
   /// Returns why `peer` may not stay connected to the object; an empty text when it may. Decides by
   /// the lab file as it was read last, and does not wait.
@@ -74,6 +80,7 @@ class AccessControl {
   std::string name_of(std::uint32_t uid);
 
   LabFileReader file_;
+  const std::shared_ptr<const BrokerContact> contact_;
   Mutex mutex_;
   /// The names of the users who have connected. The server checks each session repeatedly, and must
   /// not ask a directory server of the network each time.

@@ -76,6 +76,9 @@ void BuiltinOperations::describe(ServerSession& session, std::uint64_t counter) 
       : session.connection().capabilities().reach != media::Reach::Network
           ? "this process"
           : "key, proved by a handshake: " + session.connection().peer().description;
+  if (setup_.rights.everybody_connects) {
+    about.authentication += "; --insecure: every user of every host may connect";
+  }
   about.epoch = number(statuses_.leases().epoch());
   about.queued = static_cast<std::uint32_t>(calls_.queue().waiting().size());
   if (!calls_.queue().running().empty())

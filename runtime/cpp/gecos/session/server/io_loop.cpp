@@ -28,6 +28,7 @@ void exclude(ServerSession& session, const std::string& why) {
       [&](media::Connection& connection) { object.streams().exclude(connection); });
   wire::PacketHeader header;
   header.kind = wire::PacketKind::Goodbye;
+  header.flags = revokes;
   session.send(header, goodbye_body("revoked: " + why));
   log_warning("session", object.name() +
                              ": a session was ended, because its client is not admitted any "

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "gecos/session/server/file_thread.hpp"
+#include "gecos/base/file_thread.hpp"
 #include "gecos/session/server/server_session.hpp"
 
 namespace gecos::session {

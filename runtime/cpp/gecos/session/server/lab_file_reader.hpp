@@ -6,7 +6,7 @@
 
 #include "gecos/access/lab_file.hpp"
 #include "gecos/base/clock.hpp"
-#include "gecos/session/server/file_thread.hpp"
+#include "gecos/base/file_thread.hpp"
 
 namespace gecos::session {
 

@@ -13,6 +13,8 @@ namespace gecos::session {
 
 /// The rights of users that do not depend on a status. The server decides them for all its objects.
 struct UserRights {
+  /// True if every user of every host may connect (Admission::Insecure).
+  bool everybody_connects = false;
   /// Returns whether the user may end the status of others.
   std::function<bool(const media::Peer&)> administers = [](const auto&) { return false; };
   /// Returns why the user may not register an object under a name; an empty text when it may.

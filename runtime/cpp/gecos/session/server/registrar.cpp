@@ -41,7 +41,8 @@ bool others_find(const Entry& entry, const ClientConnection& broker) {
 
 }  // namespace
 
-Registrar::Registrar(std::shared_ptr<Context> lab) : lab_(std::move(lab)) {
+Registrar::Registrar(std::shared_ptr<Context> lab, std::shared_ptr<BrokerContact> contact)
+    : lab_(std::move(lab)), contact_(std::move(contact)) {
   thread_ = start_thread("gecos-registrar", [this] { run(); });
 }
 
@@ -123,6 +124,7 @@ tl::expected<Duration, std::string> Registrar::register_first(Registration& regi
       return tl::unexpected(broker.error());
     }
     ObjectHost& object = *registration.object;
+    contact_->renew(**broker, deadline);
     if (others_find(registration.entry, **broker)) object.name_confirmation().ask();
     const auto question = object.name_confirmation().question();
     registration.since = lab_->runtime()->clock().since_boot();
@@ -150,8 +152,10 @@ bool Registrar::becomes_free(const std::string& name, TimePoint deadline) const 
 
 void Registrar::look() {
   if (!mutex_.try_lock()) return;
-  if (broker_ && broker_->lost() && next_ == TimePoint::max()) ask_soon();
+  const Broker broker = broker_;
+  if (broker && broker->lost() && next_ == TimePoint::max()) ask_soon();
   mutex_.unlock();
+  contact_->on_tick(broker);
 }
 
 void Registrar::ask_again() {
@@ -236,6 +240,7 @@ Registrar::Answers Registrar::ask_broker(const std::vector<Registration>& regist
                            tl::unexpected(NotRegistered{false, {}, true, broker.error()}));
     return answers;
   }
+  contact_->renew(**broker, deadline);
   std::vector<std::shared_ptr<CommandCore>> asked;
   for (const auto& one : registrations) {
     asked.push_back(register_object(**broker, one.entry, served_for(one)));

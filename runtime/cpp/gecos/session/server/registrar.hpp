@@ -10,6 +10,7 @@
 #include "gecos/broker_types.hpp"  // generated from idl/gecos/broker.gidl
 #include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/context.hpp"
+#include "gecos/session/server/broker_contact.hpp"
 
 namespace gecos::session {
 
@@ -21,7 +22,7 @@ class ObjectHost;
 /// pause of this process.
 class Registrar {
  public:
-  explicit Registrar(std::shared_ptr<Context> lab);
+  Registrar(std::shared_ptr<Context> lab, std::shared_ptr<BrokerContact> contact);
   ~Registrar() { end(); }
 
   /// Waits until a broker answers, because the broker may still be starting. On failure returns a
@@ -31,7 +32,8 @@ class Registrar {
   /// broker answers or the name is taken.
   tl::expected<void, std::string> add(const std::shared_ptr<ObjectHost>& object,
                                       std::vector<std::string> addresses);
-  /// Starts the search for a new broker if the broker was lost. Never blocks.
+  /// Asks the broker whom the laboratory has revoked, if it is time. Starts the search for a new
+  /// broker if the broker was lost. Never blocks.
   void look();
   /// Makes the thread of the registrar ask the broker again whether it confirms the names of all
   /// objects.
@@ -74,6 +76,7 @@ class Registrar {
   bool rest(Duration length, TimePoint deadline);
 
   const std::shared_ptr<Context> lab_;
+  const std::shared_ptr<BrokerContact> contact_;
   Mutex mutex_;
   ConditionVariable changed_;  ///< `thread_` and `rest` wait on it, so notify it with notify_all
                                ///< only

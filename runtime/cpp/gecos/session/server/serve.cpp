@@ -53,7 +53,7 @@ tl::expected<bool, ServeError> broker_found(Server& server, const std::vector<Se
 }
 
 int serve_until_signal(Lab& lab, const std::vector<Serving>& objects, const ServeOptions& options) {
-  Server server(lab);
+  Server server(lab, options.admission);
   if (!options.users.empty() || !options.hosts.empty()) server.allow(options.users, options.hosts);
   std::shared_ptr<void> started;
   const TerminationSignals

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <ostream>
 #include <system_error>
 #include <utility>
@@ -52,14 +53,17 @@ tl::unexpected<ServeError> served_already(const std::string& name, const Servant
 class Server::Core {
  public:
   using Made = tl::expected<std::unique_ptr<Core>, std::string>;
-  static Made make(const session::LabOrWhyNot& lab);
-  explicit Core(std::shared_ptr<Context> lab)
+  static Made make(const session::LabOrWhyNot& lab, Admission admission);
+  Core(std::shared_ptr<Context> lab, Admission admission)
       : lab_(std::move(lab)),
-        access_(std::make_shared<session::AccessControl>(lab_->runtime()->options().lab_file)),
+        admission_(admission),
+        contact_(std::make_shared<session::BrokerContact>(lab_->runtime()->clock())),
+        access_(std::make_shared<session::AccessControl>(lab_->runtime()->options().lab_file,
+                                                         admission, contact_)),
         audit_(std::make_shared<audit::Audit>(audit::Journal(audit::default_folder()))),
         connections_(std::make_shared<session::ConnectionAudit>(audit_)),
         io_(lab_->runtime(), access_),
-        registrar_(lab_),
+        registrar_(lab_, contact_),
         zones_(lab_->runtime()),
         upkeep_(std::make_shared<Upkeep>(*this)) {
     session::TerminationSignals::prepare();
@@ -94,12 +98,16 @@ class Server::Core {
   tl::expected<Opened, ServeError> open_places(const std::string& name,
                                                const ObjectOptions& options);
   session::UserRights rights() const;
+  /// Says on stderr and in the audit that every user of every host may connect to an object.
+  void announce_insecure(const std::string& name) const;
   /// Moves objects to the zones in which an edit of the lab file has placed them. An object leaves
   /// all zones only when it is served anew.
   void follow_lab_file(TimePoint now) GECOS_REQUIRES(mutex_);
 
   const pid_t owner_ = getpid();
   const std::shared_ptr<Context> lab_;
+  const Admission admission_;
+  const std::shared_ptr<session::BrokerContact> contact_;
   const std::shared_ptr<session::AccessControl> access_;  ///< acceptors share it
   const std::shared_ptr<audit::Audit> audit_;
   const std::shared_ptr<session::ConnectionAudit> connections_;  ///< acceptors share it
@@ -115,10 +123,10 @@ class Server::Core {
   std::shared_ptr<Upkeep> upkeep_;
 };
 
-Server::Core::Made Server::Core::make(const session::LabOrWhyNot& lab) {
+Server::Core::Made Server::Core::make(const session::LabOrWhyNot& lab, Admission admission) {
   if (!lab) return tl::unexpected(lab.error().text);
   try {
-    return std::make_unique<Core>(*lab);
+    return std::make_unique<Core>(*lab, admission);
   } catch (const std::system_error& failed) {
     return tl::unexpected(session::nothing_left("a Server", failed));
   }
@@ -182,7 +190,8 @@ Server::Core::~Core() {
 }
 
 session::UserRights Server::Core::rights() const {
-  return {[access = access_](const media::Peer& peer) { return access->administers(peer); },
+  return {admission_ == Admission::Insecure,
+          [access = access_](const media::Peer& peer) { return access->administers(peer); },
           [access = access_, recorded = connections_](const std::string& object,
                                                       const media::Peer& peer) {
             const auto judgement = access->judge_registration(object, peer);
@@ -194,6 +203,19 @@ session::UserRights Server::Core::rights() const {
             auto judgement = access->judge_report(zone, source, peer);
             return judgement.admitted ? std::string() : std::move(judgement.text);
           }};
+}
+
+/// Writes to stderr and not to the log, because GECOS_LOG must not hide it.
+void Server::Core::announce_insecure(const std::string& name) const {
+  const std::string line(72, '*');
+  std::fprintf(stderr,
+               "%s\n* --insecure: %s admits every user of every host.\n"
+               "* No [allow] of a lab file counts. Never do this where hardware moves.\n%s\n",
+               line.c_str(), name.c_str(), line.c_str());
+  audit_->add({.event = "insecure",
+               .time = audit::now(),
+               .object = name,
+               .why = "the server was started with --insecure"});
 }
 
 tl::expected<Server::Core::Opened, ServeError> Server::Core::open_places(
@@ -258,6 +280,12 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
                    "': a name must have at least one character and must not contain NUL"});
   }
   if (!servant.gecos_served_as().empty()) return served_already(name, servant);
+  if (admission_ == Admission::Insecure && !options.simulated) {
+    return tl::unexpected(ServeError{
+        name + " is not served: --insecure admits every user of every host, and " + name +
+        " does not declare itself simulated; leave --insecure out and name the users in a lab "
+        "file, or declare the object simulated if it moves no hardware"});
+  }
   if (const auto read = access_->read(); !read) {
     return tl::unexpected(ServeError{name + " is not served: " + read.error()});
   }
@@ -272,6 +300,7 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
   const std::string zone = access_->zone_of(name);
   auto object = std::make_shared<ObjectHost>(lab_->runtime(), name, servant, std::move(options),
                                              audit_, rights(), zone);
+  if (admission_ == Admission::Insecure) announce_insecure(name);
   // Another thread may have added the servant meanwhile.
   if (!servant.gecos_attach(object)) return served_already(name, servant);
   for (auto& acceptor : opened->acceptors) io_.serve(object, std::move(acceptor));
@@ -310,7 +339,8 @@ void Server::Core::shut_down() { ended_.notify(); }
 
 std::ostream& operator<<(std::ostream& out, const ServeError& error) { return out << error.text; }
 
-Server::Server(Lab& lab) : core_(Core::make(session::LabAccess::context(lab))) {}
+Server::Server(Lab& lab, Admission admission)
+    : core_(Core::make(session::LabAccess::context(lab), admission)) {}
 Server::~Server() {
   // A forked child leaks the core, which belongs to its parent.
   if (core_ && (*core_)->inherited()) static_cast<void>(core_->release());

@@ -1,4 +1,4 @@
-#include "gecos/session/server/file_thread.hpp"
+#include "gecos/base/file_thread.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -6,12 +6,12 @@
 #include <string>
 #include <utility>
 
+#include "gecos/base/clock.hpp"
 #include "gecos/base/log.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/base/thread.hpp"
-#include "gecos/session/protocol/packets.hpp"
 
-namespace gecos::session {
+namespace gecos {
 namespace {
 
 constexpr Duration longest_job_at_end = std::chrono::seconds(1);
@@ -40,7 +40,7 @@ void FileThread::Shared::work() {
     while (!must_end && asked == ended_run) changed.wait(lock);
     if (must_end) break;
     const std::uint64_t run = asked;
-    since = system_clock().now();
+    since = SystemClock().now();
     lock.unlock();
     run_job();
     lock.lock();
@@ -89,10 +89,10 @@ std::uint64_t FileThread::ask() {
 
 bool FileThread::await(std::uint64_t run, Duration patience) {
   MutexLock lock(shared_->mutex);
-  const TimePoint began = std::min(shared_->since, system_clock().now());
+  const TimePoint began = std::min(shared_->since, SystemClock().now());
   while (shared_->ended_run < run && shared_->changed.wait_until(lock, began + patience)) {
   }
   return shared_->ended_run >= run;
 }
 
-}  // namespace gecos::session
+}  // namespace gecos

@@ -8,7 +8,7 @@
 
 #include "gecos/base/clock.hpp"
 
-namespace gecos::session {
+namespace gecos {
 
 /// A thread that reads files. A file system may not answer, for example that of a file server that
 /// is down. Then only this thread waits. Thread-safe.
@@ -34,4 +34,4 @@ class FileThread {
   std::thread thread_;
 };
 
-}  // namespace gecos::session
+}  // namespace gecos
