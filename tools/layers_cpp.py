@@ -171,7 +171,9 @@ GUESTS = (
     INNER_MODULES,
     Guest(
         re.compile(r"^gecos/session/client/"),
-        re.compile(r"^(?!runtime/cpp/gecos/session/server/(?!(server|registrar|broker_contact|zone_watch)\.))"),
+        re.compile(
+            r"^(?!runtime/cpp/gecos/session/server/(?!(server|registrar|broker_contact|zone_watch)\.))"
+        ),
         "the client side",
         "the server is a client of the broker and of zones only: in server.cpp, registrar, "
         "broker_contact and zone_watch",
