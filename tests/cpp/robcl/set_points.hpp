@@ -77,10 +77,6 @@ inline void expect_on_line(const std::vector<Frame>& tools, const Eigen::Vector3
   }
 }
 
-/// The tool keeps its limits of acceleration less exactly than the joints do: random moves of the
-/// RX90 without a limit of jerk exceeded them by .12 %, at 1 ms.
-constexpr double slack_of_tool = 1.005;
-
 /// Checks speed and acceleration of the tool, which turns about one axis. `tools`: the tool at each
 /// set point.
 inline void expect_tool_within_limits(const std::vector<Frame>& tools, const ToolLimits& limits,
@@ -90,11 +86,9 @@ inline void expect_tool_within_limits(const std::vector<Frame>& tools, const Too
     const double turned = angle(before, now), turns = angle(now, after);
     const Eigen::Vector3d change = after.position() - 2 * now.position() + before.position();
     ASSERT_LE(distance(before, now) / period, limits.speed * slack) << "in cycle " << k;
-    ASSERT_LE(change.norm() / (period * period), limits.acceleration * slack_of_tool)
-        << "in cycle " << k;
+    ASSERT_LE(change.norm() / (period * period), limits.acceleration * slack) << "in cycle " << k;
     ASSERT_LE(turned / period, limits.turn_speed * slack) << "in cycle " << k;
-    ASSERT_LE(std::abs(turns - turned) / (period * period),
-              limits.turn_acceleration * slack_of_tool)
+    ASSERT_LE(std::abs(turns - turned) / (period * period), limits.turn_acceleration * slack)
         << "in cycle " << k << " of " << tools.size();
   }
 }

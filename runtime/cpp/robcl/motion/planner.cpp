@@ -129,7 +129,7 @@ tl::expected<Move, Failure> Planner::straight_move(const JointValues& from,
   if (!made) return tl::unexpected(made.error());
   Move move{std::move(made->path), pace, line, flange_from_tool};
   move.joint_step = made->joint_step;
-  if (pace.tool_acceleration || pace.turn_acceleration) move.bends = std::move(made->bends);
+  move.bends = std::move(made->bends);
   return move;
 }
 

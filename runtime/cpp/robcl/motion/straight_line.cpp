@@ -45,14 +45,19 @@ Singular leaves_line(const arm::PlaceOnLine& where, double away) {
 }
 
 /// Returns the greatest second derivatives by s of the distance and the angle of the tool from its
-/// line, in each interval of `path`. `away`: distance and angle in the middle.
-std::vector<ToolSpeed> bends(const Path& path, std::vector<ToolSpeed> away) {
-  constexpr double at_knots = 32;  // of 16 t²(1 - t)², which is 1 in the middle
+/// line, in each interval of `path`. Both parts bend most at the knots.
+std::vector<ToolSpeed> bends(const Path& path, const std::vector<AwayFromLine>& away) {
+  constexpr double of_even = 32;  // of 16 t²(1 - t)², which is 1 in the middle
+  constexpr double of_odd = 64;   // of 32/3 t(1 - t)(1 - 2t), which is 1 at 1/4
+  std::vector<ToolSpeed> all;
+  all.reserve(away.size());
   for (std::size_t i = 0; i < away.size(); ++i) {
-    const double per_s = at_knots / squared(path.step(i));
-    away[i] = {away[i].way * per_s, away[i].turn * per_s};
+    const double per_s = 1 / squared(path.step(i));
+    const auto& [even, odd] = away[i];
+    all.push_back({(of_even * even.way + of_odd * odd.way) * per_s,
+                   (of_even * even.turn + of_odd * odd.turn) * per_s});
   }
-  return away;
+  return all;
 }
 
 /// By how much a joint turns, in rad.
@@ -165,18 +170,30 @@ class LineWalk {
   const std::size_t most_parts_;
 };
 
-/// Returns how far the tool is from its line in the middle of each interval of `path`. The joints
-/// are cubics with the right slopes at the knots, so the tool is on the line at the knots, and
-/// between them away from it in proportion to t²(1 - t)².
-std::vector<ToolSpeed> Planner::away_from_line(const Path& path, const Line& line,
-                                               const Frame& flange_from_tool) {
-  std::vector<ToolSpeed> away;
+/// Returns how far the tool is from its line in each interval of `path`. The tool is on the line at
+/// the knots. Between them the joints are cubics, so its distance is the sum of an even part, in
+/// proportion to t²(1 - t)², which the slopes at the knots leave, and of an odd part, in proportion
+/// to t(1 - t)(1 - 2t), where the slopes themselves are not exact. Two places tell both parts.
+std::vector<AwayFromLine> Planner::away_from_line(const Path& path, const Line& line,
+                                                  const Frame& flange_from_tool) {
+  const auto away_at = [&](double s) {
+    const Frame there = line.at(s / path.end());
+    const Frame tool = base_from_tool(path.position(s), flange_from_tool);
+    const Eigen::AngleAxisd turn(there.orientation().inverse() * tool.orientation());
+    return std::pair<Eigen::Vector3d, Eigen::Vector3d>(tool.position() - there.position(),
+                                                       turn.angle() * turn.axis());
+  };
+  std::vector<AwayFromLine> away;
   away.reserve(path.intervals());
   for (std::size_t i = 0; i < path.intervals(); ++i) {
-    const double middle = path.place(i) + path.step(i) / 2;
-    const Frame there = line.at(middle / path.end());
-    const Frame tool = base_from_tool(path.position(middle), flange_from_tool);
-    away.push_back({distance(there, tool), angle(there, tool)});
+    const double step = path.step(i);
+    const auto first = away_at(path.place(i) + step / 4);
+    const auto last = away_at(path.place(i) + 3 * step / 4);
+    constexpr double in_middle = 16.0 / 9;  // of t²(1 - t)², compared with its value at 1/4
+    away.push_back(
+        {{in_middle / 2 * (first.first + last.first).norm(),
+          in_middle / 2 * (first.second + last.second).norm()},
+         {(first.first - last.first).norm() / 2, (first.second - last.second).norm() / 2}});
   }
   return away;
 }
@@ -191,15 +208,15 @@ tl::expected<Planner::LinePath, Failure> Planner::path_of_line(const JointValues
     LineWalk walk(model_, *inverse_, line, tool_from_flange, from, finer);
     auto path = path_of(walk, from, line, duration);
     if (!path) return tl::unexpected(path.error());
-    std::vector<ToolSpeed> away = away_from_line(*path, line, flange_from_tool);
-    const auto furthest = std::ranges::max_element(away, {}, &ToolSpeed::way);
-    if (furthest->way <= (finer < finest ? near_line : off_line)) {
-      auto bent = bends(*path, std::move(away));
+    const auto away = away_from_line(*path, line, flange_from_tool);
+    const auto furthest = std::ranges::max_element(away, {}, &AwayFromLine::most);
+    if (furthest->most() <= (finer < finest ? near_line : off_line)) {
+      auto bent = bends(*path, away);
       return LinePath{*std::move(path), walk.furthest(), std::move(bent)};
     }
     if (finer == finest) {
       const double part = path->place(furthest - away.begin()) / duration;
-      return tl::unexpected(leaves_line(line.place(part), furthest->way));
+      return tl::unexpected(leaves_line(line.place(part), furthest->most()));
     }
   }
 }
