@@ -4,6 +4,7 @@
 #include <mutex>
 
 #include "../settles.hpp"
+#include "gecos/session/server/broker_contact.hpp"
 #include "gecos/session/server/io_loop.hpp"
 #include "object_host_bench.hpp"
 
@@ -179,7 +180,8 @@ class Revocations : public ::testing::Test {
   const std::shared_ptr<Runtime> runtime_ = Runtime::make({}, clock_).value();
   const std::shared_ptr<ObjectHost> object_ =
       std::make_shared<ObjectHost>(runtime_, "PROBE", servant_, ObjectOptions{});
-  const std::shared_ptr<AccessControl> access_ = std::make_shared<AccessControl>("");
+  const std::shared_ptr<AccessControl> access_ = std::make_shared<AccessControl>(
+      "", Admission::Listed, std::make_shared<BrokerContact>(clock_));
   IoLoop loop_{runtime_, access_};
   TimePoint now_ = clock_.now();
 };
