@@ -52,14 +52,16 @@ Directory Broker::new_directory(Duration young) const {
   return Directory(SystemClock().since_boot(), {young, options_.name_hold, draw_life()});
 }
 
-void Broker::start_watcher() {
-  if (watcher_.joinable()) return;
-  {
-    const MutexLock lock(mutex_);
-    processes_.emplace();
+void Broker::start_threads() {
+  if (!watcher_.joinable()) {
+    {
+      const MutexLock lock(mutex_);
+      processes_.emplace();
+    }
+    wake_watcher_.emplace();
+    watcher_ = start_thread("gecos-processes", [this] { watch_processes(); });
   }
-  wake_watcher_.emplace();
-  watcher_ = start_thread("gecos-processes", [this] { watch_processes(); });
+  if (!revoked_) revoked_.emplace();
 }
 
 void Broker::watch_processes() {
@@ -136,7 +138,7 @@ void Broker::expect_known(const std::vector<media::Kind>& media) {
 }
 
 Serving Broker::serving(std::vector<media::Kind> media) {
-  start_watcher();
+  start_threads();
   ObjectOptions options;
   options.simulated = true;  // a broker moves nothing, so it cannot cause harm
   options.well_known = true;
@@ -265,7 +267,7 @@ Result<std::vector<SilentObject>> Broker::silent() {
 }
 
 Result<RevocationList> Broker::revocations(std::uint64_t applied) {
-  const auto list = revoked_.read();
+  const auto list = revoked_->read();
   if (!list) return tl::unexpected(Fault::rejected(list.error()));
   {
     const MutexLock lock(mutex_);
@@ -279,7 +281,7 @@ Result<RevocationList> Broker::revocations(std::uint64_t applied) {
 }
 
 Result<RevocationState> Broker::behind(const std::vector<Revocation>& revoked) {
-  const auto list = revoked_.read();
+  const auto list = revoked_->read();
   if (!list) return tl::unexpected(Fault::rejected(list.error()));
   RevocationState state;
   state.listed = std::ranges::all_of(revoked, [&](const Revocation& one) {

@@ -65,7 +65,7 @@ class Broker final : public BrokerServant {
   /// Reads which objects of this host were registered with the previous broker. Does so only if
   /// `media`, over which this broker is served, include shm; empty means all media.
   void expect_known(const std::vector<media::Kind>& media) GECOS_REQUIRES(mutex_);
-  void start_watcher();
+  void start_threads();
   void watch_processes();
   /// Ends the sessions whose `due` has come. Returns the time until the next session is due.
   Duration end_due_sessions(TimePoint now) GECOS_REQUIRES(mutex_);
@@ -97,7 +97,7 @@ class Broker final : public BrokerServant {
     TimePoint due;
   };
   std::vector<EndedSession> ended_sessions_ GECOS_GUARDED_BY(mutex_);
-  RevokedList revoked_;
+  std::optional<RevokedList> revoked_;  ///< has a value while the broker is served
   /// The number of the list of revocations that the server of each session has applied. Used by the
   /// calls and at the end of a session.
   std::map<std::uint64_t, std::uint64_t> applied_ GECOS_GUARDED_BY(mutex_);

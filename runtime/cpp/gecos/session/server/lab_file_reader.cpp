@@ -86,7 +86,8 @@ std::optional<EditedLabFile::Text> text_of(const std::string& path, bool& must_e
   // O_NONBLOCK: a named pipe must not block the server
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (!file && errno == ENOENT && !must_exist) return std::string();
-  must_exist = true;
+  const bool no_descriptor = !file && (errno == EMFILE || errno == ENFILE);
+  if (!no_descriptor) must_exist = true;  // a lack of descriptors does not tell whether it exists
   struct stat before {};
   if (!file || ::fstat(file.get(), &before) != 0) {
     return failed("the file cannot be read: " + system_text(errno));
