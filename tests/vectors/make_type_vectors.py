@@ -91,6 +91,10 @@ CASES: list[tuple[str, str, Any]] = [
     ("gecos::KeptObject", "an arm", {
         "entry": {"name": "RX90", "pid": 4711}, "process_start": 2**40}),
     ("gecos::KeptList", "one", {"objects": [{"entry": {"name": "RX90"}, "process_start": 5}]}),
+    ("gecos::Revocation", "a user of a host", {"owner": "anna@desk"}),
+    ("gecos::RevocationList", "a key", {
+        "number": 2**63 + 7, "changed": True, "revoked": [{"key": "5f" * 32}]}),
+    ("gecos::RevocationState", "one is behind", {"listed": True, "behind": ["RX90"]}),
     ("gecos::NameInUse", "a process lives", {"name": "RX90", "why": "its process runs"}),
     ("gecos::ZonePresence", "nobody", {"spell": 2**63 + 1, "why": "DOOR is open; close it"}),
     ("gecos::CheckInRefused", "wrong", {"reason": "the code is not the one that CELL shows"}),
