@@ -198,4 +198,4 @@ def test_the_end_of_the_server_ends_the_printing(lab_with_broker: Laboratory) ->
     until(is_heard, "an event is shown")
     server.terminate()
     assert shown.finish() == 4, str(shown)
-    assert "its server is gone" in shown.output()
+    assert "the server closed the session with ALARM" in shown.output()

@@ -20,6 +20,8 @@ class Nothing(BrokerServant):
     def changes(self, since): pass
     def revision(self): pass
     def free(self, name): pass
+    def revocations(self, applied): pass
+    def behind(self, revoked): pass
 gecos.serve({"NOTHING": Nothing()}, simulated=True)
 """
 
