@@ -262,7 +262,7 @@ def test_a_server_of_another_host_applies_a_revocation_that_it_hears_from_the_br
     two.admits(CELL, CARL, "carl@moor")
     until(
         lambda: two.gecos(CARL, "call", "RAIL", "measure").finish() == 0,
-        "who is admitted again is not revoked any more",
+        "a user who is admitted again is not revoked any more",
     )
 
 

@@ -182,7 +182,8 @@ std::string gecos_violation(const KeptList& value);
 struct Revocation {
   /// 64 hexadecimal digits; empty: every key of the owner
   std::string key{};
-  /// as "anna@desk", or "anna" for all hosts; empty: whoever has the key
+  /// as "anna@desk", or "anna" for all hosts; if it is empty, the revocation is of
+  /// everybody who has the key
   std::string owner{};
 
   static constexpr std::string_view type_name() { return "gecos::Revocation"; }

@@ -160,7 +160,9 @@ class Revocation(_layout.Struct):
     key: str = ""
     """64 hexadecimal digits; empty: every key of the owner"""
     owner: str = ""
-    """as "anna@desk", or "anna" for all hosts; empty: whoever has the key"""
+    """as "anna@desk", or "anna" for all hosts; if it is empty, the revocation is of
+    everybody who has the key
+    """
 
 
 @_layout.struct(0x989317587B3DD79E, "Q?", _layout.items(Revocation), open=True)

@@ -145,7 +145,7 @@ class Revocations : public ::testing::Test {
       pass(100ms);
       return annas_->beats > 0 && bens_->beats > 0;
     })) << "the I/O loop has accepted both";
-    // What is revoked now waits longest: the server has just judged its clients.
+    // A revocation that comes now waits longest, because the server has just judged its clients.
     const int before = bens_->judged;
     for (int look = 0; look < 1000 && bens_->judged == before; ++look) pass(Maintenance::tick);
     EXPECT_TRUE(settles([this] { return bens_->read == bens_->judged; }));
