@@ -244,11 +244,23 @@ class Rampage:
         return sum(role.name == name for role in self.roles)
 
     def kill(self) -> None:
+        waits = 0
         for _ in range(self.plan.kills):
             if self.plan.waiters:
-                self._await_ready("server")  # a waiter cannot wait for a server that is starting
+                waits = self._await_more_waits(waits)
             self._pause()
             self._kill(self._victim())
+
+    def _await_more_waits(self, before: int) -> int:
+        """Returns, once a waiter waits for the present server, how often one has waited so far."""
+        self._await_ready("server")
+
+        def waits() -> int:
+            records = self.records.glob("client.*.log")
+            return sum(record.read_text().count(" issue ") for record in records)
+
+        until(lambda: waits() > before, "a waiter waits for the server")
+        return waits()
 
     def _kill(self, victim: Role) -> None:
         pid = victim.program.pid

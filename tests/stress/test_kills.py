@@ -89,4 +89,4 @@ def test_who_waits_without_time_out_hears_of_the_death(
     told = rampage.run(plan, build, tmp_path, env)
     print(f"\n{plan}\n{told.summary()}")
     waits = [call for client in told.clients for call in client.calls.values()]
-    assert len(waits) >= kills / 2, "hardly anybody waited"
+    assert len(waits) >= kills, "nobody waited for a server that was killed"
