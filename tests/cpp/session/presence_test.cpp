@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "../media/scratch_directory.hpp"
+#include "await_detail.hpp"
 #include "over_media.hpp"
 #include "reporting_zone.hpp"
 
