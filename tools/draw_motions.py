@@ -31,7 +31,7 @@ def main() -> None:
     PICTURES.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="gecos-") as folder:
         os.environ["GECOS_RUNTIME_DIR"] = folder
-        os.environ.pop("GECOS_BROKER", None)
+        os.environ["GECOS_BROKER"] = "shm"
         with (
             started("ready", build / "runtime/cpp/gecos/broker/gecos-broker"),
             started("ready", build / "devices/rx90/robcl-rx90"),

@@ -12,17 +12,29 @@ from pathlib import Path
 
 import pytest
 from gecos.cli.doctor import network, places, readings, real_time, resources, settings
-from gecos.cli.doctor.broker import Answer, broker, one_broker, over_lcm
+from gecos.cli.doctor.broker import (
+    Answer,
+    BrokerPlace,
+    broker,
+    one_broker,
+    over_lcm,
+    unusable_lab_file,
+)
 from gecos.cli.doctor.extension import extension
 from gecos.cli.doctor.finding import Finding, Level
 from gecos.cli.doctor.keys import Kind, Place, own_key
 
 NO_ROUTE = (
     "no broker answers; start `gecos up` (a laboratory on this machine) or `gecos broker`, or say "
-    "where it is in GECOS_BROKER (tried lcm: "
+    "where it is in GECOS_BROKER or below [broker] in the lab file (tried lcm: "
     "cannot send to 239.255.76.67: Network is unreachable (no multicast route? run as root:  "
     "ip link set lo multicast on && ip route add 239.255.76.67/32 dev lo))"
 )
+
+
+HERE = BrokerPlace()
+BY_VARIABLE = BrokerPlace("lcm", "GECOS_BROKER")
+BY_FILE = BrokerPlace("lcm", "[broker] in /etc/gecos/lab.toml:4")
 
 
 def said(finding: Finding | None, level: Level, *parts: str) -> None:
@@ -62,9 +74,11 @@ def test_without_a_route_the_runtimes_own_commands_are_given() -> None:
 
 
 def test_ttl_0_matters_where_lcm_is_named() -> None:
-    said(network.reach_of_packets(0, "lcm"), Level.WARNING, "GECOS_LCM_TTL=1", "each host")
-    said(network.reach_of_packets(0, ""), Level.OK)
-    said(network.reach_of_packets(1, "lcm"), Level.OK)
+    said(network.reach_of_packets(0, BY_VARIABLE), Level.WARNING, "GECOS_LCM_TTL=1", "each host")
+    by_file = network.reach_of_packets(0, BY_FILE)
+    said(by_file, Level.WARNING, "but [broker] in /etc/gecos/lab.toml:4 names lcm")
+    said(network.reach_of_packets(0, HERE), Level.OK)
+    said(network.reach_of_packets(1, BY_VARIABLE), Level.OK)
 
 
 def test_small_buffers_are_told_in_bytes() -> None:
@@ -241,26 +255,29 @@ def test_a_misspelt_setting_is_told_the_right_one() -> None:
 
 def test_no_broker_says_where_it_was_looked_for() -> None:
     reason = "no broker answers; start `gecos broker` (tried shm:/tmp/gecos-0/BROKER.sock: nobody)"
-    found = broker(Answer(reason), "this host")
+    found = broker(Answer(reason), HERE)
     said(found, Level.ERROR, "shm:/tmp/gecos-0/BROKER.sock: nobody", "this host", "gecos broker")
-    named = broker(Answer(reason), "GECOS_BROKER=lcm")
+    named = broker(Answer(reason), BY_VARIABLE)
     said(named, Level.ERROR, "GECOS_BROKER=lcm")
+    named = broker(Answer(reason), BY_FILE)
+    said(named, Level.ERROR, "address lcm, [broker] in /etc/gecos/lab.toml:4")
 
 
 def test_a_key_that_is_not_admitted_is_no_missing_broker() -> None:
     refused = "(tried lcm: we refused the server: its key 92e3bf70 is not admitted here)"
-    assert broker(Answer(refused), "GECOS_BROKER=lcm").mend.startswith("gecos keys add FILE, with")
+    assert broker(Answer(refused), BY_VARIABLE).mend.startswith("gecos keys add FILE, with")
     perhaps = "(tried lcm: no server answers, or the server does not admit our key c1075034)"
-    mend = broker(Answer(perhaps), "GECOS_BROKER=lcm").mend
+    mend = broker(Answer(perhaps), BY_VARIABLE).mend
     assert mend.startswith("run gecos broker on the host")
     assert "gecos keys add FILE there" in mend
 
 
 def test_a_broker_of_another_version_and_a_second_one_are_warnings() -> None:
     old = Answer(None, 7, "process 4711", ours=False)
-    said(broker(old, "this host"), Level.WARNING, "process 4711", "another version")
+    said(broker(old, HERE), Level.WARNING, "process 4711", "another version")
     ours = Answer(None, 8, "process 4712")
-    said(broker(ours, "this host"), Level.OK, "process 4712 answers")
+    said(broker(ours, HERE), Level.OK, "process 4712 answers", "this host")
+    said(broker(ours, BY_FILE), Level.OK, "address lcm, [broker] in /etc/gecos/lab.toml:4")
     said(one_broker([old, ours]), Level.WARNING, "process 4711", "process 4712")
     assert one_broker([ours, ours]) is None
     assert one_broker([ours, Answer("no broker answers")]) is None
@@ -274,5 +291,13 @@ def test_a_broker_that_is_not_served_over_lcm() -> None:
 
 
 def test_a_place_of_the_broker_that_is_no_address() -> None:
-    found = broker(Answer("'cell' is not an address"), "GECOS_BROKER=cell")
+    reason = Answer("'cell' is not an address")
+    found = broker(reason, BrokerPlace("cell", "GECOS_BROKER"))
     said(found, Level.ERROR, "'cell' is not an address", "export GECOS_BROKER=lcm")
+    found = broker(reason, BrokerPlace("cell", "[broker] in lab.toml:4"))
+    said(found, Level.ERROR, 'write address = "lcm" at [broker] in lab.toml:4')
+
+
+def test_a_lab_file_that_may_name_the_broker_and_cannot_be_used() -> None:
+    problem = "the lab file, which may name the broker, cannot be used: lab.toml:2: …; correct that"
+    said(unusable_lab_file(problem, "lab.toml"), Level.ERROR, "lab.toml:2: …", "correct that")

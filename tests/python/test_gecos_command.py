@@ -65,7 +65,7 @@ def test_without_a_broker_it_says_what_was_tried(
     assert err.startswith("gecos: BROKER: NO_SERVER: ")
 
 
-@pytest.mark.parametrize("variable", ["GECOS_BROKER", "GECOS_RUNTIME_DIR"])
+@pytest.mark.parametrize("variable", ["GECOS_BROKER", "GECOS_LAB_FILE", "GECOS_RUNTIME_DIR"])
 def test_a_place_that_is_no_text_is_refused_by_name(
     place: object,
     variable: str,

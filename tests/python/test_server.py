@@ -117,10 +117,21 @@ def test_without_a_broker_create_says_what_was_tried(place: Path) -> None:
         alone.create(Lamp, "LAMP", patience=0.2)
     assert str(caught.value) == (
         "LAMP: NO_SERVER: no broker answers; start `gecos up` (a laboratory on this machine) or "
-        "`gecos broker`, or say where it is in GECOS_BROKER (tried "
-        f"shm:{place}/BROKER.sock: no server listens at this address (the directory is for "
+        "`gecos broker`, or say where it is in GECOS_BROKER or below [broker] in the lab file "
+        f"(tried shm:{place}/BROKER.sock: no server listens at this address (the directory is for "
         f"uid {os.getuid()} alone; programs of other users are reached by GECOS_BROKER=lcm))"
     )
+
+
+def test_a_lab_says_where_its_broker_is_sought(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with gecos.Lab() as by_default, gecos.Lab("lcm") as named:
+        assert repr(by_default) == "<Lab: open, broker of the lab file, else of this host>"
+        assert repr(named) == "<Lab: open, broker lcm>"
+    monkeypatch.setenv("GECOS_BROKER", "shm")
+    with gecos.Lab() as by_variable:
+        assert repr(by_variable) == "<Lab: open, broker shm>"
 
 
 def test_create_says_what_its_first_parameter_is(lab: gecos.Lab, server: gecos.Server) -> None:

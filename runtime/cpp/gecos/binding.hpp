@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "gecos/access/lab_file.hpp"
 #include "gecos/base/ids.hpp"
 #include "gecos/builtin_operations.hpp"
 #include "gecos/lab.hpp"
@@ -70,6 +71,12 @@ class CreateWait {
   TimePoint until_;
   std::unique_ptr<BrokerNews> news_;
 };
+
+/// Returns where the lab file says that the broker is. Programs look there if neither
+/// LabOptions::broker nor GECOS_BROKER names a broker. Reads the file that GECOS_LAB_FILE names,
+/// else /etc/gecos/lab.toml if it exists. On failure returns why programs find no broker, and what
+/// to do.
+tl::expected<access::LabBroker, std::string> broker_in_lab_file(Duration patience);
 
 struct BrokerPlace {
   std::string address;

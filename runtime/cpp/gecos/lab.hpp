@@ -20,12 +20,15 @@ namespace gecos {
 
 struct LabOptions {
   /// Address of the broker, for example "shm:…" or "lcm:…". If it is empty, the environment
-  /// variable `GECOS_BROKER` gives the address; if that is not set either, the broker of this host
-  /// is used.
+  /// variable `GECOS_BROKER` gives the address; if that is not set either, `[broker] address` of
+  /// the lab file does. If that names no address, the broker of this host is used. `create` fails
+  /// if the lab file is needed and cannot be used.
   std::string broker{};
-  /// The lab file, whose lists say which users may connect to the objects that this program serves.
-  /// If it is empty, the environment variable `GECOS_LAB_FILE` names the file; if that is not set
-  /// either, the file is /etc/gecos/lab.toml, if it exists.
+  /// The lab file. It may say where the broker is, and its lists say which users may connect to the
+  /// objects that this program serves. It must belong to root or to the user of this program, no
+  /// other user may write to it, and it has at most 64 KiB. If `lab_file` is empty, the environment
+  /// variable `GECOS_LAB_FILE` names the file; if that is not set either, the file is
+  /// /etc/gecos/lab.toml, if it exists.
   std::string lab_file{};
   /// The name of this program that others see. Empty: the name of its executable.
   std::string program{};

@@ -1,11 +1,16 @@
-// Functions that read the text of a lab file as servers do, for `gecos up` and `gecos policy`.
+// Functions that read a lab file as servers and clients do, for `gecos up`, `gecos policy` and
+// `gecos doctor`.
 #include "gecos/access/lab_file.hpp"
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 
+#include <stdexcept>
+
 #include "bind.hpp"
+#include "gecos/binding.hpp"
+#include "waiting.hpp"
 
 namespace gecos::python {
 namespace {
@@ -37,10 +42,19 @@ std::pair<bool, std::string> may_register(const std::string& text, const std::st
   return {decision.allowed, std::move(decision.text)};
 }
 
+/// Returns the address and its place in the file; both are empty if the file names no address.
+std::pair<std::string, std::string> broker_in_lab_file(double patience) {
+  auto found = without_gil(
+      [patience = patience_of(patience)] { return session::broker_in_lab_file(patience); });
+  if (!found) throw std::runtime_error(found.error());
+  return {std::move(found->address), std::move(found->place)};
+}
+
 }  // namespace
 
 void bind_lab_file(nb::module_& module) {
   module.def("lab_file_problem", &lab_file_problem, nb::arg("text"), nb::arg("file"));
+  module.def("broker_in_lab_file", &broker_in_lab_file, nb::arg("patience"));
   module.def("may_connect", &may_connect, nb::arg("text"), nb::arg("file"), nb::arg("server"),
              nb::arg("who"), nb::arg("object"));
   module.def("may_register", &may_register, nb::arg("text"), nb::arg("file"), nb::arg("who"),

@@ -213,6 +213,11 @@ def lab_file_problem(text: str, file: str) -> str | None:
     """Returns what is wrong with the text of a lab file, or None. `file` is its path for the
     message, which begins with file and line."""
 
+def broker_in_lab_file(patience: float) -> tuple[str, str]:
+    """Returns the address of the broker that the lab file of this program names, and its place, as
+    "[broker] in lab.toml:4". Both are empty if the file names no broker, or does not exist and no
+    setting names it. Raises RuntimeError if the file cannot be used, with what to do."""
+
 def may_connect(
     text: str, file: str, server: tuple[str, str], who: tuple[str, str], object: str
 ) -> tuple[bool, str]:

@@ -22,18 +22,20 @@ if TYPE_CHECKING:
     from gecos.object_watch import ObjectWatch
 
 P = TypeVar("P", bound=Object)
+# The lab file is read when the broker is searched, not when a Lab is made or printed.
+_BY_DEFAULT = "of the lab file, else of this host"
 
 
 class Lab:
     """Finds objects through a broker, and connects to them. The broker is at the address `broker`
-    ("shm:…", "lcm:…"), or else at `GECOS_BROKER`, or else on this host. A Lab is thread-safe. Use
-    it as a context manager to close it early; otherwise it is closed at the end of the program,
-    after all leases and servers."""
+    ("shm:…", "lcm:…"), or else at `GECOS_BROKER`, or else at `[broker] address` of the lab file, or
+    else on this host. A Lab is thread-safe. Use it as a context manager to close it early;
+    otherwise it is closed at the end of the program, after all leases and servers."""
 
     def __init__(self, broker: str | None = None) -> None:
         check_environment()
         self._core = _core.Lab(broker or "", program_name())
-        self._broker = broker or os.environ.get("GECOS_BROKER") or "of this host"
+        self._broker = broker or os.environ.get("GECOS_BROKER") or _BY_DEFAULT
         self._closed = False
         shutdown.at_exit(self, shutdown.Turn.LABS)
 

@@ -19,9 +19,9 @@ def program_name() -> str:
 
 
 def check_environment() -> None:
-    """Raises RuntimeError if GECOS_BROKER or GECOS_RUNTIME_DIR is not UTF-8. Error messages are
-    UTF-8 and could not show such a value."""
-    for variable in ("GECOS_BROKER", "GECOS_RUNTIME_DIR"):
+    """Raises RuntimeError if GECOS_BROKER, GECOS_LAB_FILE or GECOS_RUNTIME_DIR is not UTF-8. Error
+    messages are UTF-8 and could not show such a value."""
+    for variable in ("GECOS_BROKER", "GECOS_LAB_FILE", "GECOS_RUNTIME_DIR"):
         value = os.environ.get(variable, "")
         try:
             value.encode()

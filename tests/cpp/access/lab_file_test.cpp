@@ -110,6 +110,9 @@ TEST(LabFile, SaysTheLineOfEachErrorAndWhatToWrite) {
        "lab.toml:3: allow.friends: this key is unknown; known keys are hosts, users"},
       {"[objects.RX90.allow]\nuser = []",
        "lab.toml:2: objects.RX90.allow.user: this key is unknown; did you mean users?"},
+      {"[objects.RX90]\npassword = \"two hands\"",
+       "lab.toml:2: objects.RX90.password: this key is unknown; known keys are allow, sources, "
+       "zone"},
       {"[objects.RX90]\nalow = []",
        "lab.toml:2: objects.RX90.alow: this key is unknown; did you mean allow?"},
       {"[objects.RX90]\nzone = 1",
@@ -123,6 +126,16 @@ TEST(LabFile, SaysTheLineOfEachErrorAndWhatToWrite) {
       {"clock = 10", "lab.toml:1: clock: a table is expected"},
       {"[broker]\nadress = \"shm\"",
        "lab.toml:2: broker.adress: this key is unknown; did you mean address?"},
+      {"[broker]\nstart = \"yes\"", "lab.toml:2: broker.start: true or false is expected"},
+      {"[broker]\naddress = 7",
+       "lab.toml:2: broker.address: the address of a broker is expected, for example address = "
+       "\"lcm\""},
+      {"[broker]\naddress = \"\"",
+       "lab.toml:2: broker.address: the address of a broker is expected, for example address = "
+       "\"lcm\""},
+      {"[broker]\nstart = true\naddress = \"lcm\"",
+       "lab.toml:3: broker.address: this names a broker that runs already, which contradicts "
+       "`start = true`; leave out one of the two"},
       {"[programs.GRIPPER]\nrun = [\"g\"]\nrestrat = true",
        "lab.toml:3: programs.GRIPPER.restrat: this key is unknown; did you mean restart?"},
       {"[allow]\nusers = \"anna\"",
@@ -148,6 +161,25 @@ TEST(LabFile, SaysTheLineOfEachErrorAndWhatToWrite) {
   for (const auto& [text, expected] : errors) EXPECT_EQ(error_in(text), expected) << text;
   EXPECT_EQ(error_in("[allow]\nusers = [\"anna\"").substr(0, 32),
             "lab.toml:2: this is not TOML: Er");
+}
+
+TEST(LabFile, SaysWhereTheBrokerIs) {
+  const auto named = parse_lab_broker("[broker]\nstart = false\naddress = \"lcm\"\n", path);
+  ASSERT_TRUE(named) << to_string(named.error());
+  EXPECT_EQ(named->address, "lcm");
+  EXPECT_EQ(named->place, "[broker] in lab.toml:3");
+  for (const char* const text : {"", "[broker]\nstart = true", "[broker]\nstart = false"}) {
+    const auto none = parse_lab_broker(text, path);
+    ASSERT_TRUE(none) << to_string(none.error());
+    EXPECT_EQ(none->address + none->place, "") << text;
+  }
+}
+
+TEST(LabFile, WithAnErrorInAnotherTableDoesNotSayWhereTheBrokerIs) {
+  const auto broker = parse_lab_broker("[broker]\naddress = \"lcm\"\n[brokr]\n", path);
+  ASSERT_FALSE(broker);
+  EXPECT_EQ(to_string(broker.error()),
+            "lab.toml:3: brokr: this key is unknown; did you mean broker?");
 }
 
 // Edits

@@ -93,6 +93,34 @@ TEST_F(ALabFileThatDoesNotAnswer, LetsNoFurtherObjectBeServed) {
       << added.error();
 }
 
+TEST_F(TheLabFile, ThatDoesNotAnswerDelaysNoSearchOfABrokerBeyondItsPatience) {
+  gecos::Lab lab;
+  const probe::HangingFiles hanging(lab_file);
+  for (int search = 0; search < 2; ++search) {
+    const auto began = std::chrono::steady_clock::now();
+    const auto created = lab.create<probe::Probe>("PROBE", {.patience = 100ms});
+    EXPECT_LT(std::chrono::steady_clock::now() - began, 5 * 100ms);
+    ASSERT_FALSE(created) << "the file might name another broker";
+    EXPECT_NE(created.error().to_string().find(lab_file + ": its file system does not answer"),
+              std::string::npos)
+        << created.error();
+  }
+}
+
+TEST_F(TheLabFile, ThatIsBeingWrittenNamesTheBrokerWhenItIsComplete) {
+  probe::at_next_open(lab_file, [&] {
+    std::ofstream(lab_file) << "[broker]\n";
+    probe::at_next_open(lab_file, [&] {
+      std::ofstream(lab_file, std::ios::app) << "address = \"inproc:of_file\"\n";
+    });
+  });
+  gecos::Lab lab;
+  const auto created = lab.create<probe::Probe>("PROBE", {.patience = 5s});
+  ASSERT_FALSE(created);
+  EXPECT_NE(created.error().to_string().find("tried inproc:of_file"), std::string::npos)
+      << created.error();
+}
+
 class AnEditOfTheLabFile : protected WithLabFile, public probe::Bench {};
 
 TEST_F(AnEditOfTheLabFile, CountsAtOnceForAnObjectThatIsAddedAfterIt) {

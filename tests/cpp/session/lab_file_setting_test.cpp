@@ -38,7 +38,8 @@ TEST_F(LabFileSetting, ThatIsNotAFileOfThisUserAloneIsRefused) {
   EXPECT_EQ(refusal(write("[allow]\nusers = []\n")), "");
   EXPECT_EQ(refusal(write("", 0666)),
             "LOCAL is not served: " + path +
-                ": other users may write to the file and could admit anyone; run: chmod go-w " +
+                ": other users may write to the file and could admit anyone and name any broker; "
+                "run: chmod go-w " +
                 path);
   EXPECT_EQ(refusal(directory.path()),
             "LOCAL is not served: " + directory.path() + ": this is not a file");

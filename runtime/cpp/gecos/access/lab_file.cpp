@@ -64,9 +64,7 @@ class LabFileReader {
   LabAccess read(const toml::table& root) const {
     admit_only(root, "", known_tables);
     LabAccess lab{.file = file_};
-    if (const auto* broker = find(root, "broker", "broker")) {
-      admit_only(*broker, "broker.", broker_keys);
-    }
+    broker(root);  // only for its errors
     if (const auto* clock = find(root, "clock", "clock")) {
       admit_only(*clock, "clock.", clock_keys);
     }
@@ -89,6 +87,29 @@ class LabFileReader {
       }
     }
     return lab;
+  }
+
+  LabBroker broker(const toml::table& root) const {
+    const auto* const table = find(root, "broker", "broker");
+    if (table == nullptr) return {};
+    admit_only(*table, "broker.", broker_keys);
+    const toml::node* const start = table->get("start");
+    if (start != nullptr && !start->is_boolean()) {
+      refuse(start->source(), "broker.start", "true or false is expected");
+    }
+    const toml::node* const address = table->get("address");
+    if (address == nullptr) return {};
+    if (address->value_or(std::string()).empty()) {
+      refuse(address->source(), "broker.address",
+             "the address of a broker is expected, for example address = \"lcm\"");
+    }
+    if (start != nullptr && start->value_or(false)) {
+      refuse(address->source(), "broker.address",
+             "this names a broker that runs already, which contradicts `start = true`; leave out "
+             "one of the two");
+    }
+    return {address->ref<std::string>(),
+            "[broker] in " + file_ + ":" + std::to_string(line_of(address->source()))};
   }
 
  private:
@@ -206,6 +227,23 @@ class LabFileReader {
   const std::string& file_;
 };
 
+/// Returns what `read` returns for the tree of a lab file, or the error in the file.
+template <class Read>
+auto parse(const std::string& text, const std::string& file, Read read)
+    -> tl::expected<decltype(read(LabFileReader(file), toml::table())), LabFileError> {
+  const toml::parse_result parsed = toml::parse(text, file);
+  if (!parsed) {
+    const toml::parse_error& error = parsed.error();
+    return tl::unexpected(LabFileError{file, error.source().begin.line, "",
+                                       "this is not TOML: " + std::string(error.description())});
+  }
+  try {
+    return read(LabFileReader(file), parsed.table());
+  } catch (LabFileError& error) {
+    return tl::unexpected(std::move(error));
+  }
+}
+
 }  // namespace
 
 std::string to_string(const LabFileError& error) {
@@ -218,17 +256,16 @@ std::string to_string(const LabFileError& error) {
 
 tl::expected<LabAccess, LabFileError> parse_lab_file(const std::string& text,
                                                      const std::string& file) {
-  const toml::parse_result parsed = toml::parse(text, file);
-  if (!parsed) {
-    const toml::parse_error& error = parsed.error();
-    return tl::unexpected(LabFileError{file, error.source().begin.line, "",
-                                       "this is not TOML: " + std::string(error.description())});
-  }
-  try {
-    return LabFileReader(file).read(parsed.table());
-  } catch (LabFileError& error) {
-    return tl::unexpected(std::move(error));
-  }
+  return parse(text, file,
+               [](const auto& reader, const toml::table& root) { return reader.read(root); });
+}
+
+tl::expected<LabBroker, LabFileError> parse_lab_broker(const std::string& text,
+                                                       const std::string& file) {
+  return parse(text, file, [](const auto& reader, const toml::table& root) {
+    reader.read(root);  // only for its errors
+    return reader.broker(root);
+  });
 }
 
 EditedLabFile::EditedLabFile(std::string file) : lists_{.file = std::move(file)} {}

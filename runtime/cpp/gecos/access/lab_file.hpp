@@ -19,11 +19,22 @@ struct LabFileError {
 std::string to_string(const LabFileError& error);
 
 /// Reads the text of a lab file, the `lab.toml` of a laboratory. Returns the rules in the tables
-/// [admin], [allow], [names] and [objects.NAME]. In the tables that `gecos up` reads ([broker],
-/// [clock] and [programs.NAME]), only checks that each key is known. Error messages contain `file`,
-/// the path of the file.
+/// [admin], [allow], [names] and [objects.NAME]. Checks [broker] as `parse_lab_broker` does. In the
+/// tables that only `gecos up` reads ([clock] and [programs.NAME]), checks that each key is known.
+/// Error messages contain `file`, the path of the file.
 tl::expected<LabAccess, LabFileError> parse_lab_file(const std::string& text,
                                                      const std::string& file);
+
+/// Where a lab file says that the broker of the laboratory is, in its table [broker].
+struct LabBroker {
+  std::string address{};  ///< for example "lcm"; empty: the broker is on the host of the program
+  std::string place{};    ///< of the address, for messages: "[broker] in /etc/gecos/lab.toml:4"
+};
+
+/// Returns what the text of a lab file says about the broker. Fails if any part of the text has an
+/// error, because the wrong part may be the one about the broker.
+tl::expected<LabBroker, LabFileError> parse_lab_broker(const std::string& text,
+                                                       const std::string& file);
 
 /// The access lists of a lab file that is edited while a server runs. While the edited text has an
 /// error, the lists of the last valid text stay in force.

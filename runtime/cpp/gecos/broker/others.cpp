@@ -24,9 +24,9 @@ void warn_of_other_brokers() try {
   for (const auto& place : other_brokers(std::chrono::milliseconds(500))) {
     log_warning("broker", "another broker answers at " + place +
                               ": object names are unique only within one broker. Programs use "
-                              "the broker at this host's local address unless GECOS_BROKER names "
-                              "another one. End one of the brokers, or set GECOS_BROKER for all "
-                              "programs");
+                              "the broker at this host's local address unless GECOS_BROKER or "
+                              "the lab file names another one. End one of the brokers, or name "
+                              "one of them for all programs");
   }
 } catch (const std::exception& failed) {  // no threads or descriptors are left
   log_warning("broker", std::string("cannot search for other brokers: ") + failed.what());

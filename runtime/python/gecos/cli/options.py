@@ -88,7 +88,7 @@ names_argument = click.argument("names", metavar="NAME...", nargs=-1, shell_comp
 broker_option = click.option(
     "--broker",
     metavar="ADDRESS",
-    help="Address of the broker; default: GECOS_BROKER, else this host.",
+    help="Address of the broker; default: GECOS_BROKER, else the lab file, else this host.",
 )
 json_option = click.option(
     "--json", "as_json", is_flag=True, help="Print JSON; `gecos schema` describes it."

@@ -67,7 +67,8 @@ def read_laboratory(path: Path) -> LaboratoryDescription:
         raise LaboratoryFileError(f"{path}: {error.strerror}") from None
     except ValueError as error:  # not UTF-8, or not TOML; then the error has line and column
         raise LaboratoryFileError(f"{path}: {error}") from None
-    # Servers read the same file. The code of the servers checks its keys and its lists of users.
+    # Servers and clients read the same file. Their code checks its keys, its lists of users, and
+    # where it says that the broker is.
     if problem := _core.lab_file_problem(text, str(path)):
         raise LaboratoryFileError(problem)
     return _Reader(path, text).laboratory(data)
@@ -80,22 +81,14 @@ class _Reader:
 
     def laboratory(self, data: dict[str, Any]) -> LaboratoryDescription:
         broker = data.get("broker", {})
-        starts = self._value(broker, "broker", "start", bool, "true or false", not broker)
-        address = self._value(broker, "broker", "address", str, "a text", "")
-        if "start" not in broker:
-            starts = not address
-        if starts and address:
-            self._refuse(
-                "broker.address", "says where a broker already runs, which contradicts "
-                "`start = true`; leave out one of the two",
-            )  # fmt: skip
+        address = broker.get("address", "")
         clock_speed = self._clock_speed(data["clock"]) if "clock" in data else None
         programs = data.get("programs", {})
         if not programs:
             self._refuse("programs", "no program is named; add [programs.NAME] with run = […]")
         return LaboratoryDescription(
             tuple(self._program(programs, name) for name in programs),
-            starts,
+            broker.get("start", not address),
             address,
             self._path.resolve().parent,
             str(self._path),

@@ -264,10 +264,7 @@ def running(
     use the broker that the laboratory starts. The programs that already run are ended first."""
     commands = [(p, _command(laboratory, p, folders)) for p in laboratory.programs]
     variables = dict(os.environ if environment is None else environment)
-    if laboratory.broker_address:
-        variables["GECOS_BROKER"] = laboratory.broker_address
-    elif laboratory.starts_broker:
-        _refuse_another_broker(variables.get("GECOS_BROKER", ""), laboratory.file)
+    variables["GECOS_BROKER"] = _broker_of(laboratory, variables.get("GECOS_BROKER", ""))
     if laboratory.names_users:
         variables["GECOS_LAB_FILE"] = str(Path(laboratory.file).resolve())
     if laboratory.clock_speed is not None:
@@ -283,16 +280,20 @@ def running(
         started.end()
 
 
-def _refuse_another_broker(named: str, file: str) -> None:
-    """Raises LaboratoryError if GECOS_BROKER leads the programs to a broker other than the one that
-    this laboratory starts. That broker is at the address `shm`."""
-    if named in ("", "shm"):
-        return
-    raise LaboratoryError(
-        f"GECOS_BROKER is {named!r}, so the programs would not use the broker that this laboratory "
-        f"starts; unset GECOS_BROKER, or write `start = false` below [broker] in "
-        f"{file or 'a lab.toml'} if the programs are to use that broker"
-    )
+def _broker_of(laboratory: LaboratoryDescription, named: str) -> str:
+    """Returns the address of the broker for the programs, whose own lab file may be another file
+    than that of the laboratory, and name another broker. `named` is the value of GECOS_BROKER.
+    Raises LaboratoryError if it is not the broker that this laboratory starts. That broker is at
+    the address `shm`."""
+    if laboratory.broker_address:
+        return laboratory.broker_address
+    if laboratory.starts_broker and named not in ("", "shm"):
+        raise LaboratoryError(
+            f"GECOS_BROKER is {named!r}, so the programs would not use the broker that this "
+            "laboratory starts; unset GECOS_BROKER, or write `start = false` below [broker] in "
+            f"{laboratory.file or 'a lab.toml'} if the programs are to use that broker"
+        )
+    return named or "shm"
 
 
 def _broker(environment: Mapping[str, str], restart: bool) -> tuple[Program, Sequence[str]]:

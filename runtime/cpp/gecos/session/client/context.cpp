@@ -21,7 +21,9 @@ void append(std::string& list, const std::string& text) {
 }  // namespace
 
 Context::Context(std::shared_ptr<Runtime> runtime)
-    : runtime_(std::move(runtime)), failover_(std::make_shared<Failover>(*this)) {}
+    : runtime_(std::move(runtime)),
+      failover_(std::make_shared<Failover>(*this)),
+      lab_file_(runtime_->options().lab_file) {}
 
 Context::~Context() { failover_->end(); }
 
@@ -61,12 +63,17 @@ void Context::close(Duration patience) {
   failover_->end();
 }
 
-std::vector<std::string> Context::broker_addresses(std::string& tried) {
-  std::string named = runtime_->options().broker;
-  if (named.empty()) {
-    const char* variable = std::getenv("GECOS_BROKER");
-    if (variable != nullptr) named = variable;
+tl::expected<access::LabBroker, std::string> Context::named_broker(TimePoint deadline) {
+  if (const auto& named = runtime_->options().broker; !named.empty()) {
+    return access::LabBroker{named};
   }
+  const char* const variable = std::getenv("GECOS_BROKER");
+  if (variable != nullptr && *variable != '\0') return access::LabBroker{variable};
+  return lab_file_.read(deadline);
+}
+
+std::vector<std::string> Context::broker_addresses(const access::LabBroker& named,
+                                                   std::string& tried) {
   std::vector<std::string> addresses;
   const auto add_well_known = [&](media::Kind kind) {
     if (const auto opened = runtime_->medium(kind)) {
@@ -76,10 +83,15 @@ std::vector<std::string> Context::broker_addresses(std::string& tried) {
       append(tried, opened.error().text);
     }
   };
-  if (const auto kind = media::kind_from(named)) {  // only a medium's name, for example "lcm"
+  const auto kind = media::kind_from(named.address);
+  // A program that contains a broker belongs to that broker's laboratory, whatever the lab file of
+  // the host says.
+  const bool by_file = !named.place.empty();
+  if (by_file && kind != media::Kind::Inproc) add_well_known(media::Kind::Inproc);
+  if (kind) {  // only a medium's name, for example "lcm"
     add_well_known(*kind);
-  } else if (!named.empty()) {
-    addresses.push_back(named);
+  } else if (!named.address.empty()) {
+    addresses.push_back(named.address);
   } else {
     for (const media::Kind each : media::all_kinds()) {
       if (media::reach_of(each) != media::Reach::Network) add_well_known(each);
@@ -130,7 +142,9 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::look_for_b
     TimePoint deadline) {
   std::string tried;
   std::string refused;
-  const auto addresses = broker_addresses(tried);
+  const auto named = named_broker(deadline);
+  if (!named) return tl::unexpected(named.error());
+  const auto addresses = broker_addresses(*named, tried);
   for (const auto& address : addresses) {
     Detail why{};
     auto session = connect(*runtime_, address, BrokerInterface::description, deadline, &why);
@@ -138,14 +152,15 @@ tl::expected<std::shared_ptr<ClientConnection>, std::string> Context::look_for_b
     if (why == Detail::Refused) append(refused, session.error());
     // Few programs contain their own broker. Therefore the message mentions such a broker only if
     // its address was named.
-    const bool expected = addresses.size() > 1 && why == Detail::NoServer &&
-                          media::kind_of(address) == media::Kind::Inproc;
+    const bool expected = addresses.size() > 1 && address != named->address &&
+                          why == Detail::NoServer && media::kind_of(address) == media::Kind::Inproc;
     if (!expected) append(tried, session.error());
   }
   if (!refused.empty()) return tl::unexpected("the broker refuses this program: " + refused);
+  if (!named->place.empty()) append(tried, named->place + " names this address");
   return tl::unexpected(
       "no broker answers; start `gecos up` (a laboratory on this machine) or `gecos broker`, or "
-      "say where it is in GECOS_BROKER" +
+      "say where it is in GECOS_BROKER or below [broker] in the lab file" +
       (tried.empty() ? std::string() : " (tried " + tried + ")"));
 }
 

@@ -6,6 +6,7 @@
 
 #include "gecos/base/mutex.hpp"
 #include "gecos/broker_types.hpp"  // generated from idl/gecos/broker.gidl
+#include "gecos/session/client/lab_file_broker.hpp"
 #include "gecos/session/process/runtime.hpp"
 
 namespace gecos::session {
@@ -37,9 +38,12 @@ class Context : public std::enable_shared_from_this<Context> {
   void close(Duration patience);
 
  private:
-  /// Returns the addresses at which a broker may answer. If a medium is not available to this
-  /// program, adds the reason to `tried`.
-  std::vector<std::string> broker_addresses(std::string& tried);
+  /// Returns what the program says about the broker's place, else GECOS_BROKER, else the lab file.
+  /// Fails if the lab file cannot be used: it may name another broker than the one of this host.
+  tl::expected<access::LabBroker, std::string> named_broker(TimePoint deadline);
+  /// Returns the addresses at which the broker `named` may answer. If a medium is not available to
+  /// this program, adds the reason to `tried`.
+  std::vector<std::string> broker_addresses(const access::LabBroker& named, std::string& tried);
   tl::expected<std::shared_ptr<ClientConnection>, std::string> look_for_broker(TimePoint deadline);
   /// Returns true when this lab has a session with a broker and the session is not lost.
   bool knows_broker() const GECOS_REQUIRES(mutex_);
@@ -47,6 +51,7 @@ class Context : public std::enable_shared_from_this<Context> {
 
   const std::shared_ptr<Runtime> runtime_;
   const std::shared_ptr<Failover> failover_;
+  LabFileBroker lab_file_;  ///< used by the thread that searches for the broker
   Mutex mutex_;
   ConditionVariable looked_;
   /// True while a thread searches for the broker. Only one thread at a time may search.

@@ -4,6 +4,7 @@
 #include "gecos/session/client/broker_client.hpp"
 #include "gecos/session/client/connect.hpp"
 #include "gecos/session/client/context.hpp"
+#include "gecos/session/client/lab_file_broker.hpp"
 
 namespace gecos::session {
 
@@ -21,6 +22,10 @@ tl::expected<std::shared_ptr<ClientSession>, std::string> session_at(const LabOr
     return tl::unexpected(std::string("this Lab is closed; make a new one"));
   }
   return opened;
+}
+
+tl::expected<access::LabBroker, std::string> broker_in_lab_file(Duration patience) {
+  return LabFileBroker({}).read(deadline_after(patience));
 }
 
 std::vector<BrokerPlace> find_brokers(const LabOrWhyNot& lab, Duration patience) {

@@ -1,121 +1,21 @@
 #include "gecos/session/server/lab_file_reader.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include <array>
-#include <cerrno>
-#include <chrono>
-#include <cstdlib>
-#include <filesystem>
 #include <utility>
 
-#include "gecos/base/descriptor.hpp"
 #include "gecos/base/log.hpp"
 #include "gecos/base/mutex.hpp"
-#include "gecos/base/system_error.hpp"
-#include "gecos/base/user_and_host.hpp"
+#include "gecos/session/process/lab_file_text.hpp"
 
 namespace gecos::session {
 namespace {
 
 using access::EditedLabFile;
-using access::LabFileError;
-
-constexpr const char* of_this_host = "/etc/gecos/lab.toml";
-// The TOML parser recurses for each part of a dotted key: a key with 200,000 parts would overflow
-// the stack and end the process.
-constexpr std::size_t largest_file = 1 << 16;
-/// A file is read only when it has not changed for this long.
-constexpr Duration settled = std::chrono::milliseconds(100);
-constexpr Duration settled_empty = std::chrono::seconds(1);
-
-/// Returns the path of the lab file that `option` or GECOS_LAB_FILE names; an empty text when
-/// neither names one.
-std::string named_file(const std::string& option) {
-  const char* const variable = std::getenv("GECOS_LAB_FILE");
-  const std::string named = !option.empty() ? option : variable != nullptr ? variable : "";
-  std::error_code unknown_folder;
-  const auto absolute = std::filesystem::absolute(named, unknown_folder);
-  return named.empty() || unknown_folder ? named : absolute.string();
-}
-
-/// Returns why the server must not use the file with these attributes; an empty text when it may.
-std::string distrust(const struct stat& file, const std::string& path) {
-  if (!S_ISREG(file.st_mode)) return "this is not a file";
-  if (file.st_uid != 0 && file.st_uid != ::geteuid()) {
-    return "the file belongs to " + user_name(file.st_uid) +
-           ", who could admit anyone; run: chown " + user_name(::geteuid()) + " " + path;
-  }
-  if ((file.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
-    return "other users may write to the file and could admit anyone; run: chmod go-w " + path;
-  }
-  if (static_cast<std::size_t>(file.st_size) > largest_file)
-    return "the file is larger than 64 KiB";
-  return "";
-}
-
-/// Returns whether another program seems to be writing the file at the moment. Most editors empty a
-/// file before they write it, and a half-written file may be valid although its last rules are
-/// missing.
-bool is_being_written(const struct stat& file) {
-  using std::chrono::system_clock;
-  const auto changed = system_clock::time_point(std::chrono::duration_cast<system_clock::duration>(
-      std::chrono::seconds(file.st_mtim.tv_sec) + std::chrono::nanoseconds(file.st_mtim.tv_nsec)));
-  const auto age = system_clock::now() - changed;
-  return std::chrono::abs(age) < (file.st_size == 0 ? settled_empty : settled);
-}
-
-/// Returns whether the file was changed between two looks at it. Its time of change counts, too,
-/// which a program that copies a file and the time of its text cannot set.
-bool was_changed(const struct stat& before, const struct stat& after) {
-  const auto equal = [](const timespec& one, const timespec& other) {
-    return one.tv_sec == other.tv_sec && one.tv_nsec == other.tv_nsec;
-  };
-  return before.st_size != after.st_size || !equal(before.st_mtim, after.st_mtim) ||
-         !equal(before.st_ctim, after.st_ctim);
-}
-
-/// Reads the file, and sets `must_exist` when it exists. If it does not exist and need not exist,
-/// returns an empty text. Returns nullopt while the file is being written.
-std::optional<EditedLabFile::Text> text_of(const std::string& path, bool& must_exist) {
-  const auto failed = [&](const std::string& why) {
-    return tl::unexpected(LabFileError{path, 0, "", why});
-  };
-  // O_NONBLOCK: a named pipe must not block the server
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!file && errno == ENOENT && !must_exist) return std::string();
-  const bool no_descriptor = !file && (errno == EMFILE || errno == ENFILE);
-  if (!no_descriptor) must_exist = true;  // a lack of descriptors does not tell whether it exists
-  struct stat before {};
-  if (!file || ::fstat(file.get(), &before) != 0) {
-    return failed("the file cannot be read: " + system_text(errno));
-  }
-  if (const std::string why = distrust(before, path); !why.empty()) return failed(why);
-  if (is_being_written(before)) return std::nullopt;
-  std::string text;
-  std::array<char, 4096> part;
-  ssize_t count = 0;
-  while (text.size() <= largest_file &&
-         (count = ::read(file.get(), part.data(), part.size())) > 0) {
-    text.append(part.data(), static_cast<std::size_t>(count));
-  }
-  struct stat after {};
-  if (count < 0 || ::fstat(file.get(), &after) != 0) {
-    return failed("the file cannot be read: " + system_text(errno));
-  }
-  const bool all_read = text.size() == static_cast<std::size_t>(after.st_size);
-  if (!all_read || was_changed(before, after)) return std::nullopt;
-  return text;
-}
 
 }  // namespace
 
 /// What the thread uses. It outlives the LabFileReader while the file system does not answer.
 struct LabFileReader::Shared {
-  explicit Shared(const std::string& named)
-      : must_exist(!named.empty()), file(must_exist ? named : of_this_host) {}
+  explicit Shared(const LabFilePath& named) : must_exist(named.must_exist), file(named.path) {}
   void read();
 
   // Used by the thread only.
@@ -127,7 +27,7 @@ struct LabFileReader::Shared {
 };
 
 void LabFileReader::Shared::read() {
-  const auto text = text_of(file.lists().file, must_exist);
+  const auto text = lab_file_text(file.lists().file, must_exist);
   const auto new_error = text ? file.take(*text) : std::nullopt;
   if (new_error && file.known()) {
     log_error("session", to_string(*new_error) +
@@ -140,7 +40,7 @@ void LabFileReader::Shared::read() {
 }
 
 LabFileReader::LabFileReader(const std::string& lab_file)
-    : shared_(std::make_shared<Shared>(named_file(lab_file))),
+    : shared_(std::make_shared<Shared>(lab_file_path(lab_file))),
       path_(shared_->file.lists().file),
       thread_("gecos-lab-file", [shared = shared_] { shared->read(); }) {}
 

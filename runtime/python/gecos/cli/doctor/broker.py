@@ -23,12 +23,38 @@ class Answer:
     ours: bool = True
 
 
-def broker(answer: Answer, place: str) -> Finding:
-    """Checks the answer of the broker at `place`, where programs look for a broker: the value of
-    GECOS_BROKER, or this host."""
+@dataclass(frozen=True, slots=True)
+class BrokerPlace:
+    """Where programs look for the broker. `source` names the setting with the address, as
+    "GECOS_BROKER" or "[broker] in lab.toml:4"; `address` and `source` are empty if no setting names
+    a broker."""
+
+    address: str = ""
+    source: str = ""
+
+    @property
+    def of_environment(self) -> bool:
+        return self.source == "GECOS_BROKER"
+
+    def __str__(self) -> str:
+        if self.of_environment:
+            return f"GECOS_BROKER={self.address}"
+        return f"address {self.address}, {self.source}" if self.source else "this host"
+
+
+def unusable_lab_file(problem: str, file: str) -> Finding:
+    """Returns the finding for a lab file that programs need to find the broker, and cannot use.
+    `problem` says why, and what to do."""
+    what, _, mend = problem.rpartition("; ")
+    return wrong("broker", what, file, mend)
+
+
+def broker(answer: Answer, at: BrokerPlace) -> Finding:
+    """Checks the answer of the broker at the place where programs look for a broker."""
+    place = str(at)
     if answer.reason is not None:
         what = f"no broker answers: {_tried(answer.reason)}"
-        return wrong("broker", what, place, _mend(answer.reason, place))
+        return wrong("broker", what, place, _mend(answer.reason, at))
     if not answer.ours:
         what = f"the broker, {answer.process}, belongs to another version of robcl"
         mend = "end it, and start `gecos broker` of this installation"
@@ -46,7 +72,7 @@ def one_broker(answers: Sequence[Answer]) -> Finding | None:
         f"several brokers answer: {', '.join(found.values())}; names are unique only "
         "within one broker"
     )
-    mend = "end one of them, or set GECOS_BROKER for all programs"
+    mend = "end one of them, or name one for all programs: in GECOS_BROKER or in the lab file"
     return warning("brokers", what, "this host and lcm", mend)
 
 
@@ -65,14 +91,16 @@ def over_lcm(here: Answer, over_lcm: Answer) -> Finding | None:
     )
 
 
-def _mend(reason: str, place: str) -> str:
+def _mend(reason: str, at: BrokerPlace) -> str:
     if "is not admitted here" in reason:
         return "gecos keys add FILE, with the .public file of the broker's user"
-    if place == "this host":
+    if not at.source:
         return "gecos broker (or gecos up, which also starts devices)"
-    if place.partition("=")[2].partition(":")[0] not in _MEDIA:
-        return "export GECOS_BROKER=lcm for a broker of another host (unset it for this host's)"
-    mend = f"run gecos broker on the host, and as the user, that {place} names"
+    if at.address.partition(":")[0] not in _MEDIA:
+        if at.of_environment:
+            return "export GECOS_BROKER=lcm for a broker of another host (unset it for this host's)"
+        return f'write address = "lcm" at {at.source} for a broker of another host (or remove it)'
+    mend = f"run gecos broker on the host, and as the user, that {at} names"
     if "does not admit our key" in reason:
         mend += (
             "; if a broker already runs there, run gecos keys add FILE there, with the .public "

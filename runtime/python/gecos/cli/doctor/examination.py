@@ -10,10 +10,18 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from gecos.cli.doctor import network, places, readings, real_time, resources, settings
-from gecos.cli.doctor.broker import Answer, broker, one_broker, over_lcm
+from gecos.cli.doctor.broker import (
+    Answer,
+    BrokerPlace,
+    broker,
+    one_broker,
+    over_lcm,
+    unusable_lab_file,
+)
 from gecos.cli.doctor.extension import NEEDED, extension
 from gecos.cli.doctor.finding import Finding, Level
 from gecos.cli.doctor.keys import own_key
+from gecos.cli.policy import named_file
 
 _OWN_KEY = "own.secret"  # in the folder of keys
 # This pattern matches only the error about the value of GECOS_LCM_TTL. It does not match the advice
@@ -75,33 +83,40 @@ def _exhausted(error: OSError) -> Finding:
 
 
 def _of_brokers() -> Iterator[Finding]:
-    named = os.environ.get("GECOS_BROKER", "")
+    place, unusable = BrokerPlace(), ""
+    try:
+        place = readings.broker_place()
+    except RuntimeError as error:
+        unusable = str(error)
     with ThreadPoolExecutor(2) as side_by_side:
         first = side_by_side.submit(readings.ask_broker, None)
         second = side_by_side.submit(readings.ask_broker, "lcm")
         answers = [first.result(), second.result()]
-    of_lcm = list(_of_lcm(answers[1], named))
+    of_lcm = list(_of_lcm(answers[1], place))
     yield from of_lcm
-    yield broker(answers[0], f"GECOS_BROKER={named}" if named else "this host")
+    if unusable:
+        yield unusable_lab_file(unusable, str(named_file()))
+    else:
+        yield broker(answers[0], place)
     several = one_broker(answers)
     if several is not None:
         yield several
-    wants_lcm = not named and os.environ.get("GECOS_LCM_TTL", "0") != "0"
+    wants_lcm = not place.address and os.environ.get("GECOS_LCM_TTL", "0") != "0"
     if wants_lcm and all(finding.level is Level.OK for finding in of_lcm):
         unreached = over_lcm(*answers)
         if unreached is not None:
             yield unreached
 
 
-def _of_lcm(answer: Answer, named: str) -> Iterator[Finding]:
+def _of_lcm(answer: Answer, place: BrokerPlace) -> Iterator[Finding]:
     refused = _REFUSED_TTL.search(answer.reason or "")
     if refused is not None:
         yield settings.refused("GECOS_LCM_TTL", refused[0].removesuffix(")"))
         return
     yield settings.accepted(os.environ)
     ttl = int(os.environ.get("GECOS_LCM_TTL") or 0)
-    yield network.multicast_route(answer.reason, named.startswith("lcm") or ttl > 0)
-    yield network.reach_of_packets(ttl, named)
+    yield network.multicast_route(answer.reason, place.address.startswith("lcm") or ttl > 0)
+    yield network.reach_of_packets(ttl, place)
 
 
 def _variable_in(text: str) -> str:

@@ -12,7 +12,7 @@ NEEDED = [
     *("PulledServant", "IncomingCall", "Server", "Broker"),
     *("runtime_directory", "runtime_directory_problem"),
     *("audit_directory", "key_directory", "own_key", "key_problem", "public_key_in"),
-    *("lab_file_problem", "may_connect"),
+    *("broker_in_lab_file", "lab_file_problem", "may_connect"),
     *("warn_of_other_brokers", "detail_name", "log_error"),
 ]
 """The names in gecos._core that this version of gecos uses."""

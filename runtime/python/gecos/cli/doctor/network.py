@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 
+from gecos.cli.doctor.broker import BrokerPlace
 from gecos.cli.doctor.finding import Finding, fine, warning, wrong
 
 WANTED_BYTES = 2 * 1024 * 1024  # LcmOptions::receive_buffer_bytes
@@ -26,14 +27,16 @@ def multicast_route(reason: str | None, needed: bool) -> Finding:
     return level("multicast route", what, "network interfaces", f"sudo sh -c '{advice[1]}'")
 
 
-def reach_of_packets(ttl: int, broker: str) -> Finding:
-    """Checks how far packets of lcm go. `ttl` is the value of GECOS_LCM_TTL. `broker` is the value
-    of GECOS_BROKER; an address of lcm may mean a broker on another host."""
+def reach_of_packets(ttl: int, broker: BrokerPlace) -> Finding:
+    """Checks how far packets of lcm go. `ttl` is the value of GECOS_LCM_TTL. `broker` says where
+    programs look for the broker; an address of lcm may mean a broker on another host."""
     if ttl > 0:
         return fine("lcm reach", f"packets pass up to {ttl} routers", "GECOS_LCM_TTL")
-    if not broker.startswith("lcm"):
+    if not broker.address.startswith("lcm"):
         return fine("lcm reach", "packets stay on this host", "GECOS_LCM_TTL")
-    what = "packets stay on this host, but GECOS_BROKER names lcm: other hosts cannot be reached"
+    what = (
+        f"packets stay on this host, but {broker.source} names lcm: other hosts cannot be reached"
+    )
     mend = "export GECOS_LCM_TTL=1 for each program, on each host"
     return warning("lcm reach", what, "GECOS_LCM_TTL", mend)
 

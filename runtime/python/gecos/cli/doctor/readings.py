@@ -12,7 +12,7 @@ import stat
 from importlib import import_module
 from pathlib import Path
 
-from gecos.cli.doctor.broker import Answer
+from gecos.cli.doctor.broker import Answer, BrokerPlace
 from gecos.cli.doctor.keys import Kind, Place
 
 _ASKED_FOR = 1.0  # s for which a broker is asked
@@ -63,6 +63,17 @@ def ask_broker(place: str | None) -> Answer:
         return Answer(error.attempts[0].reason)
     except (OSError, RuntimeError) as error:
         return Answer(str(error))
+
+
+def broker_place() -> BrokerPlace:
+    """Returns where programs of this user look for the broker. Raises RuntimeError if the lab file
+    cannot be used, and may name the broker."""
+    from gecos import _core
+
+    named = os.environ.get("GECOS_BROKER", "")
+    if named:
+        return BrokerPlace(named, "GECOS_BROKER")
+    return BrokerPlace(*_core.broker_in_lab_file(_ASKED_FOR))
 
 
 def key_problem() -> str | None:

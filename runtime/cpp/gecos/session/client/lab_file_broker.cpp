@@ -1,0 +1,83 @@
+#include "gecos/session/client/lab_file_broker.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "gecos/base/mutex.hpp"
+#include "gecos/lab.hpp"
+#include "gecos/session/process/lab_file_text.hpp"
+
+namespace gecos::session {
+namespace {
+
+constexpr Duration pause_between_readings = std::chrono::milliseconds(25);
+/// Also where the deadline never comes.
+constexpr Duration longest_reading = std::chrono::hours(1);
+
+tl::unexpected<std::string> unusable(const std::string& why) {
+  return tl::unexpected("the lab file, which may name the broker, cannot be used: " + why +
+                        "; correct that, or name the broker in GECOS_BROKER");
+}
+
+}  // namespace
+
+/// What the thread uses. It outlives the LabFileBroker while the file system does not answer.
+struct LabFileBroker::Shared {
+  explicit Shared(const LabFilePath& named) : path(named.path), must_exist(named.must_exist) {}
+  void read() {
+    bool named = must_exist;
+    auto now = lab_file_text(path, named);
+    const MutexLock lock(mutex);
+    text = std::move(now);
+  }
+
+  const std::string path;
+  const bool must_exist;
+  Mutex mutex;
+  /// no value while the file is being written
+  std::optional<access::EditedLabFile::Text> text GECOS_GUARDED_BY(mutex);
+};
+
+LabFileBroker::LabFileBroker(const std::string& lab_file)
+    : shared_(std::make_shared<Shared>(lab_file_path(lab_file))) {}
+
+LabFileBroker::~LabFileBroker() = default;
+
+tl::expected<access::LabBroker, std::string> LabFileBroker::read(TimePoint deadline) {
+  try {
+    if (!thread_) {
+      thread_ =
+          std::make_unique<FileThread>("gecos-lab-file", [shared = shared_] { shared->read(); });
+    }
+  } catch (const std::system_error& failed) {
+    return unusable(nothing_left("a thread that reads " + shared_->path, failed));
+  }
+  std::optional<access::EditedLabFile::Text> text;
+  for (;;) {
+    const TimePoint began = SystemClock().now();
+    if (!thread_->await(thread_->ask(), std::min(deadline - began, longest_reading))) {
+      return unusable(shared_->path + ": its file system does not answer");
+    }
+    {
+      const MutexLock lock(shared_->mutex);
+      text = std::exchange(shared_->text, std::nullopt);
+    }
+    if (text) break;
+    if (began + pause_between_readings >= deadline) {
+      thread_.reset();
+      return unusable(shared_->path + ": the file is being written all the time");
+    }
+    std::this_thread::sleep_for(pause_between_readings);
+  }
+  thread_.reset();
+  const auto broker = text->and_then(
+      [&](const std::string& it) { return access::parse_lab_broker(it, shared_->path); });
+  if (!broker) return unusable(to_string(broker.error()));
+  return *broker;
+}
+
+}  // namespace gecos::session
