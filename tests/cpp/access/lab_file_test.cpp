@@ -175,11 +175,18 @@ TEST(LabFile, SaysWhereTheBrokerIs) {
   }
 }
 
-TEST(LabFile, WithAnErrorInAnotherTableDoesNotSayWhereTheBrokerIs) {
-  const auto broker = parse_lab_broker("[broker]\naddress = \"lcm\"\n[brokr]\n", path);
+TEST(LabFile, WithAnUnknownTableDoesNotSayWhereTheBrokerIs) {
+  const auto broker = parse_lab_broker("[brokr]\naddress = \"lcm\"\n", path);
   ASSERT_FALSE(broker);
   EXPECT_EQ(to_string(broker.error()),
-            "lab.toml:3: brokr: this key is unknown; did you mean broker?");
+            "lab.toml:1: brokr: this key is unknown; did you mean broker?");
+}
+
+TEST(LabFile, WithAnErrorInAListSaysWhereTheBrokerIs) {
+  const auto broker =
+      parse_lab_broker("[allow]\nuser = \"anna\"\n[broker]\naddress = \"lcm\"\n", path);
+  ASSERT_TRUE(broker) << to_string(broker.error());
+  EXPECT_EQ(broker->address, "lcm");
 }
 
 // Edits

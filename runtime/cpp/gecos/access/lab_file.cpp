@@ -62,7 +62,6 @@ class LabFileReader {
   explicit LabFileReader(const std::string& file) : file_(file) {}
 
   LabAccess read(const toml::table& root) const {
-    admit_only(root, "", known_tables);
     LabAccess lab{.file = file_};
     broker(root);  // only for its errors
     if (const auto* clock = find(root, "clock", "clock")) {
@@ -90,6 +89,7 @@ class LabFileReader {
   }
 
   LabBroker broker(const toml::table& root) const {
+    admit_only(root, "", known_tables);  // an unknown table may be [broker], written wrongly
     const auto* const table = find(root, "broker", "broker");
     if (table == nullptr) return {};
     admit_only(*table, "broker.", broker_keys);
@@ -262,10 +262,8 @@ tl::expected<LabAccess, LabFileError> parse_lab_file(const std::string& text,
 
 tl::expected<LabBroker, LabFileError> parse_lab_broker(const std::string& text,
                                                        const std::string& file) {
-  return parse(text, file, [](const auto& reader, const toml::table& root) {
-    reader.read(root);  // only for its errors
-    return reader.broker(root);
-  });
+  return parse(text, file,
+               [](const auto& reader, const toml::table& root) { return reader.broker(root); });
 }
 
 EditedLabFile::EditedLabFile(std::string file) : lists_{.file = std::move(file)} {}

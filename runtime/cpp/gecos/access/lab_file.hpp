@@ -31,8 +31,10 @@ struct LabBroker {
   std::string place{};    ///< of the address, for messages: "[broker] in /etc/gecos/lab.toml:4"
 };
 
-/// Returns what the text of a lab file says about the broker. Fails if any part of the text has an
-/// error, because the wrong part may be the one about the broker.
+/// Returns what the text of a lab file says about the broker. Fails if [broker] has an error, if a
+/// table is unknown, which may be a misspelt [broker], and if the text is not TOML. Errors within
+/// other tables do not matter here: a mistake in a list of users must not keep programs from the
+/// broker.
 tl::expected<LabBroker, LabFileError> parse_lab_broker(const std::string& text,
                                                        const std::string& file);
 
