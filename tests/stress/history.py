@@ -42,6 +42,7 @@ from typing import NamedTuple
 
 import statuses
 import zones
+from lateness import WORTH_NOTING_S
 from statuses import ACTOR, Act, Grant
 
 BOUND_S = 1.5
@@ -382,7 +383,8 @@ def nothing_lost(history: History, bound_s: float) -> Iterator[str]:
                 begin = max(lost, call.issued)
                 took = (call.ended - begin) * 1e-9
                 still = history.late_s(begin, call.ended)
-                if took - still > bound_s:
+                # A wake-up that was less late than is worth noting is in no record.
+                if took - still > bound_s + WORTH_NOTING_S:
                     yield (
                         f"command {call.command} of {client.name} ended as {call.detail()}"
                         f" {took:.3f} s after its {what}; promised are {bound_s} s"

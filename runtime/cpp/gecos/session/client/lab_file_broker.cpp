@@ -15,6 +15,8 @@ namespace gecos::session {
 namespace {
 
 constexpr Duration pause_between_readings = std::chrono::milliseconds(25);
+/// Also where the deadline has come already: a search without patience reads the file, too.
+constexpr Duration shortest_reading = std::chrono::milliseconds(100);
 /// Also where the deadline never comes.
 constexpr Duration longest_reading = std::chrono::hours(1);
 
@@ -59,7 +61,8 @@ tl::expected<access::LabBroker, std::string> LabFileBroker::read(TimePoint deadl
   std::optional<access::EditedLabFile::Text> text;
   for (;;) {
     const TimePoint began = SystemClock().now();
-    if (!thread_->await(thread_->ask(), std::min(deadline - began, longest_reading))) {
+    const Duration patience = std::clamp(deadline - began, shortest_reading, longest_reading);
+    if (!thread_->await(thread_->ask(), patience)) {
       return unusable(shared_->path + ": its file system does not answer");
     }
     {

@@ -19,9 +19,9 @@ class LabFileBroker {
   explicit LabFileBroker(const std::string& lab_file);
   ~LabFileBroker();
 
-  /// Reads the file. Waits until `deadline` at most, also while the file is being written. A file
-  /// that does not exist, and that no setting names, says nothing. On failure returns a sentence
-  /// with the reason and the remedy.
+  /// Reads the file. Waits until `deadline` at most, or 100 ms if that is later, also while the
+  /// file is being written. A file that does not exist, and that no setting names, says nothing. On
+  /// failure returns a sentence with the reason and the remedy.
   tl::expected<access::LabBroker, std::string> read(TimePoint deadline);
 
  private:
