@@ -15,9 +15,9 @@ namespace gecos::session {
 namespace {
 
 constexpr Duration pause_between_readings = std::chrono::milliseconds(25);
-/// Also where the deadline has come already: a search without patience reads the file, too.
+/// The wait if the deadline has passed already: a search without patience reads the file, too.
 constexpr Duration shortest_reading = std::chrono::milliseconds(100);
-/// Also where the deadline never comes.
+/// The wait if there is no deadline.
 constexpr Duration longest_reading = std::chrono::hours(1);
 
 tl::unexpected<std::string> unusable(const std::string& why) {

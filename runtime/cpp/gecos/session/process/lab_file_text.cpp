@@ -58,8 +58,9 @@ bool is_being_written(const struct stat& file) {
   return std::chrono::abs(age) < (file.st_size == 0 ? settled_empty_file : settled_file);
 }
 
-/// Returns whether the file was changed between two looks at it. Its time of change counts, too,
-/// which a program that copies a file and the time of its text cannot set.
+/// Returns whether the file was changed between two looks at it. Also compares the times at which
+/// the attributes changed (ctime), because a program that copies a file together with its
+/// modification time cannot set them.
 bool was_changed(const struct stat& before, const struct stat& after) {
   const auto equal = [](const timespec& one, const timespec& other) {
     return one.tv_sec == other.tv_sec && one.tv_nsec == other.tv_nsec;
