@@ -3,7 +3,9 @@ the holders of one password were alone, and what a take-over ended did not go on
 
 Clients note a request before it is sent and after its answer. So what a server did lies between
 the two, and a check uses that one of them with which no right history can fail. A server marks a
-start under the mutex under which it grants and ends statuses: marks are in the order of its checks.
+start under the mutex under which it grants and ends statuses. The time of the mark may be one
+kernel tick old, and the server may have lost its core since: it checked the status between that
+time and the beginning of the handler.
 """
 
 from __future__ import annotations
@@ -109,7 +111,7 @@ def by_server(history: History) -> Iterator[OneServer]:
             if start.command in callers:
                 client, call = callers[start.command]
                 who = (client.name, call.session)
-                one.begun.append(Begun(start.marked, who, call, start.marked))
+                one.begun.append(Begun(start.marked, who, call, start.began))
         for sample, before, took in server.taken:
             if sample in senders:
                 client, call = senders[sample]
@@ -262,9 +264,10 @@ def excludes(held: Held, begun: Begun, grant: Grant | None) -> str:
 def ended_by_a_take_over(one: OneServer) -> Iterator[str]:
     """What ran at a take-over by another, and returned after it, has not finished."""
     actors = [begun for begun in one.begun if begun.call.operation in ACTOR]
-    marks = [begun.marked for begun in actors]
+    actors.sort(key=lambda begun: begun.until)
+    untils = [begun.until for begun in actors]
     for done in one.done:
-        at = bisect_left(marks, done.begin)
+        at = bisect_left(untils, done.begin)
         if done.what != "take" or at == 0:
             continue
         running = actors[at - 1]  # they run one at a time

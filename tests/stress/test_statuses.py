@@ -113,6 +113,13 @@ def test_rejected_is_a_motion_that_goes_on_to_its_end_under_a_taker(tmp_path: Pa
     ]
 
 
+def test_a_command_that_began_after_a_take_over_may_have_an_older_mark(tmp_path: Path) -> None:
+    marked_before = SERVER.replace(f"{WORKER + 3} tap 72", f"{WORKER + 3} tap 19").replace(
+        f"{WORKER + 1} file 6", f"{WORKER + 1} file 5"
+    )
+    assert judged(tmp_path, server=marked_before) == []
+
+
 def test_rejected_is_preempted_without_a_take_over(tmp_path: Path) -> None:
     takes = TAKES.replace("20 asks 1 take\n30 did 1 take\n", "")
     assert judged(tmp_path, takes) == [
