@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -12,9 +13,10 @@ namespace {
 
 constexpr int cycles_at_goal = 3;
 constexpr double longest_period = 0.1;  // s
-// A motion fails if a joint moved by more than this angle, in rad, between planning and start; for
-// example because a brake slipped.
-constexpr double moved_away = 1e-3;
+// A motion fails if the set point of a joint changed by more than this angle, in rad, between
+// planning and start; for example because a brake slipped and the drives had a fault. The arm would
+// jump by this angle in the first cycle.
+constexpr double moved_away = 1e-6;
 // A drive follows its set points with a delay. After missed cycles, a joint may be as far from the
 // last set point as it moves in this time, in s, at full speed.
 constexpr double longest_lag = 0.02;
@@ -36,11 +38,25 @@ JointState first_state(SupervisedDriver& driver) {
   return std::move(*state);
 }
 
-JointValues furthest_lags(const robcl::arm::ArmModel& model) {
-  JointValues lags(model.axes());
-  for (Eigen::Index i = 0; i < lags.size(); ++i)
-    lags[i] = longest_lag * model.limits()[at(i)].speed;
-  return lags;
+// In velocity mode, the limit of the change of a commanded velocity in one cycle, as a multiple of
+// the acceleration limit: the motion needs up to one acceleration, the position control the rest.
+constexpr double most_change = 2;
+
+JointValues speeds_of(const robcl::arm::ArmModel& model) {
+  JointValues speeds(model.axes());
+  for (Eigen::Index i = 0; i < speeds.size(); ++i) speeds[i] = model.limits()[at(i)].speed;
+  return speeds;
+}
+
+JointValues accelerations_of(const robcl::arm::ArmModel& model) {
+  JointValues limits(model.axes());
+  for (Eigen::Index i = 0; i < limits.size(); ++i) limits[i] = model.limits()[at(i)].acceleration;
+  return limits;
+}
+
+/// Returns `values`, each with a magnitude of at most that of `limits`.
+JointValues clamped(const JointValues& values, const JointValues& limits) {
+  return values.cwiseMin(limits).cwiseMax(-limits);
 }
 
 /// Returns the reason why `state` does not allow a motion; nullopt if a motion is allowed.
@@ -68,8 +84,8 @@ ArmController::ArmController(const robcl::arm::ArmModel& model, const Settings& 
       drives_(properties_of(driver, model)),
       driver_(driver, model.limits()),
       forward_(model),
-      furthest_lags_(furthest_lags(model)),
-      loop_{.state = first_state(driver_)},
+      limits_{speeds_of(model), accelerations_of(model)},
+      loop_{.state = first_state(driver_), .velocity = JointValues::Zero(model.axes())},
       reading_(Reading{}) {
   enable();
   publish();
@@ -110,12 +126,16 @@ void ArmController::step(double seconds) {
   const auto cycles = std::max(std::lround(seconds / drives_.period), 1L);
   const auto missed = static_cast<std::uint64_t>(cycles - 1);
   loop_.last.missed += missed;
+  const bool moved = loop_.phase == Phase::Moving;
   if (loop_.phase == Phase::Standing && started_.load()) begin();
   const JointValues before = loop_.command;
-  if (loop_.phase == Phase::Moving) move(missed);
+  if (loop_.phase == Phase::Moving) move(moved ? missed : 0);
+  if (missed > most_delayed) loop_.velocity.setZero();
   const bool undefined = !loop_.command.allFinite();
   if (undefined) loop_.command = before;
-  auto answer = driver_.exchange(command_for(before), seconds);
+  const JointCommand command = command_for(before);
+  loop_.velocity = command.velocity;
+  auto answer = driver_.exchange(command, seconds);
   std::optional<Outcome> end;
   if (loop_.phase == Phase::TurningOn) {
     end = turn_on(answer, seconds);
@@ -141,16 +161,21 @@ void ArmController::take(tl::expected<JointState, DriverFault> answer, bool moti
     const bool stays =
         std::exchange(loop_.silent, false) || motion_failed || answer->power != DrivePower::On;
     loop_.state = std::move(*answer);
-    if (stays) loop_.command = loop_.state.position;
+    if (stays) stay_here();
     publish();
     return;
   }
   // Until the driver answers again, readers of the measurements still see its last answer. The time
   // stamp shows the age of this answer.
   loop_.silent = true;
-  loop_.command = loop_.state.position;
+  stay_here();
   loop_.last.commanded = loop_.last.joints;
   reading_.write(loop_.last);
+}
+
+void ArmController::stay_here() {
+  loop_.command = loop_.state.position;
+  loop_.velocity.setZero();
 }
 
 void ArmController::enable() {
@@ -160,7 +185,7 @@ void ArmController::enable() {
     loop_.state = std::move(*state);
     loop_.silent = false;
   }
-  loop_.command = loop_.state.position;
+  stay_here();
 }
 
 void ArmController::begin() {
@@ -212,6 +237,9 @@ JointCommand ArmController::command_for(const JointValues& before) const {
   JointCommand command{loop_.command, (loop_.command - before) / drives_.period};
   if (drives_.mode == ControlMode::Velocity) {
     command.velocity += settings_.position_gain * (before - loop_.state.position);
+    const JointValues change = most_change * drives_.period * limits_.accelerations;
+    command.velocity = loop_.velocity + clamped(command.velocity - loop_.velocity, change);
+    command.velocity = clamped(command.velocity, limits_.speeds);
   }
   return command;
 }
@@ -233,12 +261,12 @@ std::optional<DriverFault> ArmController::not_held(const JointValues& measured,
                                                    const JointValues& held) const {
   for (Eigen::Index axis = 0; axis < axes_; ++axis) {
     const double away = std::abs(measured[axis] - held[axis]);
-    if (away <= furthest_lags_[axis]) continue;
+    const double furthest = longest_lag * limits_.speeds[axis];
+    if (away <= furthest) continue;
     std::ostringstream text;
     text << std::fixed << std::setprecision(1) << "the control loop stood still, and joint "
          << axis + 1 << " moved meanwhile: it is " << robcl::in_deg(away)
-         << " deg away from its last set point, more than the "
-         << robcl::in_deg(furthest_lags_[axis])
+         << " deg away from its last set point, more than the " << robcl::in_deg(furthest)
          << " deg by which it may lag behind; look at the arm before it moves again";
     return DriverFault{text.str()};
   }
@@ -258,7 +286,12 @@ void ArmController::move(std::uint64_t missed) {
   generator_->set_override(override_.load());
   if (stop_.load()) generator_->stop();
   if (missed > most_delayed) generator_->rest();
-  loop_.command = generator_->advance(drives_.period);
+  try {
+    loop_.command = generator_->advance(drives_.period);
+  } catch (const std::exception&) {
+    loop_.command.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
   loop_.last.fraction = generator_->fraction();
   loop_.last.remaining = generator_->remaining();
   if (!generator_->standing()) return;

@@ -114,6 +114,7 @@ class ArmController {
  private:
   enum class Phase { Standing, Moving, Settling, TurningOn };
 
+  void stay_here();
   void enable();
   void begin();
   void begin_reset();
@@ -135,7 +136,12 @@ class ArmController {
   const JointDriver::Properties drives_;
   SupervisedDriver driver_;
   robcl::arm::Kinematics forward_;
-  const JointValues furthest_lags_;  // rad, by which the joints may lag behind their set points
+  /// The limits of all joints.
+  struct Limits {
+    JointValues speeds;         ///< rad/s
+    JointValues accelerations;  ///< rad/s^2
+  };
+  const Limits limits_;
 
   // From the call of start() or reset_drives() to the outcome, only the control loop uses
   // generator_, motion_ and outcome_. At other times, only the thread that moves the arm uses them.
@@ -154,10 +160,11 @@ class ArmController {
     Phase phase = Phase::Standing;
     JointState state;  ///< the driver's last answer
     JointValues command{};
-    bool silent = false;    ///< the driver returned no plausible answer in the last cycle
-    std::string refusal{};  ///< why the drives could not be enabled; empty if they could
-    double settling = 0;    ///< time in s since the end of the plan, or since the reset
-    int arrived = 0;        ///< consecutive cycles in which all joints were at their goal
+    JointValues velocity{};  ///< rad/s, of the last command
+    bool silent = false;     ///< the driver returned no plausible answer in the last cycle
+    std::string refusal{};   ///< why the drives could not be enabled; empty if they could
+    double settling = 0;     ///< time in s since the end of the plan, or since the reset
+    int arrived = 0;         ///< consecutive cycles in which all joints were at their goal
     Reading last{};
   };
   Loop loop_;

@@ -25,8 +25,17 @@ DriverFault stalled_loop() {
   return {"the control loop has stalled: a call of the driver does not return"};
 }
 
-Refused refused_because(const std::exception& why) {
-  return {std::string("the motion cannot be planned: ") + why.what()};
+/// Returns the exception that is being handled as a refusal. Some exceptions of KDL are not a
+/// std::exception.
+Refused refused_because_of_exception() {
+  const std::string refused = "the motion cannot be planned: ";
+  try {
+    throw;
+  } catch (const std::exception& why) {
+    return {refused + why.what()};
+  } catch (...) {
+    return {refused + "an exception that is not a std::exception was thrown"};
+  }
 }
 
 /// The failure of a move whose caller had asked for another one before it, which failed with
@@ -79,8 +88,10 @@ std::optional<MoveFailure> ArmMotion::claim() {
 
 bool ArmMotion::while_standing(const std::function<void()>& change) {
   const Lock lock(mutex_);
-  if (!busy_) change();
-  return !busy_;
+  if (claim()) return false;  // another caller has the arm, or its last motion has not ended
+  change();
+  busy_ = false;
+  return true;
 }
 
 ArmMotion::Result ArmMotion::alone(const std::function<Generator(const JointValues& from)>& make,
@@ -105,10 +116,10 @@ ArmMotion::Result ArmMotion::while_claimed(const std::function<void()>& start,
   if (!watcher.interrupted()) {
     try {
       start();
-    } catch (const std::exception& why) {  // nothing moves yet: others may have the arm again
+    } catch (...) {  // nothing moves yet: others may have the arm again
       const Lock lock(mutex_);
       busy_ = false;
-      return tl::unexpected(refused_because(why));
+      return tl::unexpected(refused_because_of_exception());
     }
     OutcomeWatch outcome(controller_);
     std::optional<ArmController::Outcome> ended;
@@ -200,8 +211,8 @@ void ArmMotion::watch(Lock&) {
 std::optional<MoveFailure> ArmMotion::plan(Link& link) {
   try {
     return begin_or_follow(link);
-  } catch (const std::exception& why) {
-    return refused_because(why);
+  } catch (...) {
+    return refused_because_of_exception();
   }
 }
 
@@ -241,7 +252,7 @@ void ArmMotion::join_waiting() {
     std::ranges::copy_if(links_, std::back_inserter(waiting),
                          [](const Link* link) { return link->part == Part::Waiting; });
     if (!stopping_) join(waiting);
-  } catch (const std::exception&) {
+  } catch (...) {
     // The arm stops before the moves that have not joined. If a plan for one of these fails again,
     // that move is refused with the reason.
   }

@@ -77,7 +77,8 @@ class ArmMotion {
   Result reset_drives(MotionWatcher& watcher);
 
   /// Calls `change` if the arm makes no motion, and lets no motion begin before `change` returns.
-  /// Returns false, and does nothing, if the arm makes a motion.
+  /// Returns false, and does nothing, if the arm makes a motion or if a stalled control loop has
+  /// not ended the last motion.
   bool while_standing(const std::function<void()>& change);
 
  private:

@@ -71,9 +71,11 @@ class JointDriver {
   /// Returns the measured state of the joints. Sends no command to the drives. Allocates memory
   /// only when it fails.
   virtual tl::expected<JointState, DriverFault> read() = 0;
-  /// Sends `command` to the drives, which follow it for `seconds`, until the next call. Does
-  /// nothing unless the drives are On. Allocates memory only when it fails.
-  virtual tl::expected<void, DriverFault> write(const JointCommand& command, double seconds) = 0;
+  /// Sends `command` to the drives: the joints reach its positions, and have its velocities, at the
+  /// end of the coming period. `since_last`: time in s since the previous call; one period, or a
+  /// multiple of it after missed cycles. Does nothing unless the drives are On. Allocates memory
+  /// only when it fails.
+  virtual tl::expected<void, DriverFault> write(const JointCommand& command, double since_last) = 0;
 
   /// Turns the drives on and releases the brakes. The joints stay where they are until the first
   /// call of `write` at which the drives are On. Fails if the drives have a fault that `reset` has

@@ -57,16 +57,16 @@ void SimulatedDriver::break_down(std::string fault) {
 }
 
 tl::expected<void, DriverFault> SimulatedDriver::write(const JointCommand& command,
-                                                       double seconds) {
+                                                       double since_last) {
   if (power_ != DrivePower::On) return {};
-  const double done = 1 - std::exp(-seconds / imperfection_.lag);
+  const double done = 1 - std::exp(-since_last / imperfection_.lag);
   const JointValues before = actual_;
   if (imperfection_.mode == ControlMode::Position) {
     actual_ += done * (command.position - actual_);
-    speed_ = (actual_ - before) / seconds;
+    speed_ = (actual_ - before) / since_last;
   } else {
     speed_ += done * (command.velocity - speed_);
-    actual_ += seconds * speed_;
+    actual_ += since_last * speed_;
   }
   return {};
 }

@@ -25,7 +25,7 @@ class SimulatedDriver final : public JointDriver {
     return {.mode = imperfection_.mode, .period = imperfection_.period};
   }
   tl::expected<JointState, DriverFault> read() override { return state(); }
-  tl::expected<void, DriverFault> write(const JointCommand& command, double seconds) override;
+  tl::expected<void, DriverFault> write(const JointCommand& command, double since_last) override;
   tl::expected<void, DriverFault> enable() override;
   tl::expected<void, DriverFault> disable() override;
   tl::expected<void, DriverFault> reset() override;

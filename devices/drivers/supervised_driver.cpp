@@ -62,12 +62,12 @@ tl::expected<void, DriverFault> SupervisedDriver::reset() {
 }
 
 tl::expected<JointState, DriverFault> SupervisedDriver::exchange(const JointCommand& command,
-                                                                 double seconds) {
-  if (const auto written = caught([&] { return driver_.write(command, seconds); }); !written) {
+                                                                 double since_last) {
+  if (const auto written = caught([&] { return driver_.write(command, since_last); }); !written) {
     last_.resize(0);
     return tl::unexpected(written.error());
   }
-  return read_judged(seconds);
+  return read_judged(since_last);
 }
 
 tl::expected<JointState, DriverFault> SupervisedDriver::read_judged(double seconds) {

@@ -29,8 +29,9 @@ class SupervisedDriver {
   tl::expected<void, DriverFault> enable();
   tl::expected<void, DriverFault> disable();
   tl::expected<void, DriverFault> reset();
-  /// Writes the command for the next `seconds`, and reads the state of the joints.
-  tl::expected<JointState, DriverFault> exchange(const JointCommand& command, double seconds);
+  /// Writes the command for the coming period, and reads the state of the joints. `since_last`:
+  /// time in s since the previous call.
+  tl::expected<JointState, DriverFault> exchange(const JointCommand& command, double since_last);
 
  private:
   std::optional<DriverFault> lie_of(const JointState& state, double seconds) const;

@@ -26,9 +26,9 @@ class RecordingDriver final : public JointDriver {
 
   Properties properties() const override { return joints_.properties(); }
   tl::expected<JointState, DriverFault> read() override { return joints_.read(); }
-  tl::expected<void, DriverFault> write(const JointCommand& command, double seconds) override {
+  tl::expected<void, DriverFault> write(const JointCommand& command, double since_last) override {
     if (set_points_.back() != command.position) set_points_.push_back(command.position);
-    return joints_.write(command, seconds);
+    return joints_.write(command, since_last);
   }
   tl::expected<void, DriverFault> enable() override { return joints_.enable(); }
   tl::expected<void, DriverFault> disable() override { return joints_.disable(); }

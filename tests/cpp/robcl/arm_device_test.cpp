@@ -276,7 +276,7 @@ TEST(BrokenArm, WhoseDriverFailsEndsTheMotionWithItsWords) {
 }
 
 /// A motion whose third set point is not a number.
-class UndefinedMotion final : public robcl::motion::TrajectoryGenerator {
+class UndefinedMotion : public robcl::motion::TrajectoryGenerator {
  public:
   const JointValues& start() const override { return ready; }
   JointValues advance(double) override {
@@ -309,6 +309,22 @@ TEST(BrokenArm, WhoseMotionHasASetPointThatIsNoNumberStandsAndItsLoopGoesOn) {
   EXPECT_FALSE(controller.now().moving);
   ASSERT_EQ(driver.all.size(), 5U);
   for (std::size_t k = 2; k < 5; ++k) EXPECT_EQ(driver.all[k], driver.all[1]) << "it stands";
+}
+
+TEST(BrokenArm, WhoseMotionThrowsStandsAndItsLoopGoesOn) {
+  class Throwing final : public UndefinedMotion {
+   public:
+    JointValues advance(double) override { throw std::runtime_error("no such frame"); }
+  };
+  const auto model = rx90();
+  RecordingDriver driver(ready);
+  ArmController controller(model, {}, driver);
+  controller.start(std::make_shared<Throwing>());
+  for (int i = 0; i < 5; ++i) ASSERT_NO_THROW(controller.step(cycle));
+  const auto outcome = controller.wait(std::chrono::seconds(0));
+  ASSERT_TRUE(outcome.has_value());
+  EXPECT_EQ(outcome->fault.text, "a set point of the motion is not finite; the arm stands");
+  for (const JointValues& point : driver.all) EXPECT_EQ(point, ready);
 }
 
 TEST(BrokenArm, StaysWhereItStandsWhenItsDriverIsBack) {

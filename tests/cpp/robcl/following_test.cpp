@@ -101,6 +101,22 @@ TEST_P(Follow, FiveHundredCorrectionsAddUpExactly) {
   }
 }
 
+TEST_P(Follow, DropsACorrectionThatNoNumberCanHold) {
+  std::mt19937 engine(5);
+  std::uniform_real_distribution<double> angle(-3, 3);
+  for (int round = 0; round < 50; ++round) {
+    FollowLimits limits;
+    limits.angle = 4;
+    start(CorrectionAxes::Tool, limits);
+    corrections_->waiting.push_back(rotate_z(angle(engine)) * rotate_y(angle(engine)));
+    corrections_->waiting.push_back(translate(1.7e308, 1.7e308, 0));
+    run(5, 0.004);
+    EXPECT_EQ(corrections_->last.applied, 1);
+    EXPECT_EQ(corrections_->last.dropped, 1);
+    EXPECT_TRUE(set_points_.back().allFinite());
+  }
+}
+
 TEST_P(Follow, CorrectionsOfOneCycleAreMultipliedInOrder) {
   const Frame first = translate(0.01, 0, 0) * rotate_z(0.1), second = translate(0, 0.02, 0);
   start(CorrectionAxes::Tool);

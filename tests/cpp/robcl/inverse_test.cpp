@@ -11,6 +11,7 @@
 
 #include "arms.hpp"
 #include "robcl/arm/kinematics.hpp"
+#include "robcl/arm/local_inverse.hpp"
 #include "robcl/arm/numeric_inverse.hpp"
 #include "robcl/arm/spherical_wrist.hpp"
 
@@ -313,6 +314,15 @@ class NumericInverses : public ::testing::TestWithParam<ArmModel (*)()> {
 constexpr const char* arms_without_closed_form[] = {"Ur5", "SevenAxes", "FiveAxes"};
 INSTANTIATE_TEST_SUITE_P(Of, NumericInverses, ::testing::Values(&ur5, &seven_axes, &five_axes),
                          [](const auto& made) { return arms_without_closed_form[made.index]; });
+
+TEST(LocalInverse, MeasuresTheDistanceOfAnArmWithFiveJointsFromItsSingularities) {
+  const LocalInverse inverse(five_axes());
+  const auto distance_at = [&](const JointValues& joints) {
+    return inverse.at(joints).inverse.singularity_distance();
+  };
+  EXPECT_GT(distance_at(joints({10, 20, 60, 30, 40})), 0.05);
+  EXPECT_LT(distance_at(joints({10, 20, 0, 30, 40})), 1e-6) << "the elbow is stretched";
+}
 
 TEST(NumericInverse, OfAnArmWithFiveJointsTakesAGoalWhoseRoundingItCannotReach) {
   const ArmModel model = five_axes();

@@ -23,14 +23,16 @@ JointValues beside_start() {
   return target;
 }
 
-robcl::motion::Plan plan_to(const robcl::arm::ArmModel& model, const JointValues& target) {
-  return robcl::motion::Planner(model, {}).joints(start, target, {}).value();
+/// A plan from where the arm stands.
+robcl::motion::Plan plan_of(const ArmController& controller) {
+  robcl::motion::Planner planner(robcl::rx90(), {});
+  return planner.joints(controller.standing_at(), beside_start(), {}).value();
 }
 
 /// How a motion away from `start` ends, `cycles` later at most; `meanwhile` once a cycle.
 std::optional<ArmController::Outcome> outcome_of(
     ArmController& controller, const std::function<void(int)>& meanwhile = [](int) {}) {
-  controller.start(playing(plan_to(robcl::rx90(), beside_start())));
+  controller.start(playing(plan_of(controller)));
   for (int i = 0; i < 1000; ++i) {
     meanwhile(i);
     controller.step(beat);
@@ -127,9 +129,7 @@ TEST(DriverFault, IsKeptUntilTheDrivesAreResetAndTheArmThenMovesFromWhereItStand
   const JointValues stood = driver.measured();
   EXPECT_EQ(controller.now().power, DrivePower::Fault);
 
-  controller.start(playing(robcl::motion::Planner(robcl::rx90(), {})
-                               .joints(controller.standing_at(), beside_start(), {})
-                               .value()));
+  controller.start(playing(plan_of(controller)));
   controller.step(beat);
   const auto refused = controller.wait(std::chrono::seconds(0));
   ASSERT_TRUE(refused.has_value()) << "nothing moves by itself";
@@ -138,9 +138,7 @@ TEST(DriverFault, IsKeptUntilTheDrivesAreResetAndTheArmThenMovesFromWhereItStand
   EXPECT_EQ(reset(controller)->end, ArmController::End::Arrived);
   EXPECT_EQ(controller.now().power, DrivePower::On);
   EXPECT_LT((driver.measured() - stood).cwiseAbs().maxCoeff(), 1e-3) << "it stands where it stood";
-  controller.start(playing(robcl::motion::Planner(robcl::rx90(), {})
-                               .joints(controller.standing_at(), beside_start(), {})
-                               .value()));
+  controller.start(playing(plan_of(controller)));
   std::optional<ArmController::Outcome> moved;
   while (!moved) {
     controller.step(beat);
@@ -332,7 +330,7 @@ TEST(Drives, GiveThePeriodOfTheControlLoop) {
   controller.step(0.004);
   EXPECT_EQ(controller.now().missed, 3U);
 
-  const auto plan = plan_to(robcl::rx90(), beside_start());
+  const auto plan = plan_of(controller);
   controller.start(playing(plan));
   int cycles = 0;
   while (!controller.wait(std::chrono::seconds(0))) {
@@ -357,7 +355,7 @@ TEST(Drives, ThatWereNotServedForLongerThanTheyAllowDoNotGoOn) {
   };
   Watchful driver(start);
   ArmController controller(robcl::rx90(), {}, driver);
-  controller.start(playing(plan_to(robcl::rx90(), beside_start())));
+  controller.start(playing(plan_of(controller)));
   for (int i = 0; i < 20; ++i) controller.step(beat);
   controller.step(0.5);
   const auto outcome = controller.wait(std::chrono::seconds(0));

@@ -112,7 +112,7 @@ TEST(PausedLoops, GoOnWithDrivesThatLagBehindAtFullSpeed) {
     for (const int missed : {6, 20, 100}) {
       SimulatedDriver driver(begin_here, {.period = each});
       ArmController controller(model, {}, driver);
-      controller.start(playing(planner.joints(begin_here, target, {}).value()));
+      controller.start(playing(planner.joints(controller.standing_at(), target, {}).value()));
       std::optional<ArmController::Outcome> ended;
       for (int i = 0; i < 3000 && !ended; ++i) {
         const bool stands_still = i % every == every - 1;
@@ -125,21 +125,70 @@ TEST(PausedLoops, GoOnWithDrivesThatLagBehindAtFullSpeed) {
   }
 }
 
-TEST(PausedLoops, EndTheMotionOfDrivesThatKeptTheirVelocity) {
-  /// Joints that keep the commanded velocity until the next command.
-  class RunningOn : public StandingDriver {
-   public:
-    using StandingDriver::StandingDriver;
-    Properties properties() const override { return {.mode = ControlMode::Velocity}; }
-    tl::expected<void, DriverFault> write(const JointCommand& command, double seconds) override {
-      stands += velocity_ * (seconds - period) + command.velocity * period;
-      velocity_ = command.velocity;
-      return {};
-    }
+/// Joints that keep the commanded velocity until the next command.
+class RunningOn : public StandingDriver {
+ public:
+  using StandingDriver::StandingDriver;
+  Properties properties() const override { return {.mode = ControlMode::Velocity}; }
+  tl::expected<void, DriverFault> write(const JointCommand& command, double since_last) override {
+    stands += velocities.back() * (since_last - period) + command.velocity * period;
+    velocities.push_back(command.velocity);
+    return {};
+  }
 
-   private:
-    JointValues velocity_ = JointValues::Zero(6);
+  std::vector<JointValues> velocities{JointValues::Zero(6)};
+};
+
+TEST(PausedLoops, ChangeTheVelocityOfDrivesThatRanOnWithinTheLimits) {
+  const auto model = rx90();
+  const robcl::arm::JointLimits& limits = model.limits()[0];
+  for (int missed = 1; missed <= static_cast<int>(ArmController::most_delayed); ++missed) {
+    RunningOn driver(begin_here);
+    ArmController controller(model, {}, driver);
+    JointValues target = begin_here;
+    target[0] += 1;
+    robcl::motion::Planner planner(model, {});
+    controller.start(playing(planner.joints(begin_here, target, {}).value()));
+    std::optional<ArmController::Outcome> ended;
+    for (int i = 0; i < 1000 && !ended; ++i) {
+      controller.step(i % 60 == 59 ? (missed + 1) * period : period);
+      ended = controller.wait(std::chrono::seconds(0));
+    }
+    ASSERT_TRUE(ended) << missed;
+    EXPECT_EQ(ended->end, End::Arrived) << ended->fault.text;
+    for (std::size_t i = 1; i < driver.velocities.size(); ++i) {
+      const double before = driver.velocities[i - 1][0], now = driver.velocities[i][0];
+      ASSERT_LE(std::abs(now), limits.speed * 1.001) << missed;
+      ASSERT_LE(std::abs(now - before), 2 * limits.acceleration * period * 1.001) << missed;
+    }
+  }
+}
+
+TEST(PausedLoops, DoNotRampDownAVelocityThatTheDrivesNoLongerHave) {
+  /// Drives that stop by themselves when they get no command.
+  class Stopping : public RunningOn {
+   public:
+    using RunningOn::RunningOn;
+    tl::expected<void, DriverFault> write(const JointCommand& command, double) override {
+      return RunningOn::write(command, period);
+    }
   };
+  const auto model = rx90();
+  Stopping driver(begin_here);
+  ArmController controller(model, {}, driver);
+  JointValues target = begin_here;
+  target[0] += 1;
+  robcl::motion::Planner planner(model, {});
+  controller.start(playing(planner.joints(begin_here, target, {}).value()));
+  for (int i = 0; i < 60; ++i) controller.step(period);
+  const double fast = driver.velocities.back()[0];
+  controller.step(20 * period);
+  EXPECT_LE(std::abs(driver.velocities.back()[0]),
+            2 * model.limits()[0].acceleration * period * 1.001);
+  EXPECT_GT(fast, 4 * model.limits()[0].acceleration * period) << "it was fast";
+}
+
+TEST(PausedLoops, EndTheMotionOfDrivesThatKeptTheirVelocity) {
   const auto model = rx90();
   RunningOn driver(begin_here);
   ArmController controller(model, {}, driver);

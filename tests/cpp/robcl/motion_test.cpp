@@ -225,6 +225,10 @@ TEST_F(Motion, AMoveToWhereItStandsIsOverAtOnce) {
   EXPECT_EQ(playback.advance(cycle), ready);
   EXPECT_TRUE(playback.standing());
   EXPECT_EQ(playback.fraction(), 1);
+  Playback held_up(*plan);
+  held_up.rest();
+  EXPECT_EQ(held_up.advance(cycle), ready);
+  EXPECT_TRUE(held_up.standing());
 }
 
 TEST_F(Motion, StopDeceleratesOnThePathWithinTheLimits) {

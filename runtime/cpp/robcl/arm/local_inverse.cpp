@@ -26,8 +26,15 @@ DampedInverse::DampedInverse(const Jacobian& jacobian)
 }
 
 /// Estimates the least eigenvalue by the least pivot of the decomposition, which is never below it.
+/// An arm with fewer than six joints cannot move its tool in every direction. Of its directions,
+/// those count that it has in general.
 double DampedInverse::singularity_distance() const {
-  return std::sqrt(std::max(square_.ldlt().vectorD().minCoeff() - damping, 0.0));
+  if (jacobian_.cols() >= square_.rows()) {
+    return std::sqrt(std::max(square_.ldlt().vectorD().minCoeff() - damping, 0.0));
+  }
+  using SmallSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+  const SmallSquare square = jacobian_.transpose().lazyProduct(jacobian_);
+  return std::sqrt(std::max(square.ldlt().vectorD().minCoeff(), 0.0));
 }
 
 LocalInverse::Solution LocalInverse::at(const JointValues& joints) const {

@@ -44,8 +44,10 @@ void Following::apply(const Frame& correction) {
                            ? target_ * correction
                            : Frame(target_.position() + correction.position(),
                                    correction.orientation() * target_.orientation());
-  if (distance(origin_, target) > limits_.distance + limit_rounding ||
-      angle(origin_, target) > limits_.angle + limit_rounding) {
+  // A correction of more than 1e300 m makes the target NaN, which these comparisons refuse, too.
+  const bool inside = distance(origin_, target) <= limits_.distance + limit_rounding &&
+                      angle(origin_, target) <= limits_.angle + limit_rounding;
+  if (!inside) {
     ++state_.dropped;
     return;
   }

@@ -20,8 +20,9 @@ JointLimiter::JointLimiter(std::vector<arm::JointLimits> limits, const JointValu
       speeds_(JointValues::Zero(start.size())) {}
 
 const JointValues& JointLimiter::follow(const JointValues& target, double cycle) {
-  for (Eigen::Index axis = 0; axis < joints_.size(); ++axis) follow(axis, target[axis], cycle);
-  target_ = target;
+  const JointValues finite = target.array().isFinite().select(target, joints_);
+  for (Eigen::Index axis = 0; axis < joints_.size(); ++axis) follow(axis, finite[axis], cycle);
+  target_ = finite;
   return joints_;
 }
 

@@ -14,7 +14,8 @@ class TrajectoryGenerator {
 
   /// Returns the joint positions at which the motion starts from rest.
   virtual const JointValues& start() const = 0;
-  /// Advances the time by `seconds` and returns the set points of the joints.
+  /// Advances the time by `seconds` and returns the set points of the joints. Should not throw: an
+  /// exception ends the motion as a fault.
   virtual JointValues advance(double seconds) = 0;
   /// Scales the speed of the motion in the following calls of `advance`. `factor` is from 0 to 1; 0
   /// pauses the motion. The path stays the same, and the limits of the arm are kept.

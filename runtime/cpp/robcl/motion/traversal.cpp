@@ -92,7 +92,7 @@ void Traversal::rest(const Stage& stage, double s) {
   speed_ = 0;
   least_.fill(0);
   greatest_.fill(0);
-  standing_ = mode_ == Mode::Braking;
+  standing_ = mode_ == Mode::Braking || plan().law.duration() <= 0;
   if (!standing_) leave_law(Mode::Scaled);
 }
 
