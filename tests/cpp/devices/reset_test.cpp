@@ -2,10 +2,10 @@
 #include <thread>
 
 #include "../robcl/arms.hpp"
-#include "../robcl/standing_driver.hpp"
 #include "devices/arm/joints_servant.hpp"
 #include "laboratory.hpp"
 #include "robcl/six_axis_client.hpp"
+#include "standing_driver.hpp"
 
 namespace devices {
 namespace {

@@ -8,8 +8,8 @@
 #include <future>
 #include <vector>
 
-#include "allocations.hpp"
-#include "arms.hpp"
+#include "../robcl/allocations.hpp"
+#include "../robcl/arms.hpp"
 #include "devices/drivers/simulated_driver.hpp"
 #include "standing_driver.hpp"
 

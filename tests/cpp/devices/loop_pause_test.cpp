@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "arms.hpp"
+#include "../robcl/arms.hpp"
 #include "devices/arm/arm_controller.hpp"
 #include "devices/drivers/simulated_driver.hpp"
 #include "robcl/motion/planner.hpp"

@@ -9,9 +9,9 @@
 #include <thread>
 #include <vector>
 
-#include "arms.hpp"
+#include "../robcl/arms.hpp"
+#include "../robcl/set_points.hpp"
 #include "devices/arm/arm_device.hpp"
-#include "set_points.hpp"
 #include "standing_driver.hpp"
 
 namespace devices {

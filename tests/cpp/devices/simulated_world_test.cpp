@@ -1,3 +1,5 @@
+#include "devices/world/simulated_world.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -5,7 +7,6 @@
 
 #include "devices/gripper/simulated_gripper.hpp"
 #include "devices/laser_distance_sensor/simulated_beam.hpp"
-#include "devices/world/simulated_world.hpp"
 
 namespace devices {
 namespace {

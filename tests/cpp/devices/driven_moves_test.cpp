@@ -10,11 +10,11 @@
 #include <tuple>
 #include <vector>
 
-#include "arms.hpp"
+#include "../robcl/arms.hpp"
+#include "../robcl/moving.hpp"
+#include "../robcl/set_points.hpp"
 #include "devices/arm/arm_controller.hpp"
-#include "moving.hpp"
 #include "robcl/motion/planner.hpp"
-#include "set_points.hpp"
 #include "standing_driver.hpp"
 
 namespace devices {
