@@ -149,8 +149,8 @@ class ArmController {
   std::uint64_t motion_ = 0;  // number of the motion in generator_
   Outcome outcome_;
 
-  std::atomic<bool> started_{false};  // publishes generator_ to the loop
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> started_{false};     // publishes generator_ to the loop
+  std::atomic<bool> stop_{false};        // orders no other memory
   std::atomic<double> override_{1};      // orders no other memory
   std::atomic<std::uint64_t> beats_{0};  // orders no other memory
   std::counting_semaphore<> ended_{0};   // publishes outcome_ to the waiting thread

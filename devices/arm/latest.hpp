@@ -9,8 +9,8 @@
 namespace devices {
 
 /// Holds the newest value that one thread writes and any number of threads read. Writing is
-/// wait-free. A reader reads again if the writer changed the value during the read; with a few
-/// hundred writes per second, a reader reads at most twice.
+/// wait-free. A reader reads again if the writer changed the value during the read. A write takes
+/// less than a microsecond, so a reader rarely reads more than twice.
 template <typename T>
 requires std::is_trivially_copyable_v<T>
 class Latest {

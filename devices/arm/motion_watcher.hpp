@@ -5,8 +5,8 @@
 namespace devices {
 
 /// The interface through which a running motion reports its progress to its caller, and asks
-/// whether it must end. The arm calls these functions about every 5 ms, one at a time, on any of
-/// the threads that wait for the motion.
+/// whether it must end. The arm calls these functions about every 5 ms, on any of the threads that
+/// wait for the motion. Two threads may call two of them at the same time.
 class MotionWatcher {
  public:
   virtual ~MotionWatcher() = default;

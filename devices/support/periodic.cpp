@@ -3,7 +3,7 @@
 #include <chrono>
 #include <utility>
 
-#include "devices/support/pace.hpp"
+#include "devices/support/cycle_timer.hpp"
 
 namespace devices {
 namespace {
@@ -13,10 +13,10 @@ using std::chrono::steady_clock;
 /// `clock` is null in real time.
 void run(const std::stop_token& stop, LabClock* clock, gecos::Duration period,
          const std::function<void(double)>& work) {
-  Pace pace(period, clock == nullptr ? 1 : clock->speed(), steady_clock::now());
+  CycleTimer timer(period, clock == nullptr ? 1 : clock->speed(), steady_clock::now());
   while (!stop.stop_requested()) {
-    const Pace::Cycle cycle = pace.next(steady_clock::now());
-    if (clock != nullptr) clock->set_reached(pace.reached());
+    const CycleTimer::Cycle cycle = timer.next(steady_clock::now());
+    if (clock != nullptr) clock->set_reached(timer.reached());
     std::this_thread::sleep_until(cycle.begins);
     work(cycle.seconds);
   }

@@ -11,7 +11,7 @@ namespace devices {
 
 /// Calls `work` once every `period` on a separate thread, from the constructor to the destructor.
 ///
-/// The cycles have absolute start times. Pace describes what happens to late cycles.
+/// The cycles have absolute start times. CycleTimer describes what happens to late cycles.
 class Periodic {
  public:
   /// `work` receives the time since the last cycle in s: `period`, or a multiple of `period` after

@@ -48,8 +48,8 @@ class Manipulator : public virtual ::robcl::Device {
   /// arm: it acts on the motions after it.
   gecos::Command<void> set_tool_offset(const ::robcl::Frame& value) const;
 
-  /// Stands for the present place of the base: each `mount`, and a restart of the server,
-  /// changes it.
+  /// A number for the present place of the base: it changes with each `mount`, and when the
+  /// server is started again.
   gecos::Command<std::uint64_t> pose_epoch() const;
 
   /// Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the
@@ -62,8 +62,8 @@ class Manipulator : public virtual ::robcl::Device {
       const std::optional<::robcl::Trajectory>& how = {},
       const std::optional<std::uint64_t>& pose_epoch = {}) const;
 
-  /// Configuration in which the next joint move of the same session ends that asks for none
-  /// itself. Moves nothing. Rejected if the arm has no configurations.
+  /// Sets the configuration in which the next joint move of this session ends, unless that
+  /// move asks for one itself. Moves nothing. Rejected if the arm has no configurations.
   gecos::Command<void> set_configuration(const ::robcl::Configuration& wanted) const;
 
   /// Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as

@@ -49,8 +49,8 @@ class ManipulatorServant : public virtual ::robcl::DeviceServant {
   /// arm: it acts on the motions after it.
   virtual gecos::Result<void> set_tool_offset(const ::robcl::Frame& value) = 0;
 
-  /// Stands for the present place of the base: each `mount`, and a restart of the server,
-  /// changes it.
+  /// A number for the present place of the base: it changes with each `mount`, and when the
+  /// server is started again.
   virtual gecos::Result<std::uint64_t> pose_epoch() = 0;
 
   /// Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the
@@ -64,8 +64,8 @@ class ManipulatorServant : public virtual ::robcl::DeviceServant {
       const std::optional<std::uint64_t>& pose_epoch,
       gecos::Execution<::robcl::MotionProgress>& run) = 0;
 
-  /// Configuration in which the next joint move of the same session ends that asks for none
-  /// itself. Moves nothing. Rejected if the arm has no configurations.
+  /// Sets the configuration in which the next joint move of this session ends, unless that
+  /// move asks for one itself. Moves nothing. Rejected if the arm has no configurations.
   virtual gecos::Result<void> set_configuration(
       const ::robcl::Configuration& wanted,
       gecos::Execution<>& run) = 0;

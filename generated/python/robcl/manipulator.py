@@ -225,9 +225,9 @@ _MANIPULATOR_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"robcl::
 {"kind":"attribute","name":"flange","doc":"Flange in the world, as measured: where grippers and sensors are mounted.","type":"robcl::Frame","readonly":true,"stream":{"direction":"out","rate_hz":250.0,"largest":56},"read_access":"sensor","qos":{"quality_class":"SOFT_REALTIME","reliability":"BEST_EFFORT","latency_ns":5000000,"lifespan_ns":1000000000},"codes":{"get":3590499756,"stream":3590499756},"hash":"0x294c864a0a1bb0d9"},
 {"kind":"attribute","name":"posture","doc":"Configuration that the arm is in.","type":"robcl::Configuration","readonly":true,"read_access":"sensor","codes":{"get":2355008027},"hash":"0x3d861e0f224574c5"},
 {"kind":"attribute","name":"tool_offset","doc":"Tool frame seen from the flange. Setting it takes its turn among the commands of the arm: it acts on the motions after it.","type":"robcl::Frame","read_access":"sensor","write_access":"actor","write_needs_presence":true,"codes":{"get":1576561611,"set":3826381890},"hash":"0xd5db88cc5c4a48ee"},
-{"kind":"attribute","name":"pose_epoch","doc":"Stands for the present place of the base: each `mount`, and a restart of the server, changes it.","type":"uint64","readonly":true,"read_access":"sensor","codes":{"get":1580972314},"hash":"0x647f63cefbd156f4"},
+{"kind":"attribute","name":"pose_epoch","doc":"A number for the present place of the base: it changes with each `mount`, and when the server is started again.","type":"uint64","readonly":true,"read_access":"sensor","codes":{"get":1580972314},"hash":"0x647f63cefbd156f4"},
 {"kind":"operation","name":"move","doc":"Moves the tool frame to `goal`, given in the world. FINISHED when it stands at the goal or, after NOBREAK, when it is on the path of the next motion. Refused if `pose_epoch`, read when the goal was computed, is not the present one: the base has another place since then.","parameters":[{"name":"goal","direction":"in","type":"robcl::Frame"},{"name":"how","direction":"in","type":"robcl::Trajectory","optional":true},{"name":"pose_epoch","direction":"in","type":"uint64","optional":true}],"raises":["robcl::OutOfReach","robcl::JointLimit","robcl::Singular"],"access":"actor","needs_presence":true,"cancelable":true,"feedback":"robcl::MotionProgress","on_new":"blend","on_loss":"stop","code":889709316,"hash":"0xfb420d81da75d59e"},
-{"kind":"operation","name":"set_configuration","doc":"Configuration in which the next joint move of the same session ends that asks for none itself. Moves nothing. Rejected if the arm has no configurations.","parameters":[{"name":"wanted","direction":"in","type":"robcl::Configuration"}],"access":"actor","needs_presence":true,"cancelable":true,"on_new":"blend","on_loss":"stop","code":2917175470,"hash":"0x214642d141946a53"},
+{"kind":"operation","name":"set_configuration","doc":"Sets the configuration in which the next joint move of this session ends, unless that move asks for one itself. Moves nothing. Rejected if the arm has no configurations.","parameters":[{"name":"wanted","direction":"in","type":"robcl::Configuration"}],"access":"actor","needs_presence":true,"cancelable":true,"on_new":"blend","on_loss":"stop","code":2917175470,"hash":"0x214642d141946a53"},
 {"kind":"operation","name":"override_speed","doc":"Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as planned, 0 pauses it on its path. The factor stays until it is set again.","parameters":[{"name":"factor","direction":"in","type":"double","unit":"1","range":{"min":0.0,"max":1.0}}],"access":"actor","needs_presence":true,"on_new":"queue","on_loss":"stop","parallel":true,"code":3837748681,"hash":"0xf909515cb9f6d463"},
 {"kind":"attribute","name":"speed_override","doc":"Factor of `override_speed`.","type":"double","readonly":true,"unit":"1","read_access":"sensor","codes":{"get":34307637},"hash":"0x78256f74e6a4faff"},
 {"kind":"attribute","name":"standing","doc":"Whether the arm makes no motion and stands, by its measured joint positions. False during a pause, because the motion may go on. After a stop, a command ends before the arm stands.","type":"boolean","readonly":true,"read_access":"sensor","codes":{"get":1808856709},"hash":"0x1031d81d03f43ec5"},
@@ -332,8 +332,8 @@ class Manipulator(Device):
         )
 
     def pose_epoch(self) -> _Command[int]:
-        """Stands for the present place of the base: each `mount`, and a restart of the server,
-        changes it.
+        """A number for the present place of the base: it changes with each `mount`, and when the
+        server is started again.
         """
         return self._gecos_call(_MANIPULATOR_POSE_EPOCH, [])
 
@@ -353,8 +353,8 @@ class Manipulator(Device):
         return self._gecos_call(_MANIPULATOR_MOVE, _MANIPULATOR_MOVE.request(goal, how, pose_epoch))
 
     def set_configuration(self, wanted: Configuration) -> _Command[None]:
-        """Configuration in which the next joint move of the same session ends that asks for none
-        itself. Moves nothing. Rejected if the arm has no configurations.
+        """Sets the configuration in which the next joint move of this session ends, unless that
+        move asks for one itself. Moves nothing. Rejected if the arm has no configurations.
         """
         return self._gecos_call(
             _MANIPULATOR_SET_CONFIGURATION,
@@ -482,8 +482,8 @@ class ManipulatorServant(DeviceServant):
 
     @_abstractmethod
     def pose_epoch(self) -> int:
-        """Stands for the present place of the base: each `mount`, and a restart of the server,
-        changes it.
+        """A number for the present place of the base: it changes with each `mount`, and when the
+        server is started again.
         """
 
     @_abstractmethod
@@ -504,8 +504,8 @@ class ManipulatorServant(DeviceServant):
 
     @_abstractmethod
     def set_configuration(self, wanted: Configuration, run: _Execution[None]) -> None:
-        """Configuration in which the next joint move of the same session ends that asks for none
-        itself. Moves nothing. Rejected if the arm has no configurations.
+        """Sets the configuration in which the next joint move of this session ends, unless that
+        move asks for one itself. Moves nothing. Rejected if the arm has no configurations.
         """
 
     @_abstractmethod

@@ -1,9 +1,10 @@
 // Drives that are simulated: lag, noise and brakes.
+#include "devices/drivers/simulated_driver.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "devices/drivers/simulated_driver.hpp"
 #include "driven_arm.hpp"
 
 namespace devices {

@@ -1,4 +1,6 @@
 // Drivers that throw, or whose answers cannot be true.
+#include "devices/drivers/supervised_driver.hpp"
+
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -9,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "devices/drivers/supervised_driver.hpp"
 #include "driven_arm.hpp"
 
 namespace devices {

@@ -11,7 +11,7 @@ namespace devices {
 /// skipped, and the next cycle simulates their time too. At any other speed no cycle is skipped. A
 /// device that is late begins its next cycles without a pause until it has caught up. If it is late
 /// by `most_behind`, simulated time passes more slowly than requested.
-class Pace {
+class CycleTimer {
  public:
   static constexpr gecos::Duration most_behind = std::chrono::milliseconds(20);
   /// The time over which `reached` takes the mean.
@@ -19,7 +19,7 @@ class Pace {
 
   /// `period` is the simulated time from one cycle to the next, `speed` the number of simulated
   /// seconds that are to pass in a second of real time.
-  Pace(gecos::Duration period, double speed, gecos::TimePoint start);
+  CycleTimer(gecos::Duration period, double speed, gecos::TimePoint start);
 
   struct Cycle {
     gecos::TimePoint begins;

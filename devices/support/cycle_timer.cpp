@@ -1,4 +1,4 @@
-#include "devices/support/pace.hpp"
+#include "devices/support/cycle_timer.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -10,10 +10,10 @@ using Seconds = std::chrono::duration<double>;
 
 }  // namespace
 
-Pace::Pace(gecos::Duration period, double speed, gecos::TimePoint start)
+CycleTimer::CycleTimer(gecos::Duration period, double speed, gecos::TimePoint start)
     : period_(period), speed_(speed), last_(start), measured_since_(start), reached_(speed) {}
 
-Pace::Cycle Pace::next(gecos::TimePoint now) {
+CycleTimer::Cycle CycleTimer::next(gecos::TimePoint now) {
   measure(now);
   Cycle cycle{last_ + period_, Seconds(period_).count()};
   if (speed_ != 1) {
@@ -30,7 +30,7 @@ Pace::Cycle Pace::next(gecos::TimePoint now) {
 
 /// During the first window, the mean over the time so far is reported, because the requested speed
 /// may be far from the real one.
-void Pace::measure(gecos::TimePoint now) {
+void CycleTimer::measure(gecos::TimePoint now) {
   const gecos::Duration passed = now - measured_since_;
   const bool full = passed >= window;
   if (passed > gecos::Duration::zero() && (full || first_window_)) {
