@@ -101,6 +101,24 @@ TEST_P(Follow, FiveHundredCorrectionsAddUpExactly) {
   }
 }
 
+TEST_P(Follow, EndsBesideALimitThatRoundingExceeds) {
+  constexpr double period = 0.004;
+  const Eigen::Index last = model_.axes() - 1;
+  JointValues at_limit = from_;
+  at_limit[last] = model_.limits()[static_cast<std::size_t>(last)].upper;
+  corrections_ = std::make_shared<Corrections>();
+  following_.emplace(model_, at_limit, Frame(), CorrectionAxes::Tool, FollowLimits{}, corrections_);
+  for (const double turn : {5e-10, -5e-10}) {
+    corrections_->waiting.push_back(rotate_z(turn));
+    following_->advance(period);
+  }
+  corrections_->waiting.push_back(rotate_z(5e-10));
+  run(1, period);
+  following_->stop();
+  run(100, period);
+  EXPECT_TRUE(following_->standing());
+}
+
 TEST_P(Follow, DropsACorrectionThatNoNumberCanHold) {
   std::mt19937 engine(5);
   std::uniform_real_distribution<double> angle(-3, 3);

@@ -287,6 +287,28 @@ TEST_F(Motion, PlayingBackAndStoppingAllocatesNothing) {
   EXPECT_TRUE(sum.allFinite());
 }
 
+TEST_F(Motion, ASlowMoveWhoseOverrideChangesEnds) {
+  const Smoothing smoothing = Smoothing::over(0.03, cycle);
+  Planner planner(model_, {}, smoothing);
+  Pace pace;
+  pace.tool_speed = 1e-4;
+  const Frame goal = translate(0, 0, 2.5e-5) * planner.base_from_tool(ready, {});
+  const Plan plan = planner.straight(ready, goal, {}, pace).value();
+  const auto cycles = static_cast<int>(plan.duration() / cycle);
+  for (const double factor : {0.0, 0.01, 0.1, 0.5}) {
+    for (int at = 1; at < cycles; ++at) {
+      Playback playback(plan);
+      for (int i = 0; i < at; ++i) playback.advance(cycle);
+      playback.set_override(factor);
+      for (int i = 0; i < 3; ++i) playback.advance(cycle);
+      playback.set_override(1);
+      for (int i = 0; !playback.standing() && i < 1000; ++i) playback.advance(cycle);
+      ASSERT_TRUE(playback.standing()) << factor << " in cycle " << at << " of " << cycles;
+      EXPECT_EQ(playback.advance(cycle), plan.goal());
+    }
+  }
+}
+
 TEST_F(Motion, AnOverrideScalesTheSpeedAndZeroPausesUntilItIsRaised) {
   const Frame goal = planner_.base_from_tool(ready, {}) * translate(0, 0, -0.2);
   const Plan plan = planner_.straight(ready, goal, {}, {}).value();

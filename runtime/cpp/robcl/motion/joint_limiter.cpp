@@ -20,9 +20,14 @@ JointLimiter::JointLimiter(std::vector<arm::JointLimits> limits, const JointValu
       speeds_(JointValues::Zero(start.size())) {}
 
 const JointValues& JointLimiter::follow(const JointValues& target, double cycle) {
-  const JointValues finite = target.array().isFinite().select(target, joints_);
-  for (Eigen::Index axis = 0; axis < joints_.size(); ++axis) follow(axis, finite[axis], cycle);
-  target_ = finite;
+  for (Eigen::Index axis = 0; axis < joints_.size(); ++axis) {
+    const arm::JointLimits& limits = limits_[static_cast<std::size_t>(axis)];
+    const double wanted = std::isfinite(target[axis]) ? target[axis] : joints_[axis];
+    // Rounding may put a target outside the limits, where the joint would never arrive.
+    const double inside = std::clamp(wanted, limits.lower, limits.upper);
+    follow(axis, inside, cycle);
+    target_[axis] = inside;
+  }
   return joints_;
 }
 

@@ -201,6 +201,23 @@ bool Traversal::can_follow_law() const {
   return true;
 }
 
+/// Returns whether rounding may have stopped the joints just before the goal: for so short a way,
+/// d²s/dt² is too small for `greatest_admitted` to find.
+bool Traversal::nearly_at_goal() const {
+  constexpr double negligible = 1e-8;  // rad, and of the speed 1
+  if (speed_ > negligible) return false;
+  const Path& path = plan().path;
+  const JointValues& goal = path.knot(path.intervals());
+  const auto near_goal = [&](const JointValues& joints) {
+    return (joints - goal).cwiseAbs().maxCoeff() <= negligible;
+  };
+  if (!near_goal(path.position(s_))) return false;
+  for (std::size_t i = knot_ + 1; i < path.intervals(); ++i) {
+    if (!near_goal(path.knot(i))) return false;
+  }
+  return true;
+}
+
 void Traversal::advance_by_pieces(double seconds) {
   if (mode_ == Mode::Scaled) enter_stages_here();
   while (seconds > 0) {
@@ -208,9 +225,7 @@ void Traversal::advance_by_pieces(double seconds) {
     note(u);
     seconds = go_on(u, seconds);
     const Path& path = plan().path;
-    // Because of rounding, the motion may stop slightly before the goal.
-    constexpr double negligible = 1e-9;  // s
-    if (speed_ == 0 && mode_ == Mode::Scaled && s_ > path.end() - negligible) s_ = path.end();
+    if (mode_ == Mode::Scaled && nearly_at_goal()) s_ = path.end();
     const bool at_knot = s_ >= path.place(knot_ + 1);
     if (at_knot) ++knot_;
     if (at_knot && mode_ == Mode::Scaled) enter_stages_here();

@@ -65,6 +65,7 @@ class Traversal {
   double acceleration(double seconds) const;
   bool can_slow_down(double u, double seconds, double change) const;
   bool can_follow_law() const;
+  bool nearly_at_goal() const;
   void note(double u);
   void note_law(double from, double to);
   void leave_law(Mode mode);
