@@ -336,6 +336,12 @@ ArmDescription arm_of(const Table& table, const ReadUrdf& read_urdf) {
 }
 
 tl::expected<std::string, std::string> text_of(const std::filesystem::path& file) {
+  std::error_code unknown;  // the file is then refused below
+  const auto kind = std::filesystem::status(file, unknown).type();
+  using Kind = std::filesystem::file_type;
+  if (kind == Kind::fifo || kind == Kind::socket || kind == Kind::character) {
+    return tl::unexpected(std::string("it is a pipe, a socket or a device, not a regular file"));
+  }
   errno = 0;
   std::ifstream in(file);
   std::ostringstream text;

@@ -19,6 +19,11 @@ class InterruptionWatcher final : public MotionWatcher {
   gecos::Execution<>& run_;
 };
 
+template <class Run>
+NextConfiguration::Issuer issuer_of(const Run& run) {
+  return {run.caller().session, run.status_epoch()};
+}
+
 }  // namespace
 
 gecos::Result<void> ManipulatorServant::restart_drives(gecos::Execution<>& run) {
@@ -83,14 +88,14 @@ gecos::Result<void> ManipulatorServant::move(const Frame& goal,
   auto wanted = configuration_of(trajectory);
   std::optional<robcl::arm::Configuration> set_before;
   if (path == PathKind::Joint) {
-    set_before = next_configuration_.take(run.caller().session);
+    set_before = next_configuration_.take(issuer_of(run));
     if (!wanted) wanted = set_before;
   }
   CallWatcher watcher(run);
   const auto moved =
       arm_.move(goal, path, pace_of(trajectory), watcher, wanted, goes_over(trajectory));
   if (set_before && !moved && is_refusal(moved.error())) {
-    next_configuration_.give_back(run.caller().session, *set_before);
+    next_configuration_.give_back(issuer_of(run), *set_before);
   }
   return answer(moved);
 }
@@ -102,7 +107,7 @@ gecos::Result<void> ManipulatorServant::set_configuration(const robcl::Configura
     return tl::unexpected(gecos::Fault::rejected(
         "this arm has no configurations to choose from; leave all members of `wanted` out"));
   }
-  next_configuration_.set(run.caller().session, known);
+  next_configuration_.set(issuer_of(run), known);
   return {};
 }
 

@@ -11,29 +11,37 @@
 
 namespace devices {
 
-/// Keeps, for each session, the configuration in which its next joint move must end. Thread-safe.
+/// Keeps, for each session, the configuration in which its next joint move must end. A stop, or the
+/// end of the status under which the session set it, lets it be forgotten. Thread-safe.
 class NextConfiguration {
  public:
+  /// A session, and the epoch of its status when it issued a command.
+  struct Issuer {
+    std::uint64_t session = 0, epoch = 0;
+  };
+
   /// Sets the configuration for the next joint move of the session.
-  void set(std::uint64_t session, const robcl::arm::Configuration& wanted) {
+  void set(const Issuer& issuer, const robcl::arm::Configuration& wanted) {
     const gecos::MutexLock lock(mutex_);
-    static_cast<void>(take_held(session));
+    static_cast<void>(take_held(issuer));
     if (wanted_.size() == most_sessions) wanted_.pop_front();
-    wanted_.emplace_back(session, wanted);
+    wanted_.emplace_back(issuer, wanted);
   }
   /// Sets the configuration again, because the joint move for which it was taken was refused. Does
   /// nothing if the session has set another one since.
-  void give_back(std::uint64_t session, const robcl::arm::Configuration& taken) {
+  void give_back(const Issuer& issuer, const robcl::arm::Configuration& taken) {
     const gecos::MutexLock lock(mutex_);
-    const auto of_session = [&](const auto& known) { return known.first == session; };
+    const auto of_session = [&](const auto& known) {
+      return known.first.session == issuer.session;
+    };
     if (std::ranges::any_of(wanted_, of_session) || wanted_.size() == most_sessions) return;
-    wanted_.emplace_back(session, taken);
+    wanted_.emplace_back(issuer, taken);
   }
   /// Returns the configuration for the joint move that the session has just requested, and forgets
   /// it. Returns nullopt if the session has set no configuration.
-  std::optional<robcl::arm::Configuration> take(std::uint64_t session) {
+  std::optional<robcl::arm::Configuration> take(const Issuer& issuer) {
     const gecos::MutexLock lock(mutex_);
-    return take_held(session);
+    return take_held(issuer);
   }
 
  private:
@@ -41,18 +49,19 @@ class NextConfiguration {
   // oldest configuration is forgotten: its session may never move.
   static constexpr std::size_t most_sessions = 64;
 
-  std::optional<robcl::arm::Configuration> take_held(std::uint64_t session) GECOS_REQUIRES(mutex_) {
+  std::optional<robcl::arm::Configuration> take_held(const Issuer& issuer) GECOS_REQUIRES(mutex_) {
     for (auto at = wanted_.begin(); at != wanted_.end(); ++at) {
-      if (at->first != session) continue;
-      const robcl::arm::Configuration found = at->second;
+      if (at->first.session != issuer.session) continue;
+      const auto [set_by, found] = *at;
       wanted_.erase(at);
+      if (set_by.epoch != issuer.epoch) return std::nullopt;
       return found;
     }
     return std::nullopt;
   }
 
   gecos::Mutex mutex_;
-  std::deque<std::pair<std::uint64_t, robcl::arm::Configuration>> wanted_ GECOS_GUARDED_BY(mutex_);
+  std::deque<std::pair<Issuer, robcl::arm::Configuration>> wanted_ GECOS_GUARDED_BY(mutex_);
 };
 
 }  // namespace devices

@@ -63,7 +63,8 @@ class Manipulator : public virtual ::robcl::Device {
       const std::optional<std::uint64_t>& pose_epoch = {}) const;
 
   /// Sets the configuration in which the next joint move of this session ends, unless that
-  /// move asks for one itself. Moves nothing. Rejected if the arm has no configurations.
+  /// move asks for one itself. A stop and the end of the status let it be forgotten. Moves
+  /// nothing. Rejected if the arm has no configurations.
   gecos::Command<void> set_configuration(const ::robcl::Configuration& wanted) const;
 
   /// Scales the speed of motions from the next cycle on, also of the one that runs: 1 is as

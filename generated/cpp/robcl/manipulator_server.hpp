@@ -65,7 +65,8 @@ class ManipulatorServant : public virtual ::robcl::DeviceServant {
       gecos::Execution<::robcl::MotionProgress>& run) = 0;
 
   /// Sets the configuration in which the next joint move of this session ends, unless that
-  /// move asks for one itself. Moves nothing. Rejected if the arm has no configurations.
+  /// move asks for one itself. A stop and the end of the status let it be forgotten. Moves
+  /// nothing. Rejected if the arm has no configurations.
   virtual gecos::Result<void> set_configuration(
       const ::robcl::Configuration& wanted,
       gecos::Execution<>& run) = 0;

@@ -65,9 +65,9 @@ std::ostream& operator<<(std::ostream& out, Wrist value);
 /// Which of the ways to reach its pose an arm is in, as one sees it: the wrist in front
 /// of the shoulder (RIGHTY) or behind it, the elbow ABOVE or BELOW the line from shoulder
 /// to wrist, the flange bent up from the forearm (NOFLIP) or down. With the tool down in
-/// front of it, an arm is RIGHTY, ABOVE, FLIP. A member is absent at a singularity, and
-/// where an arm has no such choice; in a wanted configuration, an absent member allows
-/// both.
+/// front of it and the forearm leaning forward, an arm is RIGHTY, ABOVE, FLIP. A member
+/// is absent at a singularity, and where an arm has no such choice; in a wanted
+/// configuration, an absent member allows both.
 struct Configuration {
   /// [optional]
   std::optional<::robcl::Shoulder> arm{};

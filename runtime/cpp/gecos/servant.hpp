@@ -99,6 +99,9 @@ class CallCore {
   virtual const Caller& caller() const = 0;
   /// Returns the number of the call in its session; 0 when the call has none.
   virtual std::uint64_t counter_in_session() const { return 0; }
+  /// Returns the epoch of the status under which the call was issued; 0 if it was issued under
+  /// none.
+  virtual std::uint64_t status_epoch() const { return 0; }
   /// Returns true when the handler should end soon, because the call was canceled or stopped, its
   /// lease was lost, its deadline has passed or the server is closing.
   virtual bool interrupted() const = 0;
@@ -132,6 +135,7 @@ class IncomingCall {
   ByteView arguments() const { return core_->arguments(); }
   const Caller& caller() const { return core_->caller(); }
   std::uint64_t counter() const { return core_->counter_in_session(); }
+  std::uint64_t status_epoch() const { return core_->status_epoch(); }
   /// For the runtime.
   std::shared_ptr<const session::CallCore> core() const { return core_; }
   bool interrupted() const { return core_->interrupted(); }
@@ -238,6 +242,9 @@ class Execution {
   const Caller& caller() const { return call_.caller(); }
   /// Returns the number of the command in its caller's session.
   std::uint64_t counter() const { return call_.counter(); }
+  /// Returns the epoch of the status under which the command was issued; 0 if it was issued under
+  /// none. A stop, a take-over and the end of a status make a new epoch begin.
+  std::uint64_t status_epoch() const { return call_.status_epoch(); }
   /// For the runtime.
   std::shared_ptr<const session::CallCore> core() const { return call_.core(); }
 

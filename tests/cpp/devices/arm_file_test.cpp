@@ -253,6 +253,11 @@ TEST(ArmFile, AFileThatIsNotThereIsRefusedWithItsPath) {
   EXPECT_EQ(to_string(folder.error()),
             "/: the file cannot be read (Is a directory); give the path of the TOML file of an "
             "arm");
+  const auto endless = read_arm("/dev/zero");
+  ASSERT_FALSE(endless);
+  EXPECT_EQ(to_string(endless.error()),
+            "/dev/zero: the file cannot be read (it is a pipe, a socket or a device, not a regular "
+            "file); give the path of the TOML file of an arm");
 }
 
 class ArmOfTheTree : public ::testing::TestWithParam<const char*> {};

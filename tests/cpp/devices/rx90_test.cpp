@@ -326,6 +326,23 @@ TEST_F(Rx90Test, TheConfigurationThatIsSetIsNotThatOfAnotherSessionWithTheSameSt
   EXPECT_EQ(hand(), robcl::Wrist::NOFLIP);
 }
 
+TEST_F(Rx90Test, AStopAndTheEndOfTheStatusLetTheConfigurationThatIsSetBeForgotten) {
+  const Frame here = robot_.tool().get().value();
+  for (const bool stops : {true, false}) {
+    {
+      const auto lease = gecos::actor(robot_);
+      ASSERT_TRUE(get(robot_.set_configuration({.hand = robcl::Wrist::NOFLIP}), cycle()));
+      if (stops) {
+        ASSERT_TRUE(gecos::stop(robot_).get());
+      }
+    }
+    const auto lease = gecos::actor(robot_);
+    ASSERT_TRUE(lease) << lease.error();
+    ASSERT_TRUE(get(robot_.move(here * translate(0, 0, -10_mm)), cycle()));
+    EXPECT_EQ(robot_.posture().get().value().hand, robcl::Wrist::FLIP) << stops;
+  }
+}
+
 TEST_F(Rx90Test, AJointMoveThatIsRefusedDoesNotUseUpTheConfigurationThatIsSet) {
   const auto lease = gecos::actor(robot_);
   const Frame here = robot_.tool().get().value();

@@ -40,6 +40,7 @@ class ServerCall final : public CallCore,
   ByteView arguments() const override { return arguments_.view(); }
   const Caller& caller() const override;
   std::uint64_t counter_in_session() const override { return counter; }
+  std::uint64_t status_epoch() const override { return number(epoch); }
   bool interrupted() const override { return interrupted_.load(std::memory_order_acquire); }
   bool wait_interrupted_until(TimePoint deadline) override;
   bool begin() override;
