@@ -72,6 +72,22 @@ TEST_F(Motion, JointsOfAJointMoveStayInProportion) {
   }
 }
 
+TEST_F(Motion, AMoveWhoseLimitsStopTheArmBeforeTheGoalIsRefused) {
+  for (const double rise : {0.0, 0.03}) {
+    const Planner planner(model_, tool_limits_, Smoothing::over(rise, cycle));
+    auto move = planner_.joint_move(ready, joints({50, 10, 40, -60, 20, 100}), {}).value();
+    const double unlimited = planner.plan(move).duration();
+    move.caps.assign(move.path.intervals(), infinite);
+    move.caps[50] = 0;  // at both ends of an interval
+    EXPECT_FALSE(fastest_plan(
+        move.path, model_, {limits_of(move, tool_limits_), braking_limits_of(move, tool_limits_)},
+        planner.smoothing()));
+    EXPECT_THROW(static_cast<void>(planner.plan(move)), std::runtime_error);
+    move.caps[50] = 1e-6;
+    EXPECT_GT(planner.plan(move).duration(), unlimited);
+  }
+}
+
 TEST_F(Motion, AToolSpeedHoldsOnAJointMove) {
   Pace pace;
   pace.tool_speed = 0.25;

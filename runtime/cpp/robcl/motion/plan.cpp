@@ -48,8 +48,8 @@ std::optional<TimeLaw> fastest_law(const Path& path, const arm::ArmModel& model,
   const bool from_rest = start.at_rest();
   double longest = infinite;  // s
   for (int tries = 1;; ++tries) {
-    auto law = TimeLaw::fastest_from(tightened, start, smoothing);
-    if (!law && from_rest) law = TimeLaw::fastest(tightened);
+    auto law = TimeLaw::fastest(tightened, start, smoothing);
+    if (!law && from_rest) law = TimeLaw::fastest(tightened, {}, {});
     if (!law) return std::nullopt;
     if (tries == 1) longest = most_slowed * law->duration();
     if (!from_rest && law->duration() > longest) return std::nullopt;

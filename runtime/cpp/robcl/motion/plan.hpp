@@ -36,7 +36,8 @@ struct CourseLimits {
 /// Plans the fastest motion on `path` whose set points keep all limits. The motion begins as
 /// `start` says. If it does not begin at rest, `start` must last at least as long as the window of
 /// `smoothing`. Returns nullopt if the arm cannot keep the limits after this start, or can keep
-/// them only by a much slower motion. Always succeeds if the motion begins at rest.
+/// them only by a much slower motion. From rest, returns nullopt only if the limits make the arm
+/// stop before the end, as limits of 0 do.
 std::optional<Plan> fastest_plan(Path path, const arm::ArmModel& model, CourseLimits limits,
                                  const Smoothing& smoothing, const TimeLaw::Start& start = {});
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iomanip>
 #include <sstream>
+#include <stdexcept>
 
 namespace robcl::motion {
 namespace {
@@ -51,7 +52,13 @@ Plan Planner::plan(const Move& move) const {
   if (move.stands) {
     return {move.path, {move.path, model_, limits.braking}, TimeLaw::standing(), smoothing_};
   }
-  return *fastest_plan(move.path, model_, std::move(limits), smoothing_);
+  auto plan = fastest_plan(move.path, model_, std::move(limits), smoothing_);
+  if (!plan) {
+    throw std::runtime_error(
+        "the limits of the joints and of the tool make the arm stop before the "
+        "goal");
+  }
+  return *std::move(plan);
 }
 
 tl::expected<Move, Failure> Planner::joint_move(const JointValues& from, const JointValues& to,

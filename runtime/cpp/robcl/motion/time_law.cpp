@@ -140,8 +140,8 @@ class ForwardPass {
 
 }  // namespace
 
-std::optional<TimeLaw> TimeLaw::fastest_from(const PathBounds& bounds, const Start& start,
-                                             const Smoothing& smoothing) {
+std::optional<TimeLaw> TimeLaw::fastest(const PathBounds& bounds, const Start& start,
+                                        const Smoothing& smoothing) {
   const std::size_t last = bounds.intervals();
   std::vector<double> highest(last + 1, 0.0);
   const std::size_t first = start.knot();

@@ -19,17 +19,6 @@ class TimeLaw {
     double acceleration = 0;  ///< d²s/dt², 1/s²
   };
 
-  /// Returns the fastest time law that keeps all limits. A backward pass finds the greatest speed
-  /// at each knot from which the arm can still stop at the end. A forward pass then accelerates as
-  /// hard as these speeds allow. The method is that of H. Pham and Q.-C. Pham, "A New Approach to
-  /// Time-Optimal Path Parameterization Based on Reachability Analysis", 2018. If only the limits
-  /// of the tool apply, the speed profile is a trapezoid.
-  ///
-  /// A limit of jerk limits the change of d²s/dt² within the window of `smoothing`: the motion
-  /// cannot accelerate at one moment and brake at the next, but moves at constant speed in between.
-  static TimeLaw fastest(const PathBounds& bounds, const Smoothing& smoothing = {}) {
-    return *fastest_from(bounds, {}, smoothing);
-  }
   /// Values of d²s/dt².
   struct Range {
     double least = 0, greatest = 0;
@@ -46,10 +35,19 @@ class TimeLaw {
     std::size_t knot() const { return squares.size() - 1; }  ///< the last of these knots
     bool at_rest() const { return squares.size() == 1 && squares.front() == 0; }
   };
-  /// Returns the fastest time law that begins with `start`. Returns nullopt if no time law keeps
-  /// all limits after this start, or if the arm would stop before the end.
-  static std::optional<TimeLaw> fastest_from(const PathBounds& bounds, const Start& start,
-                                             const Smoothing& smoothing);
+  /// Returns the fastest time law that begins with `start` and keeps all limits. A backward pass
+  /// finds the greatest speed at each knot from which the arm can still stop at the end. A forward
+  /// pass then accelerates as hard as these speeds allow. The method is that of H. Pham and Q.-C.
+  /// Pham, "A New Approach to Time-Optimal Path Parameterization Based on Reachability Analysis",
+  /// 2018. If only the limits of the tool apply, the speed profile is a trapezoid.
+  ///
+  /// A limit of jerk limits the change of d²s/dt² within the window of `smoothing`: the motion
+  /// cannot accelerate at one moment and brake at the next, but moves at constant speed in between.
+  ///
+  /// Returns nullopt if no time law keeps all limits after this start, or if the limits make the
+  /// arm stop before the end.
+  static std::optional<TimeLaw> fastest(const PathBounds& bounds, const Start& start,
+                                        const Smoothing& smoothing);
   /// Returns the time law of a path without length.
   static TimeLaw standing();
 
