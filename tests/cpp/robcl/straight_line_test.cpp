@@ -123,7 +123,7 @@ TEST(StraightLinesOfSevenJoints, KeepToTheLineWhereTheJointsTurnFast) {
   expect_on_line(tools, start.position(), goal.position());
 
   // A chain leaves out knots that are close together, but none that the line needs.
-  EXPECT_LT(move->joint_step, planner.joint_move(from, to, {})->joint_step);
+  EXPECT_LT(move->most_turned, planner.joint_move(from, to, {})->most_turned);
 }
 
 /// Lines of the RX90 whose callers give the accelerations of the tool.

@@ -13,6 +13,11 @@ inline constexpr double line_step = mm(1), turn_step = deg(0.2);
 /// accordingly.
 inline constexpr double joint_step = 0.03;
 
+/// A distance and an angle of the tool, in m and rad, or derivatives of them.
+struct WayAndTurn {
+  double way = 0, turn = 0;
+};
+
 /// The straight line between two frames. While the position moves along the line, the orientation
 /// turns evenly about one axis, by at most 180 degrees.
 class Line {

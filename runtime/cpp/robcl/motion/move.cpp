@@ -32,7 +32,7 @@ std::vector<IntervalLimits> limits_at(const Move& move, const ToolLimits& limits
 
 }  // namespace
 
-ToolSpeed tool_speed(const Move& move) {
+WayAndTurn tool_speed(const Move& move) {
   if (!move.line) return {};
   constexpr double negligible = 1e-12;  // m or rad: a smaller movement sets no limit
   const auto per_s = [&](double whole) { return whole > negligible ? whole / move.duration() : 0; };

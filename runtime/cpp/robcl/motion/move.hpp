@@ -12,11 +12,6 @@
 
 namespace robcl::motion {
 
-/// The distance that the tool moves, in m, and the angle that it turns, in rad, per unit of s.
-struct ToolSpeed {
-  double way = 0, turn = 0;
-};
-
 /// The path of one move and its limits. The path parameter s is the nominal time in seconds: where
 /// ds/dt is 1, the slowest joint or the tool moves at the full speed of the move.
 struct Move {
@@ -27,18 +22,19 @@ struct Move {
   bool stands = false;         ///< the goal is where the arm is
   std::vector<double> caps{};  ///< greatest (ds/dt)² in each interval; may be empty
   /// The greatest second derivatives by s of the distance and the angle of the tool from its line,
-  /// in each interval; may be empty.
-  std::vector<ToolSpeed> bends{};
+  /// in each interval, in m and rad per square of s; may be empty.
+  std::vector<WayAndTurn> bends{};
   /// By how much a joint turns between two knots, at most, in rad. A straight move whose tool would
   /// leave its line has a smaller value.
-  double joint_step = motion::joint_step;
+  double most_turned = joint_step;
 
   double duration() const { return path.end(); }
   const JointValues& goal() const { return path.knot(path.intervals()); }
 };
 
-/// Returns the speed of the tool on the line of `move`; zeros for a joint move.
-ToolSpeed tool_speed(const Move& move);
+/// Returns the speed of the tool on the line of `move`, in m and rad per unit of s; zeros for a
+/// joint move.
+WayAndTurn tool_speed(const Move& move);
 
 /// Returns the limits of the tool at `pace`.
 ToolLimits scaled(const ToolLimits& limits, const Pace& pace);

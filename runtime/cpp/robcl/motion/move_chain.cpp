@@ -302,7 +302,7 @@ void MoveChain::add_move(Course& course, const Overlap& overlap, const Overlap* 
     const bool before_overlap = following != nullptr && place > end - step / 4;
     if (i < next.path.intervals() && !before_overlap) {
       const double further = since + next.path.step(i);
-      if (since < step / 4 || (further <= apart && turned(i + 1) <= next.joint_step)) continue;
+      if (since < step / 4 || (further <= apart && turned(i + 1) <= next.most_turned)) continue;
     }
     if (before_overlap) {
       course.knots.add(end, following->before);

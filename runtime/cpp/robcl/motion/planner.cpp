@@ -6,6 +6,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "robcl/motion/line_path.hpp"
+
 namespace robcl::motion {
 namespace {
 
@@ -132,10 +134,11 @@ tl::expected<Move, Failure> Planner::straight_move(const JointValues& from,
   const Line line(start, base_from_goal);
   const ToolLimits tool = scaled(limits_, pace);
   const double duration = std::max(line.length() / tool.speed, line.turn() / tool.turn_speed);
-  auto made = path_of_line(from, line, flange_from_tool, duration);
+  auto made =
+      path_of_line(model_, forward_, *inverse_, from, {line, flange_from_tool, 0, duration});
   if (!made) return tl::unexpected(made.error());
   Move move{std::move(made->path), pace, line, flange_from_tool};
-  move.joint_step = made->joint_step;
+  move.most_turned = made->most_turned;
   move.bends = std::move(made->bends);
   return move;
 }

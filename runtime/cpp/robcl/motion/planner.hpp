@@ -15,15 +15,6 @@
 
 namespace robcl::motion {
 
-class LineWalk;
-/// The distance in m, and the angle in rad, of the tool from its line between two knots: the even
-/// part, greatest in the middle, and the odd part, greatest near 1/4 and 3/4 of the interval.
-struct AwayFromLine {
-  ToolSpeed even, odd;
-  /// Returns a bound of the distance, in m.
-  double most() const { return even.way + odd.way; }
-};
-
 /// Plans the moves of one arm. The planner allocates memory, so the control loop must not use the
 /// planner. Only one thread at a time may use it.
 class Planner {
@@ -83,18 +74,6 @@ class Planner {
 
  private:
   tl::expected<Plan, arm::Failure> plan_of(const tl::expected<Move, arm::Failure>& move) const;
-  /// What a straight move has of its line.
-  struct LinePath {
-    Path path;
-    double joint_step;
-    std::vector<ToolSpeed> bends;
-  };
-  tl::expected<LinePath, arm::Failure> path_of_line(const JointValues& from, const Line& line,
-                                                    const Frame& flange_from_tool, double duration);
-  tl::expected<Path, arm::Failure> path_of(LineWalk& walk, const JointValues& from,
-                                           const Line& line, double duration);
-  std::vector<AwayFromLine> away_from_line(const Path& path, const Line& line,
-                                           const Frame& flange_from_tool);
   std::vector<double> caps_of_tool(const Path& path, const Pace& pace,
                                    const Frame& flange_from_tool);
   std::optional<arm::OutOfReach> absurd(const Frame& base_from_goal) const;

@@ -1,5 +1,5 @@
-// Computes the path of the joints for a straight line of the tool, by solving the inverse
-// kinematics at every knot.
+#include "robcl/motion/line_path.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -7,8 +7,6 @@
 #include <variant>
 
 #include "robcl/arm/local_inverse.hpp"
-#include "robcl/motion/line.hpp"
-#include "robcl/motion/planner.hpp"
 #include "robcl/motion/pose_walk.hpp"
 
 namespace robcl::motion {
@@ -21,9 +19,9 @@ using arm::Singular;
 
 constexpr double joint_jump = 0.1;  // rad per joint between the closest knots; else the line fails
 constexpr std::size_t most_parts = 8;  // of an interval, where joints turn fast
-/// The tool may be this far from its line between two knots, in m. `off_line` is promised; a path
-/// that leaves its line by more than `near_line` is made again with more knots, twice at most.
-constexpr double off_line = 5e-5, near_line = 4e-5;
+/// A path whose tool is further than this from its line, in m, is made again with more knots,
+/// `finest` times at most.
+constexpr double near_line = mm(0.04);
 constexpr int finest = 2;
 constexpr std::size_t fewest = 50, most = 4000;
 
@@ -44,29 +42,11 @@ Singular leaves_line(const arm::PlaceOnLine& where, double away) {
   return Singular{text.str()};
 }
 
-/// Returns the greatest second derivatives by s of the distance and the angle of the tool from its
-/// line, in each interval of `path`. Both parts bend most at the knots.
-std::vector<ToolSpeed> bends(const Path& path, const std::vector<AwayFromLine>& away) {
-  constexpr double of_even = 32;  // of 16 t²(1 - t)², which is 1 in the middle
-  constexpr double of_odd = 64;   // of 32/3 t(1 - t)(1 - 2t), which is 1 at 1/4
-  std::vector<ToolSpeed> all;
-  all.reserve(away.size());
-  for (std::size_t i = 0; i < away.size(); ++i) {
-    const double per_s = 1 / squared(path.step(i));
-    const auto& [even, odd] = away[i];
-    all.push_back({(of_even * even.way + of_odd * odd.way) * per_s,
-                   (of_even * even.turn + of_odd * odd.turn) * per_s});
-  }
-  return all;
-}
-
 /// By how much a joint turns, in rad.
 struct Turn {
   Eigen::Index axis = 0;
   double angle = 0;
 };
-
-}  // namespace
 
 /// Walks along a line from one joint position to the next.
 class LineWalk {
@@ -170,59 +150,11 @@ class LineWalk {
   const std::size_t most_parts_;
 };
 
-/// Returns how far the tool is from its line in each interval of `path`. The tool is on the line at
-/// the knots. Between them the joints are cubics, so its distance is the sum of an even part, in
-/// proportion to t²(1 - t)², which the slopes at the knots leave, and of an odd part, in proportion
-/// to t(1 - t)(1 - 2t), where the slopes themselves are not exact. Two places tell both parts.
-std::vector<AwayFromLine> Planner::away_from_line(const Path& path, const Line& line,
-                                                  const Frame& flange_from_tool) {
-  const auto away_at = [&](double s) {
-    const Frame there = line.at(s / path.end());
-    const Frame tool = base_from_tool(path.position(s), flange_from_tool);
-    const Eigen::AngleAxisd turn(there.orientation().inverse() * tool.orientation());
-    return std::pair<Eigen::Vector3d, Eigen::Vector3d>(tool.position() - there.position(),
-                                                       turn.angle() * turn.axis());
-  };
-  std::vector<AwayFromLine> away;
-  away.reserve(path.intervals());
-  for (std::size_t i = 0; i < path.intervals(); ++i) {
-    const double step = path.step(i);
-    const auto first = away_at(path.place(i) + step / 4);
-    const auto last = away_at(path.place(i) + 3 * step / 4);
-    constexpr double in_middle = 16.0 / 9;  // of t²(1 - t)², compared with its value at 1/4
-    away.push_back(
-        {{in_middle / 2 * (first.first + last.first).norm(),
-          in_middle / 2 * (first.second + last.second).norm()},
-         {(first.first - last.first).norm() / 2, (first.second - last.second).norm() / 2}});
-  }
-  return away;
-}
-
-/// Makes the path of the joints for a line. The tool keeps to the line between the knots, too.
-tl::expected<Planner::LinePath, Failure> Planner::path_of_line(const JointValues& from,
-                                                               const Line& line,
-                                                               const Frame& flange_from_tool,
-                                                               double duration) {
-  const Frame tool_from_flange = flange_from_tool.inverse();
-  for (int finer = 0;; ++finer) {
-    LineWalk walk(model_, *inverse_, line, tool_from_flange, from, finer);
-    auto path = path_of(walk, from, line, duration);
-    if (!path) return tl::unexpected(path.error());
-    const auto away = away_from_line(*path, line, flange_from_tool);
-    const auto furthest = std::ranges::max_element(away, {}, &AwayFromLine::most);
-    if (furthest->most() <= (finer < finest ? near_line : off_line)) {
-      auto bent = bends(*path, away);
-      return LinePath{*std::move(path), walk.furthest(), std::move(bent)};
-    }
-    if (finer == finest) {
-      const double part = path->place(furthest - away.begin()) / duration;
-      return tl::unexpected(leaves_line(line.place(part), furthest->most()));
-    }
-  }
-}
-
-tl::expected<Path, Failure> Planner::path_of(LineWalk& walk, const JointValues& from,
-                                             const Line& line, double duration) {
+/// Makes a path on which the tool is on its line at the knots.
+tl::expected<Path, Failure> path_of(LineWalk& walk, const arm::ArmModel& model,
+                                    arm::InverseKinematics& inverse, const JointValues& from,
+                                    const LineOnPath& way) {
+  const Line& line = way.line;
   const double steps = std::ceil(std::max(line.length() / line_step, line.turn() / turn_step));
   const auto intervals = std::clamp(static_cast<std::size_t>(std::max(steps, 1.0)), fewest, most);
   Path::Knots knots;
@@ -231,16 +163,45 @@ tl::expected<Path, Failure> Planner::path_of(LineWalk& walk, const JointValues& 
     return static_cast<double>(i) / static_cast<double>(intervals);
   };
   for (std::size_t i = 0; i < intervals; ++i) {
-    if (auto walked = walk.walk(part(i), part(i + 1), duration, knots); !walked) {
+    if (auto walked = walk.walk(part(i), part(i + 1), way.duration, knots); !walked) {
       return tl::unexpected(walked.error());
     }
   }
   Path path(std::move(knots));
-  if (auto outside = first_outside(model_, path)) {
-    outside->limit.configuration = inverse_->configuration(path.position(outside->s));
-    return tl::unexpected(with_place(outside->limit, line.place(outside->s / duration)));
+  if (auto outside = first_outside(model, path)) {
+    outside->limit.configuration = inverse.configuration(path.position(outside->s));
+    return tl::unexpected(with_place(outside->limit, line.place(outside->s / way.duration)));
   }
   return path;
+}
+
+}  // namespace
+
+tl::expected<LinePath, Failure> path_of_line(const arm::ArmModel& model,
+                                             const arm::Kinematics& forward,
+                                             arm::InverseKinematics& inverse,
+                                             const JointValues& from, const LineOnPath& line) {
+  const Frame tool_from_flange = line.flange_from_tool.inverse();
+  for (int finer = 0;; ++finer) {
+    LineWalk walk(model, inverse, line.line, tool_from_flange, from, finer);
+    auto path = path_of(walk, model, inverse, from, line);
+    if (!path) return tl::unexpected(path.error());
+    std::vector<WayAndTurn> bends;
+    double furthest = 0, where = 0;  // m and s
+    for (std::size_t i = 0; i < path->intervals(); ++i) {
+      const LineDeviation deviation = deviation_in(*path, i, line, forward);
+      bends.push_back(deviation.bend(path->step(i)));
+      if (deviation.furthest() <= furthest) continue;
+      furthest = deviation.furthest();
+      where = path->place(i);
+    }
+    if (furthest <= (finer < finest ? near_line : line_tolerance)) {
+      return LinePath{*std::move(path), walk.furthest(), std::move(bends)};
+    }
+    if (finer == finest) {
+      return tl::unexpected(leaves_line(line.line.place(where / line.duration), furthest));
+    }
+  }
 }
 
 }  // namespace robcl::motion

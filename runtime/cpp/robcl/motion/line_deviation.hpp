@@ -1,0 +1,42 @@
+// By how much the tool leaves its line between the knots of a path.
+#pragma once
+
+#include <vector>
+
+#include "robcl/arm/kinematics.hpp"
+#include "robcl/motion/line.hpp"
+#include "robcl/motion/path.hpp"
+
+namespace robcl::motion {
+
+/// A line of the tool as a function of the path parameter s.
+struct LineOnPath {
+  Line line;
+  Frame flange_from_tool;
+  double start = 0;     ///< s at the start of the line
+  double duration = 0;  ///< difference of s from the start of the line to its end
+
+  Frame at(double s) const { return line.at((s - start) / duration); }
+};
+
+/// How far the tool is from its line in one interval of a path, in m and rad. The tool is on the
+/// line at both knots. Between them the joints are cubics, so the distance is the sum of an even
+/// part, which is greatest in the middle, and of an odd part, which is greatest near 1/4 and 3/4 of
+/// the interval.
+struct LineDeviation {
+  WayAndTurn even, odd;
+
+  /// Returns a bound of the distance of the tool from its line, in m. No bound of the angle is
+  /// checked anywhere, because none is promised: between two knots, the tool may turn by more than
+  /// its line.
+  double furthest() const { return even.way + odd.way; }
+  /// Returns the greatest second derivatives by s of the distance and the angle, in m and rad per
+  /// square of s. `step`: the length of the interval in s. Both parts bend most at the knots.
+  WayAndTurn bend(double step) const;
+};
+
+/// Returns the deviation from `line` in the interval `interval` of `path`.
+LineDeviation deviation_in(const Path& path, std::size_t interval, const LineOnPath& line,
+                           const arm::Kinematics& forward);
+
+}  // namespace robcl::motion
