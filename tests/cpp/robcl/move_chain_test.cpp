@@ -49,10 +49,10 @@ class Chained {
     if (corner) playback_.append(chain_.plan(), chain_.begins());
     return corner;
   }
-  bool extend(const std::vector<Move>& next) {
-    const bool extended = chain_.extend(next, playback_.elapsed() + 0.02).has_value();
-    if (extended) playback_.append(chain_.plan(), chain_.begins());
-    return extended;
+  std::optional<std::vector<MoveChain::Corner>> extend(const std::vector<Move>& next) {
+    auto corners = chain_.extend(next, playback_.elapsed() + 0.02);
+    if (corners) playback_.append(chain_.plan(), chain_.begins());
+    return corners;
   }
   std::optional<MoveChain::Corner> straight_to(const Frame& goal, const Pace& pace = {}) {
     const auto next = planner_.straight_move(chain_.goal(), goal, {}, pace);
@@ -115,6 +115,91 @@ class Chained {
   Playback playback_;
   std::vector<JointValues> set_points_;
   std::vector<std::vector<JointValues>> until_rests_;
+};
+
+/// The parts of a chain that are straight lines of the tool.
+class LineParts {
+ public:
+  LineParts(Planner& planner, Move first) : planner_(planner), last_(std::move(first)) {}
+
+  /// Notes that the chain goes over into `next`.
+  void extend(const Move& next, const MoveChain::Corner& corner) {
+    parts_.push_back(last_part(corner.begins));
+    begin_ = corner.ends;
+    start_ += last_.duration();
+    last_ = next;
+  }
+
+  /// Checks that the tool is on its lines, and that it keeps its accelerations there.
+  void expect_kept(const Plan& plan) {
+    parts_.push_back(last_part(plan.path.end()));
+    expect_on_lines(plan.path);
+    expect_accelerations(plan);
+    parts_.pop_back();
+  }
+
+ private:
+  /// The part of a move between its corners, and the move itself.
+  struct Part {
+    double begin, end;       ///< s
+    double start, duration;  ///< s
+    std::optional<Line> line;
+    ToolLimits limits;
+  };
+  Part last_part(double end) const {
+    return {begin_, end, start_, last_.duration(), last_.line, scaled({}, last_.pace)};
+  }
+  /// Returns the line on which the tool is between two places.
+  const Part* line_at(double from, double to) const {
+    constexpr double rounding = 1e-9;
+    const auto contains = [&](const Part& part) {
+      return part.line && part.begin - rounding <= from && to <= part.end + rounding;
+    };
+    const auto found = std::ranges::find_if(parts_, contains);
+    return found == parts_.end() ? nullptr : &*found;
+  }
+
+  void expect_on_lines(const Path& path) {
+    for (std::size_t i = 0; i < path.intervals(); ++i) {
+      const Part* const part = line_at(path.place(i), path.place(i + 1));
+      if (part == nullptr) continue;
+      for (const double piece : {0.0, 0.25, 0.5, 0.75}) {
+        const double s = path.place(i) + path.step(i) * piece;
+        const Frame tool = planner_.base_from_tool(path.position(s), {});
+        const double along = std::clamp((s - part->start) / part->duration, 0.0, 1.0);
+        ASSERT_LE(distance(tool, part->line->at(along)), 5e-5) << "m from the line at " << s;
+      }
+    }
+  }
+  void expect_accelerations(const Plan& plan) {
+    constexpr double step = 0.001;  // s
+    std::array<double, 3> places{};
+    std::array<Frame, 3> tools;
+    for (int k = 0; k * step < plan.law.duration(); ++k) {
+      std::ranges::rotate(places, places.begin() + 1);
+      std::ranges::rotate(tools, tools.begin() + 1);
+      places[2] = plan.law.at(k * step).s;
+      tools[2] = planner_.base_from_tool(plan.path.position(places[2]), {});
+      const Part* const part = line_at(places[0], places[2]);
+      if (k < 2 || part == nullptr) continue;
+      const auto& [before, now, after] = tools;
+      const Eigen::Vector3d way = after.position() - 2 * now.position() + before.position();
+      const Eigen::Vector3d turn = turn_between(now, after) + turn_between(now, before);
+      const ToolLimits& limits = part->limits;
+      ASSERT_LE(way.norm() / (step * step), limits.acceleration * slack) << "at " << places[1];
+      ASSERT_LE(turn.norm() / (step * step), limits.turn_acceleration * slack)
+          << "at " << places[1];
+    }
+  }
+  static Eigen::Vector3d turn_between(const Frame& from, const Frame& to) {
+    return rotation_vector(from.orientation().conjugate() * to.orientation());
+  }
+
+  Planner& planner_;
+  Move last_;
+  double begin_ = 0;  // s where the arm is on the path of the last move
+  double start_ = 0;  // s at the start of the last move
+  std::vector<Part> parts_;
 };
 
 /// The parameter is the time in s in which an acceleration may rise to its limit.
@@ -294,6 +379,23 @@ TEST_P(MoveChains, AMoveKeepsItsAccelerationAlsoInItsCorners) {
   EXPECT_GE(fastest, 0.15 * model_.limits()[0].acceleration);
 }
 
+TEST_P(MoveChains, AShortLineBetweenLongOnesKeepsItsCorners) {
+  const Frame via = start_ * translate(0.1, 0, 0), next = via * translate(0.00014, 0.00014, 0);
+  const Frame goal = next * translate(0.1, 0, 0);
+  const Move first = straight(ready, via);
+  LineParts lines(planner_, first);
+  Chained chained(planner_, first);
+  for (const Frame& to : {next, goal}) {
+    const Move move = straight(chained.chain().goal(), to);
+    const auto corner = chained.extend(move);
+    ASSERT_TRUE(corner);
+    lines.extend(move, *corner);
+    lines.expect_kept(chained.chain().plan());
+  }
+  chained.run();
+  expect_within_limits(chained);
+}
+
 TEST_P(MoveChains, SlowMovesThatAreAddedTogetherFollow) {
   for (const double acceleration : {0.02, 0.15, 1.0}) {
     Pace pace;
@@ -437,7 +539,9 @@ void RandomChains::try_chains(bool small) {
     if (!first) continue;
     Planner planner(model_, {}, Smoothing::over(GetParam().rise, period));
     double one_by_one = planner.plan(*first).duration();  // s
+    LineParts lines(planner, *first);
     Chained chained(planner, *std::move(first), period);
+    SCOPED_TRACE("chain after move " + std::to_string(made));
     for (int i = 0; i < 5; ++i, ++made) {
       std::vector<Move> together;
       do {
@@ -447,8 +551,13 @@ void RandomChains::try_chains(bool small) {
         if (next) together.push_back(*std::move(next));
       } while (sometimes(3));
       if (together.empty()) continue;
-      const bool follow = chained.extend(together);
+      const auto corners = chained.extend(together);
+      const bool follow = corners.has_value();
       (follow ? followed : refused) += static_cast<int>(together.size());
+      for (std::size_t k = 0; follow && k < together.size(); ++k) {
+        lines.extend(together[k], (*corners)[k]);
+      }
+      ASSERT_NO_FATAL_FAILURE(lines.expect_kept(chained.chain().plan()));
       for (const Move& next : together) one_by_one += follow ? planner.plan(next).duration() : 0;
       const auto cycles = std::exponential_distribution<double>(20)(engine) / period;
       for (double k = 0; k < cycles; ++k) {

@@ -1,7 +1,7 @@
 // By how much the tool leaves its line between the knots of a path.
 #pragma once
 
-#include <vector>
+#include <algorithm>
 
 #include "robcl/arm/kinematics.hpp"
 #include "robcl/motion/line.hpp"
@@ -16,7 +16,8 @@ struct LineOnPath {
   double start = 0;     ///< s at the start of the line
   double duration = 0;  ///< difference of s from the start of the line to its end
 
-  Frame at(double s) const { return line.at((s - start) / duration); }
+  /// Returns the place of the tool at `s`; for an `s` outside the line, at its nearer end.
+  Frame at(double s) const { return line.at(std::clamp((s - start) / duration, 0.0, 1.0)); }
 };
 
 /// How far the tool is from its line in one interval of a path, in m and rad. The tool is on the

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "robcl/motion/line_path.hpp"
 #include "robcl/motion/pose_walk.hpp"
 
 namespace robcl::motion {
@@ -72,6 +73,11 @@ double half_overlap(double unhindered, double last, double next) {
   return half;
 }
 
+/// Returns the line of `move`, which begins at the place `start`. @pre `move` has a line.
+LineOnPath line_of(const Move& move, double start) {
+  return {*move.line, move.flange_from_tool, start, move.duration()};
+}
+
 /// Returns how far apart in s the knots of a move may be.
 double furthest_apart(const Move& move) {
   double parts = 8;
@@ -138,6 +144,7 @@ MoveChain::MoveChain(Planner& planner, Move first)
   }
   course_.limits = {limits_of(last_, planner_.tool_limits()),
                     braking_limits_of(last_, planner_.tool_limits())};
+  if (last_.line) course_.lines.push_back({0, last_.duration(), line_of(last_, 0)});
 }
 
 std::optional<double> MoveChain::time_at(double s) const {
@@ -163,29 +170,42 @@ std::size_t MoveChain::first_in_window_before(std::size_t knot) const {
   return first;
 }
 
-/// Returns the part of the chain from the knot `start` to the place `end`, which becomes a knot.
-/// The path stays the same up to the knot `entry`.
-MoveChain::Course MoveChain::course_between(std::size_t start, std::size_t entry,
-                                            double end) const {
+/// Returns the part of the chain from the knot `start` to the place `end`, which becomes a knot
+/// with the joint positions `at_end`. The path stays the same up to the knot `entry`, and where the
+/// new knot has no influence on its slopes.
+MoveChain::Course MoveChain::course_between(std::size_t start, std::size_t entry, double end,
+                                            const JointValues& at_end) const {
   Course course;
   course.knots.add(plan_.path.place(start), plan_.path.knot(start));
-  for (std::size_t i = start; i <= entry; ++i) {
-    course.knots.first_slopes.push_back(plan_.path.slope(i));
-  }
+  std::size_t same = start;          // the last knot that stays the same
   constexpr double rounding = 1e-6;  // of an interval
+  const std::size_t last_interval = plan_.path.intervals() - 1;
   for (std::size_t i = start; course.knots.places.back() < end; ++i) {
     // If the last overlap ends at `end`, its last knot can be slightly before `end` because of
     // rounding.
     if (i == entry && end - plan_.path.place(i) < rounding * plan_.path.step(i)) break;
     // A knot just before the end would make a very short interval, so the end replaces this knot.
-    const bool last = i >= entry && plan_.path.place(i + 1) > end - plan_.path.step(i) / 4;
+    // The knots of a short corner are close together, and are not left out.
+    const double step =
+        std::min(plan_.path.step(i), plan_.path.step(std::min(i + 1, last_interval)));
+    const bool last = i >= entry && plan_.path.place(i + 1) > end - step / 4;
     if (last) {
-      course.knots.add(end, plan_.path.position(end));
+      course.knots.add(end, at_end);
     } else {
       course.knots.add(plan_.path.place(i + 1), plan_.path.knot(i + 1));
+      same = i + 1;
     }
     course.limits.moving.push_back(course_.limits.moving[i]);
     course.limits.braking.push_back(course_.limits.braking[i]);
+  }
+  // A slope depends on two knots on each side.
+  for (std::size_t i = start; i <= entry || i + 2 <= same; ++i) {
+    course.knots.first_slopes.push_back(plan_.path.slope(i));
+  }
+  for (const LinePart& part : course_.lines) {
+    if (part.end <= plan_.path.place(start) || part.begin >= end) continue;
+    course.lines.push_back(part);
+    course.lines.back().end = std::min(part.end, end);
   }
   return course;
 }
@@ -286,6 +306,7 @@ void MoveChain::add_move(Course& course, const Overlap& overlap, const Overlap* 
   const auto limits = limits_of(next, planner_.tool_limits());
   const auto braking = braking_limits_of(next, planner_.tool_limits());
   const double apart = furthest_apart(next);
+  if (next.line) course.lines.push_back({overlap.ends(), end, line_of(next, overlap.corner)});
   double cap = infinite;  // of the intervals since the last knot
   for (std::size_t i = 1; i <= next.path.intervals(); ++i) {
     const double place = overlap.corner + next.path.place(i);
@@ -315,9 +336,33 @@ void MoveChain::add_move(Course& course, const Overlap& overlap, const Overlap* 
   }
 }
 
-std::optional<Plan> MoveChain::plan_of(const Course& course, const TimeLaw::Start& start) const {
+/// Computes by how much the tool bends away from its lines in the new intervals of `path`, which
+/// has the knots of `course`, and notes it in the limits of `course`. These intervals can be longer
+/// than those of the moves, or have other slopes. Returns false if the tool leaves a line.
+bool MoveChain::keeps_to_lines(Course& course, const Path& path) const {
+  const std::size_t known = course.knots.first_slopes.size();
+  std::size_t i = known > 0 ? known - 1 : 0;
+  for (const LinePart& part : course.lines) {
+    for (; i < path.intervals(); ++i) {
+      const double middle = path.place(i) + path.step(i) / 2;
+      if (middle < part.begin) continue;
+      if (middle > part.end) break;
+      const LineDeviation deviation = deviation_in(path, i, part.line, planner_.forward());
+      if (deviation.furthest() > line_tolerance) return false;
+      const auto [way, turn] = deviation.bend(path.step(i));
+      for (IntervalLimits* const limits : {&course.limits.moving[i], &course.limits.braking[i]}) {
+        limits->way.per_x = way;
+        limits->turn.per_x = turn;
+      }
+    }
+  }
+  return true;
+}
+
+std::optional<Plan> MoveChain::plan_of(Course& course, const TimeLaw::Start& start) const {
   Path path(course.knots);
   if (first_outside(planner_.model(), path)) return std::nullopt;
+  if (!keeps_to_lines(course, path)) return std::nullopt;
   return fastest_plan(std::move(path), planner_.model(), course.limits, planner_.smoothing(),
                       start);
 }
@@ -343,9 +388,20 @@ bool MoveChain::slower_than_stops(const Plan& plan, double begins,
   return added > alone;
 }
 
+/// Returns the joint positions at the place `s` of `move`. The path of a line is exact only at its
+/// knots. Therefore these joint positions are solved again, near the positions `near` on the path.
+/// Returns nullopt if that is impossible.
+std::optional<JointValues> MoveChain::joints_on(const Move& move, const JointValues& near,
+                                                double s) {
+  if (!move.line) return near;
+  PoseWalk walk(planner_.model(), planner_.inverse(), near);
+  if (walk.step_to(line_of(move, 0).at(s) * move.flange_from_tool.inverse())) return std::nullopt;
+  return walk.at().joints;
+}
+
 /// Returns the overlaps of the chain with the moves `next`; nullopt if a move has no length.
 std::optional<std::vector<MoveChain::Overlap>> MoveChain::overlaps_with(
-    std::span<const Move> next) const {
+    std::span<const Move> next) {
   const ToolLimits& tool = planner_.tool_limits();
   std::vector<Overlap> overlaps;
   const Move* last = &last_;
@@ -357,9 +413,14 @@ std::optional<std::vector<MoveChain::Overlap>> MoveChain::overlaps_with(
         overlap_per_braking_way * std::max(braking_way(*last, planner_.model(), tool),
                                            braking_way(move, planner_.model(), tool));
     overlap.half = half_overlap(overlap.unhindered, last->duration(), move.duration());
-    overlap.before = last == &last_ ? plan_.path.position(overlap.begins())
-                                    : last->path.position(last->duration() - overlap.half);
-    overlap.after = move.path.position(overlap.half);
+    const double leaves = last->duration() - overlap.half;
+    const auto before = joints_on(
+        *last, last == &last_ ? plan_.path.position(overlap.begins()) : last->path.position(leaves),
+        leaves);
+    const auto after = joints_on(move, move.path.position(overlap.half), overlap.half);
+    if (!before || !after) return std::nullopt;
+    overlap.before = *before;
+    overlap.after = *after;
     corner = overlap.goal();
     last = &move;
     overlaps.push_back(std::move(overlap));
@@ -390,7 +451,7 @@ std::optional<std::vector<MoveChain::Corner>> MoveChain::extend(std::span<const 
   if (!entry) return std::nullopt;
 
   const std::size_t start = first_in_window_before(*entry);
-  Course course = course_between(start, *entry, begin);
+  Course course = course_between(start, *entry, begin, overlaps->front().before);
   for (const Overlap& overlap : *overlaps) {
     if (!add_overlap(course, overlap)) return std::nullopt;
     add_move(course, overlap, &overlap == &overlaps->back() ? nullptr : &overlap + 1);

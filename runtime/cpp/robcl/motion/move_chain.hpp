@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "robcl/motion/line_deviation.hpp"
 #include "robcl/motion/plan.hpp"
 #include "robcl/motion/planner.hpp"
 
@@ -62,10 +63,16 @@ class MoveChain {
   std::optional<double> time_at(double s) const;
 
  private:
+  /// The part of a path, from `begin` to `end` in s, on which the tool moves along `line`.
+  struct LinePart {
+    double begin = 0, end = 0;
+    LineOnPath line;
+  };
   /// A path with its limits.
   struct Course {
     Path::Knots knots;
     CourseLimits limits;
+    std::vector<LinePart> lines;  ///< in the order of the path
   };
   /// The overlap of two moves. Both moves must outlive this object.
   struct Overlap {
@@ -82,8 +89,10 @@ class MoveChain {
   };
   std::optional<std::size_t> first_knot_after(double time, double last_place) const;
   std::size_t first_in_window_before(std::size_t knot) const;
-  Course course_between(std::size_t start, std::size_t entry, double end) const;
-  std::optional<std::vector<Overlap>> overlaps_with(std::span<const Move> next) const;
+  Course course_between(std::size_t start, std::size_t entry, double end,
+                        const JointValues& at_end) const;
+  std::optional<JointValues> joints_on(const Move& move, const JointValues& near, double s);
+  std::optional<std::vector<Overlap>> overlaps_with(std::span<const Move> next);
   std::pair<IntervalLimits, IntervalLimits> limits_in(const Overlap& overlap) const;
   bool add_overlap(Course& course, const Overlap& overlap);
   void add_move(Course& course, const Overlap& overlap, const Overlap* following) const;
@@ -92,7 +101,8 @@ class MoveChain {
   bool slower_than_stops(const Plan& plan, double begins,
                          const std::vector<Overlap>& overlaps) const;
   Corner corner_of(const Plan& plan, const Overlap& overlap) const;
-  std::optional<Plan> plan_of(const Course& course, const TimeLaw::Start& start) const;
+  bool keeps_to_lines(Course& course, const Path& path) const;
+  std::optional<Plan> plan_of(Course& course, const TimeLaw::Start& start) const;
 
   Planner& planner_;
   Course course_;

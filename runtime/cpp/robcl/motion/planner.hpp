@@ -67,6 +67,7 @@ class Planner {
     return inverse_->configuration(joints);
   }
 
+  const arm::Kinematics& forward() const { return forward_; }
   const arm::ArmModel& model() const { return model_; }
   const ToolLimits& tool_limits() const { return limits_; }
   const Smoothing& smoothing() const { return smoothing_; }
