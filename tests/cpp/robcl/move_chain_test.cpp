@@ -335,6 +335,29 @@ double greatest_change_of_acceleration(double period) {
   return greatest;
 }
 
+TEST(MoveChain, ACornerOfSevenJointsTakesLessTimeThanAStop) {
+  const arm::ArmModel model = seven_axes();
+  RandomJoints random(model, 20);
+  int tried = 0;
+  for (int i = 0; i < 200; ++i) {
+    const JointValues from = 0.7 * random();
+    for (const double rise : {0.0, 0.03}) {
+      Planner planner(model, {}, Smoothing::over(rise, cycle));
+      const Frame via = planner.base_from_tool(from, {}) * translate(0.15, 0, 0);
+      const auto first = planner.straight_move(from, via, {}, {});
+      if (!first) continue;
+      const auto next = planner.straight_move(first->goal(), via * translate(0, 0.15, 0), {}, {});
+      if (!next) continue;
+      ++tried;
+      MoveChain chain(planner, *first);
+      ASSERT_TRUE(chain.extend(*next, 0.02)) << "from position " << i;
+      const double with_stop = planner.plan(*first).duration() + planner.plan(*next).duration();
+      ASSERT_LT(chain.ends(), 0.95 * with_stop) << "from position " << i;
+    }
+  }
+  EXPECT_GT(tried, 50);
+}
+
 TEST(MoveChain, RoundsACornerWithoutAJumpOfTheAcceleration) {
   // In a quarter of the time, an acceleration that rises changes by a quarter, and one that jumps
   // by as much. At a knot of the path, a small part of the change is a jump.

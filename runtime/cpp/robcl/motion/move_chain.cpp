@@ -14,6 +14,8 @@ namespace {
 // stop in a sharp corner exceeded the limit by up to 0.2 %.
 constexpr double share_in_overlap = 0.994;
 constexpr std::size_t fewest_intervals = 16, most_intervals = 4096;  // of an overlap
+constexpr double same_joints = 1e-5;  // rad: joint positions that differ by less count as the same
+constexpr Eigen::Index joints_for_every_pose = 6;
 
 /// In an overlap, one motion fades out while the other fades in. The acceleration of each rises in
 /// this share of the overlap, is constant, and falls again in the same share at the end, so that it
@@ -44,6 +46,23 @@ const double overlap_per_braking_way = 0.25 / faded_in(0.5);
 /// The pose of the arm in the overlap is made from the poses at these two places.
 double before_corner(double t, double half) { return -half * faded_in((half - t) / (2 * half)); }
 double behind_corner(double t, double half) { return half * faded_in((half + t) / (2 * half)); }
+
+/// Returns the share of an overlap with `intervals` intervals that has passed at the knot `knot`.
+double part_of(std::size_t knot, std::size_t intervals) {
+  return static_cast<double>(knot) / static_cast<double>(intervals);
+}
+
+/// The places of both motions at a knot of an overlap, as differences of s from the corner.
+struct Places {
+  double before, behind;
+};
+Places places_in(double half, std::size_t knot, std::size_t intervals) {
+  const double t = half * (2 * part_of(knot, intervals) - 1);
+  return {before_corner(t, half), behind_corner(t, half)};
+}
+
+/// Rises from 0 to 1 while `part` does. The first and the second derivative are 0 at both ends.
+double gradual(double part) { return part * part * part * (10 + part * (6 * part - 15)); }
 
 /// The motion of the tool on the line of a move, per unit of s: its velocity, seen from the base,
 /// and its rotation about the tool's own axes.
@@ -210,38 +229,81 @@ MoveChain::Course MoveChain::course_between(std::size_t start, std::size_t entry
   return course;
 }
 
+/// Returns the poses of the flange in the overlap of two lines, at all knots but the first.
+std::vector<Frame> MoveChain::flanges_in(const Overlap& overlap, std::size_t intervals) const {
+  const Frame& flange_from_tool = overlap.next.flange_from_tool;
+  const Frame tool_from_flange = flange_from_tool.inverse();
+  const Frame corner = planner_.forward().base_from_flange(overlap.last.goal()) * flange_from_tool;
+  const Twist one = twist_of(overlap.last), other = twist_of(overlap.next);
+  std::vector<Frame> all;
+  for (std::size_t i = 1; i <= intervals; ++i) {
+    const auto [before, behind] = places_in(overlap.half, i, intervals);
+    const Eigen::Vector3d way = one.way * before + other.way * behind;
+    const Eigen::Quaterniond turn = turned_by(one.turn * before) * turned_by(other.turn * behind);
+    const Frame tool(corner.position() + way, corner.orientation() * turn);
+    all.push_back(tool * tool_from_flange);
+  }
+  return all;
+}
+
+/// Returns the joint positions in the overlap of two lines, at all knots but the first; nullopt if
+/// the arm cannot follow.
+std::optional<std::vector<JointValues>> MoveChain::overlap_of_lines(const Overlap& overlap,
+                                                                    std::size_t intervals) {
+  const auto flanges = flanges_in(overlap, intervals);
+  PoseWalk walk(planner_.model(), planner_.inverse(), overlap.before);
+  std::vector<JointValues> all;
+  for (const Frame& flange : flanges) {
+    if (walk.step_to(flange)) return std::nullopt;
+    all.push_back(walk.at().joints);
+  }
+  const JointValues off = overlap.after - all.back();
+  if (off.cwiseAbs().maxCoeff() <= same_joints) return all;
+  if (planner_.model().axes() <= joints_for_every_pose) return std::nullopt;
+  // Round the corner, an arm with more joints comes to the same pose with its elbow elsewhere. It
+  // moves the elbow to where the next move has it, all the way round the corner.
+  for (std::size_t i = 0; i < intervals; ++i) {
+    walk.return_to({all[i] + gradual(part_of(i + 1, intervals)) * off, walk.at().kept});
+    if (walk.step_to(flanges[i])) return std::nullopt;
+    all[i] = walk.at().joints;
+  }
+  return all;
+}
+
+/// Returns the joint positions in an overlap with a joint move, at all knots but the first.
+std::vector<JointValues> MoveChain::overlap_of_joints(const Overlap& overlap,
+                                                      std::size_t intervals) const {
+  const Move &last = overlap.last, &next = overlap.next;
+  // The path of a line is not exact between its knots.
+  const JointValues off_before =
+      overlap.before - last.path.position(last.duration() - overlap.half);
+  const JointValues off_after = overlap.after - next.path.position(overlap.half);
+  std::vector<JointValues> all;
+  for (std::size_t i = 1; i <= intervals; ++i) {
+    const auto [before, behind] = places_in(overlap.half, i, intervals);
+    const double part = part_of(i, intervals);
+    all.push_back(last.path.position(last.duration() + before) + gradual(1 - part) * off_before +
+                  next.path.position(behind) + gradual(part) * off_after - last.goal());
+  }
+  return all;
+}
+
 /// Returns the joint positions at all knots of the overlap but the first; nullopt if a pose is
 /// outside the limits of the joints, or if a joint turns too fast.
 std::optional<std::vector<JointValues>> MoveChain::overlap_joints(const Overlap& overlap,
                                                                   std::size_t intervals) {
   const Move &last = overlap.last, &next = overlap.next;
-  const double half = overlap.half;
-  const JointValues& goal = last.goal();
-  const Frame tool_from_flange = next.flange_from_tool.inverse();
-  const Frame corner = planner_.base_from_tool(goal, next.flange_from_tool);
-  const bool lines = last.line && next.line;
-  const Twist one = lines ? twist_of(last) : Twist{}, other = lines ? twist_of(next) : Twist{};
-  PoseWalk walk(planner_.model(), planner_.inverse(), overlap.before);
-  std::vector<JointValues> all;
-  for (std::size_t i = 1; i <= intervals; ++i) {
-    const double t = half * (2 * static_cast<double>(i) / static_cast<double>(intervals) - 1);
-    const double before = before_corner(t, half), behind = behind_corner(t, half);
-    JointValues joints;
-    if (lines) {
-      const Eigen::Vector3d way = one.way * before + other.way * behind;
-      const Eigen::Quaterniond turn = turned_by(one.turn * before) * turned_by(other.turn * behind);
-      const Frame tool(corner.position() + way, corner.orientation() * turn);
-      if (walk.step_to(tool * tool_from_flange)) return std::nullopt;
-      joints = walk.at().joints;
-    } else {
-      joints = last.path.position(last.duration() + before) + next.path.position(behind) - goal;
-      if (arm::first_outside(planner_.model(), joints)) return std::nullopt;
-    }
-    const JointValues& known = all.empty() ? overlap.before : all.back();
-    if ((joints - known).cwiseAbs().maxCoeff() > joint_step) return std::nullopt;
-    all.push_back(std::move(joints));
+  auto all = last.line && next.line ? overlap_of_lines(overlap, intervals)
+                                    : overlap_of_joints(overlap, intervals);
+  if (!all) return std::nullopt;
+  all->back() = overlap.after;
+  const double furthest = std::min(last.most_turned, next.most_turned);
+  const JointValues* known = &overlap.before;
+  for (const JointValues& joints : *all) {
+    if ((joints - *known).cwiseAbs().maxCoeff() > furthest) return std::nullopt;
+    if (arm::first_outside(planner_.model(), joints)) return std::nullopt;
+    known = &joints;
   }
-  all.back() = overlap.after;
   return all;
 }
 

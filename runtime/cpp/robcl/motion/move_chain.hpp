@@ -96,6 +96,10 @@ class MoveChain {
   std::pair<IntervalLimits, IntervalLimits> limits_in(const Overlap& overlap) const;
   bool add_overlap(Course& course, const Overlap& overlap);
   void add_move(Course& course, const Overlap& overlap, const Overlap* following) const;
+  std::vector<Frame> flanges_in(const Overlap& overlap, std::size_t intervals) const;
+  std::optional<std::vector<JointValues>> overlap_of_lines(const Overlap& overlap,
+                                                           std::size_t intervals);
+  std::vector<JointValues> overlap_of_joints(const Overlap& overlap, std::size_t intervals) const;
   std::optional<std::vector<JointValues>> overlap_joints(const Overlap& overlap,
                                                          std::size_t intervals);
   bool slower_than_stops(const Plan& plan, double begins,
