@@ -449,6 +449,22 @@ TEST_P(MoveChains, ASlowCornerIsSharpAndRoundAllTheSame) {
   }
 }
 
+TEST_P(MoveChains, ACornerOfASlowLineAndAJointMoveIsAsFarAsTold) {
+  for (const double speed : {0.05, 0.1, 0.3}) {
+    Pace pace;
+    pace.tool_speed = speed;
+    const Frame corner = start_ * translate(0, 0, -0.1);
+    Chained chained(planner_, straight(ready, corner, pace), 0.001);
+    JointValues beside = chained.chain().goal();
+    beside[0] += 0.4;
+    const auto told = chained.extend(joint(chained.chain().goal(), beside));
+    ASSERT_TRUE(told);
+    chained.run();
+    const double seen = chained.nearest_to(corner);
+    EXPECT_NEAR(told->distance, seen, 0.01 * seen) << speed;
+  }
+}
+
 TEST_P(MoveChains, TurnsInPlaceReversalsAndJointMovesAreRoundedToo) {
   const Frame away = start_ * translate(0, 0.1, -0.05);
   const Frame turned = away * Frame::from_euler_zyz(0, 0, 0, 0, -0.5, 0.3);

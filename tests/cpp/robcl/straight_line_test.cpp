@@ -223,6 +223,33 @@ TEST_F(AcceleratedLines, NoLineExceedsTheAccelerationsThatWereAskedFor) {
   EXPECT_GE(made, 20);
 }
 
+TEST(SlowLines, DoNotExceedTheSpeedThatWasAskedFor) {
+  constexpr double period = 0.01;           // s
+  constexpr Pace pace{.tool_speed = 0.01};  // slow enough for joints beside a singularity
+  const Frame tool = translate(0, 0, 150_mm);
+  for (const auto& model : {rx90(), seven_axes()}) {
+    Planner planner(model, {});
+    RandomJoints random(model, 5);
+    int made = 0;
+    for (int i = 0; made < 60; ++i) {
+      const JointValues from = random();
+      const auto move =
+          planner.straight_move(from, planner.base_from_tool(random(), tool), tool, pace);
+      if (!move) continue;
+      ++made;
+      Playback playback(planner.plan(*move));
+      Frame before = planner.base_from_tool(from, tool);
+      double fastest = 0;
+      while (!playback.standing()) {
+        const Frame now = planner.base_from_tool(playback.advance(period), tool);
+        fastest = std::max(fastest, distance(before, now) / period);
+        before = now;
+      }
+      ASSERT_LE(fastest, 0.01 * 1.001) << "line " << i;
+    }
+  }
+}
+
 TEST_F(AcceleratedLines, ACornerIsAsSharpAsTheAccelerationAsksFor) {
   const Pace pace{.tool_speed = 0.25, .tool_acceleration = 1};
   const Frame corner = start_ * translate(0.15, 0, 0), goal = corner * translate(0, 0.15, 0);

@@ -1,12 +1,19 @@
 #include "robcl/motion/line_deviation.hpp"
 
+#include <cmath>
+
 namespace robcl::motion {
 namespace {
 
-/// The position of the tool, in m, and its rotation vector, in rad, both seen from its line.
+/// A displacement, in m, and a rotation vector, in rad, seen from the tool on its line.
 struct Offset {
   Eigen::Vector3d way, turn;
 };
+
+Offset offset_between(const Frame& from, const Frame& to) {
+  const Eigen::AngleAxisd turn(from.orientation().inverse() * to.orientation());
+  return {to.position() - from.position(), turn.angle() * turn.axis()};
+}
 
 }  // namespace
 
@@ -25,16 +32,27 @@ LineDeviation deviation_in(const Path& path, std::size_t interval, const LineOnP
                            const arm::Kinematics& forward) {
   const double begin = path.place(interval), step = path.step(interval);
   const auto offset_at = [&](double s) {
-    const Frame there = line.at(s);
     const Frame tool = forward.base_from_flange(path.position(s)) * line.flange_from_tool;
-    const Eigen::AngleAxisd turn(there.orientation().inverse() * tool.orientation());
-    return Offset{tool.position() - there.position(), turn.angle() * turn.axis()};
+    return offset_between(line.at(s), tool);
   };
   const Offset first = offset_at(begin + step / 4), last = offset_at(begin + 3 * step / 4);
   constexpr double in_middle = 16.0 / 9;  // of t²(1 - t)², compared with its value at 1/4
-  return {{in_middle / 2 * (first.way + last.way).norm(),
-           in_middle / 2 * (first.turn + last.turn).norm()},
-          {(first.way - last.way).norm() / 2, (first.turn - last.turn).norm() / 2}};
+  const Offset even{in_middle / 2 * (first.way + last.way),
+                    in_middle / 2 * (first.turn + last.turn)};
+  const Offset odd{(first.way - last.way) / 2, (first.turn - last.turn) / 2};
+  const Offset ahead = offset_between(line.at(begin), line.at(begin + step));
+  constexpr double of_even = 3.0792;   // 16/(3√3): the slope of 16 t²(1 - t)², at most
+  constexpr double of_odd = 32.0 / 3;  // of 32/3 t(1 - t)(1 - 2t), at most
+  const auto faster = [&](const Eigen::Vector3d& direction, const Eigen::Vector3d& of_even_part,
+                          const Eigen::Vector3d& of_odd_part) {
+    const Eigen::Vector3d along = direction.stableNormalized();
+    return (of_even * std::abs(along.dot(of_even_part)) +
+            of_odd * std::abs(along.dot(of_odd_part))) /
+           step;
+  };
+  return {{even.way.norm(), even.turn.norm()},
+          {odd.way.norm(), odd.turn.norm()},
+          {faster(ahead.way, even.way, odd.way), faster(ahead.turn, even.turn, odd.turn)}};
 }
 
 }  // namespace robcl::motion

@@ -26,6 +26,9 @@ struct LineOnPath {
 /// the interval.
 struct LineDeviation {
   WayAndTurn even, odd;
+  /// The greatest first derivatives by s of the deviation along the line and about its axis, in m
+  /// and rad per s: the tool is faster by these.
+  WayAndTurn faster;
 
   /// Returns a bound of the distance of the tool from its line, in m. No bound of the angle is
   /// checked anywhere, because none is promised: between two knots, the tool may turn by more than

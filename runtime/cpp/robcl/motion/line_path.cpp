@@ -186,17 +186,18 @@ tl::expected<LinePath, Failure> path_of_line(const arm::ArmModel& model,
     LineWalk walk(model, inverse, line.line, tool_from_flange, from, finer);
     auto path = path_of(walk, model, inverse, from, line);
     if (!path) return tl::unexpected(path.error());
-    std::vector<WayAndTurn> bends;
+    std::vector<WayAndTurn> bends, faster;
     double furthest = 0, where = 0;  // m and s
     for (std::size_t i = 0; i < path->intervals(); ++i) {
       const LineDeviation deviation = deviation_in(*path, i, line, forward);
       bends.push_back(deviation.bend(path->step(i)));
+      faster.push_back(deviation.faster);
       if (deviation.furthest() <= furthest) continue;
       furthest = deviation.furthest();
       where = path->place(i);
     }
     if (furthest <= (finer < finest ? near_line : line_tolerance)) {
-      return LinePath{*std::move(path), walk.furthest(), std::move(bends)};
+      return LinePath{*std::move(path), walk.furthest(), std::move(bends), std::move(faster)};
     }
     if (finer == finest) {
       return tl::unexpected(leaves_line(line.line.place(where / line.duration), furthest));

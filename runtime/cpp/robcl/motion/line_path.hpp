@@ -19,6 +19,9 @@ struct LinePath {
   /// The greatest second derivatives by s of the distance and the angle of the tool from its line,
   /// in each interval, in m and rad per square of s.
   std::vector<WayAndTurn> bends;
+  /// By how much the tool moves and turns faster than its line, at most, in each interval, in m and
+  /// rad per s.
+  std::vector<WayAndTurn> faster;
 };
 
 /// Makes the path on which the tool follows `line`, by solving the inverse kinematics at every

@@ -10,8 +10,8 @@ std::vector<IntervalLimits> limits_at(const Move& move, const ToolLimits& limits
   IntervalLimits each;
   each.speed = pace.speed;
   each.acceleration = pace.acceleration;
+  const ToolLimits tool = scaled(limits, pace);
   if (move.line) {
-    const ToolLimits tool = scaled(limits, pace);
     const auto [way, turn] = tool_speed(move);
     const auto limit = [&each](double per_s, double speed, double acceleration) {
       if (per_s <= 0) return IntervalLimits::Tool{};
@@ -27,10 +27,20 @@ std::vector<IntervalLimits> limits_at(const Move& move, const ToolLimits& limits
     all[i].way.per_x = move.bends[i].way;
     all[i].turn.per_x = move.bends[i].turn;
   }
+  const WayAndTurn speed{tool.speed, tool.turn_speed};
+  for (std::size_t i = 0; i < move.faster.size(); ++i) lower_cap(all[i], speed, move.faster[i]);
   return all;
 }
 
 }  // namespace
+
+void lower_cap(IntervalLimits& limits, const WayAndTurn& speed, const WayAndTurn& faster) {
+  const auto lower = [&](double of_tool, double per_s, double excess) {
+    if (per_s > 0) limits.cap = std::min(limits.cap, squared(of_tool / (per_s + excess)));
+  };
+  lower(speed.way, limits.way.per_u, faster.way);
+  lower(speed.turn, limits.turn.per_u, faster.turn);
+}
 
 WayAndTurn tool_speed(const Move& move) {
   if (!move.line) return {};

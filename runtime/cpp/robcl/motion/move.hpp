@@ -24,6 +24,9 @@ struct Move {
   /// The greatest second derivatives by s of the distance and the angle of the tool from its line,
   /// in each interval, in m and rad per square of s; may be empty.
   std::vector<WayAndTurn> bends{};
+  /// By how much the tool moves and turns faster than its line, at most, in each interval, in m and
+  /// rad per s; may be empty.
+  std::vector<WayAndTurn> faster{};
   /// By how much a joint turns between two knots, at most, in rad. A straight move whose tool would
   /// leave its line has a smaller value.
   double most_turned = joint_step;
@@ -31,6 +34,10 @@ struct Move {
   double duration() const { return path.end(); }
   const JointValues& goal() const { return path.knot(path.intervals()); }
 };
+
+/// Lowers the cap of an interval on a line, so that the tool keeps the limits `speed`, in m/s and
+/// rad/s, although it moves and turns faster than its line, by up to `faster`, in m and rad per s.
+void lower_cap(IntervalLimits& limits, const WayAndTurn& speed, const WayAndTurn& faster);
 
 /// Returns the speed of the tool on the line of `move`, in m and rad per unit of s; zeros for a
 /// joint move.

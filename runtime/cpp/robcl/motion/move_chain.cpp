@@ -163,7 +163,18 @@ MoveChain::MoveChain(Planner& planner, Move first)
   }
   course_.limits = {limits_of(last_, planner_.tool_limits()),
                     braking_limits_of(last_, planner_.tool_limits())};
-  if (last_.line) course_.lines.push_back({0, last_.duration(), line_of(last_, 0)});
+  if (last_.line) course_.lines.push_back(line_part(last_, 0, last_.duration(), 0));
+}
+
+/// Returns the part from `begin` to `end` of the path on which the tool moves along the line of
+/// `move`, which starts at `start`.
+MoveChain::LinePart MoveChain::line_part(const Move& move, double begin, double end,
+                                         double start) const {
+  const auto speed_of = [&](const Pace& pace) {
+    const ToolLimits tool = scaled(planner_.tool_limits(), pace);
+    return WayAndTurn{tool.speed, tool.turn_speed};
+  };
+  return {begin, end, line_of(move, start), speed_of(move.pace), speed_of(Pace{})};
 }
 
 std::optional<double> MoveChain::time_at(double s) const {
@@ -368,7 +379,7 @@ void MoveChain::add_move(Course& course, const Overlap& overlap, const Overlap* 
   const auto limits = limits_of(next, planner_.tool_limits());
   const auto braking = braking_limits_of(next, planner_.tool_limits());
   const double apart = furthest_apart(next);
-  if (next.line) course.lines.push_back({overlap.ends(), end, line_of(next, overlap.corner)});
+  if (next.line) course.lines.push_back(line_part(next, overlap.ends(), end, overlap.corner));
   double cap = infinite;  // of the intervals since the last knot
   for (std::size_t i = 1; i <= next.path.intervals(); ++i) {
     const double place = overlap.corner + next.path.place(i);
@@ -416,6 +427,8 @@ bool MoveChain::keeps_to_lines(Course& course, const Path& path) const {
         limits->way.per_x = way;
         limits->turn.per_x = turn;
       }
+      lower_cap(course.limits.moving[i], part.speed, deviation.faster);
+      lower_cap(course.limits.braking[i], part.braking_speed, deviation.faster);
     }
   }
   return true;
@@ -490,13 +503,33 @@ std::optional<std::vector<MoveChain::Overlap>> MoveChain::overlaps_with(
   return overlaps;
 }
 
+/// The tool passes the corner in the middle of the overlap only if both moves have the same speed.
 MoveChain::Corner MoveChain::corner_of(const Plan& plan, const Overlap& overlap) const {
   const auto tool_at = [&](const JointValues& joints) {
     return planner_.base_from_tool(joints, overlap.next.flange_from_tool);
   };
   const Frame corner = tool_at(overlap.next.path.knot(0));
-  const Frame passed = tool_at(plan.path.position(overlap.corner));
-  return {overlap.begins(), overlap.ends(), distance(corner, passed), angle(corner, passed)};
+  const auto distance_at = [&](double s) {
+    return distance(corner, tool_at(plan.path.position(s)));
+  };
+  constexpr int parts = 16, halvings = 10;
+  constexpr double rounding = 1e-9;  // m; a pure rotation passes the corner in the middle
+  double step = 2 * overlap.half / parts, nearest = overlap.corner;
+  double least = distance_at(nearest);
+  const auto look_at = [&](double s) {
+    const double away = distance_at(s);
+    if (away < least - rounding) least = away, nearest = s;
+  };
+  for (int i = 0; i <= parts; ++i) look_at(overlap.begins() + i * step);
+  for (int i = 0; i < halvings; ++i) {
+    step /= 2;
+    const double middle = nearest;
+    for (const double s : {middle - step, middle + step}) {
+      look_at(std::clamp(s, overlap.begins(), overlap.ends()));
+    }
+  }
+  const Frame passed = tool_at(plan.path.position(nearest));
+  return {overlap.begins(), overlap.ends(), least, angle(corner, passed)};
 }
 
 std::optional<MoveChain::Corner> MoveChain::extend(const Move& next, double after) {

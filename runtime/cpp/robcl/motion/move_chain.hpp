@@ -67,6 +67,7 @@ class MoveChain {
   struct LinePart {
     double begin = 0, end = 0;
     LineOnPath line;
+    WayAndTurn speed, braking_speed;  ///< limits of the tool, in m/s and rad/s
   };
   /// A path with its limits.
   struct Course {
@@ -105,6 +106,7 @@ class MoveChain {
   bool slower_than_stops(const Plan& plan, double begins,
                          const std::vector<Overlap>& overlaps) const;
   Corner corner_of(const Plan& plan, const Overlap& overlap) const;
+  LinePart line_part(const Move& move, double begin, double end, double start) const;
   bool keeps_to_lines(Course& course, const Path& path) const;
   std::optional<Plan> plan_of(Course& course, const TimeLaw::Start& start) const;
 

@@ -140,6 +140,7 @@ tl::expected<Move, Failure> Planner::straight_move(const JointValues& from,
   Move move{std::move(made->path), pace, line, flange_from_tool};
   move.most_turned = made->most_turned;
   move.bends = std::move(made->bends);
+  move.faster = std::move(made->faster);
   return move;
 }
 
