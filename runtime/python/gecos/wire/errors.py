@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from enum import Enum, IntEnum
+from enum import Enum, IntEnum, IntFlag
 from typing import Any
 
 from gecos.wire.units import Range, outside
@@ -73,13 +73,14 @@ class EncodeError(ValueError):
 
 
 class WrongTypeError(EncodeError, TypeError):
-    """The type of the value differs from the type of its field."""
+    """The type of the value differs from the type of its field. `advice` says what to give."""
 
-    def __init__(self, field: str, value: object, kind: type) -> None:
-        super().__init__(field, f"{value!r} is no {kind.__name__}")
-        self._given = (field, value, kind)
+    def __init__(self, field: str, value: object, kind: type, advice: str = "") -> None:
+        named = f"{type(value).__name__}.{value.name}" if isinstance(value, Enum) else repr(value)
+        super().__init__(field, f"{named} is no {kind.__name__}{advice}")
+        self._given = (field, value, kind, advice)
 
-    def __reduce__(self) -> tuple[type[WrongTypeError], tuple[str, object, type]]:  # type: ignore[override]
+    def __reduce__(self) -> tuple[type[WrongTypeError], tuple[str, object, type, str]]:  # type: ignore[override]
         return WrongTypeError, self._given
 
 
@@ -115,9 +116,26 @@ def expect_boolean(value: object, field: str) -> None:
 
 def expect_enumerator(value: Any, kind: type[IntEnum], field: str) -> None:
     """Accepts an enumerator of `kind`, or the number of an enumerator."""
-    if type(value) is not kind and value not in kind.__members__.values():
-        known = ", ".join(kind.__members__)
-        raise EncodeError(field, f"{value!r} is no {kind.__name__}; give one of {known}")
+    if type(value) is kind:
+        return
+    expect_number_of(value, kind, field)
+    if value not in kind.__members__.values():
+        raise EncodeError(field, f"{brief(value)} is no {kind.__name__}{_one_of(kind)}")
+
+
+def expect_number_of(value: object, kind: type[IntEnum] | type[IntFlag], field: str) -> None:
+    """Accepts members of `kind` and numbers. Refuses members of other enums, booleans and all that
+    is no whole number."""
+    if isinstance(value, kind):
+        return
+    if isinstance(value, Enum | bool) or not hasattr(value, "__index__"):
+        raise WrongTypeError(field, value, kind, _one_of(kind))
+
+
+def _one_of(kind: type[Enum]) -> str:
+    """Returns advice such as "; give Speed.SLOW or Speed.FAST"."""
+    *others, last = (f"{kind.__name__}.{name}" for name in kind.__members__)
+    return f"; give {', '.join(others)} or {last}" if others else f"; give {last}"
 
 
 class RangeError(EncodeError):

@@ -26,6 +26,7 @@ from gecos.wire.errors import (
     RangeError,
     brief,
     expect_enumerator,
+    expect_number_of,
 )
 from gecos.wire.units import Range
 
@@ -267,8 +268,8 @@ class Enumerators(Kind):
         self.names = names
 
     def put(self, value: Any, out: Parts, label: str) -> None:
-        out.append(number(value, self.code, label))
         expect_enumerator(value, self.kind, label)
+        out.append(number(value, self.code, label))
 
     def take(self, source: Decoder, label: str) -> Any:
         read = source.number(self.code, label)
@@ -304,6 +305,7 @@ class Flags(Kind):
         self.names = names
 
     def put(self, value: Any, out: Parts, label: str) -> None:
+        expect_number_of(value, self.kind, label)
         out.append(number(value, self.code, label))
         if value >> self.bits:
             raise RangeError(label, value, Range(0, (1 << self.bits) - 1))
