@@ -223,6 +223,7 @@ def test_a_command_that_fails_after_it_was_dropped_is_told_in_the_log(
     assert said.startswith(
         "gecos warning command: LAMP.dim failed, and nobody observed the failure: COMMAND_"
     )
+    assert ". Keep the command and wait() for it, or detach() it; later failures" in said
 
 
 @pytest.mark.parametrize("observe", ["state", "cancel", "detach", "wait"])

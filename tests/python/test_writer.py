@@ -171,7 +171,9 @@ def test_a_sample_outside_its_range_or_type_is_not_sent(
 def test_without_a_lease_nothing_is_sent(dancer: Any) -> None:
     speed = dancer.speed.writer()
     with pytest.raises(
-        gecos.CommandFailed, match="the stream needs actor status; hold a lease"
+        gecos.CommandFailed,
+        match="the stream needs actor status; hold a lease while you send: "
+        r"call actor\(object\) of gecos$",
     ) as refused:
         speed.send(1.0)
     assert refused.value.detail is gecos.Detail.DENIED

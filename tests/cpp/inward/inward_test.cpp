@@ -115,8 +115,7 @@ TEST_P(InwardStreams, AreNotSentWithoutALease) {
   EXPECT_EQ(sent.error().detail, Detail::Denied);
   EXPECT_EQ(sent.error().text,
             "a sample for inward stream 'speed' of DANCER was not sent: the stream needs actor "
-            "status; hold "
-            "a lease while you send: `const auto lease = gecos::actor(*robot);`");
+            "status; hold a lease while you send: call actor(object) of gecos");
   EXPECT_EQ(in_words(speed->report().get().value()), "admitted 0");
   EXPECT_TRUE(speed->report().get()->expired) << "no sample has come";
 }

@@ -56,6 +56,8 @@ TEST_P(Unasked, ACommandThatFailsIsLoggedOnceWithObjectOperationAndReason) {
                 name_ + " needs actor status"),
       0u)
       << said;
+  EXPECT_EQ(count(said, ". Keep the command and wait() for it, or detach() it; later failures"), 1u)
+      << said;
 }
 
 TEST_P(Unasked, ACommandThatWasAskedForFailsInSilence) {
@@ -73,7 +75,7 @@ TEST_P(Unasked, ALeaseThatIsDroppedAtOnceSaysToKeepIt) {
   const std::string said = said_by([this] { EXPECT_TRUE(gecos::actor(probe_)); });
   EXPECT_EQ(count(said, "gecos warning lease: ACTOR status of " + name_ +
                             " was released at once, before any command was issued under it; keep "
-                            "the lease: `const auto lease = gecos::actor(*robot);`\n"),
+                            "the lease as long as you need the status\n"),
             1u)
       << said;
 }

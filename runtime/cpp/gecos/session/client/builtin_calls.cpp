@@ -84,7 +84,7 @@ Lease::~Lease() {
     log_warning("lease", std::string(to_string(grant_.status)) + " status of " +
                              session_->object_name() +
                              " was released at once, before any command was issued under it; keep "
-                             "the lease: `const auto lease = gecos::actor(*robot);`");
+                             "the lease as long as you need the status");
   }
   release();
 }

@@ -111,9 +111,8 @@ tl::expected<void, Failure> ClientWriter::send(std::size_t size,
   if (header.epoch == Epoch{} && stream_.status != access::Status::Sensor) {
     const auto status = std::string(access::to_string(stream_.status));
     return not_sent(Detail::Denied, "the stream needs " + status +
-                                        " status; hold a lease while you send: `const auto "
-                                        "lease = gecos::" +
-                                        status + "(*robot);`");
+                                        " status; hold a lease while you send: call " + status +
+                                        "(object) of gecos");
   }
   if (fed_ && fed_->session != number(header.session)) {
     return not_sent(Detail::BadParameter,

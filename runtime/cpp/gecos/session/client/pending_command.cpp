@@ -29,8 +29,8 @@ void tell_unasked(const std::string& about, const Failure& failure) {
   std::ostringstream line;
   line << (about.empty() ? "a command" : about)
        << " failed, and nobody observed the failure: " << failure
-       << ". Keep the command and call get() or then(), or call detach(); later failures of this "
-          "kind are not logged";
+       << ". Keep the command and wait() for it, or detach() it; later failures of this kind are "
+          "not logged";
   log_warning("command", std::move(line).str());
 }
 
