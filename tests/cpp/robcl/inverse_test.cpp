@@ -276,6 +276,21 @@ TEST_F(Rx90Inverse, SaysHowFarTheWristWouldBeWhenAGoalIsOutOfReach) {
             "900.0 mm");
 }
 
+TEST_P(ClosedForm, GivesReasonsThatFitIntoTheExceptionOfTheInterface) {
+  const JointValues from = GetParam().tool_down;
+  const Configuration wanted[] = {
+      {}, {Shoulder::Righty, Elbow::Above, Wrist::Noflip}, {Shoulder::Lefty, Elbow::Below, {}}};
+  for (const double away : {0.0, 0.1, 3.0, 1000.0}) {
+    for (const Configuration& each : wanted) {
+      const auto solution = inverse_->solve(translate(away, 0, 0), from, each);
+      if (solution) continue;
+      if (const auto* out = std::get_if<OutOfReach>(&solution.error())) {
+        EXPECT_LE(out->reason.size(), 160u) << out->reason;
+      }
+    }
+  }
+}
+
 TEST_F(Rx90Inverse, NamesTheJointThatWouldHaveToTurnTooFar) {
   // Upper arm and forearm folded onto each other further than joint 3 turns.
   const auto folded = forward_.base_from_flange(joints({0, 0, 160, 0, 60, 0}));
@@ -340,11 +355,35 @@ TEST(NumericInverse, OfAnArmWithFiveJointsTakesAGoalWhoseRoundingItCannotReach) 
   const Frame turned = pose * Frame::from_euler_zyx(0, 0, 0, 0.01, 0.02, 0.03);
   const auto refused = inverse->solve(turned, there, {});
   ASSERT_FALSE(refused);
-  EXPECT_NE(to_string(refused.error())
-                .find("an arm with 5 joints reaches a place in some "
-                      "orientations only"),
-            std::string::npos)
+  EXPECT_NE(
+      to_string(refused.error())
+          .find("out of reach: an arm with 5 joints reaches a place in some orientations only: "
+                "begin with a pose that it has had; the flange would be "),
+      std::string::npos)
       << to_string(refused.error());
+}
+
+TEST_P(NumericInverses, GiveReasonsThatFitIntoTheExceptionOfTheInterface) {
+  RandomJoints random(model_, 9);
+  int refused = 0;
+  for (const double away : {0.0, 0.3, 0.7, 0.999, 1.001, 3.0, 1000.0}) {
+    for (int i = 0; i < 5; ++i) {
+      const JointValues from = random();
+      const Frame turned = forward_.base_from_flange(random());
+      const double far = away * model_.reach() / std::max(turned.position().norm(), 1e-3);
+      const Eigen::Vector3d moved = (far - 1) * turned.position();
+      const auto solution =
+          inverse_->solve(translate(moved.x(), moved.y(), moved.z()) * turned, from, {});
+      if (solution) continue;
+      const auto* out = std::get_if<OutOfReach>(&solution.error());
+      if (out == nullptr) continue;
+      ++refused;
+      EXPECT_LE(out->reason.size(), 160u) << out->reason;
+      EXPECT_EQ(out->reason.starts_with("an arm with 5 joints"), from.size() == 5 && away < 1)
+          << out->reason;
+    }
+  }
+  EXPECT_GE(refused, 15);
 }
 
 TEST_P(NumericInverses, ReachNearlyEveryPoseAndNeverLie) {

@@ -89,15 +89,24 @@ tl::expected<JointValues, Failure> NumericInverse::solve(const Frame& base_from_
     if (!nearest_miss) nearest_miss = outside;
   }
   if (nearest_miss) return tl::unexpected(*nearest_miss);
+  return tl::unexpected(OutOfReach{why_out_of_reach(base_from_flange)});
+}
+
+std::string NumericInverse::why_out_of_reach(const Frame& base_from_flange) const {
+  const double away = base_from_flange.position().norm();
+  const Eigen::Index joints = chain_.getNrOfJoints();
   std::ostringstream text;
-  text << std::fixed << std::setprecision(1) << "no joint positions found for a flange "
-       << in_mm(base_from_flange.position().norm()) << " mm from the base (reach "
-       << in_mm(model_.reach()) << " mm); the solver tried " << starts << " start positions";
-  if (reference.size() < joints_for_every_pose) {
-    text << "; an arm with " << reference.size()
-         << " joints reaches a place in some orientations only: begin with a pose that it has had";
+  text << std::fixed << std::setprecision(1);
+  if (joints < joints_for_every_pose && away <= model_.reach()) {
+    text << "an arm with " << joints
+         << " joints reaches a place in some orientations only: begin with a pose that it has had; "
+            "the flange would be "
+         << in_mm(away) << " mm from the base";
+  } else {
+    text << "no joint positions found for a flange " << in_mm(away) << " mm from the base (reach "
+         << in_mm(model_.reach()) << " mm)";
   }
-  return tl::unexpected(OutOfReach{text.str()});
+  return text.str();
 }
 
 }  // namespace robcl::arm

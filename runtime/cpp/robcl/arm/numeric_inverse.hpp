@@ -4,6 +4,7 @@
 #include <kdl/chainiksolverpos_lma.hpp>
 #include <kdl/jntarray.hpp>
 #include <optional>
+#include <string>
 
 #include "robcl/arm/inverse.hpp"
 #include "robcl/arm/local_inverse.hpp"
@@ -32,6 +33,7 @@ class NumericInverse final : public InverseKinematics {
  private:
   JointValues start(int attempt, const JointValues& reference) const;
   std::optional<JointValues> refined(const Frame& base_from_flange, JointValues joints) const;
+  std::string why_out_of_reach(const Frame& base_from_flange) const;
 
   ArmModel model_;
   LocalInverse local_;
