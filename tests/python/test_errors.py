@@ -1,11 +1,13 @@
 from __future__ import annotations
 
 import pickle
+from typing import Any
 
 import gecos
 import pytest
 from gecos import Attempt, CreateError, Detail
 from lamp import Burnt
+from robcl.manipulator_types import Configuration, JointLimit, PlaceOnLine
 
 
 def test_create_says_why_for_each_name() -> None:
@@ -52,6 +54,21 @@ def test_a_declared_exception_shows_its_members() -> None:
     error = Burnt(hours=12)
     assert (error.detail, error.text) == (Detail.FAULT, "test::Burnt(hours=12)")
     assert repr(error) == "Burnt(hours=12)"
+
+
+@pytest.mark.parametrize(
+    ("computed", "asks"),
+    [
+        ({}, True),
+        ({"place": PlaceOnLine(way=0.1)}, False),
+        ({"configuration": Configuration()}, False),
+    ],
+)
+def test_a_value_that_the_object_computed_is_not_asked_about(
+    computed: dict[str, Any], asks: bool
+) -> None:
+    error = JointLimit(axis=4, value=45.0, lower=-1.0, upper=1.0, **computed)
+    assert ("is the value in degrees?" in str(error)) is asks
 
 
 def test_two_declared_exceptions_are_two_exceptions() -> None:

@@ -551,7 +551,11 @@ std::ostream& operator<<(std::ostream& out, const JointLimit& value) {
       "JointLimit{axis=", value.axis, ", value=", value.value, " rad, lower=", value.lower,
       " rad, upper=", value.upper, " rad, place=", value.place, ", configuration=",
       value.configuration, "}",
-      gecos::wire::mistaken_unit(value.value, value.lower, value.upper, "rad"));
+      value.place || value.configuration ? std::string_view() : gecos::wire::mistaken_unit(
+          value.value,
+          value.lower,
+          value.upper,
+          "rad"));
 }
 
 std::size_t Singular::encoded_size() const { return 5 + reason.size(); }

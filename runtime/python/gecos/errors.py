@@ -141,10 +141,18 @@ class DeclaredError(CommandFailed):
         }
         units = self._gecos_units
         shown = f"{self._gecos_name}({shown_members(values, units)})"
-        if {"value", "lower", "upper"} <= units.keys():
+        if {"value", "lower", "upper"} <= units.keys() and not self._gecos_is_computed():
             value, low, high = (getattr(self, name) for name in ("value", "lower", "upper"))
             shown += mistaken_unit(value, low, high, units["value"])
         return shown
+
+    def _gecos_is_computed(self) -> bool:
+        """Returns whether an optional member is present. It tells how the object computed `value`,
+        which is then no input in another unit."""
+        return any(
+            member.default is None and getattr(self, member.name) is not None
+            for member in self._gecos_members()
+        )
 
     def __reduce__(self) -> tuple[Any, ...]:
         members = {m.name: getattr(self, m.name) for m in self._gecos_members()}

@@ -165,6 +165,19 @@ TEST(GeneratedTypes, PrintUnitsAndHideSecrets) {
   EXPECT_NE(text.find("value=1.5 m"), std::string::npos);
 }
 
+TEST(GeneratedTypes, AskAboutTheUnitOfAValueUnlessTheObjectComputedIt) {
+  const auto asks = [](const robcl::JointLimit& limit) {
+    return printed(limit).find("; is the value in degrees?") != std::string::npos;
+  };
+  robcl::JointLimit given{.axis = 4, .value = 45, .lower = -1, .upper = 1};
+  EXPECT_TRUE(asks(given));
+  robcl::JointLimit on_the_way = given, at_the_goal = given;
+  on_the_way.place = robcl::PlaceOnLine{.way = 0.1};
+  at_the_goal.configuration = robcl::Configuration{};
+  EXPECT_FALSE(asks(on_the_way));
+  EXPECT_FALSE(asks(at_the_goal));
+}
+
 TEST(GeneratedTypes, KnowTheirNameAndFingerprint) {
   EXPECT_EQ(robcl::OutOfReach::type_name(), "robcl::OutOfReach");
   static_assert(robcl::Vector::fingerprint() != 0);

@@ -201,12 +201,15 @@ def _mistaken_unit(content: Content) -> str:
     """Returns the C++ text of a call of gecos::wire::mistaken_unit, for an exception whose members
     `value`, `lower` and `upper` are numbers with units. Returns an empty text for other exceptions.
     In a running program, the call returns a question such as "is the value in degrees?", which the
-    generated code appends to the text of the exception."""
+    generated code appends to the text of the exception. An optional member that is present tells
+    how the object computed `value`, which is then no input in another unit, and not asked about."""
     found = {m.name: (m, f.node) for m, f in zip(content.members, content.fields, strict=True)}
-    names = ("value", "lower", "upper")
-    members, nodes = zip(*(found.get(name, (None, None)) for name in names), strict=True)
+    wanted = ("value", "lower", "upper")
+    members, nodes = zip(*(found.get(name, (None, None)) for name in wanted), strict=True)
     number = all(isinstance(node, ScalarNode) and node.primitive.is_number for node in nodes)
     if not number or not all(member.unit for member in members):
         return ""
-    values = [f"value.{name}" for name in names]
-    return call("gecos::wire::mistaken_unit", *values, f'"{members[0].unit}"')
+    values = [f"value.{name}" for name in wanted]
+    question = call("gecos::wire::mistaken_unit", *values, f'"{members[0].unit}"')
+    optional = [f"value.{names.member_name(m.name)}" for m in content.members if m.optional]
+    return f"{' || '.join(optional)} ? std::string_view() : {question}" if optional else question
