@@ -55,6 +55,7 @@ class Arm(ManipulatorServant):
         self.counts = threading.Event()
         self.counts.set()
         self.hangs = False
+        self.override: float | None = None  # of the progress of `move`
         self.moving = threading.Event()
         self.canceled = threading.Event()
         self.brake: Callable[[], Any] = self.brakes
@@ -140,7 +141,7 @@ class Arm(ManipulatorServant):
         self.moving.set()
         if goal.position[2] < 0:
             raise OutOfReach("the floor")
-        run.progress(0.5, MotionProgress(0.5, 1.0))
+        run.progress(0.5, MotionProgress(0.5, 1.0, speed_override=self.override))
         if self.hangs:
             run.wait_interrupted(30.0)
             self.brake()
@@ -197,6 +198,34 @@ def test_call_moves_and_says_finished(arm: Arm, run: Run) -> None:
     given = json.dumps({"goal": GOAL, "how": {"speed": 0.5, "path": "STRAIGHT"}})
     assert run("call", "ARM", "move", given) == (0, "ARM.move: FINISHED\n", "")
     assert arm.at.position[0] == 0.4
+
+
+@pytest.mark.parametrize(
+    ("password", "todo"),
+    [
+        ([], "end this call, and set the factor by gecos call ARM override_speed factor=1"),
+        (
+            ["--password", "two"],
+            "gecos call ARM override_speed factor=1 with the same --password lets it go on",
+        ),
+    ],
+)
+def test_call_says_once_that_the_motion_is_paused(
+    password: list[str], todo: str, arm: Arm, run: Run
+) -> None:
+    arm.hangs, arm.override = True, 0.0
+    words = ["call", "ARM", "move", f"goal={json.dumps(GOAL)}", "--timeout", "0.5", *password]
+    code, out, err = run(*words)
+    assert (code, out) == (3, "")
+    notice, rest = err.split("\n", 1)
+    assert notice == f"ARM is paused, because its speed_override is 0; {todo}"
+    assert "paused" not in rest
+
+
+def test_call_of_a_motion_that_is_only_slowed_down_says_nothing(arm: Arm, run: Run) -> None:
+    arm.hangs, arm.override = True, 0.5
+    said = run("call", "ARM", "move", f"goal={json.dumps(GOAL)}", "--timeout", "0.3")
+    assert "paused" not in said[2]
 
 
 def test_call_takes_parameters_one_by_one(arm: Arm, run: Run) -> None:

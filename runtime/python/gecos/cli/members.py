@@ -194,9 +194,9 @@ def call(
                 command = by_name.call(robot, operation, given)
             except TypeError as error:  # a parameter is missing or unknown
                 raise UsageFailure(str(error)) from None
-            ended = _ends(
-                command, f"{name}.{operation}", timeout, called.cancelable and not as_json
-            )
+            label, shows = f"{name}.{operation}", called.cancelable and not as_json
+            paused = _PauseNotice(command, name, bool(password)) if called.feedback else None
+            ended = _ends(command, label, timeout, shows, paused)
             value = ended.result(0)
     if as_json:
         print_json({"name": name, "operation": operation, "state": "FINISHED", "result": value})
@@ -230,14 +230,42 @@ def _arguments(words: tuple[str, ...]) -> dict[str, Any]:
     return found
 
 
+class _PauseNotice:
+    """Says once that a command is paused, if its feedback has a member `speed_override` that is 0,
+    as that of the motions of an arm after override_speed(0). @pre the operation has feedback"""
+
+    def __init__(self, command: Command[Any, Any], name: str, shared: bool) -> None:
+        self._command = command
+        self._said = False
+        again = f"gecos call {name} override_speed factor=1"
+        todo = (
+            f"{again} with the same --password lets it go on"
+            if shared
+            else f"end this call, and set the factor by {again}"
+        )
+        self._text = f"{name} is paused, because its speed_override is 0; {todo}"
+
+    def look(self, before: str = "") -> None:
+        """Prints the notice if it is due and was not printed before; `before` goes before it."""
+        feedback = None if self._said else self._command.feedback()
+        if not feedback or feedback.get("speed_override") != 0:
+            return
+        self._said = True
+        click.echo(before + self._text, err=True)
+
+
 def _ends(
-    command: Command[Any, Any], label: str, timeout: float | None, shows: bool
+    command: Command[Any, Any],
+    label: str,
+    timeout: float | None,
+    shows: bool,
+    paused: _PauseNotice | None = None,
 ) -> Command[Any, Any]:
     """Waits for the end of a command and returns the command. After `timeout`, cancels the command
     and raises NotEnded, unless the command ended in another way. On Ctrl-C, cancels the command and
     raises InterruptedCommand."""
     try:
-        if _ended_within(command, label, timeout, shows):
+        if _ended_within(command, label, timeout, shows, paused):
             return command
     except KeyboardInterrupt:
         detail = _canceled(command)
@@ -274,20 +302,34 @@ def _became(detail: Detail, command: Command[Any, Any]) -> str:
 
 
 def _ended_within(
-    command: Command[Any, Any], label: str, timeout: float | None, shows: bool
+    command: Command[Any, Any],
+    label: str,
+    timeout: float | None,
+    shows: bool,
+    paused: _PauseNotice | None,
 ) -> bool:
     """Waits for the end of a command, and shows a progress bar on a terminal. Returns whether the
     command ended in time."""
-    if not (shows and sys.stderr.isatty()):
-        return command.wait(timeout) is not State.RUNNING
     end = None if timeout is None else time.monotonic() + timeout
+    if not (shows and sys.stderr.isatty()):
+        while paused and command.wait(_next_look(end)) is State.RUNNING:
+            paused.look()
+            if end is not None and time.monotonic() >= end:
+                return False
+        return command.wait(timeout) is not State.RUNNING
     with click.progressbar(length=1000, label=label, file=sys.stderr, show_eta=False) as drawn:
         while command.wait(_REDRAW) is State.RUNNING:
             drawn.update(max(0, int(command.progress().fraction * 1000) - drawn.pos))
+            if paused:
+                paused.look("\n")
             if end is not None and time.monotonic() >= end:
                 return False
         drawn.update(1000 - drawn.pos if command.state is State.FINISHED else 0)
     return True
+
+
+def _next_look(end: float | None) -> float:
+    return _REDRAW if end is None else min(_REDRAW, max(0.0, end - time.monotonic()))
 
 
 @click.command()
