@@ -15,10 +15,12 @@ namespace gecos {
 struct Broker_enlist_arguments {
   ::gecos::Entry what{};
   double served_for = 0.0;  ///< [s]
+  std::optional<::gecos::AdmittedNames> admitted{};  ///< [optional]
 
   static bool gecos_members(auto& each, auto& self) {
     return each("enlist.what", self.what, gecos::layout::Block{}) && each.may_end() &&
-           each("enlist.served_for", self.served_for);
+           each("enlist.served_for", self.served_for) &&
+           each("enlist.admitted", self.admitted, gecos::layout::Optional<gecos::layout::Block>{});
   }
 };
 

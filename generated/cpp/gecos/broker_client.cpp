@@ -13,14 +13,28 @@ Broker::Broker(std::shared_ptr<gecos::session::ClientSession> session)
 
 gecos::Command<std::optional<double>> Broker::enlist(
     const ::gecos::Entry& what,
-    double served_for) const {
+    double served_for,
+    const std::optional<::gecos::AdmittedNames>& admitted) const {
   if (auto why = ::gecos::gecos_violation(what); !why.empty()) return gecos::session::Refused(why);
+  if (admitted) {
+    if (auto why = ::gecos::gecos_violation(*admitted); !why.empty()) return gecos::session::Refused(
+        why);
+  }
+  std::size_t size = 13 + what.encoded_size();
+  if (admitted) {
+    size += 4;
+    size += admitted->encoded_size();
+  }
   return gecos_call<std::optional<double>>(
-      BrokerInterface::enlist, 12 + what.encoded_size(),
+      BrokerInterface::enlist, size,
       [&](auto& to) {
         to.put_count(what.encoded_size());
         what.encode(to);
-        to.put(served_for);
+        to.put(served_for, admitted.has_value());
+        if (admitted) {
+          to.put_count(admitted->encoded_size());
+          admitted->encode(to);
+        }
       },
       [](auto& from, auto& value) {
         return gecos::wire::get_optional(from, value, "enlist", [&](auto& _value) {

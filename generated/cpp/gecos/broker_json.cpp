@@ -97,6 +97,13 @@ bool JsonStruct<::gecos::RevocationState>::visit(
 }
 
 template <>
+bool JsonStruct<::gecos::AdmittedNames>::visit(JsonMembers& each, ::gecos::AdmittedNames& value) {
+  return each.member("number", value.number) &&
+         each.member("users", value.users) &&
+         each.member("hosts", value.hosts);
+}
+
+template <>
 bool JsonStruct<::gecos::UnknownName>::visit(JsonMembers& each, ::gecos::UnknownName& value) {
   return each.member("name", value.name) &&
          each.member("known", value.known);

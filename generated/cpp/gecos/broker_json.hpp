@@ -64,6 +64,11 @@ bool JsonStruct<::gecos::RevocationState>::visit(
     ::gecos::RevocationState& value);
 
 template <>
+struct JsonShape<::gecos::AdmittedNames> : JsonStruct<::gecos::AdmittedNames> {};
+template <>
+bool JsonStruct<::gecos::AdmittedNames>::visit(JsonMembers& each, ::gecos::AdmittedNames& value);
+
+template <>
 struct JsonShape<::gecos::UnknownName> : JsonStruct<::gecos::UnknownName> {};
 template <>
 bool JsonStruct<::gecos::UnknownName>::visit(JsonMembers& each, ::gecos::UnknownName& value);

@@ -31,12 +31,18 @@ class BrokerServant : public virtual gecos::Servant {
   /// `settles_in` the
   /// name may go to an object that has been served for longer, so ask again. Absent: the
   /// name is the server's.
+  /// `admitted` says whom the program of the server admits. A user whom no list of the lab
+  /// file admits to the broker,
+  /// but these lists, is a visitor: he finds the objects that admit him, and may do nothing
+  /// else here. The lists count
+  /// as long as the server has the name, also while it is silent. Absent: nobody.
   /// @param served_for [s]
   /// @param settles_in [s]
   /// May fail with gecos::NameTaken.
   virtual gecos::Result<std::optional<double>> enlist(
       const ::gecos::Entry& what,
-      double served_for) = 0;
+      double served_for,
+      const std::optional<::gecos::AdmittedNames>& admitted) = 0;
 
   /// Takes an object of the calling session off the list.
   /// May fail with gecos::UnknownName.

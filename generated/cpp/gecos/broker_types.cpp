@@ -385,6 +385,56 @@ std::ostream& operator<<(std::ostream& out, const RevocationState& value) {
       "RevocationState{listed=", value.listed, ", behind=", value.behind, "}");
 }
 
+std::size_t AdmittedNames::encoded_size() const {
+  std::size_t size = 16 + 5 * users.size();
+  for (const auto& item : users) size += item.size();
+  size += 5 * hosts.size();
+  for (const auto& item : hosts) size += item.size();
+  return size;
+}
+
+void AdmittedNames::encode(gecos::wire::Encoder& to) const {
+  to.put(number);
+  to.put_count(users.size());
+  for (const auto& item : users) to.put_string(item);
+  to.put_count(hosts.size());
+  for (const auto& item : hosts) to.put_string(item);
+}
+
+bool AdmittedNames::decode([[maybe_unused]] gecos::wire::Decoder& from) {
+  return from.get(number, "AdmittedNames.number") &&
+         gecos::wire::get_sequence(from, users, 5, 256, "AdmittedNames.users",
+             [&](auto& item) {
+               return from.get_string(item, gecos::wire::npos, "AdmittedNames.users");
+             }) &&
+         gecos::wire::get_sequence(from, hosts, 5, 256, "AdmittedNames.hosts",
+             [&](auto& item) {
+               return from.get_string(item, gecos::wire::npos, "AdmittedNames.hosts");
+             }) &&
+         gecos::wire::skip_rest(from);
+}
+
+std::string gecos_violation(const AdmittedNames& value) {
+  if (value.users.size() > 256) {
+    return gecos::wire::over_bound("AdmittedNames.users", value.users.size(), 256, "elements");
+  }
+  for (const auto& item : value.users) {
+    if (!gecos::wire::valid_text(item)) return gecos::wire::bad_text("AdmittedNames.users");
+  }
+  if (value.hosts.size() > 256) {
+    return gecos::wire::over_bound("AdmittedNames.hosts", value.hosts.size(), 256, "elements");
+  }
+  for (const auto& item : value.hosts) {
+    if (!gecos::wire::valid_text(item)) return gecos::wire::bad_text("AdmittedNames.hosts");
+  }
+  return {};
+}
+
+std::ostream& operator<<(std::ostream& out, const AdmittedNames& value) {
+  return gecos::wire::print_all(out,
+      "AdmittedNames{number=", value.number, ", users=", value.users, ", hosts=", value.hosts, "}");
+}
+
 std::size_t UnknownName::encoded_size() const {
   std::size_t size = 9 + name.size() + 5 * known.size();
   for (const auto& item : known) size += item.size();

@@ -237,6 +237,27 @@ std::ostream& operator<<(std::ostream& out, const RevocationState& value);
 /// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
 std::string gecos_violation(const RevocationState& value);
 
+/// Whom the program of a server admits to the objects of the server (`Server::allow`).
+struct AdmittedNames {
+  /// of these lists; a later `allow` of the same server has a greater number
+  std::uint64_t number = 0;
+  /// beside the user of the server; "*": every user [at most 256]
+  std::vector<std::string> users{};
+  /// beside the host of the server; "*": every host [at most 256]
+  std::vector<std::string> hosts{};
+
+  static constexpr std::string_view type_name() { return "gecos::AdmittedNames"; }
+  static constexpr std::int64_t fingerprint() { return std::int64_t(0x38b48a1c1def3d78U); }
+  std::size_t encoded_size() const;
+  void encode(gecos::wire::Encoder& to) const;
+  [[nodiscard]] bool decode(gecos::wire::Decoder& from);
+
+  friend bool operator==(const AdmittedNames&, const AdmittedNames&) = default;
+};
+std::ostream& operator<<(std::ostream& out, const AdmittedNames& value);
+/// Why `value` must not be sent: the field and what is wrong with it; empty when it may.
+std::string gecos_violation(const AdmittedNames& value);
+
 /// [exception]
 struct UnknownName {
   std::string name{};

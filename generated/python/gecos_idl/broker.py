@@ -20,6 +20,7 @@ from gecos.proxy import StreamAttribute as _StreamAttribute
 from gecos.servant import Servant as _Servant
 from gecos.wire import layout as _layout
 from gecos_idl.broker_types import (
+    AdmittedNames,
     Entry,
     KeptList,
     KeptObject,
@@ -37,6 +38,7 @@ from gecos_idl.broker_types import (
 )
 
 __all__ = [
+    "AdmittedNames",
     "Broker",
     "BrokerServant",
     "Entry",
@@ -57,7 +59,13 @@ __all__ = [
 
 _BROKER_ENLIST: _Method[float | None, None] = _method(
     _Operation(0x17D413CE, "enlist", _Access.SENSOR, presence=False, hash=0xFF7A6020C83EDD81),
-    takes=_values("what served_for", Entry, "d", defaults=(0.0,)),
+    takes=_values(
+        "what served_for admitted",
+        Entry,
+        "d",
+        _layout.optional(AdmittedNames),
+        defaults=(0.0, None),
+    ),
     gives=_layout.optional("d"),
     named="settles_in",
     raises=(NameTaken,),
@@ -154,8 +162,8 @@ _BROKER_BEHIND: _Method[RevocationState, None] = _method(
     gives=RevocationState,
 )
 _list_ = list
-_BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broker","doc":"Knows where objects are. Stands at a well-known place; everything else is found through it.","version":"1.2","hash":"0xa21bf37a03f5faf1","members":[
-{"kind":"operation","name":"enlist","doc":"Makes an object findable until the calling session ends. Named enlist because `register` is a word of C++.\n`served_for` says how long its server has served it: an age, because hosts have clocks of their own.\nA broker that has just started may hear of an object that was served before it: within `settles_in` the\nname may go to an object that has been served for longer, so ask again. Absent: the name is the server\u0027s.","parameters":[{"name":"what","direction":"in","type":"gecos::Entry"},{"name":"served_for","direction":"in","type":"double","unit":"s","default":0.0},{"name":"settles_in","direction":"out","type":"double","unit":"s","optional":true}],"raises":["gecos::NameTaken"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":399774670,"hash":"0xff7a6020c83edd81"},
+_BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broker","doc":"Knows where objects are. Stands at a well-known place; everything else is found through it.","version":"1.3","hash":"0x54d20635c08d0cdc","members":[
+{"kind":"operation","name":"enlist","doc":"Makes an object findable until the calling session ends. Named enlist because `register` is a word of C++.\n`served_for` says how long its server has served it: an age, because hosts have clocks of their own.\nA broker that has just started may hear of an object that was served before it: within `settles_in` the\nname may go to an object that has been served for longer, so ask again. Absent: the name is the server\u0027s.\n`admitted` says whom the program of the server admits. A user whom no list of the lab file admits to the broker,\nbut these lists, is a visitor: he finds the objects that admit him, and may do nothing else here. The lists count\nas long as the server has the name, also while it is silent. Absent: nobody.","parameters":[{"name":"what","direction":"in","type":"gecos::Entry"},{"name":"served_for","direction":"in","type":"double","unit":"s","default":0.0},{"name":"admitted","direction":"in","type":"gecos::AdmittedNames","optional":true},{"name":"settles_in","direction":"out","type":"double","unit":"s","optional":true}],"raises":["gecos::NameTaken"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":399774670,"hash":"0xff7a6020c83edd81"},
 {"kind":"operation","name":"withdraw","doc":"Takes an object of the calling session off the list.","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"on_new":"queue","on_loss":"stop","code":3320558639,"hash":"0x8875f2f1fe455040"},
 {"kind":"operation","name":"lookup","doc":"Where an object is that was enlisted.","result":"gecos::Entry","parameters":[{"name":"name","direction":"in","type":"string"}],"raises":["gecos::UnknownName"],"access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":1239667683,"hash":"0x5ed8113ab6d833d8"},
 {"kind":"operation","name":"list","doc":"All that is enlisted now, in the order of names.","result":"sequence<gecos::Entry>","access":"sensor","needs_presence":false,"idempotent":true,"on_new":"queue","on_loss":"stop","code":2364029209,"hash":"0xdf31bbf4a9abb156"},
@@ -176,14 +184,15 @@ _BROKER_SERVED_MODEL = r'''{"interface":{"kind":"interface","name":"gecos::Broke
 {"kind":"struct","name":"gecos::Revocation","doc":"A user, or one key of a user, who may not connect any more.","extensibility":"appendable","members":[{"name":"key","type":"string","doc":"64 hexadecimal digits; empty: every key of the owner"},{"name":"owner","type":"string","doc":"as \"anna@desk\", or \"anna\" for all hosts; if it is empty, the revocation is of everybody who has the key"}],"wire":{"fingerprint":"0x2eae804802561bf1","min_size":10}},
 {"kind":"struct","name":"gecos::RevocationList","doc":"Whom the user of the broker has revoked.","extensibility":"appendable","members":[{"name":"number","type":"uint64","doc":"of this list; 0 if it is empty"},{"name":"changed","type":"boolean","doc":"the caller has another list; FALSE: `revoked` is left out"},{"name":"revoked","type":"sequence<gecos::Revocation>"}],"wire":{"fingerprint":"0x989317587b3dd79e","min_size":13}},
 {"kind":"struct","name":"gecos::RevocationState","doc":"Which servers know of some revocations.","extensibility":"appendable","members":[{"name":"listed","type":"boolean","doc":"the broker\u0027s list has all of them; FALSE: they are of another user than the broker\u0027s"},{"name":"behind","type":"sequence<string>","doc":"objects online whose servers have not applied that list, in the order of names"}],"wire":{"fingerprint":"0x732fe7c6650af657","min_size":5}},
+{"kind":"struct","name":"gecos::AdmittedNames","doc":"Whom the program of a server admits to the objects of the server (`Server::allow`).","extensibility":"appendable","members":[{"name":"number","type":"uint64","doc":"of these lists; a later `allow` of the same server has a greater number"},{"name":"users","type":"sequence<string, 256>","doc":"beside the user of the server; \"*\": every user"},{"name":"hosts","type":"sequence<string, 256>","doc":"beside the host of the server; \"*\": every host"}],"wire":{"fingerprint":"0x38b48a1c1def3d78","min_size":16}},
 {"kind":"exception","name":"gecos::UnknownName","extensibility":"final","members":[{"name":"name","type":"string"},{"name":"known","type":"sequence<string>"}],"wire":{"fingerprint":"0x7cd6bc0789c32ab9","min_size":9}},
 {"kind":"exception","name":"gecos::NameTaken","extensibility":"final","members":[{"name":"name","type":"string"},{"name":"by","type":"string"}],"wire":{"fingerprint":"0xf9ffaded7a4ca4f9","min_size":10}},
 {"kind":"exception","name":"gecos::NameInUse","extensibility":"final","members":[{"name":"name","type":"string"},{"name":"why","type":"string"}],"wire":{"fingerprint":"0x25abf1683e4409bf","min_size":10}}],
 "references":[]}'''
 _BROKER = _interface(
     "gecos::Broker",
-    "1.2",
-    0xA21BF37A03F5FAF1,
+    "1.3",
+    0x54D20635C08D0CDC,
     (),
     (
         _BROKER_ENLIST,
@@ -209,7 +218,12 @@ class Broker(_Object):
 
     _gecos_interface = _BROKER
 
-    def enlist(self, what: Entry, served_for: float = 0.0) -> _Command[float | None]:
+    def enlist(
+        self,
+        what: Entry,
+        served_for: float = 0.0,
+        admitted: AdmittedNames | None = None,
+    ) -> _Command[float | None]:
         """Makes an object findable until the calling session ends. Named enlist because
         `register` is a word of C++.
         `served_for` says how long its server has served it: an age, because hosts have clocks
@@ -218,12 +232,17 @@ class Broker(_Object):
         `settles_in` the
         name may go to an object that has been served for longer, so ask again. Absent: the
         name is the server's.
+        `admitted` says whom the program of the server admits. A user whom no list of the lab
+        file admits to the broker,
+        but these lists, is a visitor: he finds the objects that admit him, and may do nothing
+        else here. The lists count
+        as long as the server has the name, also while it is silent. Absent: nobody.
 
         served_for: [s]
         settles_in: [s]
         May raise NameTaken.
         """
-        return self._gecos_call(_BROKER_ENLIST, _BROKER_ENLIST.request(what, served_for))
+        return self._gecos_call(_BROKER_ENLIST, _BROKER_ENLIST.request(what, served_for, admitted))
 
     def withdraw(self, name: str) -> _Command[None]:
         """Takes an object of the calling session off the list.
@@ -311,7 +330,12 @@ class BrokerServant(_Servant):
     _gecos_handlers = _BROKER.handlers
 
     @_abstractmethod
-    def enlist(self, what: Entry, served_for: float) -> float | None:
+    def enlist(
+        self,
+        what: Entry,
+        served_for: float,
+        admitted: AdmittedNames | None,
+    ) -> float | None:
         """Makes an object findable until the calling session ends. Named enlist because
         `register` is a word of C++.
         `served_for` says how long its server has served it: an age, because hosts have clocks
@@ -320,6 +344,11 @@ class BrokerServant(_Servant):
         `settles_in` the
         name may go to an object that has been served for longer, so ask again. Absent: the
         name is the server's.
+        `admitted` says whom the program of the server admits. A user whom no list of the lab
+        file admits to the broker,
+        but these lists, is a visitor: he finds the objects that admit him, and may do nothing
+        else here. The lists count
+        as long as the server has the name, also while it is silent. Absent: nobody.
 
         served_for: [s]
         settles_in: [s]

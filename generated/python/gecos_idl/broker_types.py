@@ -11,6 +11,7 @@ from gecos.errors import DeclaredError as _DeclaredError
 from gecos.wire import layout as _layout
 
 __all__ = [
+    "AdmittedNames",
     "Entry",
     "KeptList",
     "KeptObject",
@@ -186,6 +187,25 @@ class RevocationState(_layout.Struct):
     """the broker's list has all of them; FALSE: they are of another user than the broker's"""
     behind: list[str] = _field(default_factory=list)
     """objects online whose servers have not applied that list, in the order of names"""
+
+
+@_layout.struct(
+    0x38B48A1C1DEF3D78,
+    "Q",
+    _layout.items(_layout.text(), 256),
+    _layout.items(_layout.text(), 256),
+    open=True,
+)
+@_dataclass(slots=True)
+class AdmittedNames(_layout.Struct):
+    """Whom the program of a server admits to the objects of the server (`Server::allow`)."""
+
+    number: int = 0
+    """of these lists; a later `allow` of the same server has a greater number"""
+    users: list[str] = _field(default_factory=list)
+    """beside the user of the server; "*": every user [at most 256]"""
+    hosts: list[str] = _field(default_factory=list)
+    """beside the host of the server; "*": every host [at most 256]"""
 
 
 @_layout.exception(

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "gecos/access/access_policy.hpp"
 #include "gecos/access/lab_file.hpp"
+#include "gecos/access/visitors.hpp"
 #include "gecos/base/ids.hpp"
 #include "gecos/builtin_operations.hpp"
 #include "gecos/lab.hpp"
@@ -105,6 +107,16 @@ class CallCore;
 /// when it may. This function is for the broker. It decides by [names] of the lab file, and writes
 /// a refusal to the audit.
 std::string refusal_to_register(const CallCore& call, const std::string& name);
+
+/// Returns the user of the client that issued `call`, if the client is a visitor; no value if it is
+/// not. This function is for the broker.
+std::optional<access::UserAtHost> visitor_of(const CallCore& call);
+
+/// Whom the broker receives as visitors (access/visitors.hpp), and what they may use.
+struct Visitors {
+  access::VisitorBook book{};
+  std::vector<FunctionCode> open{};  ///< the codes of operations and streams
+};
 
 class HandlerHere;
 

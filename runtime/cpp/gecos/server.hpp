@@ -12,6 +12,9 @@
 #include "gecos/servant.hpp"
 
 namespace gecos {
+namespace session {
+struct Visitors;
+}
 
 struct ObjectOptions {
   bool simulated = false;    ///< the object is a simulation and moves no hardware
@@ -23,6 +26,8 @@ struct ObjectOptions {
   std::vector<media::Kind> media{};
   bool well_known = false;  ///< clients find it at the host's well-known address, without a broker
   Duration patience = std::chrono::seconds(10);  ///< how long to wait for a broker that is starting
+  /// For the broker alone: the users who may only look for the objects that admit them. Null: none.
+  std::shared_ptr<const session::Visitors> visitors{};
 };
 
 struct ServeError {
@@ -69,8 +74,10 @@ class Server {
   /// Names the users and hosts that may connect to all objects of this server, in addition to the
   /// user of this process on this host: for example `allow({"anna"})`. "*" admits every name. If
   /// the lab file also has a list for an object, both lists must admit a client. Applies to
-  /// connections that are made after the call, and replaces the names of an earlier call. Programs
-  /// of another user of this host can connect only if an administrator has prepared the host for
+  /// connections that are made after the call, and replaces the names of an earlier call. The
+  /// broker is told these names: it lets a user whom no list of its lab file admits look for the
+  /// objects of this server, and do nothing else. Throws std::invalid_argument if there are more
+  /// than 256 users or more than 256 hosts. Programs of another user of this host can connect only if an administrator has prepared the host for
   /// this (docs/security.md). Does not lower the status that an operation needs.
   void allow(std::vector<std::string> users, std::vector<std::string> hosts = {});
   /// Waits until any thread of the process gets SIGINT or SIGTERM, or until `shut_down()`. Logs an

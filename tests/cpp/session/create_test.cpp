@@ -290,7 +290,8 @@ class SlowBroker : public gecos::BrokerServant {
 
  private:
   gecos::Result<std::optional<double>> enlist(const gecos::Entry& what,
-                                              double /*served_for*/) override {
+                                              double /*served_for*/,
+                                              const std::optional<gecos::AdmittedNames>&) override {
     if (left_ == 0) return std::nullopt;
     --left_;
     return tl::unexpected(gecos::Fault(gecos::NameTaken{what.name, "one that is dead"}));

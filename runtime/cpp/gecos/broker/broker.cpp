@@ -53,6 +53,7 @@ Directory Broker::new_directory(Duration young) const {
 }
 
 void Broker::start_threads() {
+  reception_.start();
   if (!watcher_.joinable()) {
     {
       const MutexLock lock(mutex_);
@@ -61,7 +62,6 @@ void Broker::start_threads() {
     wake_watcher_.emplace();
     watcher_ = start_thread("gecos-processes", [this] { watch_processes(); });
   }
-  if (!revoked_) revoked_.emplace();
 }
 
 void Broker::watch_processes() {
@@ -76,12 +76,14 @@ void Broker::watch_processes() {
     const auto milliseconds = std::chrono::ceil<std::chrono::milliseconds>(rest).count();
     ::poll(descriptors.data(), descriptors.size(), static_cast<int>(milliseconds));
     wake_watcher_->drain();
+    const TimePoint look_again = reception_.look(SystemClock().since_boot());
     const TimePoint now = SystemClock().since_boot();
     const MutexLock lock(mutex_);
     if (ended_) return;
     remove_ended();
     rest = end_due_sessions(now);
-    rest = std::min(rest, directory_.on_tick(now) - now);
+    rest = std::min({rest, directory_.on_tick(now) - now, look_again - now});
+    rest = std::max(rest, Duration::zero());
     announce();
   }
 }
@@ -123,6 +125,10 @@ void Broker::forget_unused_processes() {
 void Broker::announce() {
   const ListRevision now = directory_.revision();
   if (std::exchange(announced_, now.number) == now.number) return;
+  reception_.visitors()->book.keep_only([this](const std::string& name) {
+    mutex_.assert_held();
+    return directory_.knows(name);
+  });
   if (kept_) kept_->keep(directory_.of_this_host(), *processes_);
   publish_revision(now);
 }
@@ -142,6 +148,7 @@ Serving Broker::serving(std::vector<media::Kind> media) {
   ObjectOptions options;
   options.simulated = true;  // a broker moves nothing, so it cannot cause harm
   options.well_known = true;
+  options.visitors = reception_.visitors();
   // If only this process can use these media, no server has served an object before this broker
   // started, so the broker's answers need not be provisional.
   const bool alone = media::within_process(media);
@@ -170,7 +177,12 @@ void Broker::gecos_dispatch(IncomingCall call) {
   calling_.call.reset();
 }
 
-Result<std::optional<double>> Broker::enlist(const Entry& what, double served_for) {
+View Broker::view() const {
+  return View(directory_, reception_.visitors()->book, session::visitor_of(*calling_.call));
+}
+
+Result<std::optional<double>> Broker::enlist(const Entry& what, double served_for,
+                                             const std::optional<AdmittedNames>& admitted) {
   const MutexLock lock(mutex_);
   if (!directory_.has(calling_.session, what.name)) {
     std::string why = session::refusal_to_register(*calling_.call, what.name);
@@ -187,6 +199,11 @@ Result<std::optional<double>> Broker::enlist(const Entry& what, double served_fo
     return tl::unexpected(Fault(provisional.error()));
   }
   announce();
+  if (reception_.note(what, admitted)) {
+    // A visitor may see other objects now, although the list is the same for all others.
+    publish_revision(directory_.revision());
+    wake_watcher_->notify();
+  }
   if (!before) {
     log_info("broker", what.name + " was enlisted with the interface " + what.interface_name);
   } else if (*before != what) {
@@ -212,7 +229,7 @@ Result<void> Broker::withdraw(const std::string& name) {
 Result<Entry> Broker::lookup(const std::string& name) {
   const MutexLock lock(mutex_);
   remove_ended();
-  auto found = directory_.look_up(name);
+  auto found = view().look_up(name);
   if (!found) return tl::unexpected(Fault(found.error()));
   return *std::move(found);
 }
@@ -220,25 +237,25 @@ Result<Entry> Broker::lookup(const std::string& name) {
 Result<std::vector<Entry>> Broker::list() {
   const MutexLock lock(mutex_);
   remove_ended();
-  return directory_.list();
+  return view().list();
 }
 
 Result<std::vector<Entry>> Broker::query(const std::string& interface_name) {
   const MutexLock lock(mutex_);
   remove_ended();
-  return directory_.query(interface_name);
+  return view().query(interface_name);
 }
 
 Result<ListChanges> Broker::changes(const ListRevision& since) {
   const MutexLock lock(mutex_);
   remove_ended();
-  return directory_.changes(since, SystemClock().since_boot());
+  return view().changes(since, SystemClock().since_boot());
 }
 
 Result<ListRevision> Broker::revision() {
   const MutexLock lock(mutex_);
   remove_ended();
-  return directory_.revision();
+  return view().revision();
 }
 
 Result<void> Broker::free(const std::string& name) {
@@ -258,7 +275,7 @@ Result<std::vector<SilentObject>> Broker::silent() {
   const MutexLock lock(mutex_);
   remove_ended();
   std::vector<SilentObject> objects;
-  for (Silent& one : directory_.silent(now)) {
+  for (Silent& one : view().silent(now)) {
     const auto free_in = directory_.free_in(one, now);
     objects.push_back({std::move(one.entry), to_seconds(now - one.since),
                        free_in ? std::optional(to_seconds(*free_in)) : std::nullopt});
@@ -267,7 +284,7 @@ Result<std::vector<SilentObject>> Broker::silent() {
 }
 
 Result<RevocationList> Broker::revocations(std::uint64_t applied) {
-  const auto list = revoked_->read();
+  const auto list = reception_.revoked().read();
   if (!list) return tl::unexpected(Fault::rejected(list.error()));
   {
     const MutexLock lock(mutex_);
@@ -281,7 +298,7 @@ Result<RevocationList> Broker::revocations(std::uint64_t applied) {
 }
 
 Result<RevocationState> Broker::behind(const std::vector<Revocation>& revoked) {
-  const auto list = revoked_->read();
+  const auto list = reception_.revoked().read();
   if (!list) return tl::unexpected(Fault::rejected(list.error()));
   RevocationState state;
   state.listed = std::ranges::all_of(revoked, [&](const Revocation& one) {

@@ -125,6 +125,10 @@ class Directory {
   /// Returns the changes after `since`, or the whole list when some of these changes are no longer
   /// kept.
   ListChanges changes(const ListRevision& since, TimePoint now) const;
+  /// Returns whether an object has or keeps the name.
+  bool knows(const std::string& name) const {
+    return places_.contains(name) || silent_.contains(name);
+  }
   /// Returns whether the process `pid` of the broker's host has an object, online or silent.
   bool uses_process(std::int32_t pid) const;
   /// Returns the objects, online or silent, whose processes are on the broker's host.

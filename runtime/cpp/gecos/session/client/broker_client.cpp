@@ -117,9 +117,10 @@ tl::expected<ListChanges, std::string> list_changes(Context& lab, const ListRevi
 }
 
 std::shared_ptr<CommandCore> register_object(ClientConnection& broker, const Entry& entry,
-                                             Duration served_for) {
+                                             Duration served_for,
+                                             const std::optional<AdmittedNames>& admitted) {
   const double seconds = to_seconds(served_for);
-  return own_call(broker, BrokerInterface::enlist, Broker_enlist_arguments{entry, seconds});
+  return own_call(broker, BrokerInterface::enlist, Broker_enlist_arguments{entry, seconds, admitted});
 }
 
 tl::expected<Duration, NotRegistered> await_registered(CommandCore& asked, TimePoint deadline) {

@@ -32,9 +32,11 @@ tl::expected<ListChanges, std::string> list_changes(Context& lab, const ListRevi
                                                     TimePoint deadline);
 
 /// Registers the object `entry` with the broker until the session with the broker ends.
-/// `served_for`: how long the object has been served.
+/// `served_for`: how long the object has been served. `admitted`: whom the program of the server
+/// admits; no value: nobody else.
 std::shared_ptr<CommandCore> register_object(ClientConnection& broker, const Entry& entry,
-                                             Duration served_for);
+                                             Duration served_for,
+                                             const std::optional<AdmittedNames>& admitted = {});
 
 struct NotRegistered {
   bool taken = false;    ///< another object has the name; retry only after that object is gone

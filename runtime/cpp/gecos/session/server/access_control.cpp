@@ -9,6 +9,7 @@
 
 #include "gecos/base/log.hpp"
 #include "gecos/base/user_and_host.hpp"
+#include "gecos/binding.hpp"
 #include "gecos/session/protocol/packets.hpp"
 
 namespace gecos::session {
@@ -107,9 +108,38 @@ bool AccessControl::administers(const media::Peer& peer) noexcept {
   }
 }
 
-std::string AccessControl::refusal(const std::string& object, const media::Peer& peer) noexcept {
+void AccessControl::receive(std::shared_ptr<const Visitors> visitors) {
+  const MutexLock lock(mutex_);
+  visitors_ = std::move(visitors);
+}
+
+std::optional<access::UserAtHost> AccessControl::visitor(const std::string& object,
+                                                         const media::Peer& peer) noexcept {
   Judgement judgement = judge_by_lists(object, peer);
-  return judgement.admitted ? std::string() : std::move(judgement.text);
+  if (judgement.admitted && !judgement.visitor) return std::nullopt;
+  return std::move(judgement.who);
+}
+
+AccessControl::Judgement AccessControl::judge_visitor(const std::string& object,
+                                                      const media::Peer& peer,
+                                                      const access::UserAtHost& who,
+                                                      std::string refusal) {
+  const Judgement refused{false, false, who, std::move(refusal)};
+  if (!visitors_ || object != access::broker_object || policy_.lab.objects.contains(object)) {
+    return refused;
+  }
+  const auto shown = visitors_->book.object_of(who);
+  if (!shown) return refused;
+  if (visitors_->book.revoked(peer.key, who)) {
+    return {false, false, who,
+            refusal_of(object, who) + "the user of the broker has revoked this user"};
+  }
+  return {true,
+          false,
+          who,
+          object + " admits user " + who.user + " of host " + who.host +
+              " as a visitor: the program that serves " + *shown + " names this user",
+          true};
 }
 
 AccessControl::Judgement AccessControl::judge_registration(const std::string& name,
@@ -148,10 +178,20 @@ AccessControl::Judgement AccessControl::judge_report(const std::string& zone,
   }
 }
 
+bool AccessControl::knows_revoked() {
+  const MutexLock lock(mutex_);
+  return visitors_ && visitors_->book.knows_revoked();
+}
+
 AccessControl::Judgement AccessControl::judge(const std::string& object,
                                               const media::Peer& peer) noexcept {
   if (!is_of_server(peer)) file_.read(answer_within);
   Judgement judgement = judge_by_lists(object, peer);
+  if (judgement.visitor && !knows_revoked()) {
+    return {false, false, judgement.who,
+            refusal_of(object, judgement.who) +
+                "the broker does not know at the moment whom its user has revoked; try again"};
+  }
   if (!judgement.admitted || peer.user.empty()) return judgement;
   const std::string since = contact_->out_of_contact();
   if (since.empty()) return judgement;
@@ -177,7 +217,8 @@ AccessControl::Judgement AccessControl::judge_by_lists(const std::string& object
     if (is_of_server(peer)) return {};
     const MutexLock lock(mutex_);
     const access::AccessDecision decision = policy().decide(server, who, object);
-    return {decision.allowed(), false, who, decision.text};
+    if (!decision.allowed()) return judge_visitor(object, peer, who, decision.text);
+    return {true, false, who, decision.text};
   } catch (const std::exception& failed) {
     return {false, false, {}, object + " refuses all other users: " + failed.what()};
   }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@
 #include "gecos/session/server/lab_file_reader.hpp"
 
 namespace gecos::session {
+
+struct Visitors;
 
 /// Decides which users may connect to the objects of one server (access::AccessPolicy), by the lab
 /// file (LabFileReader) and the lists of the program. The lab file is read again for each client of
@@ -44,6 +47,9 @@ class AccessControl {
   /// Admits these users and hosts. They replace the users and hosts of an earlier call.
   void allow(std::vector<std::string> users, std::vector<std::string> hosts);
 
+  /// From now on receives at BROKER the visitors in this book, too.
+  void receive(std::shared_ptr<const Visitors> visitors);
+
   /// The decision whether a client may connect to an object, and the rule that led to it.
   struct Judgement {
     bool admitted = true;
@@ -51,14 +57,21 @@ class AccessControl {
     /// nor a key names another user. Such a client is admitted, and the members below are empty.
     bool own = true;
     access::UserAtHost who{};
-    std::string text{};  ///< as AccessDecision::text
+    std::string text{};    ///< as AccessDecision::text
+    bool visitor = false;  ///< admitted as a visitor only (access/visitors.hpp)
   };
   /// Decides about a client that connects. While the server is out of contact with the broker, no
   /// client whose key has an owner is admitted.
   Judgement judge(const std::string& object, const media::Peer& peer) noexcept;
-  /// Returns why `peer` may not stay connected to the object; an empty text when it may. Decides by
-  /// the lab file as it was read last, and does not wait.
-  std::string refusal(const std::string& object, const media::Peer& peer) noexcept;
+  /// Decides whether `peer` may stay connected to the object. Decides by the lab file as it was read
+  /// last, and does not wait.
+  Judgement judge_again(const std::string& object, const media::Peer& peer) noexcept {
+    return judge_by_lists(object, peer);
+  }
+  /// Returns the user of a client that may connect to the object as a visitor only; no value if the
+  /// client is no visitor. Decides like `judge_again`.
+  std::optional<access::UserAtHost> visitor(const std::string& object,
+                                            const media::Peer& peer) noexcept;
   /// Returns whether `peer` may end the status of other clients: it runs as the user of the server
   /// or as root, or the lab file, as it was read last, names its user as an administrator. Does not
   /// wait, because the caller holds the mutex of an object.
@@ -75,9 +88,14 @@ class AccessControl {
  private:
   access::UserAtHost user_of(const media::Peer& peer, const std::string& host);
   Judgement judge_by_lists(const std::string& object, const media::Peer& peer) noexcept;
+  /// Decides about a client that no list admits.
+  Judgement judge_visitor(const std::string& object, const media::Peer& peer,
+                          const access::UserAtHost& who, std::string refusal)
+      GECOS_REQUIRES(mutex_);
   /// Returns the policy by the lab file as it was read last.
   const access::AccessPolicy& policy() GECOS_REQUIRES(mutex_);
   std::string name_of(std::uint32_t uid);
+  bool knows_revoked();  ///< whom the visitors' broker has revoked
 
   LabFileReader file_;
   const std::shared_ptr<const BrokerContact> contact_;
@@ -87,6 +105,7 @@ class AccessControl {
   std::map<std::uint32_t, std::string> names_ GECOS_GUARDED_BY(mutex_);
   access::AccessPolicy policy_ GECOS_GUARDED_BY(mutex_);
   std::shared_ptr<const access::LabAccess> lists_ GECOS_GUARDED_BY(mutex_);  ///< in `policy_`
+  std::shared_ptr<const Visitors> visitors_ GECOS_GUARDED_BY(mutex_);  ///< null: there are none
 };
 
 }  // namespace gecos::session

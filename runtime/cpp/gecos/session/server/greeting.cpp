@@ -33,6 +33,7 @@ void open(const std::shared_ptr<ServerSession>& session, const Hello& hello,
   caller.pid = peer.pid.value_or(hello.pid);
   caller.incarnation = hello.incarnation;
   caller.session = number(id);
+  session->visit.open(setup.rights.visitor(setup.name, peer));
   session->greet(id, std::move(caller));
   session->intake.accept_within(hello.accept_within);
   session->heartbeats.liveness.heard(now);

@@ -311,9 +311,17 @@ bool IoLoop::end_revoked(TimePoint now) {
   next_review_ = now + review_every;
   const auto sessions = sessions_.all();
   for (const auto& session : sessions) {
+    const auto judgement =
+        access_->judge_again(session->object()->name(), session->connection().peer());
+    // What a client has registered would stay if the client became a visitor in the same session.
+    const bool narrowed = judgement.visitor && session->visit.is_full();
     const std::string why =
-        access_->refusal(session->object()->name(), session->connection().peer());
-    if (!why.empty()) any = revoke(session, why) || any;
+        narrowed ? "no list of the lab file names this user any more: " + judgement.text
+                 : judgement.text;
+    if (!judgement.admitted || narrowed) any = revoke(session, why) || any;
+    if (judgement.admitted && !judgement.visitor && session->visit.visitor() != nullptr) {
+      session->visit.widen();
+    }
   }
   keys_.begin(sessions);
   return any;

@@ -2,8 +2,10 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "gecos/access/access_policy.hpp"
 #include "gecos/servant.hpp"
 #include "gecos/server.hpp"
 #include "gecos/session/process/runtime.hpp"
@@ -17,6 +19,10 @@ struct UserRights {
   bool everybody_connects = false;
   /// Returns whether the user may end the status of others.
   std::function<bool(const media::Peer&)> administers = [](const auto&) { return false; };
+  /// Returns the user of a client that may connect to the object as a visitor only
+  /// (access/visitors.hpp); no value if the client is no visitor.
+  std::function<std::optional<access::UserAtHost>(const std::string& object, const media::Peer&)>
+      visitor = [](const auto&, const auto&) { return std::nullopt; };
   /// Returns why the user may not register an object under a name; an empty text when it may.
   std::function<std::string(const std::string& name, const media::Peer&)> refusal_to_register =
       [](const auto&, const auto&) { return std::string(); };

@@ -106,7 +106,8 @@ tl::expected<void, std::string> Registrar::add(const std::shared_ptr<ObjectHost>
   if (!enlisted) return tl::unexpected(entry.name + " is not served: " + enlisted.error());
   const MutexLock lock(mutex_);
   registrations_.push_back(std::move(registration));
-  if (*enlisted > Duration::zero()) ask_soon();
+  const bool admits_others = admitted_ != registrations_.back().admitted;
+  if (*enlisted > Duration::zero() || admits_others) ask_soon();
   return {};
 }
 
@@ -128,7 +129,12 @@ tl::expected<Duration, std::string> Registrar::register_first(Registration& regi
     if (others_find(registration.entry, **broker)) object.name_confirmation().ask();
     const auto question = object.name_confirmation().question();
     registration.since = lab_->runtime()->clock().since_boot();
-    const auto asked = register_object(**broker, registration.entry, Duration::zero());
+    {
+      const MutexLock lock(mutex_);
+      registration.admitted = admitted_;
+    }
+    const auto asked =
+        register_object(**broker, registration.entry, Duration::zero(), registration.admitted);
     const auto enlisted = await_registered(*asked, deadline);
     if (enlisted) {
       if (*enlisted == Duration::zero()) object.name_confirmation().held(question);
@@ -158,6 +164,13 @@ void Registrar::look() {
   contact_->on_tick(broker);
 }
 
+void Registrar::admit(std::vector<std::string> users, std::vector<std::string> hosts) {
+  const MutexLock lock(mutex_);
+  const std::uint64_t number = admitted_ ? admitted_->number + 1 : 1;
+  admitted_ = AdmittedNames{number, std::move(users), std::move(hosts)};
+  if (!registrations_.empty()) ask_soon();
+}
+
 void Registrar::ask_again() {
   const MutexLock lock(mutex_);
   if (!registrations_.empty()) ask_soon();
@@ -183,23 +196,24 @@ void Registrar::run() {
     if (ended_) return;
     wanted_ = false;
     const auto registrations = registrations_;
+    const auto admitted = admitted_;
     lock.unlock();
-    const Duration rest = ask(registrations);
+    const Duration rest = ask(registrations, admitted);
     lock.lock();
     next_ = deadline_after(rest);
   }
 }
 
-Duration Registrar::ask(const std::vector<Registration>& registrations) {
+Duration Registrar::ask(const std::vector<Registration>& registrations, const Admitted& admitted) {
   std::vector<std::uint64_t> questions;  // must be read before the broker is asked
   for (const auto& one : registrations)
     questions.push_back(one.object->name_confirmation().question());
   const TimePoint deadline = deadline_after(answer_patience);
-  auto answers = ask_broker(registrations, deadline);
+  auto answers = ask_broker(registrations, admitted, deadline);
   // The broker may have ended the session of this server, for example while this process was
   // suspended. A new session may work.
   while (answers.lost && lab_->runtime()->clock().now() < deadline) {
-    answers = ask_broker(registrations, deadline);
+    answers = ask_broker(registrations, admitted, deadline);
   }
   note_broker(answers.missing);
 
@@ -231,7 +245,7 @@ Duration Registrar::ask(const std::vector<Registration>& registrations) {
 }
 
 Registrar::Answers Registrar::ask_broker(const std::vector<Registration>& registrations,
-                                         TimePoint deadline) {
+                                         const Admitted& admitted, TimePoint deadline) {
   Answers answers;
   const auto broker = find_broker(deadline);
   if (!broker) {
@@ -243,7 +257,7 @@ Registrar::Answers Registrar::ask_broker(const std::vector<Registration>& regist
   contact_->renew(**broker, deadline);
   std::vector<std::shared_ptr<CommandCore>> asked;
   for (const auto& one : registrations) {
-    asked.push_back(register_object(**broker, one.entry, served_for(one)));
+    asked.push_back(register_object(**broker, one.entry, served_for(one), admitted));
   }
   for (const auto& command : asked) answers.of_each.push_back(await_registered(*command, deadline));
   answers.lost = (*broker)->lost();

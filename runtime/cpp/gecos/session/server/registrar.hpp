@@ -35,6 +35,8 @@ class Registrar {
   /// Asks the broker whom the laboratory has revoked, if it is time. Starts the search for a new
   /// broker if the broker was lost. Never blocks.
   void look();
+  /// Tells the broker, now and with each registration, whom the program of this server admits.
+  void admit(std::vector<std::string> users, std::vector<std::string> hosts);
   /// Makes the thread of the registrar ask the broker again whether it confirms the names of all
   /// objects.
   void ask_again();
@@ -46,8 +48,10 @@ class Registrar {
     Entry entry;
     std::shared_ptr<ObjectHost> object;
     TimePoint since{};  ///< when the object was first registered, by CLOCK_BOOTTIME
+    std::optional<AdmittedNames> admitted{};  ///< as the broker was told first
   };
   using Broker = std::shared_ptr<ClientConnection>;
+  using Admitted = std::optional<AdmittedNames>;
 
   void run();
   struct Answers {
@@ -58,8 +62,9 @@ class Registrar {
   /// Asks the broker about all names and passes the answers to the objects. Returns how long to
   /// wait before the broker is asked again; Duration::max() when the answers for all names are
   /// final.
-  Duration ask(const std::vector<Registration>& registrations);
-  Answers ask_broker(const std::vector<Registration>& registrations, TimePoint deadline);
+  Duration ask(const std::vector<Registration>& registrations, const Admitted& admitted);
+  Answers ask_broker(const std::vector<Registration>& registrations, const Admitted& admitted,
+                     TimePoint deadline);
   tl::expected<Broker, std::string> find_broker(TimePoint deadline);
   void ask_soon() GECOS_REQUIRES(mutex_);
   Duration served_for(const Registration& registration) const;
@@ -81,6 +86,7 @@ class Registrar {
   ConditionVariable changed_;  ///< `thread_` and `rest` wait on it, so notify it with notify_all
                                ///< only
   std::vector<Registration> registrations_ GECOS_GUARDED_BY(mutex_);
+  Admitted admitted_ GECOS_GUARDED_BY(mutex_);  ///< no value before the first `admit`
   Broker broker_ GECOS_GUARDED_BY(mutex_);  ///< the broker with which the objects are registered
   /// The address of the first broker; later brokers are expected at the same address.
   std::string place_ GECOS_GUARDED_BY(mutex_);

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <ostream>
+#include <stdexcept>
 #include <system_error>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "gecos/base/log.hpp"
 #include "gecos/base/mutex.hpp"
 #include "gecos/base/system_error.hpp"
+#include "gecos/binding.hpp"
 #include "gecos/session/client/context.hpp"
 #include "gecos/session/process/termination_signals.hpp"
 #include "gecos/session/server/access_control.hpp"
@@ -192,6 +194,9 @@ Server::Core::~Core() {
 session::UserRights Server::Core::rights() const {
   return {admission_ == Admission::Insecure,
           [access = access_](const media::Peer& peer) { return access->administers(peer); },
+          [access = access_](const std::string& object, const media::Peer& peer) {
+            return access->visitor(object, peer);
+          },
           [access = access_, recorded = connections_](const std::string& object,
                                                       const media::Peer& peer) {
             const auto judgement = access->judge_registration(object, peer);
@@ -290,6 +295,7 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
     return tl::unexpected(ServeError{name + " is not served: " + read.error()});
   }
   const bool well_known = options.well_known;
+  if (options.visitors) access_->receive(options.visitors);
   if (!well_known) {
     if (const auto found = await_broker(options.patience); !found) {
       return tl::unexpected(ServeError{name + " is not served: " + found.error().text});
@@ -325,7 +331,8 @@ tl::expected<void, ServeError> Server::Core::add(std::string name, Servant& serv
 }
 
 void Server::Core::allow(std::vector<std::string> users, std::vector<std::string> hosts) {
-  access_->allow(std::move(users), std::move(hosts));
+  access_->allow(users, hosts);
+  registrar_.admit(std::move(users), std::move(hosts));
 }
 
 void Server::Core::run() {
@@ -356,6 +363,11 @@ tl::expected<void, ServeError> Server::add(std::string name, Servant& servant,
   return (*core_)->add(std::move(name), servant, std::move(options));
 }
 void Server::allow(std::vector<std::string> users, std::vector<std::string> hosts) {
+  if (std::max(users.size(), hosts.size()) > access::most_admitted_names) {
+    throw std::invalid_argument(
+        "Server::allow takes at most 256 users and 256 hosts: name the others in a lab file, or "
+        "admit every name by \"*\"");
+  }
   if (core_) (*core_)->allow(std::move(users), std::move(hosts));
 }
 void Server::run() {

@@ -28,6 +28,13 @@ std::string refusal_to_register(const CallCore& call, const std::string& name) {
   return client.object()->setup().rights.refusal_to_register(name, client.connection().peer());
 }
 
+std::optional<access::UserAtHost> visitor_of(const CallCore& call) {
+  const auto* const served = dynamic_cast<const ServerCall*>(&call);
+  if (served == nullptr) return std::nullopt;  // a test's own call
+  const access::UserAtHost* const who = served->session->visit.visitor();
+  return who == nullptr ? std::nullopt : std::optional(*who);
+}
+
 const Caller& ServerCall::caller() const { return session->caller(); }
 
 bool ServerCall::wait_interrupted_until(TimePoint until) {

@@ -18,6 +18,7 @@
 #include "gecos/session/server/intake.hpp"
 #include "gecos/session/server/packet_sender.hpp"
 #include "gecos/session/server/server_call.hpp"
+#include "gecos/session/server/visit.hpp"
 #include "gecos/wire/packet.hpp"
 
 namespace gecos::session {
@@ -77,6 +78,8 @@ class ServerSession {
     TimePoint last_heard{};
   };
   Polled polled;
+
+  Visit visit;
 
   // when true, the polling thread removes the session; orders no other memory
   std::atomic<bool> gone{false};

@@ -14,6 +14,7 @@
 #include "gecos/session/server/call_log.hpp"
 #include "gecos/session/server/greeting.hpp"
 #include "gecos/session/server/presence_reports.hpp"
+#include "gecos/session/server/visitor_calls.hpp"
 #include "gecos/wire/layout.hpp"
 
 namespace gecos::session {
@@ -297,6 +298,7 @@ void SessionPackets::refuse_late(ServerSession& session, const wire::PacketView&
 void SessionPackets::take_call(const Session& session, const wire::PacketView& packet, Age age) {
   const std::uint64_t counter = packet.header.counter;
   const FunctionCode code = packet.header.code;
+  if (refuse_visitor(setup_, *session, packet)) return;
   if (packet.header.flags == sent_again) return take_again(session, packet, age);
   if (is_builtin(code)) {
     if (log_enabled(LogLevel::Debug)) {
@@ -471,7 +473,9 @@ void SessionPackets::take_again(const Session& session, const wire::PacketView& 
   call.header.flags = 0;
   call.body = packet.body.subspan(packet.body.size() - from.remaining());
   const OperationDescription* const operation = setup_.interface.find(packet.header.code);
-  if (operation == nullptr || !operation->idempotent || lost == session->id()) {
+  // The lost session may not have been that of a visitor, so its replies may tell too much.
+  const bool visits = session->visit.visitor() != nullptr;
+  if (operation == nullptr || !operation->idempotent || lost == session->id() || visits) {
     return take_call(session, call, age);
   }
   if (const Bytes* const kept = calls_.outcomes().reply(lost, sent.counter)) {

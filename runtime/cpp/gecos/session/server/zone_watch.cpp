@@ -53,20 +53,20 @@ void ZoneWatch::run() {
       tell_unknown("the zone cannot be reached (" + made.error().to_string() + ")");
       continue;
     }
-    const auto reports = made->session->subscribe(ZoneInterface::presence_stream);
-    if (!reports) {
-      tell_unknown("the zone does not report (" + reports.error().text + ")");
+    const auto presence = made->session->subscribe(ZoneInterface::presence_stream);
+    if (!presence) {
+      tell_unknown("the zone does not report (" + presence.error().text + ")");
       continue;
     }
-    follow(**reports);
+    follow(**presence);
   } while (rest());
 }
 
-void ZoneWatch::follow(StreamCore& reports) {
+void ZoneWatch::follow(StreamCore& presence) {
   RawSample sample;
   while (watches()) {
-    if (const auto got = reports.next(sample, deadline_after(between_zone_tries)); !got) {
-      if (got.error() != StreamEnd::Lost && !reports.lost()) continue;
+    if (const auto got = presence.next(sample, deadline_after(between_zone_tries)); !got) {
+      if (got.error() != StreamEnd::Lost && !presence.lost()) continue;
       return tell_unknown("the session with its server ended; start the server again");
     }
     const auto report = layout::from_bytes<Zone_presence_result>(sample.bytes);

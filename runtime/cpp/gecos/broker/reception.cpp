@@ -1,0 +1,51 @@
+#include "gecos/broker/reception.hpp"
+
+#include <utility>
+
+#include "gecos/base/log.hpp"
+#include "gecos/broker_interface.hpp"
+
+namespace gecos::broker {
+
+Reception::Reception() : visitors_(std::make_shared<session::Visitors>()) {
+  visitors_->open = {BrokerInterface::lookup.code,       BrokerInterface::list.code,
+                     BrokerInterface::silent.code,       BrokerInterface::query.code,
+                     BrokerInterface::changes.code,      BrokerInterface::revision.code,
+                     BrokerInterface::revision_stream.code};
+}
+
+TimePoint Reception::look(TimePoint now) {
+  access::VisitorBook& book = visitors_->book;
+  if (book.empty()) {
+    book.revoke(std::nullopt);
+    read_at_.reset();
+    next_ = {};
+    return TimePoint::max();
+  }
+  if (now < next_) return next_;
+  next_ = now + between_looks;
+  if (const auto found = revoked_->read()) {
+    book.revoke((*found)->revoked);
+    read_at_ = now;
+  } else if (!read_at_ || now - *read_at_ >= known_for) {
+    if (book.knows_revoked() || !read_at_) {
+      log_warning("broker", "no visitor is admitted: " + found.error());
+      read_at_ = now;
+    }
+    book.revoke(std::nullopt);
+  }
+  return next_;
+}
+
+bool Reception::note(const Entry& what, const std::optional<AdmittedNames>& admitted) {
+  std::optional<access::ProgramList> list;
+  if (admitted) {
+    list = {{what.user, what.hostname},
+            what.boot,
+            admitted->number,
+            {admitted->users, admitted->hosts, "Server::allow in the program of " + what.name}};
+  }
+  return visitors_->book.put(what.name, what.boot, std::move(list));
+}
+
+}  // namespace gecos::broker

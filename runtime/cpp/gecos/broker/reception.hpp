@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "gecos/base/clock.hpp"
+#include "gecos/binding.hpp"
+#include "gecos/broker/revoked_list.hpp"
+#include "gecos/broker_types.hpp"
+
+namespace gecos::broker {
+
+/// Whom the broker receives as visitors, and whom its user has revoked. No broker is above that of
+/// the visitors, so it reads the list of the revoked itself, once a second while an object may have
+/// visitors.
+class Reception {
+ public:
+  static constexpr Duration between_looks = std::chrono::seconds(1);
+  /// The list counts for so long after it was read. Then no new visitor is received.
+  static constexpr Duration known_for = std::chrono::seconds(3);
+
+  Reception();
+
+  /// Begins to read the list of the revoked. Throws std::system_error when the process has no
+  /// thread or descriptor left.
+  void start() {
+    if (!revoked_) revoked_.emplace();
+  }
+  /// @pre `start` was called
+  RevokedList& revoked() { return *revoked_; }
+  /// Reads the list of the revoked, if it is time; waits at most 250 ms for the file. Must be called
+  /// on one thread. Returns when to call this again.
+  TimePoint look(TimePoint now);
+
+  const std::shared_ptr<session::Visitors>& visitors() const { return visitors_; }
+  /// Notes whom the program of the server of `what` admits. Returns whether that has changed.
+  bool note(const Entry& what, const std::optional<AdmittedNames>& admitted);
+
+ private:
+  std::shared_ptr<session::Visitors> visitors_;
+  std::optional<RevokedList> revoked_;
+  // Used by the thread of `look` only.
+  TimePoint next_{};
+  std::optional<TimePoint> read_at_;
+};
+
+}  // namespace gecos::broker

@@ -1,0 +1,52 @@
+#include "gecos/broker/view.hpp"
+
+namespace gecos::broker {
+
+tl::expected<Entry, UnknownName> View::look_up(const std::string& name) const {
+  auto found = directory_.look_up(name);
+  if (found && !hidden(name)) return found;
+  UnknownName unknown{name, {}};
+  for (const Entry& known : list()) unknown.known.push_back(known.name);
+  return tl::unexpected(std::move(unknown));
+}
+
+std::vector<Entry> View::list() const {
+  auto entries = directory_.list();
+  std::erase_if(entries, [this](const Entry& one) { return hides(one); });
+  return entries;
+}
+
+std::vector<Entry> View::query(std::string_view interface_name) const {
+  auto entries = directory_.query(interface_name);
+  std::erase_if(entries, [this](const Entry& one) { return hides(one); });
+  return entries;
+}
+
+std::vector<Silent> View::silent(TimePoint now) const {
+  auto found = directory_.silent(now);
+  std::erase_if(found, [this](const Silent& one) { return hides(one.entry); });
+  return found;
+}
+
+ListRevision View::revision() const {
+  ListRevision revision = directory_.revision();
+  if (visitor_) revision.life ^= book_.view_of(*visitor_);
+  return revision;
+}
+
+ListChanges View::changes(const ListRevision& since, TimePoint now) const {
+  if (!visitor_) return directory_.changes(since, now);
+  const ListRevision seen = revision();
+  ListRevision asked = directory_.revision();
+  if (since.life == seen.life) {
+    asked.number = since.number;
+  } else {
+    asked.life = ~asked.life;
+  }
+  ListChanges answer = directory_.changes(asked, now);
+  answer.revision = seen;
+  std::erase_if(answer.changed, [this](const Registration& one) { return hides(one.entry); });
+  return answer;
+}
+
+}  // namespace gecos::broker

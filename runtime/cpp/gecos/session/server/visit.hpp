@@ -1,0 +1,37 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "gecos/access/access_policy.hpp"
+
+namespace gecos::session {
+
+/// Whether the client of one session may do everything that its status allows, or is a visitor
+/// (access/visitors.hpp). Thread-safe.
+class Visit {
+ public:
+  /// Must be called once, when the session is opened. `visitor`: no value if the client is none.
+  void open(std::optional<access::UserAtHost> visitor) {
+    if (visitor) who_ = *std::move(visitor);
+    state_.store(visitor ? State::Visitor : State::Full, std::memory_order_release);
+  }
+  /// Returns the user of a visitor; null if the client is none, or if the session is not open.
+  const access::UserAtHost* visitor() const {
+    return state_.load(std::memory_order_acquire) == State::Visitor ? &who_ : nullptr;
+  }
+  /// Returns whether the session is open and its client is no visitor.
+  bool is_full() const { return state_.load(std::memory_order_acquire) == State::Full; }
+  /// Must be called when a list of the lab file admits the visitor now.
+  void widen() { state_.store(State::Full, std::memory_order_release); }
+
+ private:
+  enum class State : std::uint8_t { NotOpen, Full, Visitor };
+
+  access::UserAtHost who_;                    // constant once `state_` is Visitor
+  std::atomic<State> state_{State::NotOpen};  // publishes `who_` to all threads
+};
+
+}  // namespace gecos::session

@@ -1,0 +1,64 @@
+#include "gecos/session/server/visitor_calls.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "gecos/binding.hpp"
+#include "gecos/object_calls.hpp"      // generated from idl/gecos/object.gidl
+#include "gecos/object_interface.hpp"  // generated from idl/gecos/object.gidl
+#include "gecos/session/protocol/builtin.hpp"
+#include "gecos/session/protocol/packets.hpp"
+#include "gecos/session/server/object_audit.hpp"
+#include "gecos/wire/layout.hpp"
+
+namespace gecos::session {
+namespace {
+
+bool opens(const ObjectSetup& setup, FunctionCode code) {
+  return setup.options.visitors != nullptr &&
+         std::ranges::find(setup.options.visitors->open, code) !=
+             setup.options.visitors->open.end();
+}
+
+/// Returns whether a visitor may make the call. `code`: of its operation.
+bool may_visit(const ObjectSetup& setup, const wire::PacketView& packet, FunctionCode code) {
+  using BuiltIn = GecosObjectInterface;
+  if (!is_builtin(code)) return opens(setup, code);
+  if (code == BuiltIn::subscribe.code) {
+    if (packet.header.flags == sent_again) return true;  // checked without what precedes the code
+    const auto asked = layout::from_bytes<GecosObject_subscribe_arguments>(packet.body);
+    return !asked || opens(setup, FunctionCode{asked->code});
+  }
+  return code == BuiltIn::ping.code || code == BuiltIn::describe.code ||
+         code == BuiltIn::model.code || code == BuiltIn::unsubscribe.code;
+}
+
+std::string name_of(const ObjectSetup& setup, FunctionCode code) {
+  const auto* const found =
+      is_builtin(code) ? GecosObjectInterface::description.find(code) : setup.interface.find(code);
+  return found == nullptr ? "operation " + std::to_string(number(code)) : std::string(found->name);
+}
+
+}  // namespace
+
+bool refuse_visitor(const ObjectSetup& setup, ServerSession& session,
+                    const wire::PacketView& packet) {
+  const access::UserAtHost* const who = session.visit.visitor();
+  const FunctionCode code = packet.header.code;
+  if (who == nullptr || may_visit(setup, packet, code)) return false;
+  const std::uint64_t counter = packet.header.counter;
+  const std::string name = name_of(setup, code);
+  const Failure refused{Detail::Denied,
+                        "'" + name + "' of " + setup.name + " was not started: user " + who->user +
+                            " of host " + who->host +
+                            " is a visitor here, who may only look for the objects whose programs "
+                            "admit this user; name the user below [allow] in the lab file of " +
+                            setup.name + named_request(session.id(), counter),
+                        {},
+                        {}};
+  setup.audit->refused(session, counter, code, name, refused);
+  session.reply(counter, refused);
+  return true;
+}
+
+}  // namespace gecos::session
