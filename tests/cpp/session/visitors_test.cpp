@@ -1,0 +1,263 @@
+// Users whom the program of a server admits, and no list of the lab file, reach its objects through
+// the broker and do nothing else there. The children become other users, so these tests run as
+// root; tests/system/test_two_users.py runs them for others.
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <map>
+
+#include "../settles.hpp"
+#include "child.hpp"
+#include "gecos/base/user_and_host.hpp"
+#include "gecos/binding.hpp"
+#include "gecos/broker_client.hpp"
+#include "gecos/object_watch.hpp"
+#include "place.hpp"
+#include "probe.hpp"
+#include "shared_place.hpp"
+
+namespace {
+
+using namespace std::chrono_literals;
+using gecos::media::Kind;
+using probe::become;
+using probe::Child;
+
+/// The promise that a revocation acts within 5 s, at five times slack.
+constexpr auto promised = 5 * 5s;
+
+std::string in_one_line(std::string text) {
+  std::ranges::replace(text, '\n', ' ');
+  return text;
+}
+
+/// The names of entries, or of registrations, as "A B ".
+std::string names_of(const auto& all) {
+  std::string text;
+  for (const auto& one : all) {
+    if constexpr (requires { one.entry; }) {
+      text += one.entry.name + " ";
+    } else {
+      text += one.name + " ";
+    }
+  }
+  return text;
+}
+
+/// A client of the broker, or why there is none.
+struct AtBroker {
+  explicit AtBroker(gecos::Lab& lab) {
+    const auto& context = gecos::session::LabAccess::context(lab);
+    auto opened = gecos::session::broker_session(context, gecos::deadline_after(10s));
+    if (opened) {
+      broker = gecos::Broker(*opened);
+    } else {
+      refused = opened.error();
+    }
+  }
+  gecos::Broker broker;
+  std::string refused;
+};
+
+std::string text_of(const auto& outcome) {
+  return outcome ? "done" : std::string(to_string(outcome.error().detail));
+}
+
+/// What each way to look for objects shows.
+std::string looks(gecos::Lab& lab) {
+  const AtBroker at(lab);
+  if (!at.refused.empty()) return at.refused;
+  const gecos::Broker& broker = at.broker;
+  const auto listed = broker.list().get();
+  const auto queried = broker.query("probe::Probe").get();
+  const auto silent = broker.silent().get();
+  const auto changed = broker.changes({}).get();
+  if (!listed || !queried || !silent || !changed) return "no answer";
+  std::string text = "list " + names_of(*listed) + "query " + names_of(*queried) + "silent " +
+                     names_of(*silent) + "changes " + names_of(changed->changed) + "lookup ";
+  for (const std::string name : {"PROBE", "OTHER"}) {
+    const auto found = broker.lookup(name).get();
+    const auto unknown = found ? std::nullopt : found.error().as<gecos::UnknownName>();
+    text += unknown ? "unknown" : found ? found->name : found.error().text;
+    for (const auto& known : unknown ? unknown->known : std::vector<std::string>()) {
+      text += ":" + known;
+    }
+    text += " ";
+  }
+  return text;
+}
+
+/// How each operation at the broker ends.
+std::string tries(gecos::Lab& lab) {
+  const AtBroker at(lab);
+  if (!at.refused.empty()) return at.refused;
+  const gecos::Broker& broker = at.broker;
+  gecos::Entry mine;
+  mine.name = "MINE";
+  std::map<std::string, std::vector<std::string>> ends;
+  const auto add = [&](const auto& outcome, const char* name) {
+    ends[text_of(outcome)].push_back(name);
+  };
+  add(broker.enlist(mine).get(), "enlist");
+  add(broker.withdraw("PROBE").get(), "withdraw");
+  add(broker.free("PROBE").get(), "free");
+  add(broker.revocations(0).get(), "revocations");
+  add(broker.behind({}).get(), "behind");
+  add(gecos::stop(broker).get(), "stop");
+  add(gecos::holders(broker).get(), "holders");
+  add(gecos::roster(broker).get(), "roster");
+  add(gecos::stats(broker).get(), "stats");
+  add(gecos::requests(broker).get(), "requests");
+  add(gecos::break_status(broker, "why").get(), "break_status");
+  add(gecos::take_over(broker).get(), "take_over");
+  add(gecos::outcome(broker, broker.list().id()).get(), "outcome");
+  const auto acquired = gecos::actor(broker);
+  ends[acquired ? "done" : std::string(to_string(acquired.error().failure.detail))].push_back(
+      "acquire");
+  add(gecos::ping(broker).get(), "ping");
+  add(gecos::describe(broker).get(), "describe");
+  add(gecos::model(broker).get(), "model");
+  add(broker.revision().get(), "revision");
+  auto revisions = broker.revision(gecos::stream);
+  ends[revisions && revisions->next(10s) ? "done" : "no stream"].push_back("stream");
+  std::string text;
+  for (const auto& [how, names] : ends) {
+    text += how + ":";
+    for (const auto& name : names) text += " " + name;
+    text += "; ";
+  }
+  return text;
+}
+
+std::string used(gecos::Lab& lab) {
+  const auto created = lab.create<probe::Probe>("PROBE", {.patience = 10s});
+  if (!created) return created.error().to_string();
+  const auto read = created->read().get();
+  return read ? "read " + std::to_string(*read) : read.error().text;
+}
+
+/// Serves MINE, admitting everybody, until its registration ends; then says what comes of it.
+std::string serves(gecos::Lab& lab, Child::Line& line) {
+  probe::ProbeServant servant;
+  gecos::Server server(lab);
+  server.allow({"*"}, {"*"});
+  if (const auto added = server.add("MINE", servant, {.media = {Kind::Shm}}); !added) {
+    return added.error().text;
+  }
+  line.say("serves");
+  return line.hear();
+}
+
+/// A program of `user` that does what it is told.
+void program_of(const std::string& user, Child::Line& line) {
+  ::setenv("GECOS_BROKER", "shm", 1);
+  try {
+    become(user);
+  } catch (const std::runtime_error& why) {
+    line.say(why.what());
+    return;
+  }
+  line.say("ready");
+  std::optional<gecos::Lab> kept;
+  for (;;) {
+    const std::string told = line.hear();
+    gecos::Lab lab;
+    std::string said;
+    if (told == "use") said = used(lab);
+    if (told == "look") said = looks(lab);
+    if (told == "try") said = tries(lab);
+    if (told == "serve") said = serves(lab, line);
+    if (told == "keep") {
+      kept.emplace();
+      said = looks(*kept);
+    }
+    if (told == "await the end") {
+      const AtBroker at(*kept);
+      const auto level = at.broker.revision(gecos::stream);
+      const auto until = std::chrono::steady_clock::now() + promised;
+      auto last = gecos::ping(at.broker).get();
+      while (last && std::chrono::steady_clock::now() < until) last = gecos::ping(at.broker).get();
+      said = last ? "goes on" : last.error().text;
+    }
+    line.say(in_one_line(said));
+  }
+}
+
+class Visitors : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (::geteuid() != 0) {
+      GTEST_SKIP() << "NOT TRIED here: tests/system/test_two_users.py runs this as root";
+    }
+    ASSERT_EQ(daemon.line().hear(), "ready");
+    ASSERT_EQ(bin.line().hear(), "ready");
+  }
+
+  static std::string tell(Child& user, const std::string& what) {
+    user.line().say(what);
+    return user.line().hear();
+  }
+  void revoke(const std::string& line) const { std::ofstream(keys_ + "/revoked") << line; }
+
+  const probe::SharedPlace place;
+  const std::string keys_ = [this] {
+    std::string folder = place.audit() + "-keys";
+    ::mkdir(folder.c_str(), 0700);
+    ::setenv("GECOS_KEY_DIR", folder.c_str(), 1);
+    return folder;
+  }();
+  Child daemon{[](Child::Line& line) { program_of("daemon", line); }};
+  Child bin{[](Child::Line& line) { program_of("bin", line); }};
+};
+
+/// The broker, the server of PROBE, and that of OTHER, made after the children are forked.
+struct Laboratory {
+  Laboratory() {
+    EXPECT_TRUE(server.add("PROBE", servant, {.media = {Kind::Shm}}));
+    EXPECT_TRUE(other_server.add("OTHER", other, {.media = {Kind::Shm}}));
+    servant.publish(8);
+  }
+  probe::BrokerHere broker;
+  gecos::Lab lab;
+  probe::ProbeServant servant;
+  gecos::Server server{lab};
+  probe::ProbeServant other;
+  gecos::Server other_server{lab};
+};
+
+TEST_F(Visitors, OneWhomTheProgramAloneAdmitsReachesTheObjectAndNobodyElseDoes) {
+  Laboratory laboratory;
+  EXPECT_NE(tell(daemon, "look").find("BROKER refuses user daemon"), std::string::npos);
+  laboratory.server.allow({"daemon"});
+  EXPECT_EQ(tell(daemon, "use"), "read 7");
+  const std::string refused = tell(bin, "look");
+  EXPECT_NE(refused.find("BROKER refuses user bin of host"), std::string::npos) << refused;
+}
+
+TEST_F(Visitors, AVisitorFindsOnlyTheObjectsThatAdmitTheUser) {
+  Laboratory laboratory;
+  laboratory.server.allow({"daemon"});
+  ASSERT_EQ(tell(daemon, "use"), "read 7");
+  EXPECT_EQ(tell(daemon, "look"),
+            "list PROBE query PROBE silent changes PROBE lookup PROBE unknown:PROBE ");
+  laboratory.other_server.allow({"*"});
+  EXPECT_TRUE(settles([&] {
+    return tell(daemon, "look") ==
+           "list OTHER PROBE query OTHER PROBE silent changes OTHER PROBE lookup PROBE OTHER ";
+  }));
+}
+
+TEST_F(Visitors, AVisitorDoesNothingElseAtTheBroker) {
+  Laboratory laboratory;
+  laboratory.server.allow({"daemon"});
+  ASSERT_EQ(tell(daemon, "use"), "read 7");
+  EXPECT_EQ(tell(daemon, "try"),
+            "DENIED: enlist withdraw free revocations behind stop holders roster stats requests "
+            "break_status take_over outcome acquire; done: ping describe model revision stream; ");
+}
+
+}  // namespace
