@@ -175,6 +175,8 @@ void program_of(const std::string& user, Child::Line& line) {
       kept.emplace();
       said = looks(*kept);
     }
+    if (told == "look kept") said = looks(*kept);
+    if (told == "go on") said = told;
     if (told == "await the end") {
       const AtBroker at(*kept);
       const auto level = at.broker.revision(gecos::stream);
@@ -258,6 +260,128 @@ TEST_F(Visitors, AVisitorDoesNothingElseAtTheBroker) {
   EXPECT_EQ(tell(daemon, "try"),
             "DENIED: enlist withdraw free revocations behind stop holders roster stats requests "
             "break_status take_over outcome acquire; done: ping describe model revision stream; ");
+}
+
+TEST_F(Visitors, AListOfTheBrokerKeepsItsMeaning) {
+  place.write("[objects.BROKER.allow]\nusers = [\"bin\"]\n");
+  Laboratory laboratory;
+  laboratory.server.allow({"daemon"});
+  ASSERT_TRUE(settles([&] { return tell(bin, "use").find("PROBE: REFUSED") == 0; }));
+  const std::string refused = tell(daemon, "look");
+  EXPECT_NE(refused.find("[objects.BROKER.allow] in " + place.file() + ":1 does not name user " +
+                         "daemon"),
+            std::string::npos)
+      << refused;
+}
+
+TEST_F(Visitors, AVisitorWhomTheProgramAdmitsNoMoreIsSentAway) {
+  Laboratory laboratory;
+  laboratory.server.allow({"daemon"});
+  laboratory.other_server.allow({"daemon"});
+  ASSERT_TRUE(settles([&] { return tell(daemon, "look").find("list OTHER PROBE ") == 0; }));
+  ASSERT_EQ(tell(daemon, "keep").find("list OTHER PROBE "), 0u);
+  laboratory.server.allow({});
+  EXPECT_TRUE(settles([&] { return tell(daemon, "look").find("list OTHER query") == 0; }));
+  laboratory.other_server.allow({"bin"});
+  const std::string ended = tell(daemon, "await the end");
+  EXPECT_NE(ended.find("revoked: BROKER refuses user daemon"), std::string::npos) << ended;
+}
+
+TEST_F(Visitors, ARevokedVisitorIsSentAwayAndNotReceivedAgain) {
+  Laboratory laboratory;
+  laboratory.server.allow({"daemon", "bin"});
+  ASSERT_EQ(tell(daemon, "use"), "read 7");
+  ASSERT_EQ(tell(daemon, "keep").find("list PROBE "), 0u);
+  const auto revoked = std::chrono::steady_clock::now();
+  revoke("- daemon@" + gecos::host_name() + "\n");
+  const std::string ended = tell(daemon, "await the end");
+  EXPECT_LT(std::chrono::steady_clock::now() - revoked, promised);
+  const std::string why = "the user of the broker has revoked this user";
+  EXPECT_NE(ended.find(why), std::string::npos) << ended;
+  const std::string refused = tell(daemon, "look");
+  EXPECT_NE(refused.find(why), std::string::npos) << refused;
+  EXPECT_EQ(tell(bin, "use"), "read 7");
+}
+
+TEST_F(Visitors, NobodyIsReceivedWhileItIsNotKnownWhoIsRevoked) {
+  revoke("this is no list\n");
+  Laboratory laboratory;
+  laboratory.server.allow({"daemon"});
+  const std::string why = "the broker does not know at the moment whom its user has revoked";
+  EXPECT_TRUE(settles([&] { return tell(daemon, "look").find(why) != std::string::npos; }));
+  revoke("");
+  EXPECT_TRUE(settles([&] { return tell(daemon, "look").find("list PROBE ") == 0; }));
+}
+
+TEST_F(Visitors, AUserWhomTheLabFileDropsBecomesNoVisitorOfAnObjectOfTheirOwn) {
+  place.write("[allow]\nusers = [\"daemon\"]\n");
+  Laboratory laboratory;
+  ASSERT_EQ(tell(daemon, "serve"), "serves");
+  place.edit("");
+  EXPECT_TRUE(settles([&] {
+    return tell(bin, "look").find("list MINE query MINE") == 0;
+  })) << "MINE admits everybody";
+  daemon.line().say("go on");
+  ASSERT_EQ(daemon.line().hear(), "go on");
+  const std::string refused = tell(daemon, "look");
+  EXPECT_NE(refused.find("BROKER refuses user daemon"), std::string::npos) << refused;
+}
+
+TEST_F(Visitors, ASessionThatBecomesThatOfAVisitorEndsAndItsObjectsLeaveTheList) {
+  place.write("[allow]\nusers = [\"daemon\"]\n");
+  Laboratory laboratory;
+  laboratory.server.allow({"daemon"});
+  ASSERT_EQ(tell(daemon, "serve"), "serves");
+  const auto listed = [&] {
+    const auto found = gecos::find_objects(laboratory.lab);
+    return found ? names_of(*found) : found.error();
+  };
+  ASSERT_EQ(listed(), "MINE OTHER PROBE ");
+  place.edit("");
+  EXPECT_TRUE(settles([&] { return listed() == "OTHER PROBE "; })) << listed();
+  daemon.line().say("go on");
+  ASSERT_EQ(daemon.line().hear(), "go on");
+  EXPECT_EQ(tell(daemon, "look").find("list PROBE query PROBE "), 0u);
+}
+
+TEST_F(Visitors, AVisitorWhomTheLabFileNamesDoesEverythingInTheSameSession) {
+  Laboratory laboratory;
+  laboratory.server.allow({"daemon"});
+  ASSERT_EQ(tell(daemon, "use"), "read 7");
+  ASSERT_EQ(tell(daemon, "keep").find("list PROBE query"), 0u);
+  place.edit("[allow]\nusers = [\"daemon\"]\n");
+  EXPECT_TRUE(settles([&] { return tell(daemon, "look kept").find("list OTHER PROBE") == 0; }));
+}
+
+/// Serves PROBE as root, in a process that can be suspended.
+void server_of_probe(Child::Line& line) {
+  ::setenv("GECOS_BROKER", "shm", 1);
+  line.hear();
+  gecos::Lab lab;
+  probe::ProbeServant servant;
+  gecos::Server server(lab);
+  server.allow({"daemon"});
+  const auto added = server.add("PROBE", servant, {.media = {Kind::Shm}});
+  line.say(added ? "serves" : added.error().text);
+  line.hear();
+}
+
+class SilentServer : public Visitors {
+ protected:
+  Child server{[](Child::Line& line) { server_of_probe(line); }};
+};
+
+TEST_F(SilentServer, AServerThatIsSilentKeepsItsVisitorsUntilItsProcessEnds) {
+  const probe::BrokerHere broker;
+  ASSERT_EQ(tell(server, "serve"), "serves");
+  ASSERT_TRUE(settles([&] { return tell(daemon, "keep").find("list PROBE ") == 0; }));
+  server.signal(SIGSTOP);
+  EXPECT_TRUE(settles([&] {
+    return tell(daemon, "look kept").find("list query silent PROBE changes PROBE ") == 0;
+  }));
+  server.kill_at_once();
+  const std::string ended = tell(daemon, "await the end");
+  EXPECT_NE(ended.find("revoked: BROKER refuses user daemon"), std::string::npos) << ended;
 }
 
 }  // namespace

@@ -31,6 +31,7 @@ bool VisitorBook::put(const std::string& name, std::uint64_t boot,
     if (found == lists_.end() || same_life) return false;
     lists_.erase(found);
     ++changes_;
+    if (lists_.empty()) knows_revoked_ = false;
     return true;
   }
   // A medium may deliver an earlier registration after a later one.
@@ -41,7 +42,9 @@ bool VisitorBook::put(const std::string& name, std::uint64_t boot,
 
 void VisitorBook::keep_only(FunctionRef<bool(const std::string& name)> known) {
   const MutexLock lock(mutex_);
-  std::erase_if(lists_, [&](const auto& named) { return !known(named.first); });
+  const auto dropped =
+      std::erase_if(lists_, [&](const auto& named) { return !known(named.first); });
+  if (dropped > 0 && lists_.empty()) knows_revoked_ = false;
 }
 
 bool VisitorBook::empty() const {

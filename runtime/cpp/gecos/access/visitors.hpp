@@ -40,7 +40,7 @@ class VisitorBook {
   /// older one than it knows of the same life, the book keeps the list of this life and drops that
   /// of another. Returns whether the book has changed.
   bool put(const std::string& name, std::uint64_t boot, std::optional<ProgramList> list);
-  /// Drops the lists of the other objects.
+  /// Drops the lists of the objects that are not known.
   void keep_only(FunctionRef<bool(const std::string& name)> known);
   bool empty() const;
 
@@ -53,6 +53,7 @@ class VisitorBook {
   std::uint64_t view_of(const UserAtHost& who) const;
 
   /// Sets who is revoked; no value if that is not known at the moment, but the last list counts.
+  /// A book without lists forgets whether it is known.
   void revoke(std::optional<std::vector<RevokedUser>> revoked);
   bool knows_revoked() const;
   /// Returns whether a client is revoked; see access::revokes.

@@ -183,6 +183,7 @@ View Broker::view() const {
 
 Result<std::optional<double>> Broker::enlist(const Entry& what, double served_for,
                                              const std::optional<AdmittedNames>& admitted) {
+  reception_.prepare(admitted);
   const MutexLock lock(mutex_);
   if (!directory_.has(calling_.session, what.name)) {
     std::string why = session::refusal_to_register(*calling_.call, what.name);

@@ -17,24 +17,29 @@ Reception::Reception() : visitors_(std::make_shared<session::Visitors>()) {
 TimePoint Reception::look(TimePoint now) {
   access::VisitorBook& book = visitors_->book;
   if (book.empty()) {
-    book.revoke(std::nullopt);
     read_at_.reset();
     next_ = {};
     return TimePoint::max();
   }
   if (now < next_) return next_;
   next_ = now + between_looks;
-  if (const auto found = revoked_->read()) {
+  const auto found = revoked_->read();
+  if (found) {
     book.revoke((*found)->revoked);
     read_at_ = now;
+    reported_ = false;
   } else if (!read_at_ || now - *read_at_ >= known_for) {
-    if (book.knows_revoked() || !read_at_) {
-      log_warning("broker", "no visitor is admitted: " + found.error());
-      read_at_ = now;
-    }
     book.revoke(std::nullopt);
+    if (!std::exchange(reported_, true)) {
+      log_warning("broker", "no visitor is admitted: " + found.error());
+    }
   }
   return next_;
+}
+
+void Reception::prepare(const std::optional<AdmittedNames>& admitted) {
+  if (!admitted || visitors_->book.knows_revoked()) return;
+  if (const auto found = revoked_->read()) visitors_->book.revoke((*found)->revoked);
 }
 
 bool Reception::note(const Entry& what, const std::optional<AdmittedNames>& admitted) {

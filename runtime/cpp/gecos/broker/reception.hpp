@@ -33,6 +33,9 @@ class Reception {
   TimePoint look(TimePoint now);
 
   const std::shared_ptr<session::Visitors>& visitors() const { return visitors_; }
+  /// Must be called before `note`, without a lock, because it may wait 250 ms for the file: the first
+  /// visitor is received only when it is known who is revoked.
+  void prepare(const std::optional<AdmittedNames>& admitted);
   /// Notes whom the program of the server of `what` admits. Returns whether that has changed.
   bool note(const Entry& what, const std::optional<AdmittedNames>& admitted);
 
@@ -42,6 +45,7 @@ class Reception {
   // Used by the thread of `look` only.
   TimePoint next_{};
   std::optional<TimePoint> read_at_;
+  bool reported_ = false;  ///< that the file cannot be read
 };
 
 }  // namespace gecos::broker
