@@ -1,4 +1,5 @@
 // Calls that a client sends again because it lost the session in which it had sent them.
+#include "gecos/binding.hpp"
 #include "gecos/object_calls.hpp"
 #include "gecos/wire/layout.hpp"
 #include "object_host_bench.hpp"
@@ -128,6 +129,73 @@ TEST_F(OverALossyLine, WhatWasSentAgainDoesNotComeInItsFirstSessionAnyMore) {
   session_ = first;
   call(1, probe::look_code);
   EXPECT_EQ(servant_.calls, 1) << "it was late";
+}
+
+/// An object that visitors may only look at.
+class SentAgainByAVisitor : public ServedObjects {
+ protected:
+  SentAgainByAVisitor() {
+    const auto visitors = std::make_shared<Visitors>();
+    visitors->open = {probe::look_code};
+    ObjectOptions options;
+    options.visitors = visitors;
+    object_->close();
+    object_->join();
+    object_ = std::make_shared<ObjectHost>(runtime_, "PROBE", servant_, options);
+    connect();
+  }
+  /// The client loses its session, in which it was no visitor, and comes back as one.
+  SessionId come_back_as_visitor() {
+    object_->depart(session_, ObjectHost::Departure::Lost);
+    const SessionId lost = connect()->id();
+    session_->visit.open(access::UserAtHost{"ada", "desk"});
+    return lost;
+  }
+};
+
+TEST_F(SentAgainByAVisitor, ACallIsNotAnsweredFromWhatWasSentToNoVisitor) {
+  servant_.keep = true;
+  call(1, probe::look_code);
+  const SessionId lost = come_back_as_visitor();
+  servant_.kept.at(0).finish(Bytes(3, std::byte{7}));
+  servant_.keep = false;
+  again(9, lost, 1);
+  EXPECT_EQ(reply_to(9), Detail::Done);
+  const auto reply = wire::decode_packet(connection_->sent.back());
+  EXPECT_EQ(reply->body.size(), 0u) << "it was carried out anew";
+  EXPECT_EQ(servant_.calls, 2);
+}
+
+TEST_F(SentAgainByAVisitor, ACallThatRunsForNoVisitorIsNotTakenOver) {
+  servant_.keep = true;
+  call(1, probe::look_code);
+  const SessionId lost = come_back_as_visitor();
+  servant_.keep = false;
+  again(9, lost, 1);
+  EXPECT_NE(reply_to(9), std::nullopt);
+  EXPECT_EQ(servant_.calls, 2);
+  servant_.kept.at(0).finish({});
+}
+
+TEST_F(SentAgainByAVisitor, WhatAVisitorMayNotUseIsRefusedBeforeItIsLookedFor) {
+  servant_.keep = true;
+  call(1, probe::read_code);
+  const SessionId lost = come_back_as_visitor();
+  servant_.kept.at(0).finish({});
+  again(9, lost, 1, probe::read_code);
+  EXPECT_EQ(reply_to(9), Detail::Denied);
+  again(10, lost, 1, GecosObjectInterface::stop.code);
+  EXPECT_EQ(reply_to(10), Detail::Denied);
+  Bytes body(sent_before_size + 4);
+  wire::Encoder to(body);
+  to.put(number(lost));
+  to.put(std::uint64_t{2});
+  to.put(number(probe::level_code));
+  packet(wire::PacketKind::Call, 11, GecosObjectInterface::subscribe.code, body, {}, sent_again);
+  EXPECT_EQ(reply_to(11), Detail::Denied) << "the stream is not open to visitors";
+  call(12, GecosObjectInterface::subscribe.code,
+       layout::to_bytes(GecosObject_subscribe_arguments{number(probe::level_code)}));
+  EXPECT_EQ(reply_to(12), Detail::Denied);
 }
 
 }  // namespace

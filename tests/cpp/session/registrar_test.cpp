@@ -1,5 +1,8 @@
 // What a server does with what a broker says of its object's name.
+#include <functional>
 #include <future>
+#include <stdexcept>
+#include <utility>
 
 #include "../settles.hpp"
 #include "bench.hpp"
@@ -18,8 +21,18 @@ class TellingBroker : public gecos::BrokerServant {
   /// From now on a server that enlists waits for `answer`.
   void keep_waiting() { keeps_waiting_ = true; }
   void answer() { answered_.set_value(); }
+  /// Called once, before the answer to a server that enlists.
+  std::function<void()> on_enlist{};
   int asked() const { return asked_; }
   double served_for() const { return served_for_; }
+  /// The users whom the server admits, as it said last; "nothing" if it said nothing about that.
+  std::string admitted() {
+    const std::lock_guard lock(mutex_);
+    if (!admitted_) return "nothing";
+    std::string text = std::to_string(admitted_->number) + ":";
+    for (const auto& user : admitted_->users) text += " " + user;
+    return text;
+  }
 
  private:
   gecos::Result<std::optional<double>> enlist(const gecos::Entry& what,
@@ -28,6 +41,8 @@ class TellingBroker : public gecos::BrokerServant {
     const std::lock_guard lock(mutex_);
     ++asked_;
     served_for_ = served_for;
+    admitted_ = admitted;
+    if (on_enlist) std::exchange(on_enlist, nullptr)();
     entry_ = what;
     if (keeps_waiting_) answered_.get_future().wait();
     if (answer_ == Answer::Settled) return std::nullopt;
@@ -57,6 +72,7 @@ class TellingBroker : public gecos::BrokerServant {
   std::atomic<double> served_for_{0};            // publishes nothing but itself
   std::mutex mutex_;
   gecos::Entry entry_;
+  std::optional<gecos::AdmittedNames> admitted_;
 };
 
 class Named : public probe::NothingLeftOpen {
@@ -131,6 +147,35 @@ TEST_F(Named, AnObjectThatHasItsNameAgainMovesAgain) {
   broker_.say(Answer::Settled);
   ASSERT_TRUE(settles([&] { return gecos::actor(probe).has_value(); }));
   EXPECT_EQ(gecos::describe(probe).get()->registration, "confirmed");
+}
+
+TEST_F(Named, TheBrokerIsToldWhomTheProgramAdmits) {
+  serve(Answer::Settled);
+  EXPECT_EQ(broker_.admitted(), "nothing");
+  server_.allow({"anna"});
+  EXPECT_TRUE(settles([this] { return broker_.admitted() == "1: anna"; }));
+  server_.allow({});
+  EXPECT_TRUE(settles([this] { return broker_.admitted() == "2:"; }));
+}
+
+TEST_F(Named, WhatIsAllowedBeforeTheFirstAnswerIsToldAfterIt) {
+  server_.allow({"anna"});
+  broker_.on_enlist = [this] { server_.allow({"ben"}); };
+  serve(Answer::Settled);
+  EXPECT_TRUE(settles([this] { return broker_.admitted() == "2: ben"; }));
+}
+
+TEST_F(Named, WhatIsAllowedBeforeALaterAnswerIsToldAfterIt) {
+  serve(Answer::Settled);
+  broker_.on_enlist = [this] { server_.allow({"ben"}); };
+  server_.allow({"anna"});
+  EXPECT_TRUE(settles([this] { return broker_.admitted() == "2: ben"; }));
+}
+
+TEST_F(Named, MoreNamesThanTheBrokerTakesAreRefused) {
+  server_.allow(std::vector<std::string>(256, "anna"), std::vector<std::string>(256, "desk"));
+  EXPECT_THROW(server_.allow(std::vector<std::string>(257, "anna")), std::invalid_argument);
+  EXPECT_THROW(server_.allow({}, std::vector<std::string>(257, "desk")), std::invalid_argument);
 }
 
 class WhileTheBrokerIsRestarted : public probe::NothingLeftOpen {

@@ -17,6 +17,13 @@ std::optional<AccessRule> refusal_of(const AllowList& list, const UserAtHost& se
   return std::nullopt;
 }
 
+/// Returns the rule that admits `who` whatever the lists say; no value if there is none.
+std::optional<AccessRule> admitted_without_list(const UserAtHost& server, const UserAtHost& who) {
+  if (who == server) return AccessRule::OwnUser;
+  if (who == UserAtHost{"root", server.host}) return AccessRule::Root;
+  return std::nullopt;
+}
+
 std::string words(const UserAtHost& who) { return "user " + who.user + " of host " + who.host; }
 
 AccessDecision admit(AccessRule rule, const UserAtHost& who, std::string_view object,
@@ -120,14 +127,18 @@ NameDecision may_report(const LabAccess& lab, const std::string& zone, const std
                      words(owner) + "; report as this user, or name another user there"};
 }
 
+AccessRule decide_by(const AllowList& list, const UserAtHost& server, const UserAtHost& who) {
+  if (const auto rule = admitted_without_list(server, who)) return *rule;
+  return refusal_of(list, server, who).value_or(AccessRule::Named);
+}
+
 AccessDecision AccessPolicy::decide(const UserAtHost& server, const UserAtHost& who,
                                     std::string_view object) const {
-  if (who == server) {
-    return admit(AccessRule::OwnUser, who, object,
-                 "the server of the object runs as this user of this host");
-  }
-  if (who == UserAtHost{"root", server.host}) {
-    return admit(AccessRule::Root, who, object, "root of a host may do everything on it");
+  if (const auto rule = admitted_without_list(server, who)) {
+    return admit(*rule, who, object,
+                 *rule == AccessRule::OwnUser
+                     ? "the server of the object runs as this user of this host"
+                     : "root of a host may do everything on it");
   }
   if (insecure) {
     return admit(AccessRule::Insecure, who, object,
@@ -138,7 +149,9 @@ AccessDecision AccessPolicy::decide(const UserAtHost& server, const UserAtHost& 
   std::string admitting;
   for (const AllowList* const list : {in_program, in_file}) {
     if (list == nullptr) continue;
-    if (const auto why = refusal_of(*list, server, who)) return refuse(*why, *list, who, object);
+    if (const auto rule = decide_by(*list, server, who); rule != AccessRule::Named) {
+      return refuse(rule, *list, who, object);
+    }
     admitting += (admitting.empty() ? "" : " and ") + list->place;
   }
   if (admitting.empty()) return nobody_named(lab, server, who, object);

@@ -97,6 +97,10 @@ struct Reporter {
 NameDecision may_report(const LabAccess& lab, const std::string& zone, const std::string& source,
                         const Reporter& reporter);
 
+/// Returns the rule by which `list` alone admits or refuses `who`: OwnUser, Root, Named,
+/// UserNotNamed or HostNotNamed. `server`: the user and host of the server.
+AccessRule decide_by(const AllowList& list, const UserAtHost& server, const UserAtHost& who);
+
 /// Who may connect to the objects of one server. The user of the server and root may always connect
 /// on the server's host. Two lists can name other users: the list that the program gave to
 /// `Server::allow`, and the list of the lab file for the object. Another user may connect if at

@@ -18,8 +18,7 @@ std::uint64_t with(std::uint64_t hash, std::uint64_t number) {
 }  // namespace
 
 bool admits_visitor(const ProgramList& one, const UserAtHost& who) {
-  const AccessPolicy policy{.program = one.list};
-  return policy.decide(one.server, who, {}).rule == AccessRule::Named;
+  return decide_by(one.list, one.server, who) == AccessRule::Named;
 }
 
 bool VisitorBook::put(const std::string& name, std::uint64_t boot,
