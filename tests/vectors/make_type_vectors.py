@@ -95,6 +95,8 @@ CASES: list[tuple[str, str, Any]] = [
     ("gecos::RevocationList", "a key", {
         "number": 2**63 + 7, "changed": True, "revoked": [{"key": "5f" * 32}]}),
     ("gecos::RevocationState", "one is behind", {"listed": True, "behind": ["RX90"]}),
+    ("gecos::AdmittedNames", "one user of all hosts", {
+        "number": 2**63 + 3, "users": ["anna"], "hosts": ["*"]}),
     ("gecos::NameInUse", "a process lives", {"name": "RX90", "why": "its process runs"}),
     ("gecos::ZonePresence", "nobody", {"spell": 2**63 + 1, "why": "DOOR is open; close it"}),
     ("gecos::CheckInRefused", "wrong", {"reason": "the code is not the one that CELL shows"}),

@@ -49,8 +49,10 @@ class Server:
         the user of this process on this host. "*" admits every name.
 
         If the lab file also has a list for an object, both lists must admit a client. Applies to
-        connections that are made after the call, and replaces the names of an earlier call. Does
-        not lower the status that an operation needs.
+        connections that are made after the call, and replaces the names of an earlier call. The
+        broker is told these names: it lets a user whom no list of its lab file admits look for the
+        objects of this server, and do nothing else. Does not lower the status that an operation
+        needs. Raises ValueError if there are more than 256 users or more than 256 hosts.
         """
         self._core.allow(_names("users", users), _names("hosts", hosts))
 
