@@ -181,6 +181,49 @@ def test_a_user_of_another_host_enrols_is_admitted_by_a_list_moves_and_is_revoke
     assert "no server answers, or the server does not admit our key" in stranger.output()
 
 
+SERVES = """
+import sys
+import gecos
+
+sys.path.insert(0, sys.argv[1])
+from lamp import PlainLamp
+
+with gecos.Lab() as lab, gecos.Server(lab) as server:
+    server.allow(["ben"], ["desk"])
+    server.add("LAMP", PlainLamp())
+    print("serves LAMP", flush=True)
+    sys.stdin.read()
+"""
+
+
+def test_a_user_of_another_host_whom_the_program_admits_is_a_visitor_of_the_broker(
+    two: TwoHosts,
+) -> None:
+    two.admits(DESK, CELL)
+    two.admits(CELL, DESK, "ben@desk")
+    two.broker(CELL)
+    two.rail(CELL).wait_for("serving RAIL")
+    refused = two.gecos(DESK, "ls")
+    assert "BROKER refuses user ben of host desk" in refused.output()
+
+    folder = Path(__file__).resolve().parents[1] / "python"
+    two.start(CELL, sys.executable, "-c", SERVES, folder, ready="serves LAMP", listens=True)
+    listed = json.loads(two.gecos(DESK, "ls", "--json").output())
+    assert [found["name"] for found in listed] == ["LAMP"]
+    watching = two.start(DESK, *GECOS, "ls", "--watch", ready="LAMP")
+    assert two.gecos(DESK, "call", "LAMP", "label").finish() == 0
+    assert "no object is called RAIL" in two.gecos(DESK, "call", "RAIL", "measure").output()
+
+    revoked = two.gecos(CELL, "revoke", "ben@desk")
+    assert revoked.finish() == 0, str(revoked)
+    until(
+        lambda: two.gecos(DESK, "ls").finish() != 0,
+        "the broker takes the visitor no more",
+        5 * REVOKED_WITHIN,
+    )
+    watching.signal(signal.SIGINT)
+
+
 READS = """
 import sys
 import gecos

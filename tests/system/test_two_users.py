@@ -30,6 +30,40 @@ def test_one_is_admitted_and_one_is_told_why_not(build: Path) -> None:
     assert "[  PASSED  ] 10 tests." in ran.stdout
 
 
+def test_one_whom_a_program_admits_is_a_visitor_of_the_broker(build: Path) -> None:
+    program = build / "tests" / "cpp" / "session" / "visitors_test"
+    ran = subprocess.run(
+        [*WITH_OTHER_USERS, program], capture_output=True, text=True, timeout=240, check=False
+    )
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    assert "NOT TRIED" not in ran.stdout
+    assert "[  PASSED  ] 11 tests." in ran.stdout
+
+
+def test_gecos_ls_of_a_visitor_shows_what_programs_in_python_admit_the_user_to(
+    build: Path,
+) -> None:
+    with tempfile.TemporaryDirectory(prefix="gecos-") as folder:
+        lab_file = Path(folder) / "lab.toml"
+        lab_file.touch(mode=0o644)
+        subprocess.run([*WITH_OTHER_USERS, "chmod", "1777", folder], check=True)
+        environment = {
+            **os.environ,
+            "GECOS_RUNTIME_DIR": folder,
+            "GECOS_LAB_FILE": str(lab_file),
+            "GECOS_AUDIT_DIR": f"{folder}/audit",
+            "GECOS_KEY_DIR": f"{folder}/keys",
+        }
+        program = TREE / "tests" / "system" / "programs" / "visitor.py"
+        broker = build / "runtime" / "cpp" / "gecos" / "broker" / "gecos-broker"
+        ran = _run(environment, sys.executable, program, TREE / "tests" / "python", broker)
+    listed, named, refused, other = ran.splitlines()
+    assert listed == "root: LAMP OTHER"
+    assert named == "daemon: LAMP: a lamp"
+    assert refused.startswith("daemon: DENIED: 'stop' of BROKER was not started: user daemon of ")
+    assert "BROKER refuses user bin of host" in other
+
+
 def test_a_server_in_python_names_who_is_admitted() -> None:
     with tempfile.TemporaryDirectory(prefix="gecos-") as folder:  # whose path is short enough
         lab_file = Path(folder) / "lab.toml"

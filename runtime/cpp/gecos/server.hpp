@@ -77,8 +77,9 @@ class Server {
   /// connections that are made after the call, and replaces the names of an earlier call. The
   /// broker is told these names: it lets a user whom no list of its lab file admits look for the
   /// objects of this server, and do nothing else. Throws std::invalid_argument if there are more
-  /// than 256 users or more than 256 hosts. Programs of another user of this host can connect only if an administrator has prepared the host for
-  /// this (docs/security.md). Does not lower the status that an operation needs.
+  /// than 256 users or more than 256 hosts. Programs of another user of this host can connect only
+  /// if an administrator has prepared the host for this (docs/security.md). Does not lower the
+  /// status that an operation needs.
   void allow(std::vector<std::string> users, std::vector<std::string> hosts = {});
   /// Waits until any thread of the process gets SIGINT or SIGTERM, or until `shut_down()`. Logs an
   /// error and returns at once when the server could not be made.

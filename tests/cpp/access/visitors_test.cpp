@@ -52,8 +52,8 @@ TEST(Visitors, AreAdmittedByTheServerToo) {
 
 TEST(VisitorBook, ShowsTheObjectsWhoseListsNameTheUser) {
   VisitorBook book;
-  EXPECT_TRUE(book.put("RX90", 7, list_for({"anna"})));
-  EXPECT_TRUE(book.put("LASER", 7, list_for({"carl"})));
+  EXPECT_TRUE(book.set("RX90", 7, list_for({"anna"})));
+  EXPECT_TRUE(book.set("LASER", 7, list_for({"carl"})));
   EXPECT_TRUE(book.shows("RX90", anna));
   EXPECT_FALSE(book.shows("LASER", anna));
   EXPECT_FALSE(book.shows("GRIPPER", anna));
@@ -63,23 +63,23 @@ TEST(VisitorBook, ShowsTheObjectsWhoseListsNameTheUser) {
 
 TEST(VisitorBook, KeepsTheNewestListOfOneServer) {
   VisitorBook book;
-  EXPECT_TRUE(book.put("RX90", 7, list_for({"carl"}, {}, 2)));
-  EXPECT_FALSE(book.put("RX90", 7, list_for({"anna"}, {}, 1))) << "it was sent before";
-  EXPECT_FALSE(book.put("RX90", 7, std::nullopt)) << "so was this";
-  EXPECT_FALSE(book.put("RX90", 7, list_for({"carl"}, {}, 2)));
+  EXPECT_TRUE(book.set("RX90", 7, list_for({"carl"}, {}, 2)));
+  EXPECT_FALSE(book.set("RX90", 7, list_for({"anna"}, {}, 1))) << "it was sent before";
+  EXPECT_FALSE(book.set("RX90", 7, std::nullopt)) << "so was this";
+  EXPECT_FALSE(book.set("RX90", 7, list_for({"carl"}, {}, 2)));
   EXPECT_EQ(book.object_of(anna), std::nullopt);
-  EXPECT_TRUE(book.put("RX90", 7, list_for({"anna"}, {}, 3)));
+  EXPECT_TRUE(book.set("RX90", 7, list_for({"anna"}, {}, 3)));
   EXPECT_TRUE(book.shows("RX90", anna));
 }
 
 TEST(VisitorBook, DropsTheListWhenAnotherServerTakesTheNameOrNobodyHasIt) {
   VisitorBook book;
-  book.put("RX90", 7, list_for({"anna"}, {}, 5));
-  EXPECT_TRUE(book.put("RX90", 8, list_for({"carl"}, {}, 1, 8))) << "numbers are of one life";
+  book.set("RX90", 7, list_for({"anna"}, {}, 5));
+  EXPECT_TRUE(book.set("RX90", 8, list_for({"carl"}, {}, 1, 8))) << "numbers are of one life";
   EXPECT_FALSE(book.shows("RX90", anna));
-  EXPECT_TRUE(book.put("RX90", 9, std::nullopt));
+  EXPECT_TRUE(book.set("RX90", 9, std::nullopt));
   EXPECT_TRUE(book.empty());
-  book.put("RX90", 9, list_for({"anna"}, {}, 1, 9));
+  book.set("RX90", 9, list_for({"anna"}, {}, 1, 9));
   book.keep_only([](const std::string& name) { return name != "RX90"; });
   EXPECT_TRUE(book.empty());
 }
@@ -87,21 +87,21 @@ TEST(VisitorBook, DropsTheListWhenAnotherServerTakesTheNameOrNobodyHasIt) {
 TEST(VisitorBook, GivesEachViewANumberThatItNeverHadBefore) {
   VisitorBook book;
   const auto nothing = book.view_of(anna);
-  book.put("RX90", 7, list_for({"anna"}));
+  book.set("RX90", 7, list_for({"anna"}));
   const auto first = book.view_of(anna);
   EXPECT_NE(first, nothing);
-  book.put("LASER", 7, list_for({"carl"}));
+  book.set("LASER", 7, list_for({"carl"}));
   EXPECT_EQ(book.view_of(anna), first) << "another user sees it";
-  book.put("RX90", 7, list_for({}, {}, 2));
+  book.set("RX90", 7, list_for({}, {}, 2));
   EXPECT_EQ(book.view_of(anna), nothing);
-  book.put("RX90", 7, list_for({"anna"}, {}, 3));
+  book.set("RX90", 7, list_for({"anna"}, {}, 3));
   EXPECT_NE(book.view_of(anna), first) << "what happened meanwhile is not for this user";
 }
 
 TEST(VisitorBook, KnowsWhoIsRevokedWhileItHasLists) {
   VisitorBook book;
   EXPECT_FALSE(book.knows_revoked());
-  book.put("RX90", 7, list_for({"anna"}));
+  book.set("RX90", 7, list_for({"anna"}));
   book.revoke(std::vector<RevokedUser>{{"", "anna@cell"}});
   EXPECT_TRUE(book.knows_revoked());
   EXPECT_TRUE(book.revoked("", anna));
@@ -111,7 +111,7 @@ TEST(VisitorBook, KnowsWhoIsRevokedWhileItHasLists) {
   EXPECT_TRUE(book.revoked("", anna)) << "the last list counts";
   book.revoke(std::vector<RevokedUser>{});
   EXPECT_FALSE(book.revoked("", anna));
-  book.put("RX90", 8, std::nullopt);
+  book.set("RX90", 8, std::nullopt);
   EXPECT_FALSE(book.knows_revoked()) << "nobody reads the list now";
 }
 

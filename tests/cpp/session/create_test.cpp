@@ -289,8 +289,7 @@ class SlowBroker : public gecos::BrokerServant {
   int left() const { return left_; }
 
  private:
-  gecos::Result<std::optional<double>> enlist(const gecos::Entry& what,
-                                              double /*served_for*/,
+  gecos::Result<std::optional<double>> enlist(const gecos::Entry& what, double /*served_for*/,
                                               const std::optional<gecos::AdmittedNames>&) override {
     if (left_ == 0) return std::nullopt;
     --left_;

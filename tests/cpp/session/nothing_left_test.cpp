@@ -124,7 +124,7 @@ TEST(NothingLeft, AServerWithoutThreadsSaysSo) {
   server.line().say("go");
   const std::string said = server.line().hear();
   EXPECT_NE(said.find("this process has no resources left for a broker: cannot start the thread "
-                      "gecos-processes "
+                      "gecos-revoked "
                       "(see `ulimit -u`): Resource temporarily unavailable"),
             std::string::npos)
       << said;

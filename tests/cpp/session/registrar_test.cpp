@@ -35,9 +35,9 @@ class TellingBroker : public gecos::BrokerServant {
   }
 
  private:
-  gecos::Result<std::optional<double>> enlist(const gecos::Entry& what,
-                                              double served_for,
-                                              const std::optional<gecos::AdmittedNames>& admitted) override {
+  gecos::Result<std::optional<double>> enlist(
+      const gecos::Entry& what, double served_for,
+      const std::optional<gecos::AdmittedNames>& admitted) override {
     const std::lock_guard lock(mutex_);
     ++asked_;
     served_for_ = served_for;

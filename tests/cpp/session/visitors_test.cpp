@@ -326,9 +326,8 @@ TEST_F(Visitors, AUserWhomTheLabFileDropsBecomesNoVisitorOfAnObjectOfTheirOwn) {
   Laboratory laboratory;
   ASSERT_EQ(tell(daemon, "serve"), "serves");
   place.edit("");
-  EXPECT_TRUE(settles([&] {
-    return tell(bin, "look").find("list MINE query MINE") == 0;
-  })) << "MINE admits everybody";
+  EXPECT_TRUE(settles([&] { return tell(bin, "look").find("list MINE query MINE") == 0; }))
+      << "MINE admits everybody";
   daemon.line().say("go on");
   ASSERT_EQ(daemon.line().hear(), "go on");
   const std::string refused = tell(daemon, "look");

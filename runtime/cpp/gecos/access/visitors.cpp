@@ -21,7 +21,7 @@ bool admits_visitor(const ProgramList& one, const UserAtHost& who) {
   return decide_by(one.list, one.server, who) == AccessRule::Named;
 }
 
-bool VisitorBook::put(const std::string& name, std::uint64_t boot,
+bool VisitorBook::set(const std::string& name, std::uint64_t boot,
                       std::optional<ProgramList> list) {
   const MutexLock lock(mutex_);
   const auto found = lists_.find(name);

@@ -39,7 +39,7 @@ class VisitorBook {
   /// Sets the list of the object `name`, whose server lives as `boot`. Without a list, and with an
   /// older one than it knows of the same life, the book keeps the list of this life and drops that
   /// of another. Returns whether the book has changed.
-  bool put(const std::string& name, std::uint64_t boot, std::optional<ProgramList> list);
+  bool set(const std::string& name, std::uint64_t boot, std::optional<ProgramList> list);
   /// Drops the lists of the objects that are not known.
   void keep_only(FunctionRef<bool(const std::string& name)> known);
   bool empty() const;

@@ -8,9 +8,9 @@
 namespace gecos::broker {
 
 Reception::Reception() : visitors_(std::make_shared<session::Visitors>()) {
-  visitors_->open = {BrokerInterface::lookup.code,       BrokerInterface::list.code,
-                     BrokerInterface::silent.code,       BrokerInterface::query.code,
-                     BrokerInterface::changes.code,      BrokerInterface::revision.code,
+  visitors_->open = {BrokerInterface::lookup.code,         BrokerInterface::list.code,
+                     BrokerInterface::silent.code,         BrokerInterface::query.code,
+                     BrokerInterface::changes.code,        BrokerInterface::revision.code,
                      BrokerInterface::revision_stream.code};
 }
 
@@ -50,7 +50,7 @@ bool Reception::note(const Entry& what, const std::optional<AdmittedNames>& admi
             admitted->number,
             {admitted->users, admitted->hosts, "Server::allow in the program of " + what.name}};
   }
-  return visitors_->book.put(what.name, what.boot, std::move(list));
+  return visitors_->book.set(what.name, what.boot, std::move(list));
 }
 
 }  // namespace gecos::broker

@@ -28,13 +28,13 @@ class Reception {
   }
   /// @pre `start` was called
   RevokedList& revoked() { return *revoked_; }
-  /// Reads the list of the revoked, if it is time; waits at most 250 ms for the file. Must be called
-  /// on one thread. Returns when to call this again.
+  /// Reads the list of the revoked, if it is time; waits at most 250 ms for the file. Must be
+  /// called on one thread. Returns when to call this again.
   TimePoint look(TimePoint now);
 
   const std::shared_ptr<session::Visitors>& visitors() const { return visitors_; }
-  /// Must be called before `note`, without a lock, because it may wait 250 ms for the file: the first
-  /// visitor is received only when it is known who is revoked.
+  /// Must be called before `note`, without a lock, because it may wait 250 ms for the file: the
+  /// first visitor is received only when it is known who is revoked.
   void prepare(const std::optional<AdmittedNames>& admitted);
   /// Notes whom the program of the server of `what` admits. Returns whether that has changed.
   bool note(const Entry& what, const std::optional<AdmittedNames>& admitted);

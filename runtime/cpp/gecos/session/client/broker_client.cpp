@@ -120,7 +120,8 @@ std::shared_ptr<CommandCore> register_object(ClientConnection& broker, const Ent
                                              Duration served_for,
                                              const std::optional<AdmittedNames>& admitted) {
   const double seconds = to_seconds(served_for);
-  return own_call(broker, BrokerInterface::enlist, Broker_enlist_arguments{entry, seconds, admitted});
+  return own_call(broker, BrokerInterface::enlist,
+                  Broker_enlist_arguments{entry, seconds, admitted});
 }
 
 tl::expected<Duration, NotRegistered> await_registered(CommandCore& asked, TimePoint deadline) {

@@ -134,9 +134,7 @@ AccessControl::Judgement AccessControl::judge_visitor(const std::string& object,
     return {false, false, who,
             refusal_of(object, who) + "the user of the broker has revoked this user"};
   }
-  return {true,
-          false,
-          who,
+  return {true, false, who,
           object + " admits user " + who.user + " of host " + who.host +
               " as a visitor: the program that serves " + *shown + " names this user",
           true};

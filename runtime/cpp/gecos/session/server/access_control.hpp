@@ -63,8 +63,8 @@ class AccessControl {
   /// Decides about a client that connects. While the server is out of contact with the broker, no
   /// client whose key has an owner is admitted.
   Judgement judge(const std::string& object, const media::Peer& peer) noexcept;
-  /// Decides whether `peer` may stay connected to the object. Decides by the lab file as it was read
-  /// last, and does not wait.
+  /// Decides whether `peer` may stay connected to the object. Decides by the lab file as it was
+  /// read last, and does not wait.
   Judgement judge_again(const std::string& object, const media::Peer& peer) noexcept {
     return judge_by_lists(object, peer);
   }

@@ -26,7 +26,7 @@ class AVisitor : public ::testing::Test {
     admit(name, boot, std::move(users));
   }
   void admit(const std::string& name, std::uint64_t boot, std::vector<std::string> users) {
-    book_.put(name, boot,
+    book_.set(name, boot,
               access::ProgramList{{"gecos", "cell"}, boot, ++number_, {std::move(users), {}, ""}});
   }
   View view() const { return View(directory_, book_, anna); }
@@ -43,7 +43,8 @@ class AVisitor : public ::testing::Test {
     return text;
   }
 
-  Directory directory_{now - seconds(60), {seconds(1), seconds(10), 0x1234}};
+  Directory directory_{now - std::chrono::seconds(60),
+                       {std::chrono::seconds(1), std::chrono::seconds(10), 0x1234}};
   access::VisitorBook book_;
   session::ListView watcher_;
   std::uint64_t number_ = 0;
