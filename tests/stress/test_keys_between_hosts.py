@@ -196,6 +196,17 @@ with gecos.Lab() as lab, gecos.Server(lab) as server:
 """
 
 
+READS_LAMP = """
+import sys
+import gecos
+
+sys.path.insert(0, sys.argv[1])
+from lamp import Lamp
+
+print(gecos.Lab().create(Lamp, "LAMP").label().result())
+"""
+
+
 def test_a_user_of_another_host_whom_the_program_admits_is_a_visitor_of_the_broker(
     two: TwoHosts,
 ) -> None:
@@ -211,8 +222,10 @@ def test_a_user_of_another_host_whom_the_program_admits_is_a_visitor_of_the_brok
     listed = json.loads(two.gecos(DESK, "ls", "--json").output())
     assert [found["name"] for found in listed] == ["LAMP"]
     watching = two.start(DESK, *GECOS, "ls", "--watch", ready="LAMP")
-    assert two.gecos(DESK, "call", "LAMP", "label").finish() == 0
-    assert "no object is called RAIL" in two.gecos(DESK, "call", "RAIL", "measure").output()
+    read = two.start(DESK, sys.executable, "-c", READS_LAMP, folder)
+    assert read.finish() == 0 and "a lamp" in read.output(), read
+    hidden = two.gecos(DESK, "call", "RAIL", "measure").output()
+    assert "no such object is online" in hidden and "the broker knows: LAMP" in hidden
 
     revoked = two.gecos(CELL, "revoke", "ben@desk")
     assert revoked.finish() == 0, str(revoked)

@@ -1,7 +1,7 @@
 """Starts a broker and serves LAMP and OTHER as root. LAMP admits the user `daemon`, by its program
-alone. The users `daemon` and `bin` look for objects, as `gecos ls` does. The arguments are the folder
-of the module `lamp`, and the program of the broker. The children are forked here, because another
-user may not be able to read the tree."""
+alone. The users `daemon` and `bin` look for objects, as `gecos ls` does. The arguments are the
+folder of the module `lamp`, and the program of the broker. The children are forked here, because
+another user may not be able to read the tree."""
 
 import os
 import pwd
