@@ -123,3 +123,9 @@ def test_names_of_users_are_a_list(server: gecos.Server) -> None:
     with pytest.raises(TypeError, match=r"users must be a list of names; write `users=\['anna'\]`"):
         server.allow("anna")
     server.allow(["anna"], hosts=["bench1"])
+
+
+def test_a_program_names_at_most_256_users_and_hosts(server: gecos.Server) -> None:
+    server.allow(["anna"] * 256, ["desk"] * 256)
+    with pytest.raises(ValueError, match="at most 256 users and 256 hosts"):
+        server.allow(["anna"] * 257)
