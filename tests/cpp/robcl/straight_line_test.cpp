@@ -206,11 +206,11 @@ TEST_F(AcceleratedLines, AFractionAndAnAccelerationBothBind) {
 TEST_F(AcceleratedLines, NoLineExceedsTheAccelerationsThatWereAskedFor) {
   RandomJoints random(planner_.model(), 31);
   const Planner smooth(planner_.model(), tool_limits_, Smoothing::over(0.03, cycle));
-  constexpr double slack = 1.02;  // beside a singularity; see docs/known-limits.md
+  constexpr double slack = 1.001;
   int made = 0;
-  for (int i = 0; i < 200 && made < 40; ++i) {
+  for (int i = 0; i < 1000 && made < 300; ++i) {
     const JointValues from = random();
-    const Pace pace{.tool_acceleration = 0.2 + 0.02 * i, .turn_acceleration = 0.3 + 0.05 * i};
+    const Pace pace{.tool_acceleration = 0.2 + 0.02 * (i % 100), .turn_acceleration = 0.3 + 0.05 * (i % 200)};
     const auto move = planner_.straight_move(from, forward_.base_from_flange(random()), {}, pace);
     if (!move) continue;
     ++made;
