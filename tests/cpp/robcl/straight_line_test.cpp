@@ -210,7 +210,8 @@ TEST_F(AcceleratedLines, NoLineExceedsTheAccelerationsThatWereAskedFor) {
   int made = 0;
   for (int i = 0; i < 1000 && made < 300; ++i) {
     const JointValues from = random();
-    const Pace pace{.tool_acceleration = 0.2 + 0.02 * (i % 100), .turn_acceleration = 0.3 + 0.05 * (i % 200)};
+    const Pace pace{.tool_acceleration = 0.2 + 0.02 * (i % 100),
+                    .turn_acceleration = 0.3 + 0.05 * (i % 200)};
     const auto move = planner_.straight_move(from, forward_.base_from_flange(random()), {}, pace);
     if (!move) continue;
     ++made;
