@@ -36,9 +36,9 @@ bool admits_visitor(const ProgramList& one, const UserAtHost& who);
 /// revoked. A list stays while the server of the object is silent. Thread-safe.
 class VisitorBook {
  public:
-  /// Sets the list of the object `name`, whose server lives as `boot`. Without a list, and with an
-  /// older one than it knows of the same life, the book keeps the list of this life and drops that
-  /// of another. Returns whether the book has changed.
+  /// Sets the list of the object `name`, whose server lives as `boot`. The call has no effect if
+  /// the book has a list of the same life with the same or a greater number. Without a list, the
+  /// call drops the list of another life. Returns whether the book has changed.
   bool set(const std::string& name, std::uint64_t boot, std::optional<ProgramList> list);
   /// Drops the lists of the objects that are not known.
   void keep_only(FunctionRef<bool(const std::string& name)> known);
@@ -48,11 +48,12 @@ class VisitorBook {
   std::optional<std::string> object_of(const UserAtHost& who) const;
   /// Returns whether the list of the object `name` makes `who` a visitor.
   bool shows(const std::string& name, const UserAtHost& who) const;
-  /// Returns a number of what `who` sees. It changes with each list of an object that `who` sees,
-  /// and has then never been used before in the life of this book.
+  /// Returns a number that stands for the lists of the objects that `who` sees. Two sets of lists
+  /// have different numbers; a list that is set again counts as another list.
   std::uint64_t view_of(const UserAtHost& who) const;
 
-  /// Sets who is revoked; no value if that is not known at the moment, but the last list counts.
+  /// Sets the list of the revoked users. No value means that the list is not known at the moment;
+  /// the last known list then counts.
   /// A book without lists forgets whether it is known.
   void revoke(std::optional<std::vector<RevokedUser>> revoked);
   bool knows_revoked() const;

@@ -10,9 +10,9 @@
 
 namespace gecos::broker {
 
-/// Whom the broker receives as visitors, and whom its user has revoked. No broker is above that of
-/// the visitors, so it reads the list of the revoked itself, once a second while an object may have
-/// visitors.
+/// The users whom the broker takes as visitors, and those whom its user has revoked. The broker has
+/// no broker that could tell it about revocations. Therefore it reads the list of the revoked from
+/// the file, once a second while an object may have visitors.
 class Reception {
  public:
   static constexpr Duration between_looks = std::chrono::seconds(1);
@@ -33,8 +33,9 @@ class Reception {
   TimePoint look(TimePoint now);
 
   const std::shared_ptr<session::Visitors>& visitors() const { return visitors_; }
-  /// Must be called before `note`, without a lock, because it may wait 250 ms for the file: the
-  /// first visitor is received only when it is known who is revoked.
+  /// Reads the list of the revoked if `admitted` is the first list of visitors: no visitor is taken
+  /// before the broker knows the revoked users. Must be called before `note`, without a lock,
+  /// because the call may wait 250 ms for the file.
   void prepare(const std::optional<AdmittedNames>& admitted);
   /// Notes whom the program of the server of `what` admits. Returns whether that has changed.
   bool note(const Entry& what, const std::optional<AdmittedNames>& admitted);

@@ -58,8 +58,8 @@ bool is_being_written(const struct stat& file) {
   return std::chrono::abs(age) < (file.st_size == 0 ? settled_empty_file : settled_file);
 }
 
-/// Returns whether the file was changed between two looks at it. Also compares the times at which
-/// the attributes changed (ctime), because a program that copies a file together with its
+/// Returns whether the file was changed between two looks at it. The times at which the attributes
+/// changed (ctime) are compared, too, because a program that copies a file together with its
 /// modification time cannot set them.
 bool was_changed(const struct stat& before, const struct stat& after) {
   const auto equal = [](const timespec& one, const timespec& other) {

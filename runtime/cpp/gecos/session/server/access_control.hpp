@@ -68,8 +68,9 @@ class AccessControl {
   Judgement judge_again(const std::string& object, const media::Peer& peer) noexcept {
     return judge_by_lists(object, peer);
   }
-  /// Returns the user of a client that may connect to the object as a visitor only; no value if the
-  /// client is no visitor. Decides like `judge_again`.
+  /// Returns no value if the client may connect to the object with all rights of its status.
+  /// Returns the user of a visitor, and that of a client that is refused: such a client can do no
+  /// more than a visitor. Decides like `judge_again`.
   std::optional<access::UserAtHost> visitor(const std::string& object,
                                             const media::Peer& peer) noexcept;
   /// Returns whether `peer` may end the status of other clients: it runs as the user of the server
