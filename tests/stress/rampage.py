@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import functools
 import os
 import random
 import re
@@ -274,26 +275,34 @@ class Rampage:
             os.killpg(killed, 0)
             self._orphaned.append(killed)
 
-    def _await_notes(self, pid: int, pattern: str) -> None:
-        """Returns when the record of the client with that pid matches the pattern."""
-
-        def records() -> list[Path]:
-            those = self.records.glob("client.*.log")
-            return [record for record in those if f" client {pid}\n" in record.read_text()]
-
-        until(lambda: bool(records()), f"client {pid} has begun its record")
-        (record,) = records()
-        until(
-            lambda: re.search(pattern, record.read_text()) is not None,
-            f"client {pid} has noted '{pattern}'",
-        )
+    def _record_of(self, pid: int) -> str:
+        """What the client with that pid has noted; empty before it has begun."""
+        texts = (path.read_text() for path in self.records.glob("client.*.log"))
+        return next((text for text in texts if f" client {pid}\n" in text), "")
 
     def kill_in_motion(self) -> None:
-        """Kills each client while it has taken over and commanded nothing after its motion."""
-        moves = r"(?s)did \d+ take\n\d+ issue \d+ file(?!.* issue )"
+        """Kills each client while the server runs the motion of its take-over."""
         for client in self._filling("client"):
-            self._await_notes(client.program.pid, moves)
-            self._kill(client)
+            until(functools.partial(self._dies_in_motion, client), "a client is killed in motion")
+
+    def _dies_in_motion(self, client: Role) -> bool:
+        """Kills the client if it moves now. Returns whether it saw no end of its motion."""
+        pid = client.program.pid
+        motion = self._motion(self._record_of(pid))
+        if motion is None:
+            return False
+        self._kill(client)
+        return f" end {motion} " not in self._record_of(pid)
+
+    def _motion(self, record: str) -> str | None:
+        """The motion that the server runs now for a client that has taken over."""
+        moves = r"(?s)did \d+ take\n\d+ issue (\d+) file(?!.* issue )"
+        issued = re.search(moves, record)
+        if issued is None:
+            return None
+        served = "".join(log.read_text() for log in self.records.glob("server.*.log"))
+        runs = f" start {issued[1]} " in served and f" finish {issued[1]} " not in served
+        return issued[1] if runs else None
 
     def _await_ready(self, name: str) -> None:
         for role in self.roles:
